@@ -1,0 +1,82 @@
+"""Drive, simulate and program Pioneer 3 robots.
+
+from pioneer3 import connect
+
+with connect("tcp://localhost:8101") as robot:
+robot.move(1.0)
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pioneer3.errors import (
+        CommandError,
+        ConfigError,
+        LinkError,
+        MotionError,
+        NoRobotError,
+        PioneerError,
+        PortBusyError,
+        PortNotFoundError,
+        PortPermissionError,
+    )
+    from pioneer3.geometry import Pose2, Twist2
+    from pioneer3.models import RobotModel, load_model
+    from pioneer3.runtime.blocking import BlockingRobot, connect
+    from pioneer3.runtime.robot import Robot, connect_async
+    from pioneer3.state import Snapshot
+
+_HOME = {
+    "BlockingRobot": "runtime.blocking",
+    "CommandError": "errors",
+    "ConfigError": "errors",
+    "LinkError": "errors",
+    "MotionError": "errors",
+    "NoRobotError": "errors",
+    "PioneerError": "errors",
+    "PortBusyError": "errors",
+    "PortNotFoundError": "errors",
+    "PortPermissionError": "errors",
+    "Pose2": "geometry",
+    "Robot": "runtime.robot",
+    "RobotModel": "models",
+    "Snapshot": "state",
+    "Twist2": "geometry",
+    "connect": "runtime.blocking",
+    "connect_async": "runtime.robot",
+    "load_model": "models",
+}
+
+__version__ = "0.1.0"
+__all__ = [
+    "BlockingRobot",
+    "CommandError",
+    "ConfigError",
+    "LinkError",
+    "MotionError",
+    "NoRobotError",
+    "PioneerError",
+    "PortBusyError",
+    "PortNotFoundError",
+    "PortPermissionError",
+    "Pose2",
+    "Robot",
+    "RobotModel",
+    "Snapshot",
+    "Twist2",
+    "connect",
+    "connect_async",
+    "load_model",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import public names when they are first used (PEP 562)."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'pioneer3' has no attribute {name!r}")
+    return getattr(import_module(f"pioneer3.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

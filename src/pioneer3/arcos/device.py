@@ -1,0 +1,154 @@
+"""The robot's side of an ARCOS session, as tolerant as the firmware. No I/O.
+
+::
+
+    WAITING ──SYNC0, SYNC1, SYNC2──► READY ──OPEN──► OPEN ──CLOSE──► WAITING
+
+Rules:
+
+1. Each SYNC is answered, a repeated one again; SYNC0 begins anew.
+2. The same numbers mean other things by phase: 0 is SYNC0 or PULSE, 1 SYNC1 or OPEN, 2 SYNC2 or
+   CLOSE. OPEN may come without its argument, when it is SYNC1 to the letter.
+3. Any packet with a right checksum feeds the watchdog. When that bites, the firmware holds the
+   robot; when packets come again it goes on with the old motion, as real robots do.
+4. Before OPEN nothing but the answers is sent.
+
+Facts: arcos.md 1.3, 2.1, 2.4, 2.5, 2.7, 12.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.arcos.reports import Report
+from pioneer3.state import Identity
+
+
+class Phase(Enum):
+    """Where the session is."""
+
+    WAITING = auto()
+    SYNCED0 = auto()
+    SYNCED1 = auto()
+    READY = auto()
+    OPEN = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class SessionOpened:
+    """The host sent OPEN: reports may flow."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionClosed:
+    """The host sent CLOSE: everything stops."""
+
+
+@dataclass(frozen=True, slots=True)
+class Commanded:
+    """The host sent a command."""
+
+    command: Command
+
+
+@dataclass(frozen=True, slots=True)
+class WatchdogBit:
+    """The host has been silent for too long."""
+
+
+@dataclass(frozen=True, slots=True)
+class WatchdogFed:
+    """The host is heard again."""
+
+
+Event = SessionOpened | SessionClosed | Commanded | WatchdogBit | WatchdogFed
+
+
+class Device:
+    """One robot's session: call :meth:`receive` and :meth:`tick`, send :meth:`outgoing`.
+
+    Args:
+        identity: What SYNC2 is answered with.
+        watchdog: Silence of the host that stops the robot [s]; 0 switches it off.
+    """
+
+    def __init__(self, identity: Identity, watchdog: float = 2.0) -> None:
+        self.phase = Phase.WAITING
+        self.reader = PacketReader()
+        self._identity = identity
+        self._watchdog = watchdog
+        self._heard_at = 0.0
+        self._bitten = False
+        self._outbox: list[bytes] = []
+
+    @property
+    def is_open(self) -> bool:
+        """Whether reports may be sent."""
+        return self.phase is Phase.OPEN
+
+    def receive(self, data: bytes, now: float) -> list[Event]:
+        """Process bytes received at `now` [s, monotonic]; return what they mean."""
+        events: list[Event] = []
+        for payload in self.reader.feed(data, now):
+            self._heard_at = now
+            if self._bitten:
+                self._bitten = False
+                events.append(WatchdogFed())
+            events += self._serve(payload) if self.is_open else self._shake_hands(payload)
+        return events
+
+    def tick(self, now: float) -> list[Event]:
+        """Let the watchdog look at the clock."""
+        silent = now - self._heard_at >= self._watchdog > 0
+        if self.is_open and silent and not self._bitten:
+            self._bitten = True
+            return [WatchdogBit()]
+        return []
+
+    def send(self, report: Report) -> None:
+        """Queue one report; without an open session it goes nowhere."""
+        if self.is_open:
+            self._outbox.append(encode(reports.to_payload(report)))
+
+    def outgoing(self) -> bytes:
+        """Return and forget the bytes to put on the wire."""
+        data = b"".join(self._outbox)
+        self._outbox.clear()
+        return data
+
+    def hang_up(self) -> list[Event]:
+        """Take note that the link is gone; return what follows from that."""
+        was_open, self.phase, self._bitten = self.is_open, Phase.WAITING, False
+        self.reader = PacketReader()
+        self._outbox.clear()
+        return [SessionClosed()] if was_open else []
+
+    def _serve(self, payload: bytes) -> list[Event]:
+        match command := commands.from_payload(payload):
+            case commands.Close():
+                self.phase, self._bitten = Phase.WAITING, False
+                return [SessionClosed()]
+            case commands.Open() | commands.Pulse():
+                return []
+        return [Commanded(command)]
+
+    def _shake_hands(self, payload: bytes) -> list[Event]:
+        match payload[0], self.phase:
+            case 0, _:
+                self._answer(reports.SyncEcho(0), Phase.SYNCED0)
+            case 1, Phase.READY:
+                self.phase = Phase.OPEN
+                return [SessionOpened()]
+            case 1, Phase.SYNCED0 | Phase.SYNCED1:
+                self._answer(reports.SyncEcho(1), Phase.SYNCED1)
+            case 2, Phase.SYNCED1 | Phase.READY:
+                who = self._identity
+                identity = reports.SyncIdentity(name=who.name, family=who.family, model=who.model)
+                self._answer(identity, Phase.READY)
+        return []
+
+    def _answer(self, report: Report, phase: Phase) -> None:
+        self._outbox.append(encode(reports.to_payload(report)))
+        self.phase = phase

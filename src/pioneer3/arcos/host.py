@@ -1,0 +1,328 @@
+"""The host's side of an ARCOS session. No I/O: bytes and the time come in, bytes go out.
+
+::
+
+    SYNC0 ──echo──► SYNC1 ──echo──► SYNC2 ──identity──► OPEN ──leave()──► CLOSED
+      ▲                                                   │ silence
+      └── nothing for `retry`: the next speed's turn ──┐  └─────────────► CLOSED
+          a report: the robot still serves an earlier  │
+          session: STOP, CLOSE, `drain`, again ────────┘
+
+Rules:
+
+1. Every SYNC0 follows a STOP. A robot that kept an earlier session open would take the SYNC0 for a
+   PULSE, and firmware that hears one resumes the motion it had before.
+2. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
+3. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
+   itself: the caller opens a new one.
+4. What is not the answer awaited is late mail of an earlier session, and is ignored.
+
+Facts: arcos.md 2.1 to 2.5.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.arcos.reports import Report
+from pioneer3.errors import CommandError
+from pioneer3.state import Identity
+
+SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
+"""Serial speeds an ARCOS robot can have [baud], in the order of their codes (arcos.md 1.1)."""
+TRIES_PER_SPEED: Final = 2
+DISLODGE_EVERY: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timing:
+    """How patient the host is, all in [s].
+
+    Attributes:
+        retry: Between unanswered SYNC packets; a robot answers within 30 ms.
+        drain: Silence to wait for after closing an earlier session.
+        config_retry: Between requests for CONFIG.
+        config_patience: After which the session goes on without CONFIG.
+        pulse: Longest pause between two packets; the robot's watchdog bites at 2 s.
+        silence: Without an information packet for this long the robot is lost (ARIA: 8 s).
+        give_up: Longest handshake over all speeds.
+    """
+
+    retry: float = 0.4
+    drain: float = 0.2
+    config_retry: float = 0.25
+    config_patience: float = 1.5
+    pulse: float = 0.5
+    silence: float = 2.0
+    give_up: float = 12.0
+
+
+class State(Enum):
+    """Where the session is."""
+
+    SYNC0 = 0
+    SYNC1 = 1
+    SYNC2 = 2
+    OPEN = 3
+    CLOSED = 4
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedWanted:
+    """The caller must set the link to `baud` before it sends :meth:`Host.outgoing`."""
+
+    baud: int
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """The handshake finished."""
+
+    identity: Identity
+
+
+@dataclass(frozen=True, slots=True)
+class Configured:
+    """CONFIG arrived, or `None`: the robot did not send it in time. Once a session.
+
+    `trusted` is false for a CONFIG whose checksum was wrong, but twice the same.
+    """
+
+    config: reports.Config | None
+    trusted: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """Any other report arrived."""
+
+    report: Report
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """The session is over; `reason` is a sentence for a person."""
+
+    reason: str
+
+
+Event = SpeedWanted | Opened | Configured | Received | Lost
+
+
+class Host:
+    """One session: call :meth:`receive` and :meth:`tick`, obey the events, send :meth:`outgoing`.
+
+    Args:
+        now: The time [s, monotonic]; so for every `now` below.
+        speeds: Baud rates to try in this order; empty for links without a speed.
+        timing: How patient to be.
+
+    Attributes:
+        deadline: When :meth:`tick` must next be called [s].
+        identity: Known once open.
+        config: Known once :class:`Configured` has been returned, where the robot sent it.
+    """
+
+    def __init__(
+        self, now: float, speeds: Sequence[int] = (), timing: Timing | None = None
+    ) -> None:
+        self.state = State.SYNC0
+        self.deadline = now
+        self.identity: Identity | None = None
+        self.config: reports.Config | None = None
+        self.reader = PacketReader()
+        self._timing = timing or Timing()
+        self._speeds = tuple(speeds)
+        self._speed_index = 0
+        self._tries = 0
+        self._noise = False
+        self._began = self._sent_at = self._sip_at = now
+        self._dislodged_at = float("-inf")
+        self._config_due: float | None = None
+        self._opened_at = now
+        self._doubtful_config = b""
+        self._heard_sip = self._left = False
+        self._outbox: list[bytes] = []
+
+    @property
+    def speed(self) -> int | None:
+        """The speed in use [baud], or `None` on a link without one."""
+        return self._speeds[self._speed_index] if self._speeds else None
+
+    @property
+    def config_settled(self) -> bool:
+        """Whether the session is open and :class:`Configured` has been returned."""
+        return self.state is State.OPEN and self._config_due is None
+
+    def send(self, command: Command, now: float) -> None:
+        """Queue one command.
+
+        Raises:
+            CommandError: the session is not open, or a value does not fit the protocol.
+        """
+        if self.state is not State.OPEN:
+            raise CommandError(f"cannot send {type(command).__name__}: no session is open")
+        self._queue(command, now)
+
+    def leave(self, now: float) -> None:
+        """Queue STOP, ENABLE 0, SONAR 0 and CLOSE: whatever the state, the robot stands still."""
+        if self._left:
+            return
+        self._left = True
+        self._queue(commands.Stop(), now)
+        self._queue(commands.Enable(on=False), now)
+        self._queue(commands.Sonar(on=False), now)
+        self._queue(commands.Close(), now)
+        self.state = State.CLOSED
+
+    def outgoing(self) -> bytes:
+        """Return and forget the bytes to put on the wire."""
+        data = b"".join(self._outbox)
+        self._outbox.clear()
+        return data
+
+    def receive(self, data: bytes, now: float) -> list[Event]:
+        """Process received bytes; return what they mean."""
+        events: list[Event] = []
+        skipped = self.reader.bytes_skipped
+        for payload in self.reader.feed(data, now):
+            match self.state:
+                case State.OPEN:
+                    events += self._serve(reports.from_payload(payload), now)
+                case State.CLOSED:
+                    break
+                case _:
+                    events += self._shake_hands(payload, now)
+        self._noise |= self.reader.bytes_skipped > skipped
+        if self.state is State.OPEN and self._config_due is not None:
+            events += self._consider_doubtful_config(now)
+        return events
+
+    def tick(self, now: float) -> list[Event]:
+        """Act on the passing of time. Harmless to call too often."""
+        if now < self.deadline or self.state is State.CLOSED:
+            return []
+        return self._keep_open(now) if self.state is State.OPEN else self._knock(now)
+
+    def _knock(self, now: float) -> list[Event]:
+        """Begin the handshake, at the next speed if this one stayed silent."""
+        if now - self._began >= self._timing.give_up:
+            return [self._lose(self._why_nobody_answered())]
+        events: list[Event] = []
+        if self._speeds and self._tries >= TRIES_PER_SPEED:
+            self._speed_index = (self._speed_index + 1) % len(self._speeds)
+            self._tries = 0
+        if self._speeds and self._tries == 0:
+            events.append(SpeedWanted(self._speeds[self._speed_index]))
+        self._tries += 1
+        self._queue(commands.Stop(), now)
+        self._sync(State.SYNC0, now)
+        return events
+
+    def _sync(self, state: State, now: float) -> None:
+        self.state = state
+        self._queue_payload(bytes([state.value]), now)
+        self.deadline = now + self._timing.retry
+
+    def _shake_hands(self, payload: bytes, now: float) -> list[Event]:
+        answer = reports.from_payload(payload)
+        match self.state, answer:
+            case _, reports.Sip():
+                self._dislodge(now)
+            case State.SYNC0, reports.SyncEcho(0):
+                self._sync(State.SYNC1, now)
+            case State.SYNC1, reports.SyncEcho(1):
+                self._sync(State.SYNC2, now)
+            case State.SYNC2, reports.SyncIdentity():
+                return self._open(answer, now)
+        return []
+
+    def _dislodge(self, now: float) -> None:
+        """Close the session that the robot still serves; begin when it has fallen silent."""
+        self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
+        self.deadline = now + self._timing.drain
+        if now - self._dislodged_at >= DISLODGE_EVERY:
+            self._dislodged_at = now
+            self._queue(commands.Stop(), now)
+            self._queue(commands.Close(), now)
+
+    def _open(self, answer: reports.SyncIdentity, now: float) -> list[Event]:
+        self.state = State.OPEN
+        self.identity = Identity(name=answer.name, family=answer.family, model=answer.model.lower())
+        self._sip_at = self._opened_at = self._config_due = now
+        for command in (commands.Open(), commands.Stop(), commands.Enable(on=False)):
+            self._queue(command, now)
+        return [Opened(self.identity), *self._keep_open(now)]
+
+    def _serve(self, report: Report, now: float) -> list[Event]:
+        match report:
+            case reports.LinkLost():
+                return [self._lose("the robot ended the session")]
+            case reports.Config() if self._config_due is not None:
+                return [self._configure(report)]
+            case reports.Sip():
+                self._sip_at, self._heard_sip = now, True
+        return [Received(report)]
+
+    def _configure(self, config: reports.Config | None, *, trusted: bool = True) -> Configured:
+        self.config, self._config_due = config, None
+        return Configured(config, trusted)
+
+    def _consider_doubtful_config(self, now: float) -> list[Event]:
+        """Accept a CONFIG whose checksum is wrong once it has come twice alike.
+
+        Some P3-DX-SH always get it wrong (user-needs finding 3); noise does not repeat itself.
+        """
+        assert self.identity is not None
+        for payload in self.reader.rejected:
+            config = reports.from_payload(payload)
+            if not isinstance(config, reports.Config):
+                continue
+            if (config.family, config.model.lower()) != (self.identity.family, self.identity.model):
+                continue
+            if payload == self._doubtful_config:
+                return [self._configure(config, trusted=False)]
+            self._doubtful_config = payload
+            self._config_due = self.deadline = now
+        return []
+
+    def _keep_open(self, now: float) -> list[Event]:
+        events: list[Event] = []
+        if now - self._sip_at >= self._timing.silence:
+            return [self._lose(f"the robot has said nothing for {self._timing.silence:g} s")]
+        if self._config_due is not None and now - self._opened_at >= self._timing.config_patience:
+            events.append(self._configure(None))
+        elif self._config_due is not None and now >= self._config_due:
+            if not self._heard_sip and now > self._opened_at:  # the OPEN may have been lost
+                self._queue(commands.Open(), now)
+            self._queue(commands.RequestConfig(), now)
+            self._config_due = now + self._timing.config_retry
+        if now - self._sent_at >= self._timing.pulse:
+            self._queue(commands.Pulse(), now)
+        self.deadline = min(
+            self._sip_at + self._timing.silence,
+            self._sent_at + self._timing.pulse,
+            now + self._timing.silence if self._config_due is None else self._config_due,
+        )
+        return events
+
+    def _lose(self, reason: str) -> Lost:
+        self.state = State.CLOSED
+        return Lost(reason)
+
+    def _why_nobody_answered(self) -> str:
+        if self._noise:
+            return "something answers, but not as a Pioneer robot does"
+        at = f" at {', '.join(map(str, sorted(self._speeds)))} baud" if self._speeds else ""
+        return f"nothing answers{at}"
+
+    def _queue(self, command: Command, now: float) -> None:
+        self._queue_payload(commands.to_payload(command), now)
+
+    def _queue_payload(self, payload: bytes, now: float) -> None:
+        self._outbox.append(encode(payload))
+        self._sent_at = now

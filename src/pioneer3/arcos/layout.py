@@ -1,0 +1,110 @@
+"""Declarative layouts: a message is a dataclass whose annotations say how it travels.
+
+The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire order::
+
+    @dataclass(frozen=True, slots=True)
+    class Encoders:
+        ID: ClassVar[int] = 0x90
+        left_counts: S32
+        right_counts: S32
+        extra: Rest = b""
+
+A field with a default may be missing at the end of a packet: reading stops there and leaves the
+defaults, writing stops at the first `None`. `Rest` takes whatever bytes are left over.
+"""
+
+from dataclasses import MISSING, dataclass, fields
+from functools import cache
+from typing import TypeVar, get_args, get_type_hints
+
+from pioneer3.arcos.wire import AllThatIsLeft, Kind, Reader
+from pioneer3.errors import CommandError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One field of a layout."""
+
+    name: str
+    kind: Kind
+    optional: bool
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether this field takes what is left over, wherever reading stopped."""
+        return isinstance(self.kind, AllThatIsLeft)
+
+
+def layout(cls: type) -> tuple[Slot, ...]:
+    """Return the fields of message class `cls` in wire order."""
+    return _compiled(cls)
+
+
+@cache
+def _compiled(cls: type) -> tuple[Slot, ...]:
+    hints = get_type_hints(cls, include_extras=True)
+    return tuple(
+        Slot(
+            field.name,
+            _kind(hints[field.name]),
+            field.default is not MISSING or field.default_factory is not MISSING,
+        )
+        for field in fields(cls)
+    )
+
+
+def _kind(hint: object) -> Kind:
+    """Return the kind inside `Annotated[X, kind]` or `Annotated[X, kind] | None`."""
+    annotated = next(part for part in (hint, *get_args(hint)) if hasattr(part, "__metadata__"))
+    kind: Kind = annotated.__metadata__[0]
+    return kind
+
+
+def pack(message: object) -> bytes:
+    """Return the fields of `message` as bytes; CommandError for a value that does not fit."""
+    out = bytearray()
+    write_fields(message, out)
+    return bytes(out)
+
+
+def unpack(cls: type[T], body: bytes) -> T:
+    """Return the `cls` that `body` spells; EOFError or ValueError when it spells none."""
+    return read_fields(cls, Reader(body))
+
+
+def write_fields(message: object, out: bytearray) -> None:
+    """Append the fields of `message`; CommandError names the one that does not fit."""
+    missing = ""
+    for slot in layout(type(message)):
+        value = getattr(message, slot.name)
+        if value is None and slot.optional:
+            missing = missing or slot.name
+            continue
+        where = f"{type(message).__name__}.{slot.name}"
+        if missing and not slot.is_rest:
+            raise CommandError(f"{where}: {value!r} cannot follow {missing}, which is missing")
+        try:
+            slot.kind.write(value, out)
+        except CommandError as error:
+            raise CommandError(f"{where}: {error}") from None
+
+
+def read_fields(cls: type[T], reader: Reader) -> T:
+    """Take the fields of `cls` from `reader`."""
+    values: dict[str, object] = {}
+    ended = False
+    for slot in layout(cls):
+        if ended and not slot.is_rest:
+            if not slot.optional:
+                raise EOFError
+            continue
+        start = reader.at
+        try:
+            values[slot.name] = slot.kind.read(reader)
+        except EOFError:
+            if not slot.optional:
+                raise
+            reader.at, ended = start, True
+    return cls(**values)

@@ -1,0 +1,136 @@
+"""Kinds that hold several values: sequences and records."""
+
+from dataclasses import dataclass, fields
+from operator import attrgetter
+from struct import calcsize, error, iter_unpack, pack
+
+from pioneer3.arcos.layout import read_fields, write_fields
+from pioneer3.arcos.wire import Integer, IntegerKind, Kind, Reader, latin1
+from pioneer3.errors import CommandError
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A nested message of class `cls`, without an id of its own."""
+
+    cls: type
+
+    def read(self, reader: Reader) -> object:
+        return read_fields(self.cls, reader)
+
+    def write(self, value: object, out: bytearray) -> None:
+        if not isinstance(value, self.cls):
+            raise CommandError(f"{value!r} is not a {self.cls.__name__}")
+        write_fields(value, out)
+
+
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """A tuple of `item` up to the end of the packet, or of exactly `length`."""
+
+    item: Kind
+    length: int | None = None
+
+    def read(self, reader: Reader) -> tuple[object, ...]:
+        if self.length is not None:
+            return tuple(self.item.read(reader) for _ in range(self.length))
+        values = []
+        while reader.at < len(reader.data):
+            values.append(self.item.read(reader))
+        return tuple(values)
+
+    def write(self, value: object, out: bytearray) -> None:
+        values = sequence(value)
+        if self.length not in (None, len(values)):
+            raise CommandError(f"{len(values)} values are not {self.length}")
+        for item in values:
+            self.item.write(item, out)
+
+
+@dataclass(frozen=True, slots=True)
+class Counted:
+    """A number, and that many of `item`."""
+
+    count: IntegerKind
+    item: Kind
+
+    def read(self, reader: Reader) -> tuple[object, ...]:
+        count = self.count.read(reader)
+        if count < 0:
+            raise ValueError(f"{count} values")
+        return tuple(self.item.read(reader) for _ in range(count))
+
+    def write(self, value: object, out: bytearray) -> None:
+        values = sequence(value)
+        if len(values) > self.count.high:
+            raise CommandError(f"{len(values)} values are more than {self.count.high}")
+        self.count.write(len(values), out)
+        for item in values:
+            self.item.write(item, out)
+
+
+@dataclass(frozen=True, slots=True)
+class SizedRecords:
+    """How many records of `cls`, the bytes that each one takes (`size` by default), the records."""
+
+    cls: type
+    size: int
+
+    def read(self, reader: Reader) -> tuple[object, ...]:
+        count, size = reader.take(2)
+        return tuple(read_fields(self.cls, Reader(reader.take(size))) for _ in range(count))
+
+    def write(self, value: object, out: bytearray) -> None:
+        records = [bytearray() for _ in sequence(value)]
+        for record, item in zip(records, sequence(value), strict=True):
+            Record(self.cls).write(item, record)
+        sizes = {len(record) for record in records} or {self.size}
+        if len(sizes) > 1 or max(*sizes, len(records)) > 255:
+            raise CommandError(f"records of {sorted(sizes)} bytes cannot share one packet")
+        out += bytes([len(records), *sizes]) + b"".join(records)
+
+
+def sequence(value: object) -> tuple[object, ...] | list[object]:
+    """Return `value` if it is a tuple or list, else raise CommandError."""
+    if not isinstance(value, tuple | list):
+        raise CommandError(f"{value!r} is not a sequence")
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class CountedStructs:
+    """A byte, and that many records of `cls`, whose fields have a fixed :mod:`struct` format.
+
+    The same bytes as `Counted(Integer(1), Record(cls))`, ten times faster.
+    """
+
+    cls: type
+    format: str
+
+    def read(self, reader: Reader) -> tuple[object, ...]:
+        data = reader.take(reader.take(1)[0] * calcsize(self.format))
+        return tuple(self.cls(*values) for values in iter_unpack(self.format, data))
+
+    def write(self, value: object, out: bytearray) -> None:
+        records = sequence(value)
+        values = attrgetter(*(field.name for field in fields(self.cls)))
+        try:
+            out.append(len(records))
+            out += b"".join(pack(self.format, *values(record)) for record in records)
+        except (AttributeError, ValueError, error):
+            Counted(Integer(1), Record(self.cls)).write(value, out)
+
+
+@dataclass(frozen=True, slots=True)
+class CountedText:
+    """A number, and that many latin-1 letters."""
+
+    count: IntegerKind
+
+    def read(self, reader: Reader) -> str:
+        return reader.take(self.count.read(reader)).decode("latin-1")
+
+    def write(self, value: object, out: bytearray) -> None:
+        data = latin1(value)
+        self.count.write(len(data), out)
+        out += data

@@ -1,0 +1,117 @@
+"""Reports to payloads and back: whatever comes in goes out again as the same bytes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import ClassVar, Protocol
+
+from pioneer3.arcos.layout import layout, pack, unpack
+from pioneer3.arcos.reports import accessories, config, handshake, sensors, simulator
+from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip
+from pioneer3.arcos.reports.sip_codec import read_sip, write_sip
+from pioneer3.arcos.wire import U8, Number, Rest
+
+
+class Report(Protocol):
+    """What a robot tells its host: a dataclass of this package."""
+
+    ID: ClassVar[int]
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownReport:
+    """A packet that this package does not know, or that does not make sense.
+
+    Attributes:
+        number: Id of the packet; `None` if there was not a single byte.
+        data: The bytes after the id.
+    """
+
+    ID: ClassVar[int] = -1
+    number: U8 | None = None
+    data: Rest = b""
+
+
+ALL: tuple[type[Report], ...] = (
+    handshake.SyncIdentity,
+    handshake.SyncEcho,
+    sensors.IrRing,
+    config.Config,
+    Sip,
+    simulator.SimLaser,
+    simulator.SimLaserExtended,
+    simulator.SimStat,
+    simulator.SimInfo,
+    simulator.MapChanged,
+    sensors.Encoders,
+    accessories.LaserLog,
+    sensors.GyroRates,
+    sensors.Imu,
+    accessories.ArmStatus,
+    accessories.ArmInfo,
+    accessories.SerialAux,
+    sensors.Compass,
+    accessories.Playlist,
+    accessories.FirmwareText,
+    accessories.SafetyState,
+    accessories.SafetyWarning,
+    accessories.GripperState,
+    sensors.Io,
+    sensors.Joystick,
+    accessories.BatteryInfo,
+    handshake.LinkLost,
+)
+"""Every report class but :class:`UnknownReport`, by id."""
+
+
+@cache
+def numbers(cls: type[Report]) -> tuple[int, ...]:
+    """Return the ids that `cls` travels under."""
+    if cls is Sip:
+        return tuple(SIP_NUMBERS)
+    first = layout(cls)[0].kind
+    return first.choices if isinstance(first, Number) else (cls.ID,)
+
+
+@cache
+def _meanings() -> Mapping[int, tuple[type[Report], ...]]:
+    """Return the classes that may hide behind each id."""
+    ids = sorted({number for cls in ALL for number in numbers(cls)})
+    return {number: tuple(cls for cls in ALL if number in numbers(cls)) for number in ids}
+
+
+def _carries_number(cls: type[Report]) -> bool:
+    """Whether the id is a field of the report rather than fixed by its class."""
+    return cls is UnknownReport or isinstance(layout(cls)[0].kind, Number)
+
+
+def to_payload(report: Report) -> bytes:
+    """Return id and data of `report`.
+
+    Raises:
+        CommandError: a value does not fit into its field.
+    """
+    if isinstance(report, Sip):
+        return write_sip(report)
+    number = b"" if _carries_number(type(report)) else bytes([report.ID])
+    return number + pack(report)
+
+
+def from_payload(payload: bytes) -> Report:
+    """Return what `payload` means; never raises.
+
+    For every byte string, `to_payload(from_payload(payload)) == payload`: a packet of which
+    something would be lost is an :class:`UnknownReport`.
+    """
+    if not payload:
+        return UnknownReport()
+    for cls in _meanings().get(payload[0], ()):
+        try:
+            if cls is Sip:
+                return read_sip(payload)
+            report = unpack(cls, payload if _carries_number(cls) else payload[1:])
+        except (EOFError, ValueError):
+            continue
+        if to_payload(report) == payload:
+            return report
+    return UnknownReport(payload[0], payload[1:])

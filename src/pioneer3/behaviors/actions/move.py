@@ -1,0 +1,48 @@
+"""Drive a distance straight ahead."""
+
+from dataclasses import dataclass, field
+from math import cos, sin
+
+from pioneer3.behaviors.actions.profile import approach
+from pioneer3.behaviors.engine import Desire
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.state import Snapshot
+
+KEEP_HEADING = 1.5
+"""Turn rate per heading error [1/s]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Move:
+    """Drive `distance` [m] along the heading at the start; negative is backwards.
+
+    Attributes:
+        speed: Top speed [m/s].
+        deceleration: What the robot can do [m/s^2].
+        tolerance: Near enough [m].
+    """
+
+    distance: float
+    speed: float
+    deceleration: float
+    priority: int
+    tolerance: float = 0.005
+    name: str = "move"
+    done: bool = False
+    _start: Pose2 | None = field(default=None, init=False)
+
+    def decide(self, snapshot: Snapshot, now: float) -> Desire | None:
+        """Return the speed for what is left; stands still when done."""
+        here = snapshot.odometry.robot_in_odom
+        start = self._start = self._start or here
+        along = (here.x - start.x) * cos(start.theta) + (here.y - start.y) * sin(start.theta)
+        remaining = self.distance - along
+        if abs(remaining) <= self.tolerance:
+            self.done = abs(snapshot.odometry.twist.v) < 0.01
+            return Desire(v=0.0, w=0.0, reason="there")
+        self.done = False
+        return Desire(
+            v=approach(remaining, self.speed, self.deceleration),
+            w=KEEP_HEADING * wrap(start.theta - here.theta),
+            reason=f"{remaining:.2f} m to go",
+        )

@@ -1,0 +1,1 @@
+"""The `pioneer3` command: parse, call one library function, print."""

@@ -1,0 +1,50 @@
+"""Every exception this package raises on purpose.
+
+* :exc:`PioneerError`
+    * :exc:`LinkError` (also :exc:`ConnectionError`): the cable or socket failed
+        * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
+        * :exc:`PortPermissionError` (also :exc:`PermissionError`): the port is not ours to open
+        * :exc:`PortBusyError`: somebody else has the port
+    * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
+    * :exc:`CommandError` (also :exc:`ValueError`): *we* were asked to send what must not be sent
+    * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not do the motion; says why
+    * :exc:`ConfigError` (also :exc:`ValueError`): an option, map or model file is wrong
+
+Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
+"""
+
+
+class PioneerError(Exception):
+    """Base class; catch this to catch everything above."""
+
+
+class LinkError(PioneerError, ConnectionError):
+    """The cable or socket failed."""
+
+
+class PortNotFoundError(LinkError, FileNotFoundError):
+    """There is no such port, host or recording."""
+
+
+class PortPermissionError(LinkError, PermissionError):
+    """The port exists, but this user may not open it."""
+
+
+class PortBusyError(LinkError):
+    """Another program has the port open."""
+
+
+class NoRobotError(PioneerError, TimeoutError):
+    """The port opened, but no robot answered on it."""
+
+
+class CommandError(PioneerError, ValueError):
+    """A command that is not finite, out of the protocol's range or of the wrong type."""
+
+
+class MotionError(PioneerError, RuntimeError):
+    """The robot could not carry out a motion; the message is :meth:`Robot.why_not_moving`."""
+
+
+class ConfigError(PioneerError, ValueError):
+    """A parameter, map or model file is missing, malformed or out of range."""

@@ -1,0 +1,71 @@
+"""Plane geometry on plain floats: [m], [rad], counter-clockwise positive (REP 103)."""
+
+from dataclasses import dataclass
+from math import cos, isfinite, pi, remainder, sin
+
+TURN = 2 * pi
+
+
+def wrap(angle: float) -> float:
+    """Return `angle` [rad] wrapped to (-pi, pi]."""
+    wrapped = remainder(angle, TURN)
+    return pi if wrapped == -pi else wrapped
+
+
+@dataclass(frozen=True, slots=True)
+class Twist2:
+    """Body velocity: `v` forward [m/s], `w` counter-clockwise [rad/s]."""
+
+    v: float = 0.0
+    w: float = 0.0
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether neither part is NaN or infinite."""
+        return isfinite(self.v) and isfinite(self.w)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this asks for standing still."""
+        return self.v == 0.0 and self.w == 0.0
+
+
+STILL = Twist2()
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """Position [m] and heading [rad] in some frame."""
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+
+    def __matmul__(self, other: "Pose2") -> "Pose2":
+        """Compose: `other` is expressed in this pose's frame."""
+        c, s = cos(self.theta), sin(self.theta)
+        return Pose2(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            wrap(self.theta + other.theta),
+        )
+
+    def inverse(self) -> "Pose2":
+        """Return the pose that composes with this one to the identity."""
+        c, s = cos(self.theta), sin(self.theta)
+        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap(-self.theta))
+
+
+ORIGIN = Pose2()
+
+
+def arc(v: float, w: float, dt: float) -> Pose2:
+    """Return the motion of a body that holds twist (`v` [m/s], `w` [rad/s]) for `dt` [s].
+
+    The exact circular arc, expressed in the frame of the start pose.
+    """
+    turned = w * dt
+    half = turned / 2
+    # chord = v dt sinc(half): the series keeps a straight line exact
+    chord = v * dt * (sin(half) / half if abs(half) > 1e-6 else 1 - half * half / 6)
+    return Pose2(chord * cos(half), chord * sin(half), wrap(turned))

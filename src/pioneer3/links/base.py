@@ -1,0 +1,36 @@
+"""What a driver or a simulator needs from a cable, and nothing more."""
+
+from typing import Protocol
+
+
+class Link(Protocol):
+    """A byte pipe to one robot, or to one host.
+
+    Attributes:
+        url: What was opened, for messages and logs.
+        speeds: Baud rates this link can be set to, best guess first; empty where that has no
+            meaning.
+    """
+
+    url: str
+    speeds: tuple[int, ...]
+
+    async def read(self) -> bytes:
+        """Return the next bytes, at least one; `b""` once the far end has closed.
+
+        Raises:
+            LinkError: the link failed.
+        """
+
+    async def write(self, data: bytes) -> None:
+        """Send all of `data`, at once.
+
+        Raises:
+            LinkError: the link is down.
+        """
+
+    async def set_speed(self, baud: int) -> None:
+        """Change the line speed; does nothing on links without one."""
+
+    async def close(self) -> None:
+        """Send what is still buffered, then close; safe to call twice."""

@@ -1,0 +1,121 @@
+"""A null-modem cable in memory, with faults: what tests and the embedded simulator share."""
+
+import asyncio
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from random import Random
+
+from pioneer3.errors import LinkError
+
+Fault = Callable[[bytes], Iterable[bytes]]
+"""Takes what one end sends; gives the pieces that arrive, in order."""
+
+
+def clean(data: bytes) -> Iterable[bytes]:
+    """Deliver as sent."""
+    return (data,)
+
+
+def bytewise(data: bytes) -> Iterable[bytes]:
+    """Deliver byte by byte."""
+    return (data[i : i + 1] for i in range(len(data)))
+
+
+@dataclass
+class Noise:
+    """Spoil a share of the bytes.
+
+    Attributes:
+        random: Where chance comes from.
+        corrupt: Share of the bytes replaced by a random one.
+        drop: Share of the bytes lost.
+    """
+
+    random: Random
+    corrupt: float = 0.0
+    drop: float = 0.0
+
+    def __call__(self, data: bytes) -> Iterable[bytes]:
+        """Deliver in one piece what survives."""
+        kept = bytearray()
+        for byte in data:
+            if self.random.random() < self.drop:
+                continue
+            hit = self.random.random() < self.corrupt
+            kept.append(self.random.randrange(256) if hit else byte)
+        return (bytes(kept),) if kept else ()
+
+
+class MemoryLink:
+    """One end of the cable; `fault` may split, drop or corrupt what this end sends.
+
+    Attributes:
+        fault: May be changed at any time.
+        delay: How long bytes travel from this end [s].
+        speed: Line speed [baud]; bytes between ends of different speed arrive as noise.
+    """
+
+    def __init__(self, url: str, fault: Fault = clean, speeds: tuple[int, ...] = ()) -> None:
+        self.url = url
+        self.speeds = speeds
+        self.fault = fault
+        self.delay = 0.0
+        self.speed = speeds[0] if speeds else None
+        self._peer: MemoryLink | None = None
+        self._inbox: asyncio.Queue[bytes] = asyncio.Queue()
+        self._closed = False
+
+    async def read(self) -> bytes:
+        """Return what the far end sent; `b""` once either end has closed."""
+        data = await self._inbox.get()
+        if not data:
+            self._closed = True
+        return data
+
+    async def write(self, data: bytes) -> None:
+        """Send `data` through the faults of this end."""
+        if self._closed or self._peer is None:
+            raise LinkError(f"{self.url}: the far end has closed")
+        for piece in self.fault(data):
+            if piece:
+                self._deliver(piece)
+
+    async def set_speed(self, baud: int) -> None:
+        """Change the line speed of this end."""
+        self.speed = baud
+
+    async def close(self) -> None:
+        """Unplug; the far end reads `b""`."""
+        if not self._closed:
+            self._closed = True
+            self._inbox.put_nowait(b"")
+            if self._peer is not None:
+                self._peer._hang_up(self.delay)
+
+    def _deliver(self, piece: bytes) -> None:
+        peer = self._peer
+        if peer is None or peer._closed:
+            return
+        if self.speed != peer.speed:  # what a UART makes of the wrong speed
+            piece = bytes(byte * 37 % 256 | 0x80 for byte in piece)
+        if self.delay:
+            loop = asyncio.get_running_loop()
+            loop.call_later(self.delay, peer._inbox.put_nowait, piece)
+        else:
+            peer._inbox.put_nowait(piece)
+
+    def _hang_up(self, delay: float) -> None:
+        if delay:
+            asyncio.get_running_loop().call_later(delay, self._inbox.put_nowait, b"")
+        else:
+            self._inbox.put_nowait(b"")
+
+
+def null_modem(
+    fault: Fault = clean, *, speeds: tuple[int, ...] = ()
+) -> tuple[MemoryLink, MemoryLink]:
+    """Return the two ends of a cable; `fault` applies to both directions."""
+    ours = MemoryLink("memory:host", fault, speeds)
+    theirs = MemoryLink("memory:robot", fault, speeds)
+    ours._peer, theirs._peer = theirs, ours
+    return ours, theirs

@@ -1,0 +1,63 @@
+"""The robot's end of a pseudo terminal: serial code meets a robot without hardware."""
+
+import asyncio
+import os
+import tty
+from pathlib import Path
+
+from pioneer3.errors import LinkError
+from pioneer3.links.stream import StreamLink
+
+
+class PtyPort:
+    """A serial port that does not exist: hosts open :attr:`path`, we hold the other end.
+
+    Attributes:
+        path: What a host opens, such as `/dev/pts/3`, or the name that points to it.
+        link: The robot's end.
+    """
+
+    def __init__(self, path: str, link: StreamLink, slave: int, name: Path | None) -> None:
+        self.path = path
+        self.link = link
+        self._slave = slave
+        self._name = name
+
+    async def close(self) -> None:
+        """Unplug: hosts see the port fail and the name vanish."""
+        if self._name is not None:
+            self._name.unlink(missing_ok=True)
+            self._name = None
+        if self._slave >= 0:
+            os.close(self._slave)
+            self._slave = -1
+        await self.link.close()
+
+
+async def open_pty(name: Path | None = None) -> PtyPort:
+    """Make a pseudo terminal; `name` becomes a link to it, as udev makes for real ports.
+
+    Raises:
+        LinkError: the name is taken, or cannot be made.
+    """
+    master, slave = os.openpty()
+    tty.setraw(slave)  # kept open: a host that closes must not end the port
+    path = os.ttyname(slave)
+    if name is not None:
+        try:
+            os.symlink(path, name)
+        except OSError as error:
+            os.close(master)
+            os.close(slave)
+            raise LinkError(f"{name}: cannot make this port: {error.strerror}") from None
+    loop = asyncio.get_running_loop()
+    reader = asyncio.StreamReader(loop=loop)
+    await loop.connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(reader, loop=loop), os.fdopen(os.dup(master), "rb", 0)
+    )
+    transport, protocol = await loop.connect_write_pipe(
+        lambda: asyncio.StreamReaderProtocol(asyncio.StreamReader(loop=loop), loop=loop),
+        os.fdopen(master, "wb", 0),
+    )
+    writer = asyncio.StreamWriter(transport, protocol, reader, loop)
+    return PtyPort(str(name or path), StreamLink(f"pty:{path}", reader, writer), slave, name)

@@ -1,0 +1,94 @@
+"""Serial ports, and what a person needs to hear when one does not open."""
+
+import errno
+import grp
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
+from pioneer3.links.stream import StreamLink
+
+SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
+"""What an ARCOS robot can be set to [baud] (arcos.md 1.1)."""
+
+
+async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
+    """Open the serial port at `path`, at `first_speed` [baud] or the last that worked.
+
+    Raises:
+        PortNotFoundError, PortPermissionError, PortBusyError, LinkError: says what to do about it.
+    """
+    import serialx  # noqa: PLC0415  costs 100 ms
+
+    first = first_speed or remembered_speed(path) or SPEEDS[0]
+    speeds = (first, *(s for s in SPEEDS if s != first))
+    try:
+        reader, writer = await serialx.open_serial_connection(path, baudrate=first, exclusive=True)
+    except (OSError, serialx.SerialException) as error:
+        raise explain_open_error(path, error) from None
+
+    async def change_speed(baud: int) -> None:
+        await writer.transport.reconfigure_port(baudrate=baud)
+
+    return StreamLink(f"serial:{path}", reader, writer, speeds=speeds, change_speed=change_speed)
+
+
+def explain_open_error(path: str, error: Exception) -> LinkError:
+    """Turn what the operating system said into what it means and what mends it."""
+    code = error.errno if isinstance(error, OSError) else None
+    if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or not Path(path).exists():
+        return PortNotFoundError(
+            f"{path}: no such port; is the cable plugged in? `pioneer3 find-port` lists what is"
+        )
+    if code in {errno.EACCES, errno.EPERM}:
+        return PortPermissionError(f"{path}: permission denied; {how_to_get_permission(path)}")
+    if code in {errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK}:
+        return PortBusyError(f"{path}: busy; another program has it open (see: fuser {path})")
+    if code in {errno.ENOTTY, errno.EINVAL} or not Path(path).is_char_device():
+        return LinkError(f"{path}: not a serial port")
+    return LinkError(f"{path}: {error}")
+
+
+def how_to_get_permission(path: str) -> str:
+    """Return the command that lets this user open `path`."""
+    try:
+        group = grp.getgrgid(os.stat(path).st_gid).gr_name  # noqa: PTH116
+    except (OSError, KeyError):
+        group = "dialout"
+    return f"run: sudo usermod -aG {group} $USER, then log out and in again"
+
+
+def state_file(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return where the last speeds are remembered."""
+    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
+    return Path(base) / "pioneer3" / "speeds"
+
+
+def remembered_speed(path: str) -> int | None:
+    """Return the speed [baud] that last worked on `path`, if any.
+
+    A robot whose host died keeps the speed it was switched to (user-needs finding 6).
+    """
+    try:
+        lines = state_file().read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return None
+    known = dict(line.rsplit(" ", 1) for line in lines if " " in line)
+    text = known.get(path, "")
+    return int(text) if text.isdecimal() and int(text) in SPEEDS else None
+
+
+def remember_speed(path: str, baud: int) -> None:
+    """Remember that `baud` works on `path`; a home that cannot be written to is no error."""
+    if remembered_speed(path) == baud:
+        return
+    file = state_file()
+    try:
+        old = file.read_text("utf-8").splitlines() if file.exists() else []
+        lines = [line for line in old if line.rsplit(" ", 1)[0] != path]
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("\n".join([*lines, f"{path} {baud}"]) + "\n", "utf-8")
+    except (OSError, UnicodeDecodeError):
+        return

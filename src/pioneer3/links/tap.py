@@ -1,0 +1,145 @@
+"""Recording the bytes of a link, one line a chunk, and playing them back.
+
+The format::
+
+    # a comment
+    <seconds> C>S|S>C <number of bytes> <hex>
+
+`C>S` is what the host sent, `S>C` what the robot sent; seconds count from the opening of the link.
+"""
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from pioneer3.clock import Clock
+from pioneer3.errors import ConfigError, PortNotFoundError
+from pioneer3.links.base import Link
+
+FROM_HOST, FROM_ROBOT = "C>S", "S>C"
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Some bytes on the wire: when [s from the opening], which way, what."""
+
+    time: float
+    way: str
+    data: bytes
+
+
+class TapLink:
+    """A host's link that writes down everything that passes; same contract as the link inside."""
+
+    def __init__(self, link: Link, file: TextIO, clock: Clock) -> None:
+        self.url = link.url
+        self.speeds = link.speeds
+        self._link = link
+        self._file = file
+        self._clock = clock
+        self._began = clock()
+        file.write(f"# {link.url}\n")
+
+    async def read(self) -> bytes:
+        """Read from the link inside."""
+        data = await self._link.read()
+        self._note(FROM_ROBOT, data)
+        return data
+
+    async def write(self, data: bytes) -> None:
+        """Write to the link inside."""
+        self._note(FROM_HOST, data)
+        await self._link.write(data)
+
+    async def set_speed(self, baud: int) -> None:
+        """Change the speed of the link inside."""
+        self._file.write(f"# {self._clock() - self._began:.6f} {baud} baud\n")
+        await self._link.set_speed(baud)
+
+    async def close(self) -> None:
+        """Close the link inside; the file stays its owner's."""
+        await self._link.close()
+        self._file.flush()
+
+    def _note(self, way: str, data: bytes) -> None:
+        if data:
+            seconds = self._clock() - self._began
+            self._file.write(f"{seconds:.6f} {way} {len(data)} {data.hex()}\n")
+
+
+class ReplayLink:
+    """Plays what a robot said in a recording, at the pace it was recorded.
+
+    The recorded time starts with the first byte the host sends. What the host sends besides is
+    thrown away.
+    """
+
+    speeds: tuple[int, ...] = ()
+
+    def __init__(self, path: Path) -> None:
+        self.url = f"replay:{path}"
+        self._chunks = [c for c in read_recording(path) if c.way == FROM_ROBOT]
+        self._next = 0
+        self._began: float | None = None
+        self._started = asyncio.Event()
+        self._closed = asyncio.Event()
+
+    async def read(self) -> bytes:
+        """Return the next recorded chunk when its time has come; `b""` at the end."""
+        await self._started.wait()
+        if self._next == len(self._chunks) or self._closed.is_set():
+            return b""
+        chunk = self._chunks[self._next]
+        assert self._began is not None
+        due = self._began + chunk.time - self._chunks[0].time
+        try:
+            async with asyncio.timeout_at(due):
+                await self._closed.wait()
+        except TimeoutError:
+            self._next += 1
+            return chunk.data
+        return b""
+
+    async def write(self, data: bytes) -> None:
+        """Start the clock; the recording does not listen."""
+        if self._began is None:
+            self._began = asyncio.get_running_loop().time()
+            self._started.set()
+
+    async def set_speed(self, baud: int) -> None:
+        """Do nothing: a recording has no line speed."""
+
+    async def close(self) -> None:
+        """End the playback."""
+        self._closed.set()
+        self._started.set()
+
+
+def read_recording(path: Path) -> Iterator[Chunk]:
+    """Yield the chunks of a recording.
+
+    Raises:
+        PortNotFoundError: there is no such file.
+        ConfigError: a line is not of the format; names file and line.
+    """
+    try:
+        lines = path.read_text("ascii").splitlines()
+    except FileNotFoundError:
+        raise PortNotFoundError(f"{path}: no such recording") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not a readable recording: {error}") from error
+    for number, line in enumerate(lines, 1):
+        if not line or line.startswith("#"):
+            continue
+        try:
+            seconds, way, count, text = line.split()
+            chunk = Chunk(float(seconds), way, bytes.fromhex(text))
+        except ValueError:
+            raise ConfigError(
+                f"{path}:{number}: expected `<seconds> C>S|S>C <bytes> <hex>`"
+            ) from None
+        if way not in {FROM_HOST, FROM_ROBOT} or int(count) != len(chunk.data):
+            raise ConfigError(f"{path}:{number}: the way or the number of bytes is wrong")
+        yield chunk

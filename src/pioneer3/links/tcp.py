@@ -1,0 +1,44 @@
+"""TCP: a simulator, or a robot behind an Ethernet-to-serial bridge."""
+
+import asyncio
+import errno
+import socket
+
+from pioneer3.errors import LinkError, PortNotFoundError
+from pioneer3.links.stream import StreamLink
+
+CONNECT_PATIENCE = 5.0
+
+
+async def open_tcp(host: str, port: int) -> StreamLink:
+    """Connect to `host`:`port`.
+
+    Raises:
+        PortNotFoundError: the name is unknown, or nobody listens there.
+        LinkError: the host cannot be reached.
+    """
+    url = f"tcp://{host}:{port}"
+    try:
+        async with asyncio.timeout(CONNECT_PATIENCE):
+            reader, writer = await asyncio.open_connection(host, port)
+    except TimeoutError:
+        raise LinkError(
+            f"{url}: no answer within {CONNECT_PATIENCE:g} s; is {host} on, and in this network?"
+        ) from None
+    except socket.gaierror:
+        raise PortNotFoundError(f"{url}: no host of the name {host!r} is known") from None
+    except OSError as error:
+        if error.errno == errno.ECONNREFUSED or "Connect call failed" in str(error):
+            raise PortNotFoundError(
+                f"{url}: nobody listens there; a simulator starts with: pioneer3 sim -p {port}"
+            ) from None
+        raise LinkError(f"{url}: {error}") from error
+    return accepted(url, reader, writer)
+
+
+def accepted(url: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> StreamLink:
+    """Make a link of a connected socket: small packets go at once, a dead far end is noticed."""
+    connection = writer.get_extra_info("socket")
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    return StreamLink(url, reader, writer)

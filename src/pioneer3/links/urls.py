@@ -1,0 +1,74 @@
+"""From what a person writes to an open link."""
+
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from pioneer3.errors import ConfigError
+from pioneer3.links.base import Link
+
+TCP_PORT = 8101
+"""Where ARCOS simulators and ARIA expect each other (arcos.md 1.1)."""
+FORMS = "/dev/ttyUSB0, serial:/dev/ttyUSB0, tcp://host:8101, replay:FILE"
+
+
+async def open_link(url: str, *, baud: int | None = None) -> Link:
+    """Open the link that `url` names.
+
+    Args:
+        url: `serial:PATH` or just a path, `tcp://HOST[:PORT]`, `replay:FILE`.
+        baud: Serial speed to try first.
+
+    Raises:
+        ConfigError: the URL is not of these forms.
+        LinkError: it does not open; the message says what to do.
+    """
+    scheme, rest = split_url(url)
+    match scheme:
+        case "serial":
+            from pioneer3.links.serial import open_serial  # noqa: PLC0415
+
+            return await open_serial(rest, baud)
+        case "tcp":
+            from pioneer3.links.tcp import open_tcp  # noqa: PLC0415
+
+            return await open_tcp(*split_host(url))
+        case _:
+            from pioneer3.links.tap import ReplayLink  # noqa: PLC0415
+
+            return ReplayLink(Path(rest))
+
+
+def split_url(url: str) -> tuple[str, str]:
+    """Return scheme (`serial`, `tcp` or `replay`) and the rest.
+
+    Raises:
+        ConfigError: neither a path nor a scheme we know.
+    """
+    if not isinstance(url, str):
+        raise ConfigError(f"a port is written as text, such as {FORMS}; not {url!r}")
+    scheme, colon, rest = url.partition(":")
+    if url.startswith(("/", "./", "~")):
+        return "serial", str(Path(url).expanduser())
+    if colon and scheme in {"serial", "replay"} and rest.strip("/"):
+        path = "/" + rest.lstrip("/") if rest.startswith("//") else rest
+        return scheme, str(Path(path).expanduser())
+    if colon and scheme == "tcp":
+        return "tcp", rest
+    raise ConfigError(f"{url!r} names no port; use one of: {FORMS}")
+
+
+def split_host(url: str) -> tuple[str, int]:
+    """Return host and port of a `tcp:` URL.
+
+    Raises:
+        ConfigError: there is no host, or the port is not a number from 1 to 65535.
+    """
+    text = url if url.startswith("tcp://") else url.replace("tcp:", "tcp://", 1)
+    try:
+        parts = urlsplit(text)
+        host, port = parts.hostname, TCP_PORT if parts.port is None else parts.port
+    except ValueError:
+        host, port = None, 0
+    if not host or not 0 < port < 65536 or parts.path.strip("/"):
+        raise ConfigError(f"{url!r}: expected tcp://HOST:PORT, such as tcp://localhost:{TCP_PORT}")
+    return host, port

@@ -1,0 +1,169 @@
+"""Finds the model of a robot: shipped ones by name, others from a file."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+from importlib.resources import files
+from math import radians
+from pathlib import Path
+from stat import S_ISDIR, S_ISREG
+from types import MappingProxyType
+
+from pioneer3.errors import ConfigError
+from pioneer3.models.aria import parse_aria
+from pioneer3.models.bounds import BOUNDS, BUMPERS
+from pioneer3.models.model import (
+    START_ACCELERATION,
+    START_TURN_ACCELERATION,
+    LaserMount,
+    RobotModel,
+)
+from pioneer3.models.toml import parse_toml
+from pioneer3.units import MM
+
+_LASERS: Mapping[str, LaserMount] = MappingProxyType(
+    {
+        "p3at-sh-lms1xx": LaserMount(kind="lms1XX", x=0.197, y=0.0, theta=0.0),
+        "p3at-sh-lms500": LaserMount(kind="lms5XX", x=0.125, y=0.0, theta=0.0),
+        "p3dx-sh-lms1xx": LaserMount(kind="lms1XX", x=0.055, y=0.0, theta=0.0),
+        "p3dx-sh-lms500": LaserMount(kind="lms5XX", x=0.021, y=0.0, theta=0.0),
+        "peoplebot-sh-lms1xx": LaserMount(kind="lms1XX", x=0.055, y=0.0, theta=0.0),
+        "peoplebot-sh-lms500": LaserMount(kind="lms5XX", x=0.021, y=0.0, theta=0.0),
+        "amigo-sh-tim3xx": LaserMount(kind="tim5XX", x=0.11, y=0.0, theta=0.0),
+    }
+)
+"""All that these parameter files change in the model they are named after (arcos.md 6.3)."""
+
+_SPEED = 0.75
+_TURN_RATE = radians(100)
+_LARGEST_FILE = 1_000_000
+
+
+def model_names() -> tuple[str, ...]:
+    """Return the names of the shipped models, sorted."""
+    entries = files(__package__).iterdir()
+    return tuple(sorted(e.name.removesuffix(".toml") for e in entries if e.name.endswith(".toml")))
+
+
+def find_model(subtype: str) -> RobotModel | None:
+    """Return the shipped model of the subtype that a robot reports, or `None` if there is none.
+
+    A name such as `p3at-sh-lms500`, a shipped one that ends in `-sh` and more, is that robot with
+    another laser.
+    """
+    wanted = subtype.strip().lower()
+    for name in model_names():
+        if wanted == name or (name.endswith("-sh") and wanted.startswith(f"{name}-")):
+            resource = files(__package__) / f"{name}.toml"
+            model = parse_toml(resource.read_text(encoding="utf-8"), resource.name)
+            return replace(model, laser=_LASERS.get(wanted, model.laser))
+    return None
+
+
+def load_model(name_or_path: str | Path) -> RobotModel:
+    """Return a shipped model by its name, or the one in a `.toml` or ARIA `.p` file.
+
+    Raises:
+        ConfigError: No such model or file, or the file is wrong; one line that names it, and the
+            line and key where there is one.
+    """
+    path = Path(name_or_path)
+    match path.suffix.lower():
+        case ".toml":
+            return parse_toml(_read(path), _shown(path))
+        case ".p":
+            return parse_aria(_read(path), _shown(path), _printable(path.stem))
+    model = find_model(str(name_or_path))
+    if model is None:
+        raise ConfigError(_no_such_model(str(name_or_path)))
+    return model
+
+
+def generic_model(
+    name: str,
+    *,
+    max_speed: float,
+    max_turn_rate: float,
+    acceleration: float = START_ACCELERATION,
+    deceleration: float = START_ACCELERATION,
+    turn_acceleration: float = START_TURN_ACCELERATION,
+    turn_deceleration: float = START_TURN_ACCELERATION,
+    front_bumpers: int = 0,
+    rear_bumpers: int = 0,
+) -> RobotModel:
+    """Return a model for a robot that nobody knows, from what its CONFIG says of itself.
+
+    Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
+    is known. It never fails: what is 0 (CONFIG says nothing) or no number becomes what a real
+    P3-AT starts with (arcos.md 5.1), what is out of range the nearest allowed.
+
+    Args:
+        name: As the robot reports it.
+        max_speed: [m/s].
+        max_turn_rate: [rad/s].
+        acceleration: [m/s^2].
+        deceleration: [m/s^2].
+        turn_acceleration: [rad/s^2].
+        turn_deceleration: [rad/s^2].
+        front_bumpers: Number of segments.
+        rear_bumpers: Number of segments.
+    """
+    name = _printable(name)
+    return RobotModel(
+        name=name,
+        title=f"unknown robot type {name}",
+        radius=0.5,
+        width=0.505,
+        length_front=0.313,
+        length_rear=0.313,
+        wheel_base=0.357142857143,
+        distance_factor=MM,
+        max_speed=_usable("max_speed", max_speed, _SPEED),
+        max_turn_rate=_usable("max_turn_rate", max_turn_rate, _TURN_RATE),
+        acceleration=_usable("acceleration", acceleration, START_ACCELERATION),
+        deceleration=_usable("deceleration", deceleration, START_ACCELERATION),
+        turn_acceleration=_usable("turn_acceleration", turn_acceleration, START_TURN_ACCELERATION),
+        turn_deceleration=_usable("turn_deceleration", turn_deceleration, START_TURN_ACCELERATION),
+        front_bumpers=max(0, min(front_bumpers, int(BUMPERS.high))),
+        rear_bumpers=max(0, min(rear_bumpers, int(BUMPERS.high))),
+    )
+
+
+def _printable(name: str) -> str:
+    return "".join(filter(str.isprintable, name)) or "unknown"
+
+
+def _usable(field: str, value: float, default: float) -> float:
+    bounds = BOUNDS[field]
+    return min(max(value, bounds.low), bounds.high) if value > 0 else default
+
+
+def _read(path: Path) -> str:
+    """Return a file's text; what is not UTF-8 in its comments does no harm."""
+    try:
+        status = path.stat()
+        fit = (
+            S_ISREG(status.st_mode) or S_ISDIR(status.st_mode)
+        ) and status.st_size <= _LARGEST_FILE
+        data = path.read_bytes() if fit else b"\0"
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ConfigError(f"{_shown(path)}: cannot be read: {reason}") from error
+    if b"\0" in data:
+        raise ConfigError(f"{_shown(path)}: not a text file, expected a robot model")
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def _shown(path: Path) -> str:
+    text = str(path)
+    return text if text.isprintable() else repr(text)
+
+
+def _no_such_model(wanted: str) -> str:
+    names = model_names()
+    close = get_close_matches(wanted.lower(), names, n=1)
+    hint = f", did you mean {close[0]}?" if close else ";"
+    return (
+        f"{wanted!r}: no such robot model{hint} known are {', '.join(names)}, "
+        "and files that end in .toml or .p"
+    )

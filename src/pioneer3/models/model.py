@@ -1,0 +1,176 @@
+"""One robot type as frozen numbers."""
+
+from dataclasses import dataclass
+from math import radians
+from typing import Literal, NamedTuple
+
+from pioneer3.errors import ConfigError
+from pioneer3.models.bounds import BOUNDS, BUMPERS, HEADING, REACH, SWITCH_SPEEDS, Bounds
+from pioneer3.units import HEADING_UNIT, MM
+
+Drive = Literal["skid", "differential"]
+
+START_ACCELERATION = 0.3
+"""Both ways, of a real P3-AT (arcos.md 5.1) [m/s^2]."""
+
+START_TURN_ACCELERATION = radians(100)
+"""Both ways, of a real P3-AT (arcos.md 5.1) [rad/s^2]."""
+
+VEL2_UNIT = 20 * MM
+"""Of every Pioneer 2 and 3 (arcos.md 6.3) [m/s]."""
+
+GYRO_SCALER = 1.626
+"""Of every parameter file (arcos.md 6.2)."""
+
+SWITCH_SPEED = 38400
+"""Of every Pioneer 2 and 3 (arcos.md 6.3) [baud]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SonarMount:
+    """Where a sonar transducer sits [m] and looks [rad], in the robot's frame."""
+
+    x: float
+    y: float
+    theta: float
+
+    def __post_init__(self) -> None:
+        """Refuse a pose that is not on a robot."""
+        _check_mount(self.x, self.y, self.theta)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserMount:
+    """Where the laser range finder sits [m] and looks [rad], in the robot's frame.
+
+    Attributes:
+        kind: ARIA's name for the product, such as `lms2xx` or `urg2.0`.
+    """
+
+    kind: str
+    x: float
+    y: float
+    theta: float
+
+    def __post_init__(self) -> None:
+        """Refuse a pose that is not on a robot."""
+        _check_word("kind", self.kind)
+        _check_mount(self.x, self.y, self.theta)
+
+
+class IrMount(NamedTuple):
+    """Where an upward-looking table sensor sits [m], in the robot's frame."""
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotModel:
+    """Sizes, limits, conversion factors and equipment of one robot type (arcos.md 6).
+
+    Attributes:
+        name: Parameter-file name in lower case, such as `p3at-sh`.
+        title: For people, such as `Pioneer 3-AT`.
+        family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
+        radius: Of the circle that the robot needs to turn in [m].
+        width: [m].
+        length_front: From the centre of rotation to the front end [m].
+        length_rear: From the centre of rotation to the rear end [m].
+        max_speed: Never to be exceeded [m/s].
+        max_turn_rate: Never to be exceeded [rad/s].
+        wheel_base: Effective distance of the wheels [m]; a skid drive's is wider than it looks.
+        distance_factor: Metres per unit of the reported x and y.
+        heading_factor: Radians per unit of the reported heading.
+        speed_factor: Metres per second per unit of the reported wheel speeds.
+        range_factor: Metres per unit of the reported sonar ranges.
+        vel2_unit: Metres per second per unit of a VEL2 command.
+        acceleration: Start value where CONFIG gives none [m/s^2]; so are the next three.
+        deceleration: [m/s^2].
+        turn_acceleration: [rad/s^2].
+        turn_deceleration: [rad/s^2].
+        gyro_scaler: Factor on the readings of a gyro that the computer has to apply.
+        sonars: By transducer number.
+        table_irs: By sensor number; empty without table sensing.
+        front_bumpers: Number of segments; 0 without bumpers.
+        rear_bumpers: Number of segments; 0 without bumpers.
+        laser: `None` without one.
+        drive: `skid` where the wheels of one side are coupled and turning means slipping.
+        has_move_command: Whether the firmware knows MOVE.
+        settable_speed: Whether SETV and SETRV may be sent.
+        settable_acceleration: Whether SETA and SETRA may be sent.
+        request_io: Whether to ask for IO packets on connecting.
+        request_encoders: Whether to ask for ENCODER packets on connecting.
+        switch_speed: Line speed to change to after connecting [baud]; 0 never.
+
+    Raises:
+        ConfigError: A number is out of its range (`pioneer3.models.bounds`).
+    """
+
+    name: str
+    title: str
+    family: str = "Pioneer"
+    radius: float
+    width: float
+    length_front: float
+    length_rear: float
+    max_speed: float
+    max_turn_rate: float
+    wheel_base: float
+    distance_factor: float
+    heading_factor: float = HEADING_UNIT
+    speed_factor: float = MM
+    range_factor: float = MM
+    vel2_unit: float = VEL2_UNIT
+    acceleration: float = START_ACCELERATION
+    deceleration: float = START_ACCELERATION
+    turn_acceleration: float = START_TURN_ACCELERATION
+    turn_deceleration: float = START_TURN_ACCELERATION
+    gyro_scaler: float = GYRO_SCALER
+    sonars: tuple[SonarMount, ...] = ()
+    table_irs: tuple[IrMount, ...] = ()
+    front_bumpers: int = 0
+    rear_bumpers: int = 0
+    laser: LaserMount | None = None
+    drive: Drive = "differential"
+    has_move_command: bool = True
+    settable_speed: bool = True
+    settable_acceleration: bool = True
+    request_io: bool = False
+    request_encoders: bool = False
+    switch_speed: int = SWITCH_SPEED
+
+    def __post_init__(self) -> None:
+        """Refuse numbers out of range, naming the field."""
+        for field, bounds in BOUNDS.items():
+            _check(field, getattr(self, field), bounds)
+        for field in ("front_bumpers", "rear_bumpers"):
+            _check(field, getattr(self, field), BUMPERS)
+        for field in ("name", "title", "family"):
+            _check_word(field, getattr(self, field))
+        for number, ir in enumerate(self.table_irs):
+            _check_mount(ir.x, ir.y, 0.0, f"table_irs[{number}].")
+        if self.switch_speed not in SWITCH_SPEEDS:
+            speeds = ", ".join(map(str, SWITCH_SPEEDS))
+            raise ConfigError(f"switch_speed: {self.switch_speed} is none of {speeds}")
+
+    @property
+    def length(self) -> float:
+        """From the rear end to the front end [m]."""
+        return self.length_front + self.length_rear
+
+
+def _check(field: str, value: float, bounds: Bounds) -> None:
+    if not bounds.holds(value):
+        raise ConfigError(f"{field}: {bounds.complaint(value)}")
+
+
+def _check_word(field: str, value: str) -> None:
+    if not value or not value.isprintable():
+        raise ConfigError(f"{field}: {value!r} is empty or not printable")
+
+
+def _check_mount(x: float, y: float, theta: float, where: str = "") -> None:
+    _check(f"{where}x", x, REACH)
+    _check(f"{where}y", y, REACH)
+    _check(f"{where}theta", theta, HEADING)

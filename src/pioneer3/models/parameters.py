@@ -1,0 +1,121 @@
+"""Looks keys up in an ARIA parameter file and converts them to SI."""
+
+from collections.abc import Iterable, Mapping
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import wrap
+from pioneer3.models.bounds import BEARING, REACH, Bounds
+from pioneer3.models.lines import Line
+from pioneer3.units import DEGREE, MM
+
+_UNIT_COUNT = Bounds(0, 256)
+_UNIT_NUMBER = Bounds(0, 255)
+
+Mount = tuple[float, float, float]
+"""x, y [m], theta [rad]."""
+
+
+class Parameters:
+    """The keys of one file or section; a key without a value counts as not given."""
+
+    def __init__(self, source: str, lines: Iterable[Line]) -> None:
+        """Where a key repeats, its last line counts."""
+        self._source = source
+        self._all = tuple(lines)
+        self._lines: Mapping[str, Line] = {line.key.lower(): line for line in self._all}
+
+    def length(self, key: str, bounds: Bounds, default: float | None = None) -> float:
+        """Return a value given in mm, or mm per something, in metres.
+
+        Args:
+            key: As the files spell it.
+            bounds: [m] or [m per something].
+            default: Where the file says nothing or 0 [m]; without one the key is essential.
+        """
+        return rounded(self._scaled(key, bounds, MM, default))
+
+    def angle(self, key: str, bounds: Bounds, default: float | None = None) -> float:
+        """Return a value given in degrees, or degrees per something, in radians."""
+        return self._scaled(key, bounds, DEGREE, default)
+
+    def number(self, key: str, bounds: Bounds, default: float | None = None) -> float:
+        """Return a value as it stands in the file."""
+        return self._scaled(key, bounds, 1.0, default)
+
+    def count(self, key: str, bounds: Bounds, default: int) -> int:
+        """Return a whole number."""
+        line = self._find(key)
+        return default if line is None else line.whole(0, bounds)
+
+    def one_of(self, key: str, choices: tuple[int, ...], default: int) -> int:
+        """Return a whole number out of `choices`."""
+        value = self.count(key, Bounds(min(choices), max(choices)), default)
+        if value not in choices:
+            self._lines[key.lower()].refuse(f"{value} is none of {', '.join(map(str, choices))}")
+        return value
+
+    def flag(self, key: str, *, default: bool) -> bool:
+        """Return a `true` or `false`."""
+        line = self._find(key)
+        return default if line is None else line.flag()
+
+    def word(self, key: str, default: str = "") -> str:
+        """Return a printable word."""
+        line = self._find(key)
+        return default if line is None else line.word()
+
+    def pose(self, prefix: str) -> Mount:
+        """Return where `{prefix}X`, `{prefix}Y` and `{prefix}Th` put a sensor."""
+        x, y = (self.length(f"{prefix}{axis}", REACH, 0.0) for axis in "XY")
+        return x, y, wrap(self.angle(f"{prefix}Th", BEARING, 0.0))
+
+    def units(self, kind: str, first: int, axes: str) -> list[Mount]:
+        """Return the mounts of the `{kind}Unit` lines in the order of their numbers.
+
+        Args:
+            kind: `Sonar` or `IR`. `{kind}Num` of them exist: further lines are left out, and
+                there may be fewer lines, since `powerbot` lists one less (arcos.md 6.3).
+            first: Index of the word that holds x.
+            axes: `x y`, or `x y th` where the lines say a direction.
+        """
+        lines = [line for line in self._all if line.key.lower() == f"{kind}Unit".lower()]
+        mounts = dict(_unit(line, first, axes) for line in lines)
+        count = self.count(f"{kind}Num", _UNIT_COUNT, max(mounts, default=-1) + 1)
+        listed = sorted(number for number in mounts if number < count)
+        if listed != list(range(len(listed))):
+            gap = next(n for n in range(count) if n not in mounts)
+            raise ConfigError(f"{self._source}: {kind}Unit {gap}: missing, number the units from 0")
+        return [mounts[number] for number in listed]
+
+    def _find(self, key: str) -> Line | None:
+        line = self._lines.get(key.lower())
+        return None if line is None or line.is_blank else line
+
+    def _scaled(self, key: str, bounds: Bounds, unit: float, default: float | None) -> float:
+        line = self._find(key)
+        if line is None:
+            return self._missing(key, bounds, unit) if default is None else default
+        if default is not None and line.is_zero:
+            return default
+        return line.scaled(0, bounds, unit)
+
+    def _missing(self, key: str, bounds: Bounds, unit: float) -> float:
+        problem = f"missing, expected {bounds.in_words(unit)}"
+        line = self._lines.get(key.lower())
+        if line is not None:
+            line.refuse(problem)
+        raise ConfigError(f"{self._source}: {key}: {problem}")
+
+
+def rounded(metres: float) -> float:
+    """Return the float nearest to the decimal meant, so that 246 mm and 0.246 m are equal."""
+    return round(metres, 12)
+
+
+def _unit(line: Line, first: int, axes: str) -> tuple[int, Mount]:
+    """Return the number and the pose of a unit given as `number ... x y th` in mm and degrees."""
+    if len(line.values) < first + len(axes.split()):
+        line.refuse(f"too few values, expected {axes} from value {first + 1} on")
+    x, y = (rounded(line.scaled(first + i, REACH, MM)) for i in range(2))
+    theta = wrap(line.scaled(first + 2, BEARING, DEGREE)) if "th" in axes else 0.0
+    return line.whole(0, _UNIT_NUMBER), (x, y, theta)

@@ -1,0 +1,114 @@
+"""Reads a robot model from TOML: the fields of `RobotModel` in SI, angles in degrees.
+
+Keys that hold an angle end in `_deg`; `heading_units` counts the heading units of a full turn.
+"""
+
+import re
+import tomllib
+from dataclasses import fields
+from difflib import get_close_matches
+from math import tau
+from typing import get_args
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import wrap
+from pioneer3.models.bounds import BEARING, BOUNDS, Bounds
+from pioneer3.models.model import Drive, LaserMount, RobotModel, SonarMount
+from pioneer3.units import DEGREE
+
+_ANGLES = {
+    "max_turn_rate_deg": "max_turn_rate",
+    "turn_acceleration_deg": "turn_acceleration",
+    "turn_deceleration_deg": "turn_deceleration",
+    "theta_deg": "theta",
+}
+_HEADING_UNITS = Bounds(64, 1_000_000)
+_KEYS = {field: key for key, field in _ANGLES.items()} | {"heading_factor": "heading_units"}
+
+Table = dict[str, object]
+
+
+def parse_toml(text: str, source: str) -> RobotModel:
+    """Read the text of a model file.
+
+    Args:
+        text: The whole file.
+        source: Its name, for messages.
+
+    Raises:
+        ConfigError: Naming file and key.
+    """
+    try:
+        table: Table = tomllib.loads(text)
+        return _convert(_in_radians(table, RobotModel))
+    except ConfigError as error:
+        raise ConfigError(f"{source}: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"{source}: not valid TOML: {error}") from error
+
+
+def _convert(table: Table) -> RobotModel:
+    import msgspec  # noqa: PLC0415 - 60 ms that only those who read a file pay
+
+    try:
+        return msgspec.convert(table, RobotModel)
+    except msgspec.ValidationError as error:
+        raise ConfigError(_reword(str(error))) from error
+
+
+def _in_radians(table: Table, kind: type, where: str = "") -> Table:
+    """Return `table` with the keys and units of the dataclass `kind`; refuse unknown keys."""
+    known = [_KEYS.get(field.name, field.name) for field in fields(kind)]
+    result: Table = {}
+    for key, value in table.items():
+        place = f"{where}{key}"
+        if key not in known:
+            raise ConfigError(f"{where}{_unknown(key, known)}")
+        if key in _ANGLES:
+            result[_ANGLES[key]] = _angle(place, value, BOUNDS.get(_ANGLES[key], BEARING))
+        elif key == "heading_units":
+            result["heading_factor"] = tau / _number(place, value, _HEADING_UNITS)
+        elif key == "laser" and isinstance(value, dict):
+            result[key] = _in_radians(value, LaserMount, "laser.")
+        elif key == "sonars" and isinstance(value, list):
+            result[key] = [
+                _in_radians(item, SonarMount, f"sonars[{i}].") if isinstance(item, dict) else item
+                for i, item in enumerate(value)
+            ]
+        else:
+            result[key] = value
+    return result
+
+
+def _unknown(key: str, known: list[str]) -> str:
+    close = get_close_matches(_KEYS.get(key, key), known, n=1)
+    hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(known)}"
+    return f"{key if key.isprintable() else repr(key)}: unknown key, {hint}"
+
+
+def _number(place: str, value: object, bounds: Bounds, unit: float = 1.0) -> float:
+    """Return `value` times `unit` [SI] if it is a number within `bounds` [SI]."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigError(f"{place}: expected a number, got {value!r}")
+    if not bounds.low / unit <= value <= bounds.high / unit:
+        raise ConfigError(f"{place}: {bounds.complaint(value, unit)}")
+    return value * unit
+
+
+def _angle(place: str, value: object, bounds: Bounds) -> float:
+    angle = _number(place, value, bounds, DEGREE)
+    return wrap(angle) if bounds is BEARING else angle
+
+
+def _reword(message: str) -> str:
+    """Turn msgspec's "problem - at `$.path`" into "path: problem"."""
+    problem, _, path = message.partition(" - at `$")
+    path = path.rstrip("`").lstrip(".")
+    missing = re.search(r"missing required field `(\w+)`", problem)
+    if missing:
+        path = f"{path}." if path else ""
+        return f"{path}{_KEYS.get(missing[1], missing[1])}: missing, add it"
+    if path == "drive":
+        problem = f"{problem}, expected {' or '.join(get_args(Drive))}"
+    problem = problem.replace("`", "")
+    return f"{path}: {problem}" if path else problem

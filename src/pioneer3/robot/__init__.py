@@ -1,0 +1,1 @@
+"""The driver: sessions, limits, snapshots, reconnecting."""

@@ -1,0 +1,198 @@
+"""From reports to snapshots: counts become metres and radians, wrapping counters become a pose."""
+
+from collections import deque
+from collections.abc import Sequence
+from math import inf, nan
+
+from pioneer3.arcos.counters import POSITION_MODULUS, Counter
+from pioneer3.arcos.reports import Config, Fault, Sip, SipFlag
+from pioneer3.geometry import ORIGIN, Pose2, Twist2, wrap
+from pioneer3.models import RobotModel
+from pioneer3.state import (
+    Battery,
+    Bumpers,
+    Charging,
+    Inputs,
+    LinkQuality,
+    Motors,
+    Odometry,
+    Snapshot,
+    Sonar,
+)
+from pioneer3.units import DECIVOLT, DEGREE
+
+SONAR_MAX = 5.0
+"""Farther echoes are none [m] (arcos.md 7.2)."""
+SONAR_FLAGS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
+NO_TEMPERATURE = (-128, -127)
+"""ARIA tests for the first, AMRISim sends the second (arcos.md 4.9)."""
+ANALOG_VOLT = 5.0 / 255
+RATE_WINDOW = 1.0
+CHARGING = (
+    Charging.NONE,
+    Charging.BULK,
+    Charging.OVERCHARGE,
+    Charging.FLOAT,
+    Charging.BALANCE,
+)
+
+
+class Odometer:
+    """Adds up the robot's counters to a pose that is continuous over reconnections."""
+
+    def __init__(self) -> None:
+        self.robot_in_odom = ORIGIN
+        self._begin = ORIGIN
+        self._anchor: Pose2 | None = None
+        self._x, self._y = Counter(POSITION_MODULUS), Counter(POSITION_MODULUS)
+
+    def restart(self, pose: Pose2 | None = None) -> None:
+        """Take the next reading as the present pose, or as `pose`; the counters begin anew."""
+        self._begin = self.robot_in_odom if pose is None else pose
+        self._anchor = None
+        self._x, self._y = Counter(POSITION_MODULUS), Counter(POSITION_MODULUS)
+
+    def update(self, sip: Sip, model: RobotModel) -> Pose2:
+        """Take the next reading; return the pose [m, rad]."""
+        here = Pose2(
+            self._x.update(sip.x_raw) * model.distance_factor,
+            self._y.update(sip.y_raw) * model.distance_factor,
+            wrap(sip.heading_raw * model.heading_factor),
+        )
+        if self._anchor is None:
+            self._anchor = self._begin @ here.inverse()
+        self.robot_in_odom = self._anchor @ here
+        return self.robot_in_odom
+
+
+class Assembler:
+    """Makes snapshots of one robot, over all sessions with it."""
+
+    def __init__(self) -> None:
+        self.odometer = Odometer()
+        self._sequence = 0
+        self._ranges: list[float] = []
+        self._stamps: deque[float] = deque()
+        self.sessions = 0
+        self._reports = 0
+
+    def session_opened(self, model: RobotModel) -> None:
+        """Begin a session: counters and readings of the last one mean nothing any more."""
+        self.odometer.restart()
+        self._ranges = [nan] * len(model.sonars)
+        self._stamps.clear()
+        self.sessions += 1
+        self._reports = 0
+
+    def assemble(
+        self,
+        sip: Sip,
+        stamp: float,
+        *,
+        model: RobotModel,
+        config: Config | None,
+        bad_checksums: int = 0,
+        bytes_skipped: int = 0,
+    ) -> Snapshot:
+        """Return the snapshot that `sip`, received at `stamp` [s], makes."""
+        self._sequence += 1
+        self._reports += 1
+        self._stamps.append(stamp)
+        while stamp - self._stamps[0] >= RATE_WINDOW:
+            self._stamps.popleft()
+        return Snapshot(
+            stamp=stamp,
+            sequence=self._sequence,
+            odometry=self._odometry(sip, model),
+            battery=_battery(sip, config),
+            motors=_motors(sip),
+            sonar=self._sonar(sip, model),
+            bumpers=_bumpers(sip, model, config),
+            inputs=_inputs(sip),
+            link=LinkQuality(
+                reports=self._reports,
+                bad_checksums=bad_checksums,
+                bytes_skipped=bytes_skipped,
+                rate=float(len(self._stamps)) / RATE_WINDOW,
+                sessions=self.sessions,
+            ),
+            faults=_names(sip.faults or Fault(0)),
+        )
+
+    def _odometry(self, sip: Sip, model: RobotModel) -> Odometry:
+        left = sip.left_speed_raw * model.speed_factor
+        right = sip.right_speed_raw * model.speed_factor
+        if sip.turn_rate_decidegrees is None:
+            turn_rate = (right - left) / model.wheel_base
+        else:
+            turn_rate = sip.turn_rate_decidegrees / 10 * DEGREE
+        return Odometry(
+            robot_in_odom=self.odometer.update(sip, model),
+            twist=Twist2((left + right) / 2, turn_rate),
+            left_speed=left,
+            right_speed=right,
+        )
+
+    def _sonar(self, sip: Sip, model: RobotModel) -> Sonar:
+        for reading in sip.sonar:
+            while reading.number >= len(self._ranges):
+                self._ranges.append(nan)
+            metres = reading.range_raw * model.range_factor
+            self._ranges[reading.number] = metres if metres < SONAR_MAX else inf
+        return Sonar(
+            ranges=tuple(self._ranges),
+            fresh=tuple(reading.number for reading in sip.sonar),
+            enabled=bool(sip.flags & SONAR_FLAGS),
+        )
+
+
+def _battery(sip: Sip, config: Config | None) -> Battery:
+    decivolts = sip.battery_decivolts_wide or sip.battery_decivolts
+    voltage = decivolts * DECIVOLT
+    state = sip.charge_state
+    charging = CHARGING[state] if state is not None and state < len(CHARGING) else Charging.UNKNOWN
+    alarm = (config.low_battery_decivolts or 0) * DECIVOLT if config else 0.0
+    percent = sip.charge_percent
+    low = 0 < voltage < alarm or bool((sip.faults or Fault(0)) & Fault.UNDERVOLTAGE)
+    return Battery(
+        voltage=voltage, charge=percent / 100 if percent else None, charging=charging, low=low
+    )
+
+
+def _motors(sip: Sip) -> Motors:
+    return Motors(
+        enabled=bool(sip.flags & SipFlag.MOTORS_ENABLED),
+        left_stalled=bool(sip.left_stall_rear_bumpers & 1),
+        right_stalled=bool(sip.right_stall_front_bumpers & 1),
+        moving=sip.moving,
+        stop_button=bool(sip.flags & SipFlag.STOP_BUTTON),
+    )
+
+
+def _bumpers(sip: Sip, model: RobotModel, config: Config | None) -> Bumpers:
+    front = (config.front_bumpers if config else None) or model.front_bumpers
+    rear = (config.rear_bumpers if config else None) or model.rear_bumpers
+    return Bumpers(
+        front=_segments(sip.right_stall_front_bumpers, front),
+        rear=_segments(sip.left_stall_rear_bumpers, rear),
+    )
+
+
+def _segments(bits: int, count: int) -> tuple[bool, ...]:
+    return tuple(bool(bits >> (i + 1) & 1) for i in range(min(count, 7)))
+
+
+def _inputs(sip: Sip) -> Inputs:
+    celsius = sip.temperature_celsius
+    return Inputs(
+        digital_in=sip.digital_in or 0,
+        digital_out=sip.digital_out or 0,
+        analog=(sip.analog or 0) * ANALOG_VOLT,
+        compass=wrap(2 * sip.compass_raw * DEGREE) if sip.compass_raw else None,
+        temperature=None if celsius in {None, *NO_TEMPERATURE} else celsius,
+    )
+
+
+def _names(flags: Fault) -> tuple[str, ...]:
+    members: Sequence[Fault] = list(flags)
+    return tuple(str(m.name).lower().replace("_", " ") for m in members)

@@ -1,0 +1,122 @@
+"""What the robot may be asked to do. The last step before the wire; it has no off switch."""
+
+from dataclasses import dataclass, fields, replace
+from math import isfinite, isinf
+
+from pioneer3.arcos.reports import Config
+from pioneer3.errors import CommandError, ConfigError
+from pioneer3.geometry import Twist2
+from pioneer3.models import RobotModel
+from pioneer3.state import Bumpers
+from pioneer3.units import DEGREE, MM
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """Bounds on motion.
+
+    Attributes:
+        max_speed: [m/s], both directions.
+        max_turn_rate: [rad/s], both directions.
+        acceleration: [m/s^2].
+        deceleration: [m/s^2], positive.
+        turn_acceleration: [rad/s^2].
+        turn_deceleration: [rad/s^2], positive.
+        expiry: A command that is not renewed for this long ends in a stop [s].
+    """
+
+    max_speed: float
+    max_turn_rate: float
+    acceleration: float = 0.3
+    deceleration: float = 0.3
+    turn_acceleration: float = 100 * DEGREE
+    turn_deceleration: float = 100 * DEGREE
+    expiry: float = 0.5
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (isinstance(value, int | float) and isfinite(value) and value > 0):
+                raise ConfigError(f"limits: {field.name} must be a positive number, not {value!r}")
+        if not 0.1 <= self.expiry <= 2.0:
+            raise ConfigError(f"limits: expiry must be 0.1 to 2 s, not {self.expiry:g}")
+
+    def lowered_to(
+        self, max_speed: float | None = None, max_turn_rate: float | None = None
+    ) -> "Limits":
+        """Return limits with lower maxima; what is higher than the robot's own is cut to it."""
+        return replace(
+            self,
+            max_speed=min(self.max_speed, max_speed or self.max_speed),
+            max_turn_rate=min(self.max_turn_rate, max_turn_rate or self.max_turn_rate),
+        )
+
+
+def limits_for(model: RobotModel, config: Config | None) -> Limits:
+    """Return the model's limits, cut to what the robot's own CONFIG allows (arcos.md 5.1).
+
+    A field of CONFIG that is 0 or missing says nothing.
+    """
+    if config is None:
+        return Limits(
+            max_speed=model.max_speed,
+            max_turn_rate=model.max_turn_rate,
+            acceleration=model.acceleration,
+            deceleration=model.deceleration,
+            turn_acceleration=model.turn_acceleration,
+            turn_deceleration=model.turn_deceleration,
+        )
+
+    def lowest(own: float, unit: float, *theirs: int | None) -> float:
+        return min([own, *(value * unit for value in theirs if value)])
+
+    def first(own: float, unit: float, current: int | None, top: int | None) -> float:
+        return min(current * unit if current else own, top * unit if top else float("inf"))
+
+    c = config
+    return Limits(
+        max_speed=lowest(model.max_speed, MM, c.speed_top_mm_s, c.speed_max_mm_s),
+        max_turn_rate=lowest(
+            model.max_turn_rate, DEGREE, c.rotation_top_deg_s, c.rotation_max_deg_s
+        ),
+        acceleration=first(model.acceleration, MM, c.accel_mm_s2, c.accel_top_mm_s2),
+        deceleration=first(model.deceleration, MM, c.decel_mm_s2, c.accel_top_mm_s2),
+        turn_acceleration=first(
+            model.turn_acceleration, DEGREE, c.rotation_accel_deg_s2, c.rotation_accel_top_deg_s2
+        ),
+        turn_deceleration=first(
+            model.turn_deceleration, DEGREE, c.rotation_decel_deg_s2, c.rotation_accel_top_deg_s2
+        ),
+    )
+
+
+def checked(speed: float, turn_rate: float) -> Twist2:
+    """Return the twist (`speed` [m/s], `turn_rate` [rad/s]).
+
+    Raises:
+        CommandError: not numbers, or not finite. Such a command must not keep the robot going.
+    """
+    for name, value in (("speed", speed), ("turn rate", turn_rate)):
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise CommandError(f"{name} must be a number, not {value!r}")
+        if value != value or isinf(value):  # noqa: PLR0124
+            raise CommandError(f"{name} must be finite, not {value!r}")
+    return Twist2(float(speed), float(turn_rate))
+
+
+def limit(twist: Twist2, limits: Limits, bumpers: Bumpers) -> Twist2:
+    """Return the nearest twist within `limits` that does not push what a bumper touches.
+
+    The curve is kept: speed and turn rate shrink together.
+    """
+    scale = min(
+        1.0,
+        limits.max_speed / abs(twist.v) if twist.v else 1.0,
+        limits.max_turn_rate / abs(twist.w) if twist.w else 1.0,
+    )
+    v, w = twist.v * scale, twist.w * scale
+    if v > 0 and any(bumpers.front):
+        v = 0.0
+    if v < 0 and any(bumpers.rear):
+        v = 0.0
+    return Twist2(v, w)

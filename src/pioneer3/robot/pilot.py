@@ -1,0 +1,220 @@
+"""Which commands the robot gets, and when. No I/O: requests, snapshots and the time come in.
+
+Rules:
+
+1. A request expires. Then, and on every doubt, the robot is told to stand still.
+2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
+3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried.
+4. After a lost link, a stall, a pressed stop button or motors that went off by themselves, requests
+   are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero request,
+   :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all the time is not fresh.
+5. The emergency stop latches. Resetting it leaves the motors off.
+"""
+
+from math import inf
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.robot.limits import Limits, limit
+from pioneer3.state import Snapshot
+
+REPEAT = 0.2
+"""Pause between repetitions of a velocity [s]."""
+ENABLE_RETRY = 0.5
+ENABLE_TRIES = 6
+STANDING = Twist2(0.005, 0.01)
+"""Slower than this counts as standing [m/s, rad/s]."""
+OVERSLEPT = 2.0
+"""A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
+
+
+class Pilot:
+    """Turns requests into commands, over all sessions with one robot.
+
+    Attributes:
+        deadline: When :meth:`tick` must next be called [s, monotonic, as every `now`].
+        limits: Bounds of the present robot, or `None` before the first session.
+        emergency: Whether the emergency stop is latched.
+    """
+
+    def __init__(self, *, auto_enable: bool = True) -> None:
+        self.deadline = inf
+        self.limits: Limits | None = None
+        self.emergency = False
+        self._auto_enable = auto_enable
+        self._outbox: list[Command] = []
+        self._snapshot: Snapshot | None = None
+        self._request = STILL
+        self._until = self._requested_at = self._ticked_at = -inf
+        self._sent: Twist2 | None = None
+        self._sent_at = -inf
+        self._blocked: str | None = None
+        self._motors_wanted: bool | None = None
+        self._motors_seen = False
+        self._enable_tries = 0
+        self._enabled_at = -inf
+
+    def session_opened(self, limits: Limits, now: float) -> None:
+        """Set the robot up: its limits, sonar on, everything still."""
+        self.limits = limits
+        self._outbox = [
+            commands.Stop(),
+            commands.SetV(speed=limits.max_speed),
+            commands.SetA(acceleration=limits.acceleration),
+            commands.SetA(acceleration=-limits.deceleration),
+            commands.SetRV(rate=limits.max_turn_rate),
+            commands.SetRA(acceleration=limits.turn_acceleration),
+            commands.SetRA(acceleration=-limits.turn_deceleration),
+            commands.Sonar(on=True),
+        ]
+        self._sent, self._sent_at, self._ticked_at = STILL, now, now
+        self.deadline = now + REPEAT
+
+    def session_lost(self, why: str, now: float) -> None:
+        """Forget what was asked: nothing of it may reach the next session."""
+        self._outbox.clear()
+        self._snapshot, self._sent = None, None
+        self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
+        self.deadline = inf
+        self._block(f"the link was lost ({why}); let go, then ask again", now)
+
+    def drive(self, twist: Twist2, now: float, until: float = inf) -> str | None:
+        """Ask for `twist` until it expires, at `until` [s] at the latest.
+
+        Returns why it is ignored, or `None`.
+        """
+        fresh = twist.is_zero or (
+            self.limits is not None and now - self._requested_at > self.limits.expiry
+        )
+        self._requested_at = -inf if twist.is_zero else now
+        if self.emergency:
+            return "the emergency stop is latched"
+        if self._blocked and fresh and self._snapshot is not None:
+            self._blocked = None
+        if self._blocked:
+            return self._blocked
+        if self.limits is None or self._snapshot is None:
+            return "no robot is connected"
+        self._request, self._until = twist, min(now + self.limits.expiry, until)
+        if not twist.is_zero and self._auto_enable and not self._motors_wanted:
+            self._want_motors(on=True)
+        self._steer(now)
+        return None
+
+    def stop(self, now: float) -> None:
+        """Stand still, at the set deceleration."""
+        self._request, self._until, self._requested_at = STILL, now, -inf
+        if self._snapshot is not None:
+            self._blocked = None
+        self._sent, self._sent_at = STILL, now
+        self._outbox.append(commands.Stop())
+
+    def emergency_stop(self, now: float) -> None:
+        """Stop as hard as the robot can, motors off, until :meth:`reset_emergency_stop`."""
+        self.stop(now)
+        self.emergency = True
+        self._outbox.append(commands.EStop())
+        self._want_motors(on=False)
+
+    def reset_emergency_stop(self) -> None:
+        """Release the latch; the motors stay off until asked for."""
+        self.emergency = False
+
+    def set_motors(self, *, on: bool, now: float) -> str | None:
+        """Ask for power on the motors, or none; return why not, or `None`."""
+        if on and self.emergency:
+            return "the emergency stop is latched"
+        self.stop(now)
+        self._want_motors(on=on)
+        self._power(now)
+        return None
+
+    def observe(self, snapshot: Snapshot, now: float) -> None:
+        """Take in what the robot says, and act on it."""
+        motors, before = snapshot.motors, self._snapshot
+        self._snapshot = snapshot
+        if motors.stop_button:
+            self._block("the stop button on the robot is pressed", now)
+        elif motors.stalled and not self._request.is_zero:
+            self._block("the wheels stalled", now)
+        elif self._motors_seen and not motors.enabled and self._motors_wanted:
+            self._motors_wanted = None
+            self._block("the robot switched its motors off", now)
+        self._motors_seen = motors.enabled
+        if motors.enabled:
+            self._enable_tries = 0
+        if before is None and self._motors_wanted is None:
+            self._want_motors(on=False)
+        self._power(now)
+        self._steer(now)
+
+    def tick(self, now: float) -> None:
+        """Let requests expire."""
+        if now - self._ticked_at > OVERSLEPT and self._snapshot is not None:
+            away = now - self._ticked_at
+            self._block(f"the watchdog stopped the robot: this program slept {away:.1f} s", now)
+        self._ticked_at, self.deadline = now, now + REPEAT
+        self._steer(now)
+
+    def outgoing(self) -> list[Command]:
+        """Return and forget the commands to send."""
+        outbox, self._outbox = self._outbox, []
+        return outbox
+
+    @property
+    def blocked(self) -> str | None:
+        """Why requests are ignored until a fresh one, or `None`."""
+        return self._blocked
+
+    def asked(self, now: float) -> Twist2:
+        """Return what the robot is asked to do at this moment, before limits."""
+        return self._request if now < self._until else STILL
+
+    @property
+    def expired(self) -> bool:
+        """Whether the last thing asked for was motion (that may have expired since)."""
+        return not self._request.is_zero
+
+    @property
+    def enable_failed(self) -> bool:
+        """Whether the motors were asked for and did not come on."""
+        return self._enable_tries >= ENABLE_TRIES
+
+    def _block(self, why: str, now: float) -> None:
+        self._blocked = why
+        self._requested_at = max(self._requested_at, now) if self._request != STILL else now
+        self._request, self._until = STILL, now
+
+    def _want_motors(self, *, on: bool) -> None:
+        self._motors_wanted, self._enable_tries, self._enabled_at = on, 0, -inf
+
+    def _power(self, now: float) -> None:
+        """Bring the motors to the state wanted, as far as the robot plays along."""
+        if self._snapshot is None or self._motors_wanted is None:
+            return
+        if self._motors_wanted == self._snapshot.motors.enabled:
+            if not self._motors_wanted and not self.emergency:
+                self._motors_wanted = None  # seen off; somebody at the robot may turn them on
+            return
+        if self._motors_wanted and (self._snapshot.motors.stop_button or self.enable_failed):
+            return
+        if now - self._enabled_at >= ENABLE_RETRY:
+            self._enabled_at = now
+            self._enable_tries += 1
+            self._outbox.append(commands.Enable(on=bool(self._motors_wanted)))
+
+    def _steer(self, now: float) -> None:
+        """Send the velocity that is due."""
+        snapshot, limits = self._snapshot, self.limits
+        if snapshot is None or limits is None:
+            return
+        self._power(now)
+        twist = limit(self.asked(now), limits, snapshot.bumpers)
+        measured = snapshot.odometry.twist
+        rests = abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
+        due = now - self._sent_at >= REPEAT and not (twist.is_zero and rests)
+        if twist != self._sent or due:
+            self._outbox += (commands.Vel(speed=twist.v), commands.RVel(rate=twist.w))
+            self._sent, self._sent_at = twist, now
+        self.deadline = min(now + REPEAT, self._until if self._until > now else inf)

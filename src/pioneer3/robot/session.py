@@ -1,0 +1,211 @@
+"""The pump: joins a link, an ARCOS session, the pilot and the snapshots. One task writes."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.host import (
+    Configured,
+    Event,
+    Host,
+    Lost,
+    Opened,
+    Received,
+    SpeedWanted,
+    Timing,
+)
+from pioneer3.arcos.reports import Config, Report, Sip
+from pioneer3.errors import LinkError, NoRobotError
+from pioneer3.links import Link
+from pioneer3.models import RobotModel, find_model, generic_model
+from pioneer3.robot.assemble import Assembler
+from pioneer3.robot.limits import Limits, limits_for
+from pioneer3.robot.pilot import Pilot
+from pioneer3.state import Identity, Snapshot
+from pioneer3.units import DEGREE, MM
+
+log = logging.getLogger(__name__)
+
+FAREWELL_PATIENCE = 0.5
+
+
+class Listener(Protocol):
+    """Who is told what happens in a session."""
+
+    def on_connected(self, session: "Session") -> None:
+        """Identity, configuration and model are known; reports flow."""
+
+    def on_report(self, report: Report, stamp: float) -> None:
+        """Take any report, raw."""
+
+    def on_snapshot(self, snapshot: Snapshot) -> None:
+        """Take a new reading."""
+
+
+class Session:
+    """One session with one robot over one link.
+
+    Args:
+        link: Open; closed by :meth:`run`.
+        pilot: Decides what is sent; outlives the session.
+        assembler: Makes snapshots; outlives the session.
+        listener: Told what happens.
+        model: Used in place of what the robot says it is.
+        restrict: Turns the robot's limits into the ones to keep.
+        timing: The host's patience.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        *,
+        pilot: Pilot,
+        assembler: Assembler,
+        listener: Listener,
+        model: RobotModel | None = None,
+        restrict: Callable[[Limits], Limits] = lambda limits: limits,
+        timing: Timing | None = None,
+    ) -> None:
+        self.link = link
+        self.identity: Identity | None = None
+        self.config: Config | None = None
+        self.model = model
+        self.speed: int | None = None
+        self._pilot = pilot
+        self._assembler = assembler
+        self._listener = listener
+        self._restrict = restrict
+        self._clock = asyncio.get_running_loop().time
+        self._host = Host(self._clock(), link.speeds, timing)
+        self._wake = asyncio.Event()
+        self._lost: Lost | None = None
+
+    def wake(self) -> None:
+        """Let the writer look at once: there is something to send."""
+        self._wake.set()
+
+    def send(self, command: Command) -> None:
+        """Queue one command beside the pilot's.
+
+        Raises:
+            CommandError: no session is open, or the command does not fit the protocol.
+        """
+        self._host.send(command, self._clock())
+        self.wake()
+
+    async def run(self) -> None:
+        """Serve the link until it fails; on every way out the robot is told to stop.
+
+        Raises:
+            NoRobotError: the handshake failed.
+            LinkError: the session was open, and was lost.
+        """
+        reader = asyncio.ensure_future(self._read())
+        writer = asyncio.ensure_future(self._write())
+        try:
+            await asyncio.wait({reader, writer}, return_when=asyncio.FIRST_COMPLETED)
+            for task in (reader, writer):
+                if task.done():
+                    task.result()
+        finally:
+            for task in (reader, writer):
+                task.cancel()
+            await asyncio.gather(reader, writer, return_exceptions=True)
+            await self._leave()
+
+    async def _read(self) -> None:
+        while data := await self.link.read():
+            now = self._clock()
+            for event in self._host.receive(data, now):
+                await self._handle(event, now)
+            self.wake()
+        raise self._failure("the other end closed the link")
+
+    async def _write(self) -> None:
+        while True:
+            self._wake.clear()
+            now = self._clock()
+            for event in self._host.tick(now):
+                await self._handle(event, now)
+            if self._lost is not None:
+                raise self._failure(self._lost.reason)
+            if self._host.config_settled:
+                if now >= self._pilot.deadline:
+                    self._pilot.tick(now)
+                for command in self._pilot.outgoing():
+                    self._host.send(command, now)
+            if data := self._host.outgoing():
+                await self.link.write(data)
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(min(self._host.deadline, self._pilot.deadline)):
+                    await self._wake.wait()
+
+    async def _handle(self, event: Event, now: float) -> None:
+        match event:
+            case SpeedWanted(baud):
+                self.speed = baud
+                await self.link.set_speed(baud)
+            case Opened(identity):
+                self.identity = identity
+            case Configured(config, trusted):
+                self._configure(config, trusted=trusted, now=now)
+            case Received(report):
+                self._serve(report, now)
+            case Lost():
+                self._lost = event
+
+    def _configure(self, config: Config | None, *, trusted: bool, now: float) -> None:
+        assert self.identity is not None
+        self.config = config
+        if config is None:
+            log.warning("the robot did not send its configuration; the model's values are used")
+        elif not trusted:
+            log.warning("the configuration came with a wrong checksum, twice the same: accepted")
+        self.model = self.model or _model_of(self.identity, config)
+        self._assembler.session_opened(self.model)
+        self._pilot.session_opened(self._restrict(limits_for(self.model, config)), now)
+        self._listener.on_connected(self)
+
+    def _serve(self, report: Report, now: float) -> None:
+        self._listener.on_report(report, now)
+        if not isinstance(report, Sip) or not self._host.config_settled or self.model is None:
+            return
+        snapshot = self._assembler.assemble(
+            report,
+            now,
+            model=self.model,
+            config=self.config,
+            bad_checksums=self._host.reader.bad_checksums,
+            bytes_skipped=self._host.reader.bytes_skipped,
+        )
+        self._pilot.observe(snapshot, now)
+        self._listener.on_snapshot(snapshot)
+
+    def _failure(self, reason: str) -> LinkError | NoRobotError:
+        if self.identity is None:
+            return NoRobotError(f"{self.link.url}: {reason}")
+        return LinkError(f"{self.link.url}: {reason}")
+
+    async def _leave(self) -> None:
+        """Send the farewell whatever happened; a link that takes nothing is closed all the same."""
+        self._host.leave(self._clock())
+        with suppress(LinkError, TimeoutError):
+            async with asyncio.timeout(FAREWELL_PATIENCE):
+                await self.link.write(self._host.outgoing())
+        await self.link.close()
+
+
+def _model_of(identity: Identity, config: Config | None) -> RobotModel:
+    """Return the model the robot says it is; for an unknown one, what CONFIG says of it."""
+    model = find_model(identity.model)
+    if model is not None:
+        return model
+    log.warning("unknown robot type %r: using what its configuration says", identity.model)
+    return generic_model(
+        identity.model,
+        max_speed=(config.speed_top_mm_s or 0) * MM if config else 0.0,
+        max_turn_rate=(config.rotation_top_deg_s or 0) * DEGREE if config else 0.0,
+    )

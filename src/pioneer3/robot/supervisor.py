@@ -1,0 +1,231 @@
+"""Keeps one robot connected: opens the link, reconnects with back-off, tells what happens."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from math import inf
+
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.host import Timing
+from pioneer3.arcos.reports import Config, Report
+from pioneer3.errors import CommandError, LinkError, NoRobotError
+from pioneer3.geometry import Twist2
+from pioneer3.links import Link
+from pioneer3.models import RobotModel
+from pioneer3.robot.assemble import Assembler
+from pioneer3.robot.explain import why_not_moving
+from pioneer3.robot.feed import Feed
+from pioneer3.robot.limits import Limits
+from pioneer3.robot.pilot import Pilot
+from pioneer3.robot.session import Session
+from pioneer3.state import Identity, Snapshot
+
+log = logging.getLogger(__name__)
+
+BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
+"""Pauses before the attempts to reconnect [s]; the last one repeats."""
+
+Opener = Callable[[], Awaitable[Link]]
+
+
+class Connection(StrEnum):
+    """How it stands with the robot."""
+
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    LOST = "lost"
+    CLOSED = "closed"
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """A change of :class:`Connection`, with a sentence for a person."""
+
+    connection: Connection
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotInfo:
+    """What a connected robot is.
+
+    Attributes:
+        config: What it sent of itself, or `None` where it did not.
+        speed: Line speed [baud], or `None` on links without one.
+    """
+
+    identity: Identity
+    model: RobotModel
+    limits: Limits
+    config: Config | None
+    url: str
+    speed: int | None
+
+
+class Supervisor:
+    """One robot, connected again and again.
+
+    Args:
+        open_link: Opens the link anew for every attempt.
+        model: Used in place of what the robot says it is.
+        restrict: Turns the robot's limits into the ones to keep.
+        auto_enable: Whether a fresh command switches the motors on.
+        timing: The host's patience.
+    """
+
+    def __init__(
+        self,
+        open_link: Opener,
+        *,
+        model: RobotModel | None = None,
+        restrict: Callable[[Limits], Limits] = lambda limits: limits,
+        auto_enable: bool = True,
+        timing: Timing | None = None,
+    ) -> None:
+        self.pilot = Pilot(auto_enable=auto_enable)
+        self.assembler = Assembler()
+        self.snapshots: Feed[Snapshot] = Feed()
+        self.reports: Feed[Report] = Feed()
+        self.status: Feed[Status] = Feed()
+        self.info: RobotInfo | None = None
+        self._open_link = open_link
+        self._model = model
+        self._restrict = restrict
+        self._timing = timing
+        self._session: Session | None = None
+        self._clock = asyncio.get_running_loop().time
+        self._fresh: Snapshot | None = None
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest snapshot of the session that is open, or `None`."""
+        return self._fresh
+
+    async def run(self) -> None:
+        """Connect, and reconnect after every loss; ends by cancellation.
+
+        Raises:
+            LinkError, NoRobotError, ConfigError: the *first* connection failed.
+        """
+        try:
+            attempt = 0
+            while True:
+                attempt = await self._serve_once(attempt)
+                await asyncio.sleep(BACK_OFF[min(attempt, len(BACK_OFF)) - 1])
+        finally:
+            self._tell(Connection.CLOSED, "closed")
+            for feed in (self.snapshots, self.reports, self.status):
+                feed.close()
+
+    def drive(self, twist: Twist2, until: float = inf) -> str | None:
+        """Ask for `twist` until it expires, at `until` [s, loop time] at the latest.
+
+        Returns why it is ignored, or `None`.
+        """
+        return self._after(self.pilot.drive(twist, self._clock(), until))
+
+    def stop(self) -> None:
+        """Stand still."""
+        self.pilot.stop(self._clock())
+        self._after()
+
+    def emergency_stop(self) -> None:
+        """Stop hard, motors off, latched."""
+        self.pilot.emergency_stop(self._clock())
+        self._after()
+
+    def reset_emergency_stop(self) -> None:
+        """Release the latch; the motors stay off."""
+        self.pilot.reset_emergency_stop()
+
+    def set_motors(self, *, on: bool) -> str | None:
+        """Switch the motors' power; return why not, or `None`."""
+        return self._after(self.pilot.set_motors(on=on, now=self._clock()))
+
+    def send(self, command: Command) -> None:
+        """Send any command that is not about motion.
+
+        Raises:
+            CommandError: no session is open, or the command does not fit the protocol.
+        """
+        if self._session is None:
+            raise CommandError(f"cannot send {type(command).__name__}: no robot is connected")
+        self._session.send(command)
+
+    def why_not_moving(self) -> str | None:
+        """Return why the robot stands still, or `None` while it moves."""
+        return why_not_moving(self.pilot, self._fresh, self._clock())
+
+    def on_connected(self, session: Session) -> None:
+        """Take note of the robot at the other end."""
+        assert session.identity is not None
+        assert session.model is not None
+        assert self.pilot.limits is not None
+        self.info = RobotInfo(
+            identity=session.identity,
+            model=session.model,
+            limits=self.pilot.limits,
+            config=session.config,
+            url=session.link.url,
+            speed=session.speed,
+        )
+        _remember_speed(session)
+        who = session.identity
+        self._tell(Connection.CONNECTED, f"{who.name} ({session.model.title}) on {self.info.url}")
+
+    def on_report(self, report: Report, stamp: float) -> None:
+        """Pass any report on, raw."""
+        self.reports.publish(report)
+
+    def on_snapshot(self, snapshot: Snapshot) -> None:
+        """Pass a new reading on."""
+        self._fresh = snapshot
+        self.snapshots.publish(snapshot)
+
+    async def _serve_once(self, attempt: int) -> int:
+        """Serve one connection; return how many attempts in a row have failed, this one too."""
+        began_with = self.assembler.sessions
+        try:
+            self._tell(Connection.CONNECTING, "connecting")
+            self._session = Session(
+                await self._open_link(),
+                pilot=self.pilot,
+                assembler=self.assembler,
+                listener=self,
+                model=self._model,
+                restrict=self._restrict,
+                timing=self._timing,
+            )
+            await self._session.run()
+        except (LinkError, NoRobotError) as error:
+            if self.assembler.sessions == 0:
+                raise
+            self._tell(Connection.LOST, str(error))
+            if self.assembler.sessions == began_with:
+                return attempt + 1
+            self.pilot.session_lost(str(error), self._clock())
+        finally:
+            self._session = self._fresh = None
+        return 1
+
+    def _after(self, answer: str | None = None) -> str | None:
+        """Let the writer send what the pilot decided; pass its answer on."""
+        if self._session is not None:
+            self._session.wake()
+        return answer
+
+    def _tell(self, connection: Connection, message: str) -> None:
+        latest = self.status.latest
+        if latest is None or (latest.connection, latest.message) != (connection, message):
+            log.info("%s: %s", connection, message)
+        self.status.publish(Status(connection, message))
+
+
+def _remember_speed(session: Session) -> None:
+    scheme, _, path = session.link.url.partition(":")
+    if session.speed is not None and scheme == "serial":
+        from pioneer3.links.serial import remember_speed  # noqa: PLC0415
+
+        remember_speed(path, session.speed)

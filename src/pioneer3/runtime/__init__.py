@@ -1,0 +1,1 @@
+"""The composition root: joins links, driver, behaviors, simulator and adapters."""

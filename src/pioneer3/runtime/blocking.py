@@ -1,0 +1,180 @@
+"""The robot for scripts and notebooks: the same, without `await`."""
+
+import asyncio
+import atexit
+import signal
+import threading
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from contextlib import AsyncExitStack
+from math import inf
+from types import FrameType, TracebackType
+from typing import Any, TypeVar
+
+from pioneer3.arcos.commands import Command
+from pioneer3.models import RobotModel
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.robot import Robot, connect_async
+from pioneer3.state import Snapshot
+
+T = TypeVar("T")
+
+
+def connect(
+    url: str,
+    *,
+    baud: int | None = None,
+    model: RobotModel | None = None,
+    max_speed: float | None = None,
+    max_turn_rate: float | None = None,
+    auto_enable: bool = True,
+) -> "BlockingRobot":
+    """Connect to a robot or simulator, and wait until it says something.
+
+    Use it in a `with` block: every way out of the block stops the robot. In a notebook, call
+    :meth:`BlockingRobot.close` at the end. Arguments and errors are those of
+    :func:`pioneer3.connect_async`.
+    """
+    return BlockingRobot(
+        url,
+        baud=baud,
+        model=model,
+        max_speed=max_speed,
+        max_turn_rate=max_turn_rate,
+        auto_enable=auto_enable,
+    )
+
+
+class BlockingRobot:
+    """A :class:`pioneer3.Robot` on an event loop in a thread of its own."""
+
+    def __init__(self, url: str, **options: Any) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="pioneer3", daemon=True)
+        self._stack = AsyncExitStack()
+        self._closed = False
+        self._thread.start()
+        atexit.register(self.close)
+        self._old_handler = _raise_on_sigterm()
+        try:
+            self._robot: Robot = self._wait(
+                self._stack.enter_async_context(connect_async(url, **options))
+            )
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> "BlockingRobot":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the robot and end the session; safe to call twice."""
+        if self._closed:
+            return
+        self._closed = True
+        atexit.unregister(self.close)
+        try:
+            self._wait(self._stack.aclose())
+        finally:
+            self._loop.call_soon_threadsafe(self._loop.stop)
+            self._thread.join()
+            self._loop.close()
+            if self._old_handler is not None:
+                signal.signal(signal.SIGTERM, self._old_handler)
+
+    @property
+    def info(self) -> RobotInfo:
+        """Identity, model, limits and configuration of the robot."""
+        return self._robot.info
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest reading, or `None` while the link is lost."""
+        return self._robot.snapshot
+
+    def snapshots(self, seconds: float = inf) -> Iterator[Snapshot]:
+        """Yield each reading as it arrives, for `seconds`."""
+        values: AsyncIterator[Snapshot] = self._robot.snapshots(seconds)
+        while (snapshot := self._wait(_next_or_none(values))) is not None:
+            yield snapshot
+
+    def drive(self, speed: float, turn_rate: float = 0.0) -> None:
+        """See :meth:`pioneer3.Robot.drive`."""
+        self._call(lambda: self._robot.drive(speed, turn_rate))
+
+    def stop(self) -> None:
+        """Stand still, whoever drives."""
+        self._call(self._robot.stop)
+
+    def emergency_stop(self) -> None:
+        """See :meth:`pioneer3.Robot.emergency_stop`."""
+        self._call(self._robot.emergency_stop)
+
+    def reset_emergency_stop(self) -> None:
+        """Release the latch. The motors stay off."""
+        self._call(self._robot.reset_emergency_stop)
+
+    def motors(self, on: bool) -> None:
+        """See :meth:`pioneer3.Robot.motors`."""
+        self._wait(self._robot.motors(on))
+
+    def move(self, distance: float, speed: float | None = None) -> None:
+        """See :meth:`pioneer3.Robot.move`."""
+        self._wait(self._robot.move(distance, speed))
+
+    def turn(self, angle: float, rate: float | None = None) -> None:
+        """See :meth:`pioneer3.Robot.turn`."""
+        self._wait(self._robot.turn(angle, rate))
+
+    def why_not_moving(self) -> str | None:
+        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        return self._call(self._robot.why_not_moving)
+
+    def send(self, command: Command) -> None:
+        """See :meth:`pioneer3.Robot.send`."""
+        self._call(lambda: self._robot.send(command))
+
+    def _call(self, function: Callable[[], T]) -> T:
+        async def call() -> T:
+            return function()
+
+        return self._wait(call())
+
+    def _wait(self, coroutine: Coroutine[Any, Any, T]) -> T:
+        """Run `coroutine` on the loop; an interrupt of this thread cancels it there."""
+        if self._loop.is_closed():
+            coroutine.close()
+            raise RuntimeError("this robot has been closed; connect again")
+        future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+        try:
+            return future.result()
+        except BaseException:
+            future.cancel()
+            raise
+
+
+async def _next_or_none(values: AsyncIterator[Snapshot]) -> Snapshot | None:
+    return await anext(values, None)
+
+
+def _raise_on_sigterm() -> Callable[[int, FrameType | None], Any] | int | None:
+    """Make SIGTERM an exception, so that it passes the `with` block; return what was there.
+
+    Only where nobody else handles it, and in the main thread; `None` where nothing was changed.
+    """
+
+    def leave(number: int, frame: FrameType | None) -> None:
+        raise SystemExit(128 + number)
+
+    if threading.current_thread() is not threading.main_thread():
+        return None
+    if signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        return None
+    return signal.signal(signal.SIGTERM, leave)

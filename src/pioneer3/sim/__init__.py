@@ -1,0 +1,1 @@
+"""A simulated world whose robots speak ARCOS over a real socket."""

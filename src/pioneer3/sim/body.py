@@ -1,0 +1,113 @@
+"""One simulated robot: its drive, where it is, where it believes it is, its energy."""
+
+from dataclasses import dataclass
+
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.models import RobotModel
+from pioneer3.sim.motion import Axis, Drive
+
+FULL = 13.0
+"""Voltage of three charged lead-acid batteries at rest [V]."""
+EMPTY = 11.0
+"""Where the firmware shuts down [V] (user-needs 1.9)."""
+CAPACITY = 252.0 * 3600
+"""Three batteries of 12 V and 7 Ah [J]."""
+IDLE_POWER = 15.0
+"""Controller and sonar [W]."""
+DRIVE_POWER = 40.0
+"""Motors at 1 m/s [W]."""
+
+
+@dataclass(slots=True)
+class Battery:
+    """Energy left, and the voltage that goes with it: a straight line from full to empty.
+
+    Attributes:
+        energy: [J].
+        fixed: Voltage set by a test, or `None` [V].
+    """
+
+    energy: float = CAPACITY
+    fixed: float | None = None
+
+    def drain(self, speed: float, dt: float) -> None:
+        """Use what `dt` [s] of driving at `speed` [m/s] takes."""
+        self.energy = max(0.0, self.energy - (IDLE_POWER + DRIVE_POWER * abs(speed)) * dt)
+
+    @property
+    def voltage(self) -> float:
+        """Terminal voltage [V]."""
+        if self.fixed is not None:
+            return self.fixed
+        return EMPTY + (FULL - EMPTY) * self.energy / CAPACITY
+
+
+class Body:
+    """A robot in the world.
+
+    Attributes:
+        model: Its sizes and limits.
+        home: Where it starts, and :meth:`reset` brings it back [m, rad].
+        robot_in_world: The truth [m, rad].
+        robot_in_odom: What its wheels say [m, rad].
+        stalled: The drive pushes and nothing moves.
+        stop_button: The red button is pressed; the motors have no power.
+        sonar_on: The transducers fire.
+    """
+
+    def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
+        self.model = model
+        self.home = self.robot_in_world = home
+        self.robot_in_odom = ORIGIN
+        self.stalled = False
+        self.sonar_on = True
+        self.battery = Battery()
+        self._stop_button = False
+        self.drive = Drive(
+            linear=Axis(model.acceleration, model.deceleration, model.max_speed),
+            angular=Axis(model.turn_acceleration, model.turn_deceleration, model.max_turn_rate),
+        )
+
+    @property
+    def stop_button(self) -> bool:
+        """Whether the red button is pressed."""
+        return self._stop_button
+
+    @stop_button.setter
+    def stop_button(self, pressed: bool) -> None:
+        self._stop_button = pressed
+        if pressed:
+            self.drive.power(on=False)
+
+    def enable_motors(self, *, on: bool) -> None:
+        """Switch the motors; with the stop button pressed they stay off."""
+        self.drive.power(on=on and not self._stop_button)
+
+    def turn_to(self, heading: float) -> None:
+        """Turn the short way to `heading` of the odometry [rad]."""
+        self.turn_by(wrap(heading - self.robot_in_odom.theta))
+
+    def turn_by(self, angle: float) -> None:
+        """Turn by `angle` [rad] on top of what the drive has in its ramp."""
+        self.drive.angular.travel(angle)
+
+    def advance(self, motion: Pose2) -> None:
+        """Move by `motion`, given in the robot's frame; the wheels roll along."""
+        self.robot_in_world = self.robot_in_world @ motion
+        self.robot_in_odom = self.robot_in_odom @ motion
+
+    def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
+        """Make the wheels believe in `pose`."""
+        self.robot_in_odom = pose
+
+    def reset(self) -> None:
+        """Back to the start, at rest."""
+        self.robot_in_world, self.robot_in_odom = self.home, ORIGIN
+        self.drive.stop()
+        self.drive.halt()
+
+    def session_ended(self) -> None:
+        """What the firmware does when nobody is connected."""
+        self.drive.power(on=False)
+        self.drive.held = False
+        self.reset_odometry()

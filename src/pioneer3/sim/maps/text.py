@@ -1,0 +1,87 @@
+"""The lines and numbers of a map file, and where in it something is wrong."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+
+LARGEST_FILE = 16 * 1024 * 1024
+"""Larger files are not maps [bytes]; ARIA's largest has 0.7 MB."""
+
+LARGEST_MM = 1e8
+"""Coordinates beyond 100 km are mistakes [mm]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line of a file, without the blanks around it; counted from 1."""
+
+    path: Path
+    number: int
+    text: str
+
+    def wrong(self, field: str, problem: str) -> ConfigError:
+        """Return the error that says what is wrong with `field` on this line."""
+        return wrong(self.path, f"{self.number}: {field}: {problem}")
+
+    def numbers(self, field: str, words: Sequence[str]) -> tuple[float, ...]:
+        """Return `words` as numbers, unit unchanged.
+
+        Raises:
+            ConfigError: One is no number, not finite or beyond 100 km in millimetres.
+        """
+        try:
+            values = tuple(map(float, words))
+        except ValueError:
+            raise self.wrong(field, f"{shown(' '.join(words))} is not all numbers") from None
+        for value, word in zip(values, words, strict=True):
+            # written so that NaN fails too
+            if not abs(value) <= LARGEST_MM:
+                raise self.wrong(field, f"{shown(word)} is not within 100 km of the origin")
+        return values
+
+
+def wrong(path: Path, problem: str) -> ConfigError:
+    """Return a one-line error about the file at `path`."""
+    name = str(path)
+    return ConfigError(f"{name if name.isprintable() else ascii(name)}:{problem}")
+
+
+def shown(text: str) -> str:
+    """Return `text` as a quoted one-line excerpt for a message."""
+    return ascii(text if len(text) <= 40 else text[:37] + "...")
+
+
+def read_lines(path: Path) -> Iterator[Line]:
+    """Yield the lines that say something: no blank lines, no comments (`#` or `;` first).
+
+    Raises:
+        ConfigError: The file is missing, not a regular file, unreadable or too large.
+    """
+    text = _read(path)
+    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+        stripped = line.strip()
+        if stripped and stripped[0] not in "#;":
+            yield Line(path, number, stripped)
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.is_dir():
+            raise wrong(path, " is a directory, not a map file")
+        if path.exists() and not path.is_file():
+            raise wrong(path, " is not a regular file")
+        with path.open("rb") as file:
+            raw = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, ConfigError):
+            raise
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise wrong(path, f" cannot read this map file: {reason}") from None
+    if len(raw) > LARGEST_FILE:
+        raise wrong(path, f" is larger than {LARGEST_FILE >> 20} MB, so not a map")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")

@@ -1,0 +1,179 @@
+"""What the robot says at one instant. Immutable, SI, no behaviour attached."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from pioneer3.geometry import Pose2, Twist2
+
+
+class Charging(StrEnum):
+    """What the charger does (arcos.md 4.2)."""
+
+    UNKNOWN = "unknown"
+    NONE = "not charging"
+    BULK = "bulk"
+    OVERCHARGE = "overcharge"
+    FLOAT = "float"
+    BALANCE = "balance"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Identity:
+    """Who the robot says it is.
+
+    Attributes:
+        name: Given by its owner; simulators say `MobileSim`.
+        family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
+        model: Parameter-file name in lower case, such as `p3at-sh`.
+    """
+
+    name: str
+    family: str
+    model: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Odometry:
+    """Where the wheels say the robot is.
+
+    Attributes:
+        robot_in_odom: Pose since the first connection [m, rad]; continuous over reconnections.
+        twist: Measured body velocity [m/s, rad/s].
+        left_speed: Left wheel's speed over ground [m/s].
+        right_speed: Right wheel's speed over ground [m/s].
+    """
+
+    robot_in_odom: Pose2
+    twist: Twist2
+    left_speed: float
+    right_speed: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sonar:
+    """Ultrasonic ranges.
+
+    Attributes:
+        ranges: Per transducer [m], shape (number of transducers,); index 0 is front left.
+            `inf` where nothing echoed, NaN before the first reading.
+        fresh: Numbers of the transducers that were read in this very report.
+        enabled: Whether the robot is pinging.
+    """
+
+    ranges: tuple[float, ...] = ()
+    fresh: tuple[int, ...] = ()
+    enabled: bool = False
+
+    @property
+    def nearest(self) -> float:
+        """Shortest range [m]; `inf` when nothing is seen."""
+        return min((r for r in self.ranges if r == r), default=float("inf"))  # noqa: PLR0124
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Battery:
+    """Energy.
+
+    Attributes:
+        voltage: [V].
+        charge: 0 to 1, or `None` where the robot cannot tell.
+        charging: What the charger does.
+        low: Whether the voltage is below the alarm level of the robot's own configuration.
+    """
+
+    voltage: float
+    charge: float | None = None
+    charging: Charging = Charging.UNKNOWN
+    low: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motors:
+    """The drive.
+
+    Attributes:
+        enabled: Whether the motors have power.
+        left_stalled: The left wheels are blocked.
+        right_stalled: The right wheels are blocked.
+        moving: Whether the firmware reports that it moves the robot.
+        stop_button: Whether the red button is pressed.
+    """
+
+    enabled: bool = False
+    left_stalled: bool = False
+    right_stalled: bool = False
+    moving: bool = False
+    stop_button: bool = False
+
+    @property
+    def stalled(self) -> bool:
+        """Whether either side is blocked."""
+        return self.left_stalled or self.right_stalled
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bumpers:
+    """Contact by segment; front from left to right, rear from right to left (arcos.md 4.7)."""
+
+    front: tuple[bool, ...] = ()
+    rear: tuple[bool, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """Digital and analog lines and what else hangs on the controller.
+
+    Attributes:
+        digital_in: Bits, 1 is high.
+        digital_out: Bits, 1 is high.
+        analog: Voltage of the selected port [V].
+        compass: Heading as the robot states it [rad], or `None` without a compass.
+        temperature: Motor temperature [degrees Celsius], or `None` without a sensor.
+    """
+
+    digital_in: int = 0
+    digital_out: int = 0
+    analog: float = 0.0
+    compass: float | None = None
+    temperature: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkQuality:
+    """How well the bytes arrive.
+
+    Attributes:
+        reports: Reports received in this session.
+        bad_checksums: Frames thrown away because their checksum was wrong.
+        bytes_skipped: Bytes that belonged to no frame.
+        rate: Reports of this kind in the last second [1/s].
+        sessions: How often the robot has been connected to, this session included.
+    """
+
+    reports: int = 0
+    bad_checksums: int = 0
+    bytes_skipped: int = 0
+    rate: float = 0.0
+    sessions: int = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Snapshot:
+    """One coherent reading of everything the robot reports.
+
+    Attributes:
+        stamp: When its first byte arrived [s, monotonic].
+        sequence: Counts up by one per report, over all sessions.
+        faults: Names of the fault flags that are up.
+    """
+
+    stamp: float
+    sequence: int
+    odometry: Odometry
+    battery: Battery
+    motors: Motors
+    sonar: Sonar = field(default_factory=Sonar)
+    bumpers: Bumpers = field(default_factory=Bumpers)
+    inputs: Inputs = field(default_factory=Inputs)
+    link: LinkQuality = field(default_factory=LinkQuality)
+    faults: tuple[str, ...] = ()

@@ -1,0 +1,1 @@
+"""From keys, sticks and fingers to what the robot shall do."""

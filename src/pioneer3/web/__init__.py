@@ -1,0 +1,1 @@
+"""The live page: a server for browsers, and what it serves."""

@@ -1,0 +1,107 @@
+// The WebSocket: connects, reconnects with back-off, measures the round trip.
+// A socket that is silent for SILENCE ms counts as lost, whatever TCP believes.
+
+const FIRST_RETRY = 500; // ms
+const LAST_RETRY = 5000;
+const PING = 1000;
+const SILENCE = 4000;
+const QUEUE = 512; // bytes; a fuller queue would deliver old velocities late
+
+export class Connection {
+  #onMessage;
+  #onChange;
+  #socket = null;
+  #retry = FIRST_RETRY;
+  #timer = 0;
+  #heard = 0;
+
+  /** Milliseconds from a ping to its answer, or null before the first. */
+  roundTrip = null;
+  /** When the next attempt is due [performance.now()], or null while connected or connecting. */
+  retryAt = null;
+
+  constructor({ onMessage, onChange }) {
+    this.#onMessage = onMessage;
+    this.#onChange = onChange;
+    setInterval(() => this.#beat(), PING);
+    addEventListener("online", () => this.#retryNow());
+    document.addEventListener("visibilitychange", () => document.hidden || this.#retryNow());
+  }
+
+  get open() {
+    return this.#socket?.readyState === WebSocket.OPEN;
+  }
+
+  connect() {
+    clearTimeout(this.#timer);
+    this.retryAt = null;
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    const socket = new WebSocket(`${scheme}//${location.host}/ws${location.search}`);
+    this.#socket = socket;
+    this.#heard = performance.now();
+    socket.addEventListener("open", () => this.#isCurrent(socket) && this.#opened());
+    socket.addEventListener("message", (event) => this.#isCurrent(socket) && this.#heardOf(event.data));
+    socket.addEventListener("close", () => this.#isCurrent(socket) && this.#lost());
+    this.#onChange();
+  }
+
+  /** Sends now or not at all: nothing is kept for a later connection. Says whether it was sent. */
+  send(message) {
+    if (!this.open) return false;
+    this.#socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Like send, but gives up when older messages still wait in the queue. */
+  sendFresh(message) {
+    return this.open && this.#socket.bufferedAmount < QUEUE && this.send(message);
+  }
+
+  #isCurrent(socket) {
+    return socket === this.#socket;
+  }
+
+  #opened() {
+    this.#heard = performance.now();
+    this.#onChange();
+    this.#ping();
+  }
+
+  #heardOf(text) {
+    this.#heard = performance.now();
+    this.#retry = FIRST_RETRY;
+    let message;
+    try {
+      message = JSON.parse(text);
+    } catch {
+      return;
+    }
+    if (message?.type === "pong") this.roundTrip = Math.max(0, performance.now() - message.t);
+    if (message?.type) this.#onMessage(message);
+  }
+
+  #beat() {
+    if (this.#socket === null) return;
+    if (performance.now() - this.#heard > SILENCE) this.#lost();
+    else this.#ping();
+  }
+
+  #ping() {
+    this.send({ type: "ping", t: performance.now() });
+  }
+
+  #lost() {
+    const socket = this.#socket;
+    this.#socket = null;
+    socket.close();
+    this.roundTrip = null;
+    this.retryAt = performance.now() + this.#retry;
+    this.#timer = setTimeout(() => this.connect(), this.#retry);
+    this.#retry = Math.min(LAST_RETRY, this.#retry * 2);
+    this.#onChange();
+  }
+
+  #retryNow() {
+    if (this.retryAt !== null) this.connect();
+  }
+}

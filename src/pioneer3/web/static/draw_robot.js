@@ -1,0 +1,96 @@
+// The robot to scale, in its own frame: x forward, y left [m].
+
+const SMALL = 26; // px; a shorter robot gets a ring to be found by
+const GENERIC = { model: "", length_front: 0.3, length_rear: 0.3, width: 0.45, front_bumpers: 0, rear_bumpers: 0 };
+
+export function drawRobot(context, view, palette, { robot, bumpers }) {
+  const shape = robot ?? GENERIC;
+  const ring = SMALL / view.scale / 2;
+  if (shape.length_front < ring) drawRing(context, view, palette, ring);
+  const front = shape.length_front - (shape.front_bumpers ? 0.055 : 0);
+  const rear = shape.length_rear - (shape.rear_bumpers ? 0.055 : 0);
+  drawWheels(context, palette, shape, front, rear);
+  drawBody(context, view, palette, shape, front, rear);
+  drawBumper(context, palette, shape, 1, bumpers?.front ?? []);
+  drawBumper(context, palette, shape, -1, bumpers?.rear ?? []);
+}
+
+function drawRing(context, view, palette, radius) {
+  context.beginPath();
+  context.arc(0, 0, radius, 0, 2 * Math.PI);
+  context.fillStyle = palette.nose;
+  context.globalAlpha = 0.2;
+  context.fill();
+  context.globalAlpha = 1;
+  context.strokeStyle = palette.nose;
+  context.lineWidth = 1.5 / view.scale;
+  context.stroke();
+}
+
+function drawWheels(context, palette, { model, width }, front, rear) {
+  context.fillStyle = palette.wheel;
+  const four = /at|seekur|patrol/i.test(model);
+  const [length, thick] = four ? [0.22, 0.085] : [0.19, 0.05];
+  const centres = four ? [front - 0.14, -(rear - 0.14)] : [0];
+  for (const x of centres) {
+    for (const side of [1, -1]) {
+      const y = side > 0 ? width / 2 - thick : -width / 2;
+      box(context, x - length / 2, y, length, thick, 0.02);
+      context.fill();
+    }
+  }
+}
+
+function drawBody(context, view, palette, { model, width }, front, rear) {
+  const half = width / 2 - (/at|seekur/i.test(model) ? 0.07 : 0.035);
+  const length = front + rear;
+  context.save();
+  context.shadowColor = "rgb(0 0 0 / 0.35)";
+  context.shadowBlur = 14;
+  box(context, -rear, -half, length, 2 * half, 0.07);
+  context.fillStyle = palette.body;
+  context.fill();
+  context.restore();
+  context.strokeStyle = palette.edge;
+  context.lineWidth = Math.max(0.008, 1 / view.scale);
+  context.stroke();
+  box(context, -rear + 0.05, -half + 0.045, length - 0.1, 2 * half - 0.09, 0.05);
+  context.fillStyle = palette.deck;
+  context.fill();
+  context.beginPath(); // the nose
+  context.moveTo(front - 0.03, 0);
+  context.lineTo(front - 0.21, half * 0.55);
+  context.lineTo(front - 0.165, 0);
+  context.lineTo(front - 0.21, -half * 0.55);
+  context.closePath();
+  context.fillStyle = palette.nose;
+  context.fill();
+}
+
+/** Segments across the front (end 1, from left to right) or the rear (end -1, from right to left). */
+function drawBumper(context, palette, shape, end, hits) {
+  const reach = end > 0 ? shape.length_front : shape.length_rear;
+  const point = (t) => [end * (reach - 0.018 - 0.05 * t * t), end * t * shape.width * 0.46];
+  context.lineCap = "butt";
+  hits.forEach((hit, index) => {
+    const gap = 0.03;
+    const from = 1 - (2 * index) / hits.length - gap;
+    const to = 1 - (2 * (index + 1)) / hits.length + gap;
+    context.beginPath();
+    context.moveTo(...point(from));
+    const [a, b] = [point(from), point(to)];
+    const middle = point((from + to) / 2);
+    context.quadraticCurveTo(2 * middle[0] - (a[0] + b[0]) / 2, 2 * middle[1] - (a[1] + b[1]) / 2, ...b);
+    context.strokeStyle = hit ? palette.hit : palette.bumper;
+    context.lineWidth = hit ? 0.06 : 0.034;
+    context.save();
+    if (hit) Object.assign(context, { shadowColor: palette.hit, shadowBlur: 18 });
+    context.stroke();
+    context.restore();
+  });
+}
+
+function box(context, x, y, width, height, radius) {
+  context.beginPath();
+  context.roundRect(x, y, width, height, radius);
+}

@@ -1,0 +1,36 @@
+// The top bar: what we are connected to, how well, and who drives.
+
+const byId = (id) => document.getElementById(id);
+
+const DRIVERS = {
+  you: ["You drive", "you"],
+  other: ["Someone else drives", "warn"],
+};
+
+function chip(id, text, level) {
+  const element = byId(id);
+  if (element.textContent !== text) element.textContent = text;
+  if (element.dataset.level !== level) element.dataset.level = level;
+}
+
+export function showHello({ connection, robot, url }) {
+  const badge = byId("badge");
+  badge.textContent = connection;
+  badge.dataset.kind = connection === "ROBOT" ? "robot" : "simulator";
+  document.body.dataset.kind = badge.dataset.kind;
+  badge.title = url ?? "";
+  byId("name").textContent = robot?.name || "pioneer3";
+  byId("title").textContent = robot?.title ?? "waiting for the robot";
+  document.title = `${connection}: ${robot?.name || "pioneer3"}`;
+}
+
+/** @param model Model @param retryAt when the socket tries again [performance.now()], or null */
+export function showConnection(model, retryAt) {
+  if (!model.socketOpen) chip("connection", retryAt === null ? "Connecting" : "Reconnecting", "bad");
+  else if (model.status?.state === "lost") chip("connection", "Robot lost", "bad");
+  else if (model.status?.state === "connecting") chip("connection", "Connecting", "warn");
+  else if (!model.live) chip("connection", "No news", "warn");
+  else chip("connection", "Connected", "good");
+  const driver = model.live ? model.snapshot.driver : null;
+  chip("driver", ...(DRIVERS[driver] ?? ["Nobody drives", "idle"]));
+}

@@ -1,0 +1,53 @@
+// What must be read: why it does not move, a lost connection, a refusal.
+
+const byId = (id) => document.getElementById(id);
+const TOAST = 4000; // ms
+let toastTimer = 0;
+
+function put(id, text) {
+  const element = byId(id);
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function showWhy(why, faults) {
+  put("why", why ?? "");
+  const list = byId("faults");
+  const key = faults.join("\n");
+  if (list.dataset.key === key) return;
+  list.dataset.key = key;
+  list.replaceChildren(...faults.map((fault) => {
+    const item = document.createElement("li");
+    item.textContent = fault;
+    return item;
+  }));
+}
+
+/** Greys the scene while what it shows is old. */
+export function showOverlay(model, retryAt) {
+  const [title, text] = reason(model, retryAt);
+  document.body.classList.toggle("stale", title !== "");
+  byId("overlay").hidden = title === "";
+  put("overlay-title", title);
+  put("overlay-text", text);
+}
+
+function reason(model, retryAt) {
+  if (!model.socketOpen) {
+    if (retryAt === null) return ["Connecting", "Looking for the driver on this address."];
+    const seconds = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));
+    return ["Connection lost", `The robot stops by itself. Next try in ${seconds} s.`];
+  }
+  if (model.status?.state === "lost") return ["Robot lost", model.status.message];
+  if (model.status?.state === "connecting") return ["Connecting to the robot", model.status.message];
+  if (!model.live) return [model.snapshot ? "No news from the robot" : "Waiting for the robot", "The picture may be old."];
+  return ["", ""];
+}
+
+/** A short message that goes away by itself. */
+export function toast(text) {
+  const element = byId("toast");
+  element.textContent = text;
+  element.hidden = false;
+  clearTimeout(toastTimer);
+  toastTimer = setTimeout(() => (element.hidden = true), TOAST);
+}

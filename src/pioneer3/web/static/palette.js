@@ -1,0 +1,20 @@
+// The canvas colours, taken from theme.css so that both themes live in one place.
+
+const NAMES = [
+  "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
+  "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
+];
+
+export function readPalette() {
+  const style = getComputedStyle(document.documentElement);
+  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--c-${name}`).trim()]));
+}
+
+/** Between two #rrggbb colours, k from 0 to 1. */
+export function mix(a, b, k) {
+  const channel = (at) => {
+    const [from, to] = [a, b].map((colour) => parseInt(colour.slice(at, at + 2), 16));
+    return Math.round(from + (to - from) * Math.min(1, Math.max(0, k)));
+  };
+  return `rgb(${channel(1)} ${channel(3)} ${channel(5)})`;
+}

@@ -1,0 +1,127 @@
+"""TOML model files: what is wrong is named by file and key."""
+
+from importlib.resources import files
+from math import pi, radians
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pioneer3.errors import ConfigError
+from pioneer3.models import RobotModel, load_model
+from pioneer3.models.toml import parse_toml
+
+SHIPPED = files("pioneer3.models").joinpath("p3at-sh.toml").read_text(encoding="utf-8")
+MINIMAL = """
+name = "lab"
+title = "Lab robot"
+radius = 1
+width = 0.5
+length_front = 0.3
+length_rear = 0.3
+max_speed = 1.0
+max_turn_rate_deg = 90
+wheel_base = 0.4
+distance_factor = 0.001
+"""
+
+
+def test_a_file_is_read_by_its_path(tmp_path: Path) -> None:
+    path = tmp_path / "mine.TOML"
+    path.write_text(SHIPPED)
+    assert load_model(path) == load_model(str(path)) == load_model("p3at-sh")
+
+
+def test_what_every_modern_robot_shares_may_be_left_out() -> None:
+    model = parse_toml(MINIMAL, "lab.toml")
+    assert (model.radius, model.max_turn_rate) == (1.0, radians(90))
+    assert (model.heading_factor, model.vel2_unit) == (2 * pi / 4096, 0.02)
+    assert (model.sonars, model.laser, model.drive) == ((), None, "differential")
+
+
+def test_a_backward_sonar_is_wrapped_like_every_angle() -> None:
+    text = MINIMAL + "sonars = [{ x = 0, y = 0, theta_deg = -180 }]"
+    assert parse_toml(text, "lab.toml").sonars[0].theta == pi
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("radius = 0.5", "radius = 500", "radius: 500 is out of range, expected 0.01 to 10"),
+        ("radius = 0.5", "radius = -0.5", "radius: -0.5 is out of range, expected 0.01 to 10"),
+        ("radius = 0.5", "radius = nan", "radius: nan is out of range, expected 0.01 to 10"),
+        ("radius = 0.5", 'radius = "5"', "radius: Expected float, got str"),
+        ("radius = 0.5", "raduis = 0.5", "raduis: unknown key, did you mean radius?"),
+        ("radius = 0.5", "", "radius: missing, add it"),
+        ("max_turn_rate_deg = 300", "max_turn_rate_deg = 1e9", "max_turn_rate_deg: 1e+09 is out"),
+        (
+            "max_turn_rate_deg = 300",
+            "max_turn_rate_deg = true",
+            "max_turn_rate_deg: expected a number, got True",
+        ),
+        (
+            "max_turn_rate_deg = 300",
+            "max_turn_rate = 5",
+            "max_turn_rate: unknown key, did you mean max_turn_rate_deg?",
+        ),
+        ("max_turn_rate_deg = 300", "", "max_turn_rate_deg: missing, add it"),
+        ("heading_units = 4096", "heading_units = 0", "heading_units: 0 is out of range"),
+        (
+            "heading_units = 4096",
+            "heading_factor = 0.0015",
+            "heading_factor: unknown key, did you mean heading_units?",
+        ),
+        ('"skid"', '"tank"', "drive: Invalid enum value 'tank', expected skid or differential"),
+        ('"p3at-sh"', '""', "name: '' is empty or not printable"),
+        ("= 38400", "= 4800", "switch_speed: 4800 is none of 0, 9600"),
+        ("front_bumpers = 0", "front_bumpers = 8", "front_bumpers: 8 is out of range"),
+        ("front_bumpers = 0", "front_bumpers = 2.5", "front_bumpers: Expected int, got float"),
+        ("request_io = false", "request_io = 0", "request_io: Expected bool, got int"),
+        ("x = 0.147,", "", "sonars[0].x: missing, add it"),
+        ("x = 0.147,", "z = 0.147,", "sonars[0].z: unknown key, expected one of x, y, theta_deg"),
+        ("x = 0.193,", "x = 193,", "sonars[1]: x: 193 is out of range, expected -10 to 10"),
+        ("theta_deg = 50", "theta_deg = 500", "sonars[1].theta_deg: 500 is out of range"),
+        ("sonars = [", "sonars = [7,", "sonars[0]: Expected object, got int"),
+        ("sonars = [", "sonars = 7\nsonar = [", "sonar: unknown key, did you mean sonars?"),
+        ("front_bumpers = 0", "table_irs = [[1]]", "table_irs[0]: Expected array of length 2"),
+        ("front_bumpers = 0", "table_irs = [[1, 20]]", "table_irs[0].y: 20 is out of range"),
+        ("kind =", "type =", "laser.type: unknown key, expected one of kind, x, y, theta_deg"),
+        ('"lms2xx"', '""', "laser: kind: '' is empty or not printable"),
+        ("family =", '"\\u001b" =', "'\\x1b': unknown key"),
+        ("radius = 0.5", "radius =", "not valid TOML: Invalid value (at line "),
+        ("radius = 0.5", "radius = " + "[" * 5000, "not valid TOML: "),
+        ("radius = 0.5", "radius = 1" + "0" * 400, "radius: "),
+        ("_rate_deg = 300", "_rate_deg = 1" + "0" * 400, "max_turn_rate_deg: this number is out"),
+    ],
+)
+def test_what_is_wrong_is_named(old: str, new: str, message: str) -> None:
+    assert old in SHIPPED
+    with pytest.raises(ConfigError) as caught:
+        parse_toml(SHIPPED.replace(old, new, 1), "my.toml")
+    assert str(caught.value).startswith(f"my.toml: {message}")
+    assert str(caught.value).isprintable()
+
+
+JUNK = st.one_of(
+    st.none(),
+    st.sampled_from(["''", "'x'", "true", "[]", "{}", "[{}]", "[[]]", "nan", "inf", "1979-05-27"]),
+    st.floats().map(repr),
+    st.integers().map(repr),
+)
+
+
+@given(st.lists(st.tuples(st.sampled_from(SHIPPED.splitlines()), JUNK), max_size=60))
+def test_any_mixture_of_lines_gives_a_model_or_names_the_file(
+    lines: list[tuple[str, str | None]],
+) -> None:
+    text = "\n".join(s if v is None else f"{s.partition('=')[0]} = {v}" for s, v in lines)
+    result = outcome(text)
+    assert isinstance(result, RobotModel) or result.startswith("my.toml: ")
+
+
+def outcome(text: str) -> RobotModel | str:
+    try:
+        return parse_toml(text, "my.toml")
+    except ConfigError as error:
+        return str(error)
