@@ -15,15 +15,20 @@ pytestmark = pytest.mark.skipif(not CAPTURES, reason="no captures beside this ch
 
 
 def payloads(capture: Path, direction: str) -> Iterator[bytes]:
-    """Yield the payload of each frame, taking frames apart without the code under test."""
+    """Yield the payload of each frame that went in `direction`."""
     for line in capture.read_text().splitlines():
-        if f" {direction} " in line:
-            data = bytes.fromhex(line.split()[3])
-            while data:
-                frame, data = data[: data[2] + 3], data[data[2] + 3 :]
-                assert frame.startswith(HEADER)
-                assert int.from_bytes(frame[-2:], "big") == checksum(frame[3:-2])
-                yield frame[3:-2]
+        match line.split():
+            case [_, way, _, data] if way == direction:
+                yield from frames(bytes.fromhex(data))
+
+
+def frames(data: bytes) -> Iterator[bytes]:
+    """Yield the payloads of the frames that `data` consists of."""
+    while data:
+        frame, data = data[: data[2] + 3], data[data[2] + 3 :]
+        assert frame.startswith(HEADER)
+        assert int.from_bytes(frame[-2:], "big") == checksum(frame[3:-2])
+        yield frame[3:-2]
 
 
 @pytest.mark.parametrize("capture", CAPTURES, ids=lambda path: path.stem)

@@ -132,8 +132,7 @@ RECEIVED = [
         reports.SyncIdentity("MobileSim", "Pioneer", "p3dx-sh"),
     ),
     (
-        "fa fb 1b 02 41 4d 52 49 53 69 6d 00 50 69 6f 6e 65 65 72 00"
-        " 70 33 61 74 2d 73 68 00 5b 4f",
+        "fa fb 1b 02 41 4d 52 49 53 69 6d 00 50 69 6f 6e 65 65 72 00 70 33 61 74 2d 73 68 00 5b 4f",
         reports.SyncIdentity("AMRISim", "Pioneer", "p3at-sh"),
     ),
     (

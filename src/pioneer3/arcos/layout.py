@@ -9,7 +9,7 @@ The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire o
         right_counts: S32
         extra: Rest = b""
 
-A field with a default may be missing at the end of a packet: reading stops there and leaves the
+Fields with a default may be missing at the end of a packet: reading stops there and leaves the
 defaults, writing stops at the first `None`. `Rest` takes whatever bytes are left over.
 """
 
@@ -30,6 +30,7 @@ class Slot:
     name: str
     kind: Kind
     optional: bool
+    """Whether a packet may end before this field."""
 
     @property
     def is_rest(self) -> bool:
@@ -45,14 +46,13 @@ def layout(cls: type) -> tuple[Slot, ...]:
 @cache
 def _compiled(cls: type) -> tuple[Slot, ...]:
     hints = get_type_hints(cls, include_extras=True)
-    return tuple(
-        Slot(
-            field.name,
-            _kind(hints[field.name]),
-            field.default is not MISSING or field.default_factory is not MISSING,
-        )
-        for field in fields(cls)
-    )
+    slots: list[Slot] = []
+    optional = True
+    for field in reversed(fields(cls)):
+        has_default = field.default is not MISSING or field.default_factory is not MISSING
+        optional = optional and has_default
+        slots.append(Slot(field.name, _kind(hints[field.name]), optional))
+    return tuple(reversed(slots))
 
 
 def _kind(hint: object) -> Kind:
@@ -97,8 +97,6 @@ def read_fields(cls: type[T], reader: Reader) -> T:
     ended = False
     for slot in layout(cls):
         if ended and not slot.is_rest:
-            if not slot.optional:
-                raise EOFError
             continue
         start = reader.at
         try:

@@ -45,7 +45,7 @@ async def open_pty(name: Path | None = None) -> PtyPort:
     path = os.ttyname(slave)
     if name is not None:
         try:
-            os.symlink(path, name)
+            name.symlink_to(path)  # noqa: ASYNC240  it does not wait
         except OSError as error:
             os.close(master)
             os.close(slave)

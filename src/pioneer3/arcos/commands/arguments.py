@@ -1,13 +1,14 @@
 """How the arguments of client commands travel (arcos.md 1.3).
 
-=====  ====================  ========================================================
-type   meaning               followed by
-=====  ====================  ========================================================
-0x3B   non-negative integer  u16 magnitude
-0x1B   negative integer      u16 magnitude
-0x2B   string                u8 length and that many bytes; ARIA's `comStr` adds a NUL that is
-                             not counted, its `comDataN` leaves out the length
-=====  ====================  ========================================================
+====  ====================  ========================================
+type  meaning               followed by
+====  ====================  ========================================
+0x3B  non-negative integer  u16 magnitude
+0x1B  negative integer      u16 magnitude
+0x2B  string                u8 length and that many bytes
+====  ====================  ========================================
+
+After a string ARIA's `comStr` adds a NUL that is not counted; its `comDataN` leaves out the length.
 
 An integer stands for itself modulo 2**16: ARIA squeezes every argument through a signed 16-bit
 number, so that 40000 arrives as 0x1B 25536, and two packed bytes of 0xF60A as 0x1B 0x09F6.
@@ -113,7 +114,10 @@ class String:
         body = reader.take_rest()
         end = 1 + body[0] if body else 1
         is_counted = len(body) == end or body[end:] == b"\0"
-        return self.content.read(Reader(body[1:end] if is_counted else body))
+        content = body[1:end] if is_counted else body
+        if len(content) > self.limit:
+            raise ValueError(f"{len(content)} bytes are more than {self.limit}")
+        return self.content.read(Reader(content))
 
     def write(self, value: object, out: bytearray) -> None:
         data = bytearray()

@@ -82,8 +82,10 @@ def write_sip(sip: Sip) -> bytes:
     count = tail.index(None) if None in tail else len(tail)
     if sip.number not in SIP_NUMBERS:
         raise CommandError(f"Sip.number: {sip.number!r} is outside 0x30..0x34")
-    if count not in _TAILS or tail.count(None) != len(tail) - count:
-        raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field of its group or behind is set")
+    if count not in _TAILS:
+        raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field of its group is set")
+    if tail.count(None) != len(tail) - count:
+        raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field behind it is set")
     ranges = [part for reading in sip.sonar for part in (reading.number, reading.range_raw)]
     try:
         return b"".join(

@@ -32,27 +32,28 @@ function cone(context, range) {
 
 function drawNothing(context, palette, range) {
   cone(context, range);
-  const fade = context.createRadialGradient(0, 0, 0, 0, 0, range);
-  fade.addColorStop(0, palette["sonar-none"]);
-  fade.addColorStop(1, "transparent");
-  context.globalAlpha = 0.10;
-  context.fillStyle = fade;
-  context.fill();
+  const colour = mix(palette["sonar-none"], palette["sonar-none"], 0);
+  shade(context, colour, range, 0.12, 0.02);
 }
 
 function drawEcho(context, view, colour, range) {
   cone(context, range);
-  const fill = context.createRadialGradient(0, 0, 0, 0, 0, Math.max(range, 0.01));
-  fill.addColorStop(0, colour.replace(")", " / 0.04)"));
-  fill.addColorStop(1, colour.replace(")", " / 0.30)"));
-  context.fillStyle = fill;
-  context.fill();
+  shade(context, colour, range, 0.04, 0.3);
   context.beginPath();
   context.arc(0, 0, range, -HALF, HALF);
   context.strokeStyle = colour;
   context.lineWidth = 2.5 / view.scale;
   context.lineCap = "round";
   context.stroke();
+}
+
+/** Fills the cone from one opacity at the transducer to another at its end. */
+function shade(context, colour, range, inner, outer) {
+  const fill = context.createRadialGradient(0, 0, 0, 0, 0, Math.max(range, 0.01));
+  fill.addColorStop(0, colour.replace(")", ` / ${inner})`));
+  fill.addColorStop(1, colour.replace(")", ` / ${outer})`));
+  context.fillStyle = fill;
+  context.fill();
 }
 
 function colourOf(range, palette) {

@@ -31,6 +31,6 @@ export function showConnection(model, retryAt) {
   else if (model.status?.state === "connecting") chip("connection", "Connecting", "warn");
   else if (!model.live) chip("connection", "No news", "warn");
   else chip("connection", "Connected", "good");
-  const driver = model.live ? model.snapshot.driver : null;
-  chip("driver", ...(DRIVERS[driver] ?? ["Nobody drives", "idle"]));
+  if (!model.live) chip("driver", "Driver unknown", "idle");
+  else chip("driver", ...(DRIVERS[model.snapshot.driver] ?? ["Nobody drives", "idle"]));
 }

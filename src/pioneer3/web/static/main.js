@@ -49,7 +49,7 @@ function greet(hello) {
 
 function see(snapshot) {
   showSnapshot(snapshot);
-  showWhy(snapshot.why, snapshot.faults);
+  showWhy(snapshot);
   scene.adoptPose(snapshot.pose);
 }
 

@@ -9,8 +9,8 @@ function put(id, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function showWhy(why, faults) {
-  put("why", why ?? "");
+export function showWhy({ why, faults, emergency_stop: latched }) {
+  put("why", why ?? (latched ? "Emergency stop. Reset it to drive again." : ""));
   const list = byId("faults");
   const key = faults.join("\n");
   if (list.dataset.key === key) return;
@@ -35,7 +35,7 @@ function reason(model, retryAt) {
   if (!model.socketOpen) {
     if (retryAt === null) return ["Connecting", "Looking for the driver on this address."];
     const seconds = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));
-    return ["Connection lost", `The robot stops by itself. Next try in ${seconds} s.`];
+    return ["Connection lost", `A robot you drove stops by itself. Next try in ${seconds} s.`];
   }
   if (model.status?.state === "lost") return ["Robot lost", model.status.message];
   if (model.status?.state === "connecting") return ["Connecting to the robot", model.status.message];

@@ -20,18 +20,25 @@ function number(value, digits) {
 }
 
 export function showSnapshot(snapshot) {
-  const { pose, twist, battery, motors, bumpers, link } = snapshot;
+  const { pose, twist, sonar, battery, motors, bumpers, link } = snapshot;
   put("speed-now", number(twist.v, 2));
   put("turn-now", number(twist.w, 2));
   put("pose-x", number(pose.x, 2));
   put("pose-y", number(pose.y, 2));
   put("pose-theta", number((pose.theta * 180) / Math.PI, 0));
+  showNearest(sonar);
   showBattery(battery);
   showMotors(motors, bumpers);
   put("rate", number(link.rate, 1));
   put("bad-checksums", String(link.bad_checksums));
   level("bad-checksums", link.bad_checksums > 0 ? "warn" : "good");
   put("sessions", String(link.sessions));
+}
+
+function showNearest({ ranges, enabled }) {
+  const echoes = ranges.filter((range) => range !== null);
+  if (!enabled) put("nearest", "sonar off");
+  else put("nearest", echoes.length ? `${number(Math.min(...echoes), 2)} m` : "none");
 }
 
 function showBattery({ voltage, charge, charging, low }) {

@@ -29,6 +29,6 @@ export function showStops(latched, usable) {
   reset.hidden = !latched;
   reset.disabled = !usable;
   estop.setAttribute("aria-pressed", String(latched));
-  const text = latched ? "E-STOPPED" : "E-STOP";
+  const text = latched ? "LATCHED" : "E-STOP";
   if (estop.textContent !== text) estop.textContent = text;
 }

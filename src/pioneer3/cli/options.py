@@ -1,0 +1,10 @@
+"""Options that several commands share: one name, one help, one default each."""
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+DEFAULT_PORT = "tcp://localhost:8101"
+
+Port = Annotated[str, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")]
+Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]

@@ -1,0 +1,52 @@
+"""`pioneer3 run`."""
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pioneer3.cli.loop import run_until_told_to_leave
+
+
+def run(
+    *,
+    port: Annotated[str | None, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")] = None,
+    baud: Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")] = None,
+    map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
+    robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None,
+    sim_port: int = 8101,
+    web_port: int = 8080,
+    host: str = "127.0.0.1",
+    max_speed: float | None = None,
+) -> int:
+    """Connect to a robot and serve the live page; without --port, to a simulated one of its own.
+
+    Example: pioneer3 run --port /dev/ttyUSB0
+
+    Args:
+        port: The robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE.
+        baud: Serial speed to try first.
+        map_: A shipped map (office) or an ARIA .map file.
+        robot: Simulated model, such as p3dx-sh; with --port: used whatever the robot says it is.
+        sim_port: TCP port of the simulator.
+        web_port: TCP port of the page; 0 takes a free one.
+        host: Address the page is served on. Anything but 127.0.0.1 lets the network drive.
+        max_speed: Keep below this speed [m/s].
+    """
+    from pioneer3.web.live import Options, live  # noqa: PLC0415
+
+    options = Options(
+        port=port,
+        baud=baud,
+        map_name=map_,
+        robot=robot,
+        sim_port=sim_port,
+        web_port=web_port,
+        host=host,
+        max_speed=max_speed,
+    )
+    return run_until_told_to_leave(live(options, _tell))
+
+
+def _tell(message: str) -> None:
+    print(message, file=sys.stdout, flush=True)  # noqa: T201

@@ -1,0 +1,218 @@
+"""What this computer knows of its serial ports without sending a byte (Linux: /sys, /proc, udev)."""
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.links.urls import split_url
+
+DEV, SYS, PROC = Path("/dev"), Path("/sys"), Path("/proc")
+
+_VENDORS: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        0x0403: "FTDI",
+        0x0557: "ATEN",
+        0x067B: "Prolific",
+        0x10C4: "Silicon Labs",
+        0x15D1: "Hokuyo",
+        0x1A86: "WCH",
+        0x9710: "MosChip",
+    }
+)
+_CHIPS: Final[Mapping[tuple[int, int], str]] = MappingProxyType(
+    {
+        (0x0403, 0x6001): "FTDI FT232R",
+        (0x0403, 0x6010): "FTDI FT2232",
+        (0x0403, 0x6011): "FTDI FT4232",
+        (0x0403, 0x6014): "FTDI FT232H",
+        (0x0403, 0x6015): "FTDI FT-X",
+        (0x0557, 0x2008): "ATEN UC-232A",
+        (0x067B, 0x2303): "Prolific PL2303",
+        (0x10C4, 0xEA60): "Silicon Labs CP210x",
+        (0x15D1, 0x0000): "Hokuyo URG laser",
+        (0x1A86, 0x5523): "WCH CH341",
+        (0x1A86, 0x55D4): "WCH CH9102",
+        (0x1A86, 0x7523): "WCH CH340",
+        (0x9710, 0x7720): "MosChip MCS7720",
+    }
+)
+HOKUYO: Final = 0x15D1
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A process that has a port open."""
+
+    pid: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SerialPort:
+    """One serial port as the system knows it.
+
+    Attributes:
+        path: The name to use: the stable one of /dev/serial/by-id where there is one.
+        device: What it stands for now, such as `/dev/ttyUSB0`.
+        product: What the adapter calls itself.
+        vendor_id: USB, `None` for ports that are no USB device.
+        product_id: Likewise.
+        latency_ms: How long an FTDI adapter waits before it passes bytes on.
+        allowed: Whether this user may open it.
+        holders: Who has it open, as far as this user may see.
+        console: Whether the kernel prints its messages there.
+    """
+
+    path: str
+    device: str
+    product: str = ""
+    manufacturer: str = ""
+    vendor_id: int | None = None
+    product_id: int | None = None
+    latency_ms: int | None = None
+    allowed: bool = True
+    holders: tuple[Holder, ...] = ()
+    console: bool = False
+
+    @property
+    def chip(self) -> str | None:
+        """What the adapter is made of; `None` for ports that are no USB device."""
+        if self.vendor_id is None or self.product_id is None:
+            return None
+        vendor = _VENDORS.get(self.vendor_id, self.manufacturer or "unknown maker")
+        named = f"{vendor} {self.vendor_id:04x}:{self.product_id:04x}"
+        return _CHIPS.get((self.vendor_id, self.product_id), named)
+
+    @property
+    def is_hokuyo(self) -> bool:
+        """Whether this is no adapter but a Hokuyo laser itself."""
+        return self.vendor_id == HOKUYO
+
+
+def list_ports() -> tuple[SerialPort, ...]:
+    """Return the serial ports of this computer, USB adapters first."""
+    import serialx  # noqa: PLC0415  costs 100 ms
+
+    ports = [
+        _examined(
+            SerialPort(
+                path=found.device,
+                device=found.resolved_device,
+                product=found.product or "",
+                manufacturer=found.manufacturer or "",
+                vendor_id=found.vid,
+                product_id=found.pid,
+            )
+        )
+        for found in serialx.list_serial_ports()
+    ]
+    return tuple(sorted(ports, key=lambda port: (port.vendor_id is None, port.device)))
+
+
+def find_port(url: str) -> SerialPort | None:
+    """Return what is known of the serial port that `url` names; `None` for other links.
+
+    Raises:
+        ConfigError: `url` names no port.
+    """
+    scheme, path = split_url(url)
+    if scheme != "serial":
+        return None
+    device = os.path.realpath(path)
+    known = next((port for port in list_ports() if port.device == device), None)
+    return known or _examined(SerialPort(path=path, device=device))
+
+
+def is_serial(url: str) -> bool:
+    """Whether `url` names a serial port; what is no URL at all does not."""
+    try:
+        return split_url(url)[0] == "serial"
+    except ConfigError:
+        return False
+
+
+def _examined(port: SerialPort) -> SerialPort:
+    return SerialPort(
+        path=port.path,
+        device=port.device,
+        product=port.product,
+        manufacturer=port.manufacturer,
+        vendor_id=port.vendor_id,
+        product_id=port.product_id,
+        latency_ms=latency_of(port.device),
+        allowed=not Path(port.device).exists() or os.access(port.device, os.R_OK | os.W_OK),
+        holders=tuple(holders_of(port.device)),
+        console=is_console(port.device),
+    )
+
+
+def latency_of(device: str, sys: Path = SYS) -> int | None:
+    """Return an FTDI adapter's latency timer [ms]; `None` for other ports."""
+    try:
+        text = latency_file(device, sys).read_text("ascii").strip()
+    except (OSError, UnicodeDecodeError):
+        return None
+    return int(text) if text.isdecimal() else None
+
+
+def latency_file(device: str, sys: Path = SYS) -> Path:
+    """Return where the latency timer of `device` is read and set."""
+    return sys / "bus/usb-serial/devices" / Path(device).name / "latency_timer"
+
+
+def is_console(device: str, sys: Path = SYS) -> bool:
+    """Whether the kernel prints its messages on `device`."""
+    try:
+        active = (sys / "class/tty/console/active").read_text("ascii").split()
+    except (OSError, UnicodeDecodeError):
+        return False
+    return Path(device).parent == DEV and Path(device).name in active
+
+
+def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterator[Holder]:
+    """Yield the other processes that have `device` open, as far as this user may see.
+
+    Who holds the far end of a pseudo terminal is what is connected to it, not a rival.
+    """
+    me = os.getpid() if me is None else me
+    for process in sorted(_processes(proc)):
+        if process != me and _holds(proc / str(process), device):
+            yield Holder(process, _name_of(proc / str(process)))
+
+
+def _processes(proc: Path) -> Iterator[int]:
+    try:
+        yield from (int(entry.name) for entry in proc.iterdir() if entry.name.isdecimal())
+    except OSError:
+        return
+
+
+def _holds(process: Path, device: str) -> bool:
+    try:
+        open_files = {fd.name: os.readlink(fd) for fd in (process / "fd").iterdir()}
+    except OSError:  # gone by now, or another user's
+        return False
+    if device not in open_files.values():
+        return False
+    masters = (fd for fd, path in open_files.items() if path.endswith("/ptmx"))
+    return not any(_is_far_end(process / "fdinfo" / fd, device) for fd in masters)
+
+
+def _is_far_end(fdinfo: Path, device: str) -> bool:
+    try:
+        lines = fdinfo.read_text("ascii").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return False
+    wanted = ["tty-index:", Path(device).name]
+    return device.startswith("/dev/pts/") and any(line.split() == wanted for line in lines)
+
+
+def _name_of(process: Path) -> str:
+    try:
+        return (process / "comm").read_text("utf-8", errors="replace").strip()
+    except OSError:
+        return "?"

@@ -1,0 +1,26 @@
+"""Where the robot is drawn: the map, and the robot's pose in it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.sim.maps import LineMap
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What surrounds the robot.
+
+    Attributes:
+        map: Walls, or `None` where none are known.
+        odom_in_map: Where the odometry's origin lies in the map [m, rad].
+        truth: Returns the true pose in the map, where a simulator knows it.
+    """
+
+    map: LineMap | None = None
+    odom_in_map: Pose2 = ORIGIN
+    truth: Callable[[], Pose2] | None = None
+
+    def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
+        """Return the pose to draw [m, rad]: the true one if it is known."""
+        return self.truth() if self.truth else self.odom_in_map @ robot_in_odom

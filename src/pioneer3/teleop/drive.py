@@ -1,0 +1,97 @@
+"""Joins a keyboard to a robot: keys become wishes, the live line shows what comes of them."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from math import isfinite
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.runtime.priorities import KEYBOARD
+from pioneer3.runtime.robot import Robot
+from pioneer3.teleop.keyboard import Key, Keyboard
+from pioneer3.units import degrees
+
+RENEW = 0.1
+"""Pause between two looks at what the keys ask for, and two live lines [s]."""
+LEASE = 0.3
+"""A wish that is not renewed ends after this [s]: this program may hang too."""
+
+
+class KeyboardDriver:
+    """Drives `robot` with keys, until the quit key.
+
+    Args:
+        robot: Connected.
+        keyboard: Speeds, and how long a key acts.
+        show: Given the live line, again and again.
+    """
+
+    def __init__(self, robot: Robot, keyboard: Keyboard, show: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._keyboard = keyboard
+        self._show = show
+        self._hold = Hold("keyboard", KEYBOARD)
+        self._clock = asyncio.get_running_loop().time
+
+    async def run(self, keys: AsyncIterator[Key]) -> None:
+        """Drive until the quit key or the end of `keys`; then the robot stands."""
+        self._robot.helm.add(self._hold)
+        renewing = asyncio.ensure_future(self._renew())
+        try:
+            async for key in keys:
+                if key is Key.QUIT:
+                    return
+                self._obey(key)
+                self._wish()
+                self._show(self.line())
+        finally:
+            renewing.cancel()
+            await asyncio.gather(renewing, return_exceptions=True)
+            self._robot.helm.remove(self._hold)
+            self._robot.stop()
+
+    def line(self) -> str:
+        """Return the live line: pose, speed, battery, nearest sonar, and why it stands."""
+        robot, now, keyboard = self._robot, self._robot.snapshot, self._keyboard
+        if now is None:
+            status = robot.supervisor.status.latest
+            return f"{status.connection.value.upper()}: {status.message}" if status else ""
+        pose, twist, near = now.odometry.robot_in_odom, now.odometry.twist, now.sonar.nearest
+        why = robot.why_not_moving()
+        return "  ".join(
+            (
+                f"x{pose.x:7.2f} y{pose.y:7.2f} m {degrees(pose.theta):5.0f}°",
+                f"{twist.v:5.2f} m/s {twist.w:5.2f} rad/s",
+                f"{now.battery.voltage:4.1f} V{' LOW' if now.battery.low else ''}",
+                f"sonar {near:4.2f} m" if isfinite(near) else "sonar  --   ",
+                f"[{keyboard.speed:.2f} {keyboard.turn_rate:.2f}]",
+                why or "",
+            )
+        )
+
+    async def _renew(self) -> None:
+        while True:
+            if self._robot.supervisor.pilot.blocked:
+                self._keyboard.press(Key.STOP, self._clock())  # a latched key must be pressed anew
+            self._wish()
+            self._show(self.line())
+            await asyncio.sleep(RENEW)
+
+    def _wish(self) -> None:
+        twist, seconds = self._keyboard.wanted(self._clock())
+        if not twist.is_zero:
+            self._robot.helm.hold(self._hold, twist, min(seconds, LEASE))
+
+    def _obey(self, key: Key) -> None:
+        """Carry out a key that is about more than velocity; pass the others on."""
+        supervisor = self._robot.supervisor
+        match key:
+            case Key.STOP:
+                self._robot.stop()
+            case Key.MOTORS:
+                on = not (self._robot.snapshot and self._robot.snapshot.motors.enabled)
+                supervisor.set_motors(on=on)
+            case Key.EMERGENCY if supervisor.pilot.emergency:
+                supervisor.reset_emergency_stop()
+            case Key.EMERGENCY:
+                self._robot.emergency_stop()
+        self._keyboard.press(key, self._clock())

@@ -1,0 +1,87 @@
+"""From key presses to a velocity, for terminals, which know no key-up. Pure."""
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from math import inf
+
+from pioneer3.geometry import Twist2
+
+HOLD = 0.6
+"""How long a key acts [s]: longer than the pause before a keyboard begins to repeat."""
+STEP = 1.1
+"""Factor of one press of + or -."""
+
+
+class Key(Enum):
+    """Keys that mean something."""
+
+    FORWARD = auto()
+    BACK = auto()
+    LEFT = auto()
+    RIGHT = auto()
+    STOP = auto()
+    FASTER = auto()
+    SLOWER = auto()
+    MOTORS = auto()
+    EMERGENCY = auto()
+    QUIT = auto()
+
+
+MOVES = {
+    Key.FORWARD: (1, 0),
+    Key.BACK: (-1, 0),
+    Key.LEFT: (0, 1),
+    Key.RIGHT: (0, -1),
+}
+
+
+@dataclass(slots=True)
+class Keyboard:
+    """What the keys ask for.
+
+    Each of the two axes follows its last key for :data:`HOLD`, so that alternating two keys drives
+    a curve; with `latch`, a key acts until another one or a stop, as in the lab's `rob_key`.
+
+    Attributes:
+        speed: Of a forward key [m/s].
+        turn_rate: Of a turning key [rad/s].
+        latch: One press keeps moving.
+        max_speed: Bound for faster [m/s].
+        max_turn_rate: Bound for faster [rad/s].
+    """
+
+    speed: float = 0.5
+    turn_rate: float = 0.5
+    latch: bool = False
+    max_speed: float = inf
+    max_turn_rate: float = inf
+    _forward: tuple[int, float] = field(default=(0, -inf), init=False)
+    _turn: tuple[int, float] = field(default=(0, -inf), init=False)
+
+    def press(self, key: Key, now: float) -> None:
+        """Take a key at `now` [s, monotonic]; keys that are not about motion are ignored."""
+        until = inf if self.latch else now + HOLD
+        match key:
+            case Key.FORWARD | Key.BACK:
+                self._forward = (MOVES[key][0], until)
+                if self.latch:
+                    self._turn = (0, -inf)
+            case Key.LEFT | Key.RIGHT:
+                self._turn = (MOVES[key][1], until)
+                if self.latch:
+                    self._forward = (0, -inf)
+            case Key.STOP:
+                self._forward = self._turn = (0, -inf)
+            case Key.FASTER | Key.SLOWER:
+                factor = STEP if key is Key.FASTER else 1 / STEP
+                self.speed = min(self.speed * factor, self.max_speed)
+                self.turn_rate = min(self.turn_rate * factor, self.max_turn_rate)
+
+    def wanted(self, now: float) -> tuple[Twist2, float]:
+        """Return the twist, and for how long it holds from `now` [s]; zero when nothing acts."""
+        (forward, forward_until), (turn, turn_until) = self._forward, self._turn
+        forward = forward if now < forward_until else 0
+        turn = turn if now < turn_until else 0
+        ends = [until for until in (forward_until, turn_until) if until > now]
+        twist = Twist2(forward * self.speed, turn * self.turn_rate)
+        return twist, min(ends, default=now) - now

@@ -1,0 +1,95 @@
+"""Keys from a terminal as they are pressed; the terminal is restored on every way out."""
+
+import asyncio
+import os
+import sys
+import termios
+import tty
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
+
+from pioneer3.errors import ConfigError
+from pioneer3.teleop.keyboard import Key
+
+ESCAPE = "\x1b"
+SEQUENCES = {
+    "\x1b[A": Key.FORWARD,
+    "\x1b[B": Key.BACK,
+    "\x1b[C": Key.RIGHT,
+    "\x1b[D": Key.LEFT,
+    "\x1bOA": Key.FORWARD,
+    "\x1bOB": Key.BACK,
+    "\x1bOC": Key.RIGHT,
+    "\x1bOD": Key.LEFT,
+    "w": Key.FORWARD,
+    "s": Key.BACK,
+    "d": Key.RIGHT,
+    "a": Key.LEFT,
+    " ": Key.STOP,
+    "+": Key.FASTER,
+    "=": Key.FASTER,
+    "-": Key.SLOWER,
+    "m": Key.MOTORS,
+    "e": Key.EMERGENCY,
+    "q": Key.QUIT,
+    ESCAPE: Key.QUIT,
+    "\x04": Key.QUIT,
+}
+
+
+def keys_in(text: str) -> Iterator[Key]:
+    """Yield the keys in what a terminal sent; what means nothing is skipped.
+
+    Escape sequences come in one piece from every terminal; a lone ESC is the key.
+    """
+    while text:
+        known = next((s for s in SEQUENCES if len(s) > 1 and text.startswith(s)), None)
+        if known is None and text.startswith(ESCAPE) and len(text) > 1:
+            text = text.lstrip(ESCAPE).lstrip("[O0123456789;")[1:]  # a sequence we do not know
+            continue
+        token = known or text[0]
+        if token.lower() in SEQUENCES or token in SEQUENCES:
+            yield SEQUENCES.get(token) or SEQUENCES[token.lower()]
+        text = text[len(token) :]
+
+
+@contextmanager
+def raw_terminal() -> Iterator[int]:
+    """Take keys as they are pressed; Ctrl-C stays a signal. Yield the descriptor to read from.
+
+    Raises:
+        ConfigError: standard input is not a terminal.
+    """
+    if not sys.stdin.isatty():
+        raise ConfigError("driving with the keyboard needs a terminal; standard input is none")
+    descriptor = sys.stdin.fileno()
+    before = termios.tcgetattr(descriptor)
+    try:
+        tty.setcbreak(descriptor)
+        sys.stdout.write("\x1b[?25l")
+        sys.stdout.flush()
+        yield descriptor
+    finally:
+        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+        sys.stdout.write("\x1b[?25h\n")
+        sys.stdout.flush()
+
+
+async def keys(descriptor: int) -> AsyncIterator[Key]:
+    """Yield keys as they are pressed; ends when the terminal goes away."""
+    loop = asyncio.get_running_loop()
+    chunks: asyncio.Queue[bytes] = asyncio.Queue()
+
+    def ready() -> None:
+        try:
+            chunks.put_nowait(os.read(descriptor, 1024))
+        except OSError:
+            chunks.put_nowait(b"")
+
+    loop.add_reader(descriptor, ready)
+    try:
+        while chunk := await chunks.get():
+            for key in keys_in(chunk.decode("utf-8", "ignore")):
+                yield key
+    finally:
+        loop.remove_reader(descriptor)

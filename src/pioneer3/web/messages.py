@@ -1,0 +1,165 @@
+"""What page and server tell each other: JSON, one object a message, told apart by `type`."""
+
+from math import isfinite
+from typing import Any, Literal
+
+import msgspec
+
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.models import RobotModel
+from pioneer3.robot.limits import Limits
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.identity import kind
+from pioneer3.runtime.scene import Scene
+from pioneer3.sim.maps import LineMap
+from pioneer3.state import Snapshot
+
+SONAR_MAX = 5.0
+DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
+
+
+class Request(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
+    """Anything the page asks for."""
+
+
+class Drive(Request, tag="drive"):
+    """Hold this velocity [m/s, rad/s] until it expires; 0, 0 lets go."""
+
+    v: float
+    w: float
+
+
+class Stop(Request, tag="stop"):
+    """Stand still, whoever drives."""
+
+
+class EmergencyStop(Request, tag="emergency_stop"):
+    """Stop hard, latched."""
+
+
+class ResetEmergencyStop(Request, tag="reset_emergency_stop"):
+    """Release the latch."""
+
+
+class SwitchMotors(Request, tag="motors"):
+    """Switch the motors' power."""
+
+    on: bool
+
+
+class Ping(Request, tag="ping"):
+    """Asks for a pong with the same `t`."""
+
+    t: float
+
+
+AnyRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | Ping
+_decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
+
+
+def decode(text: str) -> AnyRequest:
+    """Return the request in `text`.
+
+    Raises:
+        msgspec.MsgspecError: it is none; the message says what is wrong with it.
+    """
+    return _decoder.decode(text)
+
+
+def encode(message: dict[str, Any]) -> str:
+    """Return the JSON text of a message to the page."""
+    return msgspec.json.encode(message).decode()
+
+
+def hello(version: str, info: RobotInfo | None, scene: Scene) -> dict[str, Any]:
+    """Say what is connected, how it looks, and where it drives."""
+    return {
+        "type": "hello",
+        "version": version,
+        "connection": kind(info) if info else "ROBOT",
+        "url": info.url if info else "",
+        "robot": _robot(info.identity.name, info.model) if info else None,
+        "limits": _limits(info.limits) if info else None,
+        "map": _map(scene.map) if scene.map else None,
+    }
+
+
+def snapshot(
+    now: Snapshot,
+    *,
+    pose: Pose2,
+    why: str | None,
+    emergency_stop: bool,
+    driver: Literal["you", "other"] | None,
+) -> dict[str, Any]:
+    """Say how it stands, ten times a second; `pose` is the robot's in the map."""
+    battery, motors = now.battery, now.motors
+    return {
+        "type": "snapshot",
+        "sequence": now.sequence,
+        "pose": _pose(pose),
+        "twist": _twist(now.odometry.twist),
+        "sonar": {
+            "ranges": [r if isfinite(r) else None for r in now.sonar.ranges],
+            "enabled": now.sonar.enabled,
+        },
+        "bumpers": {"front": now.bumpers.front, "rear": now.bumpers.rear},
+        "battery": {
+            "voltage": battery.voltage,
+            "charge": battery.charge,
+            "charging": battery.charging.value,
+            "low": battery.low,
+        },
+        "motors": {
+            "enabled": motors.enabled,
+            "stalled": motors.stalled,
+            "moving": motors.moving,
+            "stop_button": motors.stop_button,
+        },
+        "link": {
+            "rate": now.link.rate,
+            "bad_checksums": now.link.bad_checksums,
+            "reports": now.link.reports,
+            "sessions": now.link.sessions,
+        },
+        "faults": now.faults,
+        "why": why,
+        "emergency_stop": emergency_stop,
+        "driver": driver,
+    }
+
+
+def _robot(name: str, model: RobotModel) -> dict[str, Any]:
+    return {
+        "name": name,
+        "model": model.name,
+        "title": model.title,
+        "length_front": model.length_front,
+        "length_rear": model.length_rear,
+        "width": model.width,
+        "sonars": [{"x": s.x, "y": s.y, "theta": s.theta} for s in model.sonars],
+        "front_bumpers": model.front_bumpers,
+        "rear_bumpers": model.rear_bumpers,
+        "sonar_max": SONAR_MAX,
+    }
+
+
+def _limits(limits: Limits) -> dict[str, float]:
+    return {
+        "speed": limits.max_speed,
+        "turn_rate": limits.max_turn_rate,
+        "default_speed": min(DEFAULT_SPEED, limits.max_speed),
+        "default_turn_rate": min(DEFAULT_TURN_RATE, limits.max_turn_rate),
+    }
+
+
+def _map(line_map: LineMap) -> dict[str, Any]:
+    return {"name": line_map.name, "walls": line_map.walls.round(4).tolist()}
+
+
+def _pose(pose: Pose2) -> dict[str, float]:
+    return {"x": pose.x, "y": pose.y, "theta": pose.theta}
+
+
+def _twist(twist: Twist2) -> dict[str, float]:
+    return {"v": twist.v, "w": twist.w}

@@ -1,0 +1,70 @@
+"""The page's side of the robot: one wheel for all visitors."""
+
+import asyncio
+from typing import Any
+
+from pioneer3 import __version__
+from pioneer3.behaviors.actions import Hold
+from pioneer3.geometry import Twist2
+from pioneer3.runtime.priorities import WEB
+from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.scene import Scene
+from pioneer3.state import Snapshot
+from pioneer3.teleop.lease import Lease
+from pioneer3.web import messages
+
+EXPIRY = 0.5
+"""A page that falls silent drives this much longer [s]."""
+
+
+class Page:
+    """What every visitor shares: the robot, the scene around it, and the wheel."""
+
+    def __init__(self, robot: Robot, scene: Scene) -> None:
+        self.robot = robot
+        self._scene = scene
+        self._hold = Hold("web", WEB)
+        self._lease: Lease[object] = Lease()
+        self._clock = asyncio.get_running_loop().time
+        robot.helm.add(self._hold)
+
+    def drive(self, who: object, twist: Twist2) -> str | None:
+        """Let `who` hold `twist`, a zero one lets go; return why not, or `None`."""
+        if not self._lease.take(who, self._clock()):
+            return "somebody else drives"
+        if twist.is_zero:
+            self.robot.helm.release(self._hold)
+        else:
+            self.robot.helm.hold(self._hold, twist, EXPIRY)
+        return None
+
+    def let_go(self, who: object) -> None:
+        """Take the wheel from `who`, who is gone: the robot stops at once."""
+        if self._lease.holder(self._clock()) is who:
+            self._lease.give_up(who)
+            self.robot.helm.release(self._hold)
+
+    def driver(self) -> object | None:
+        """Return the visitor who drives, or anything else if it is not one; `None` for nobody."""
+        name = self.robot.helm.driver
+        return self._lease.holder(self._clock()) if name == self._hold.name else name
+
+    def hello(self) -> dict[str, Any]:
+        """Return what a page needs to draw this robot."""
+        return messages.hello(__version__, self.robot.supervisor.info, self._scene)
+
+    def status(self) -> dict[str, Any]:
+        """Return how it stands with the link."""
+        status = self.robot.supervisor.status.latest
+        assert status is not None
+        return {"type": "status", "state": status.connection.value, "message": status.message}
+
+    def snapshot(self, snapshot: Snapshot, driver: Any) -> dict[str, Any]:
+        """Return the message for a visitor to whom the driver is `you`, `other` or `None`."""
+        return messages.snapshot(
+            snapshot,
+            pose=self._scene.robot_in_map(snapshot.odometry.robot_in_odom),
+            why=self.robot.why_not_moving(),
+            emergency_stop=self.robot.supervisor.pilot.emergency,
+            driver=driver,
+        )
