@@ -232,7 +232,7 @@ class Host:
         answer = reports.from_payload(payload)
         match self.state, answer:
             case _, reports.Sip():
-                self._dislodge(now)
+                return self._dislodge(now)
             case State.SYNC0, reports.SyncEcho(0):
                 self._sync(State.SYNC1, now)
             case State.SYNC1, reports.SyncEcho(1):
@@ -241,14 +241,17 @@ class Host:
                 return self._open(answer, now)
         return []
 
-    def _dislodge(self, now: float) -> None:
+    def _dislodge(self, now: float) -> list[Event]:
         """Close the session that the robot still serves; begin when it has fallen silent."""
+        if now - self._began >= self._timing.give_up:
+            return [self._lose("the robot talks, but does not hear: its receive line is dead")]
         self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
         self.deadline = now + self._timing.drain
         if now - self._dislodged_at >= DISLODGE_EVERY:
             self._dislodged_at = now
             self._queue(commands.Stop(), now)
             self._queue(commands.Close(), now)
+        return []
 
     def _open(self, answer: reports.SyncIdentity, now: float) -> list[Event]:
         self.state = State.OPEN

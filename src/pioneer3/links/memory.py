@@ -67,6 +67,8 @@ class MemoryLink:
 
     async def read(self) -> bytes:
         """Return what the far end sent; `b""` once either end has closed."""
+        if self._closed and self._inbox.empty():
+            return b""
         data = await self._inbox.get()
         if not data:
             self._closed = True

@@ -17,9 +17,17 @@ class PtyPort:
         link: The robot's end.
     """
 
-    def __init__(self, path: str, link: StreamLink, slave: int, name: Path | None) -> None:
+    def __init__(
+        self,
+        path: str,
+        link: StreamLink,
+        reading: asyncio.BaseTransport,
+        slave: int,
+        name: Path | None,
+    ) -> None:
         self.path = path
         self.link = link
+        self._reading = reading
         self._slave = slave
         self._name = name
 
@@ -31,6 +39,7 @@ class PtyPort:
         if self._slave >= 0:
             os.close(self._slave)
             self._slave = -1
+        self._reading.close()
         await self.link.close()
 
 
@@ -52,7 +61,7 @@ async def open_pty(name: Path | None = None) -> PtyPort:
             raise LinkError(f"{name}: cannot make this port: {error.strerror}") from None
     loop = asyncio.get_running_loop()
     reader = asyncio.StreamReader(loop=loop)
-    await loop.connect_read_pipe(
+    reading, _ = await loop.connect_read_pipe(
         lambda: asyncio.StreamReaderProtocol(reader, loop=loop), os.fdopen(os.dup(master), "rb", 0)
     )
     transport, protocol = await loop.connect_write_pipe(
@@ -60,4 +69,5 @@ async def open_pty(name: Path | None = None) -> PtyPort:
         os.fdopen(master, "wb", 0),
     )
     writer = asyncio.StreamWriter(transport, protocol, reader, loop)
-    return PtyPort(str(name or path), StreamLink(f"pty:{path}", reader, writer), slave, name)
+    link = StreamLink(f"pty:{path}", reader, writer)
+    return PtyPort(str(name or path), link, reading, slave, name)

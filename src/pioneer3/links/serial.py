@@ -3,6 +3,7 @@
 import errno
 import grp
 import os
+import termios
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -30,7 +31,10 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
         raise explain_open_error(path, error) from None
 
     async def change_speed(baud: int) -> None:
-        await writer.transport.reconfigure_port(baudrate=baud)
+        try:
+            await writer.transport.reconfigure_port(baudrate=baud)
+        except (OSError, ValueError, termios.error, serialx.SerialException) as error:
+            raise LinkError(f"{path}: cannot be set to {baud} baud: {error}") from None
 
     return StreamLink(f"serial:{path}", reader, writer, speeds=speeds, change_speed=change_speed)
 

@@ -25,7 +25,7 @@ async def open_tcp(host: str, port: int) -> StreamLink:
         raise LinkError(
             f"{url}: no answer within {CONNECT_PATIENCE:g} s; is {host} on, and in this network?"
         ) from None
-    except socket.gaierror:
+    except (socket.gaierror, UnicodeError):  # unknown, or not even a name
         raise PortNotFoundError(f"{url}: no host of the name {host!r} is known") from None
     except OSError as error:
         if error.errno == errno.ECONNREFUSED or "Connect call failed" in str(error):

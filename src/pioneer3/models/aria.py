@@ -6,10 +6,14 @@ from math import tau
 from pioneer3.models.bounds import BOUNDS, BUMPERS, SWITCH_SPEEDS, Bounds
 from pioneer3.models.lines import Line, split
 from pioneer3.models.model import (
+    BRAKING,
+    CAREFUL_BRAKING,
+    CAREFUL_TURN_BRAKING,
     GYRO_SCALER,
     START_ACCELERATION,
     START_TURN_ACCELERATION,
     SWITCH_SPEED,
+    TURN_BRAKING,
     VEL2_UNIT,
     IrMount,
     LaserMount,
@@ -21,6 +25,7 @@ from pioneer3.units import MM
 
 _HEADING_UNITS = (1024, 4096)
 _LENGTH = Bounds(2 * BOUNDS["length_front"].low, 2 * BOUNDS["length_front"].high)
+_TALL = ("p2pb", "p2pp", "peoplebot", "perfpb", "wheelchair")
 _SKID = ("p2at", "p2it", "p3at", "pionat", "seekurjr")
 _TITLES = {
     "p2at": "Pioneer 2-AT",
@@ -62,6 +67,7 @@ def parse_aria(text: str, source: str, fallback_name: str) -> RobotModel:
 
 def _body(given: Parameters, fallback_name: str) -> RobotModel:
     name = given.word("Subclass", fallback_name).lower()
+    tall = name.startswith(_TALL)
     half = rounded(given.length("RobotLength", _LENGTH) / 2)
     return RobotModel(
         name=name,
@@ -76,6 +82,8 @@ def _body(given: Parameters, fallback_name: str) -> RobotModel:
         wheel_base=_wheel_base(given),
         distance_factor=given.length("DistConvFactor", BOUNDS["distance_factor"]),
         drive="skid" if name.startswith(_SKID) else "differential",
+        braking=CAREFUL_BRAKING if tall else BRAKING,
+        turn_braking=CAREFUL_TURN_BRAKING if tall else TURN_BRAKING,
     )
 
 

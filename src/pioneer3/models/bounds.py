@@ -48,6 +48,8 @@ BOUNDS: Mapping[str, Bounds] = MappingProxyType(
         "deceleration": _ACCELERATION,
         "turn_acceleration": _TURN_ACCELERATION,
         "turn_deceleration": _TURN_ACCELERATION,
+        "braking": _ACCELERATION,
+        "turn_braking": _TURN_ACCELERATION,
         "distance_factor": _FACTOR,
         "heading_factor": _FACTOR,
         "speed_factor": _FACTOR,

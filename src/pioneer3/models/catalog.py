@@ -13,6 +13,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
 from pioneer3.models.bounds import BOUNDS, BUMPERS
 from pioneer3.models.model import (
+    CAREFUL_BRAKING,
+    CAREFUL_TURN_BRAKING,
     START_ACCELERATION,
     START_TURN_ACCELERATION,
     LaserMount,
@@ -124,6 +126,8 @@ def generic_model(
         deceleration=_usable("deceleration", deceleration, START_ACCELERATION),
         turn_acceleration=_usable("turn_acceleration", turn_acceleration, START_TURN_ACCELERATION),
         turn_deceleration=_usable("turn_deceleration", turn_deceleration, START_TURN_ACCELERATION),
+        braking=CAREFUL_BRAKING,
+        turn_braking=CAREFUL_TURN_BRAKING,
         front_bumpers=max(0, min(front_bumpers, int(BUMPERS.high))),
         rear_bumpers=max(0, min(rear_bumpers, int(BUMPERS.high))),
     )

@@ -16,6 +16,16 @@ START_ACCELERATION = 0.3
 START_TURN_ACCELERATION = radians(100)
 """Both ways, of a real P3-AT (arcos.md 5.1) [rad/s^2]."""
 
+BRAKING = 1.5
+"""What the driver asks of a low robot: from 0.3 m/s it stands after 3 cm; robots take up to
+2 m/s^2 (arcos.md 5.1) [m/s^2]."""
+
+TURN_BRAKING = radians(300)
+"""What the driver asks of a turning robot; robots take up to this (arcos.md 5.1) [rad/s^2]."""
+
+CAREFUL_BRAKING, CAREFUL_TURN_BRAKING = 0.5, radians(100)
+"""The same for robots that are tall, or not known."""
+
 VEL2_UNIT = 20 * MM
 """Of every Pioneer 2 and 3 (arcos.md 6.3) [m/s]."""
 
@@ -89,6 +99,9 @@ class RobotModel:
         deceleration: [m/s^2].
         turn_acceleration: [rad/s^2].
         turn_deceleration: [rad/s^2].
+        braking: Deceleration the driver asks for, where CONFIG allows it [m/s^2]; lower for tall
+            robots, which tip.
+        turn_braking: The same, turning [rad/s^2].
         gyro_scaler: Factor on the readings of a gyro that the computer has to apply.
         sonars: By transducer number.
         table_irs: By sensor number; empty without table sensing.
@@ -126,6 +139,8 @@ class RobotModel:
     deceleration: float = START_ACCELERATION
     turn_acceleration: float = START_TURN_ACCELERATION
     turn_deceleration: float = START_TURN_ACCELERATION
+    braking: float = BRAKING
+    turn_braking: float = TURN_BRAKING
     gyro_scaler: float = GYRO_SCALER
     sonars: tuple[SonarMount, ...] = ()
     table_irs: tuple[IrMount, ...] = ()

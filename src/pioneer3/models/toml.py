@@ -20,6 +20,7 @@ _ANGLES = {
     "max_turn_rate_deg": "max_turn_rate",
     "turn_acceleration_deg": "turn_acceleration",
     "turn_deceleration_deg": "turn_deceleration",
+    "turn_braking_deg": "turn_braking",
     "theta_deg": "theta",
 }
 _HEADING_UNITS = Bounds(64, 1_000_000)

@@ -41,6 +41,11 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator[str]:
 
 def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator[str]:
     limits, motors, asked = pilot.limits, snapshot.motors, pilot.asked(now)
+    if pilot.enable_failed:
+        yield (
+            "The motors do not come on: is the stop button pressed, the charger plugged in, "
+            "or the battery empty?"
+        )
     if asked.is_zero and pilot.expired and limits:
         yield (
             f"The last command expired after {limits.expiry:g} s: "
@@ -48,11 +53,6 @@ def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator
         )
     if asked.is_zero:
         yield f"Nothing is asked of it{'' if motors.enabled else ', and the motors are off'}."
-    if pilot.enable_failed:
-        yield (
-            "The motors do not come on: is the stop button pressed, the charger plugged in, "
-            "or the battery empty?"
-        )
     if not motors.enabled:
         yield "The motors are off; they are being switched on."
     if motors.stalled:

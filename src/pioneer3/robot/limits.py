@@ -1,7 +1,7 @@
 """What the robot may be asked to do. The last step before the wire; it has no off switch."""
 
 from dataclasses import dataclass, fields, replace
-from math import isfinite, isinf
+from math import isfinite
 
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, ConfigError
@@ -44,64 +44,80 @@ class Limits:
     def lowered_to(
         self, max_speed: float | None = None, max_turn_rate: float | None = None
     ) -> "Limits":
-        """Return limits with lower maxima; what is higher than the robot's own is cut to it."""
+        """Return limits with lower maxima; what is higher than the robot's own is cut to it.
+
+        Raises:
+            ConfigError: a maximum is not a positive number.
+        """
+        speed = self.max_speed if max_speed is None else max_speed
+        rate = self.max_turn_rate if max_turn_rate is None else max_turn_rate
+        wanted = replace(self, max_speed=speed, max_turn_rate=rate)
         return replace(
             self,
-            max_speed=min(self.max_speed, max_speed or self.max_speed),
-            max_turn_rate=min(self.max_turn_rate, max_turn_rate or self.max_turn_rate),
+            max_speed=min(self.max_speed, wanted.max_speed),
+            max_turn_rate=min(self.max_turn_rate, wanted.max_turn_rate),
         )
 
 
 def limits_for(model: RobotModel, config: Config | None) -> Limits:
     """Return the model's limits, cut to what the robot's own CONFIG allows (arcos.md 5.1).
 
-    A field of CONFIG that is 0 or missing says nothing.
+    Decelerations are the model's `braking`, which is harder than what firmware comes with; speeding
+    up is as CONFIG has it. A field of CONFIG that is 0 or missing says nothing.
     """
-    if config is None:
-        return Limits(
-            max_speed=model.max_speed,
-            max_turn_rate=model.max_turn_rate,
-            acceleration=model.acceleration,
-            deceleration=model.deceleration,
-            turn_acceleration=model.turn_acceleration,
-            turn_deceleration=model.turn_deceleration,
-        )
-
-    def lowest(own: float, unit: float, *theirs: int | None) -> float:
-        return min([own, *(value * unit for value in theirs if value)])
-
-    def first(own: float, unit: float, current: int | None, top: int | None) -> float:
-        return min(current * unit if current else own, top * unit if top else float("inf"))
-
-    c = config
+    c = config or Config(family="", model="", serial_number="")
     return Limits(
-        max_speed=lowest(model.max_speed, MM, c.speed_top_mm_s, c.speed_max_mm_s),
-        max_turn_rate=lowest(
-            model.max_turn_rate, DEGREE, c.rotation_top_deg_s, c.rotation_max_deg_s
+        max_speed=_cut(model.max_speed, MM, c.speed_top_mm_s, c.speed_max_mm_s),
+        max_turn_rate=_cut(model.max_turn_rate, DEGREE, c.rotation_top_deg_s, c.rotation_max_deg_s),
+        acceleration=_cut(_given(c.accel_mm_s2, MM, model.acceleration), MM, c.accel_top_mm_s2),
+        deceleration=_cut(
+            max(model.braking, _given(c.decel_mm_s2, MM, 0.0)), MM, c.accel_top_mm_s2
         ),
-        acceleration=first(model.acceleration, MM, c.accel_mm_s2, c.accel_top_mm_s2),
-        deceleration=first(model.deceleration, MM, c.decel_mm_s2, c.accel_top_mm_s2),
-        turn_acceleration=first(
-            model.turn_acceleration, DEGREE, c.rotation_accel_deg_s2, c.rotation_accel_top_deg_s2
+        turn_acceleration=_cut(
+            _given(c.rotation_accel_deg_s2, DEGREE, model.turn_acceleration),
+            DEGREE,
+            c.rotation_accel_top_deg_s2,
         ),
-        turn_deceleration=first(
-            model.turn_deceleration, DEGREE, c.rotation_decel_deg_s2, c.rotation_accel_top_deg_s2
+        turn_deceleration=_cut(
+            max(model.turn_braking, _given(c.rotation_decel_deg_s2, DEGREE, 0.0)),
+            DEGREE,
+            c.rotation_accel_top_deg_s2,
         ),
     )
+
+
+def _given(value: int | None, unit: float, otherwise: float) -> float:
+    return value * unit if value else otherwise
+
+
+def _cut(value: float, unit: float, *tops: int | None) -> float:
+    return min([value, *(top * unit for top in tops if top)])
 
 
 def checked(speed: float, turn_rate: float) -> Twist2:
     """Return the twist (`speed` [m/s], `turn_rate` [rad/s]).
 
     Raises:
-        CommandError: not numbers, or not finite. Such a command must not keep the robot going.
+        CommandError: as for :func:`finite`.
     """
-    for name, value in (("speed", speed), ("turn rate", turn_rate)):
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise CommandError(f"{name} must be a number, not {value!r}")
-        if value != value or isinf(value):  # noqa: PLR0124
-            raise CommandError(f"{name} must be finite, not {value!r}")
-    return Twist2(float(speed), float(turn_rate))
+    return Twist2(finite("speed", speed), finite("turn rate", turn_rate))
+
+
+def finite(name: str, value: float) -> float:
+    """Return `value` as a float.
+
+    Raises:
+        CommandError: not a number, or not finite. Such a command must not keep the robot going.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise CommandError(f"{name} must be a number, not {value!r}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise CommandError(f"{name} is too large") from None
+    if not isfinite(number):
+        raise CommandError(f"{name} must be finite, not {value!r}")
+    return number
 
 
 def limit(twist: Twist2, limits: Limits, bumpers: Bumpers) -> Twist2:

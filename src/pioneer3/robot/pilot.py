@@ -5,7 +5,7 @@ Rules:
 1. A request expires. Then, and on every doubt, the robot is told to stand still.
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
 3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried.
-4. After a lost link, a stall, a pressed stop button or motors that went off by themselves, requests
+4. After a lost link, a stall, either stop button or motors that went off by themselves, requests
    are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero request,
    :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all the time is not fresh.
 5. The emergency stop latches. Resetting it leaves the motors off.
@@ -22,7 +22,7 @@ from pioneer3.state import Snapshot
 REPEAT = 0.2
 """Pause between repetitions of a velocity [s]."""
 ENABLE_RETRY = 0.5
-ENABLE_TRIES = 6
+ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
 """Slower than this counts as standing [m/s, rad/s]."""
 OVERSLEPT = 2.0
@@ -46,7 +46,7 @@ class Pilot:
         self._outbox: list[Command] = []
         self._snapshot: Snapshot | None = None
         self._request = STILL
-        self._until = self._requested_at = self._ticked_at = -inf
+        self._until = self._requested_at = self._awake_at = -inf
         self._sent: Twist2 | None = None
         self._sent_at = -inf
         self._blocked: str | None = None
@@ -68,7 +68,7 @@ class Pilot:
             commands.SetRA(acceleration=-limits.turn_deceleration),
             commands.Sonar(on=True),
         ]
-        self._sent, self._sent_at, self._ticked_at = STILL, now, now
+        self._sent, self._sent_at, self._awake_at = STILL, now, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
@@ -97,7 +97,8 @@ class Pilot:
         if self.limits is None or self._snapshot is None:
             return "no robot is connected"
         self._request, self._until = twist, min(now + self.limits.expiry, until)
-        if not twist.is_zero and self._auto_enable and not self._motors_wanted:
+        given_up = fresh and self.enable_failed
+        if not twist.is_zero and self._auto_enable and (given_up or not self._motors_wanted):
             self._want_motors(on=True)
         self._steer(now)
         return None
@@ -114,6 +115,7 @@ class Pilot:
         """Stop as hard as the robot can, motors off, until :meth:`reset_emergency_stop`."""
         self.stop(now)
         self.emergency = True
+        self._block("the emergency stop was pressed; let go, then ask again", now)
         self._outbox.append(commands.EStop())
         self._want_motors(on=False)
 
@@ -134,7 +136,12 @@ class Pilot:
         """Take in what the robot says, and act on it."""
         motors, before = snapshot.motors, self._snapshot
         self._snapshot = snapshot
+        self._notice_sleep(now)
+        if before is None:
+            self._requested_at = now  # who asks right now asked before the link was lost
         if motors.stop_button:
+            if self._motors_wanted:
+                self._motors_wanted = None  # released, it does not bring them back
             self._block("the stop button on the robot is pressed", now)
         elif motors.stalled and not self._request.is_zero:
             self._block("the wheels stalled", now)
@@ -151,10 +158,8 @@ class Pilot:
 
     def tick(self, now: float) -> None:
         """Let requests expire."""
-        if now - self._ticked_at > OVERSLEPT and self._snapshot is not None:
-            away = now - self._ticked_at
-            self._block(f"the watchdog stopped the robot: this program slept {away:.1f} s", now)
-        self._ticked_at, self.deadline = now, now + REPEAT
+        self._notice_sleep(now)
+        self.deadline = now + REPEAT
         self._steer(now)
 
     def outgoing(self) -> list[Command]:
@@ -179,12 +184,16 @@ class Pilot:
     @property
     def enable_failed(self) -> bool:
         """Whether the motors were asked for and did not come on."""
-        return self._enable_tries >= ENABLE_TRIES
+        return bool(self._motors_wanted) and self._enable_tries >= ENABLE_TRIES
+
+    def _notice_sleep(self, now: float) -> None:
+        away, self._awake_at = now - self._awake_at, now
+        if away > OVERSLEPT and self._snapshot is not None:
+            self._block(f"the watchdog stopped the robot: this program slept {away:.1f} s", now)
 
     def _block(self, why: str, now: float) -> None:
         self._blocked = why
-        self._requested_at = max(self._requested_at, now) if self._request != STILL else now
-        self._request, self._until = STILL, now
+        self._request, self._until, self._requested_at = STILL, now, now
 
     def _want_motors(self, *, on: bool) -> None:
         self._motors_wanted, self._enable_tries, self._enabled_at = on, 0, -inf

@@ -111,10 +111,12 @@ class Session:
                 if task.done():
                     task.result()
         finally:
-            for task in (reader, writer):
-                task.cancel()
-            await asyncio.gather(reader, writer, return_exceptions=True)
-            await self._leave()
+            try:
+                for task in (reader, writer):
+                    task.cancel()
+                await asyncio.gather(reader, writer, return_exceptions=True)
+            finally:  # whoever cancels twice
+                await self._leave()
 
     async def _read(self) -> None:
         while data := await self.link.read():
@@ -192,10 +194,12 @@ class Session:
     async def _leave(self) -> None:
         """Send the farewell whatever happened; a link that takes nothing is closed all the same."""
         self._host.leave(self._clock())
-        with suppress(LinkError, TimeoutError):
-            async with asyncio.timeout(FAREWELL_PATIENCE):
-                await self.link.write(self._host.outgoing())
-        await self.link.close()
+        try:
+            with suppress(LinkError, TimeoutError):
+                async with asyncio.timeout(FAREWELL_PATIENCE):
+                    await self.link.write(self._host.outgoing())
+        finally:
+            await self.link.close()
 
 
 def _model_of(identity: Identity, config: Config | None) -> RobotModel:

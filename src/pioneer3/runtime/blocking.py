@@ -81,7 +81,7 @@ class BlockingRobot:
         self._closed = True
         atexit.unregister(self.close)
         try:
-            self._wait(self._stack.aclose())
+            self._wait(self._leave())
         finally:
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join()
@@ -140,6 +140,14 @@ class BlockingRobot:
     def send(self, command: Command) -> None:
         """See :meth:`pioneer3.Robot.send`."""
         self._call(lambda: self._robot.send(command))
+
+    async def _leave(self) -> None:
+        """End the session, and whatever was interrupted before there was one."""
+        await self._stack.aclose()
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     def _call(self, function: Callable[[], T]) -> T:
         async def call() -> T:

@@ -194,7 +194,7 @@ class Conversation:
                 self.failure = reason
 
     async def _ask_for_a_laser(self) -> Stranger | None:
-        for speed in self._link.speeds and SCIP_SPEEDS or (None,):
+        for speed in SCIP_SPEEDS if self._link.speeds else (None,):
             with suppress(LinkError):
                 if speed is not None:
                     await self._link.set_speed(speed)

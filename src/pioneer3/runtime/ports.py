@@ -1,7 +1,8 @@
-"""What this computer knows of its serial ports without sending a byte (Linux: /sys, /proc, udev)."""
+"""What this computer knows of its serial ports without sending a byte: /sys, /proc and udev."""
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -192,14 +193,22 @@ def _processes(proc: Path) -> Iterator[int]:
 
 
 def _holds(process: Path, device: str) -> bool:
-    try:
-        open_files = {fd.name: os.readlink(fd) for fd in (process / "fd").iterdir()}
-    except OSError:  # gone by now, or another user's
-        return False
+    open_files = dict(_open_files(process))
     if device not in open_files.values():
         return False
     masters = (fd for fd, path in open_files.items() if path.endswith("/ptmx"))
     return not any(_is_far_end(process / "fdinfo" / fd, device) for fd in masters)
+
+
+def _open_files(process: Path) -> Iterator[tuple[str, str]]:
+    """Yield the number of each open file and what it is; nothing of what is gone or not ours."""
+    try:
+        numbers = [entry.name for entry in (process / "fd").iterdir()]
+    except OSError:
+        return
+    for number in numbers:
+        with suppress(OSError):
+            yield number, str((process / "fd" / number).readlink())
 
 
 def _is_far_end(fdinfo: Path, device: str) -> bool:

@@ -88,9 +88,10 @@ async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK
     try:
         if await conversation.meet() and conversation.info is not None:
             return _robot(url, port, conversation.info)
-        if conversation.closed:
+        stranger = await conversation.stranger()
+        if stranger is None and conversation.closed:
             return Probed(url, Verdict.BUSY, "hangs up at once: busy with somebody else?", port)
-        return _stranger(url, port, await conversation.stranger())
+        return _stranger(url, port, stranger)
     finally:
         await conversation.leave()
 

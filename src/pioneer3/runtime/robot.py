@@ -3,7 +3,7 @@
 import asyncio
 import signal
 import threading
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from math import inf, isfinite
@@ -13,10 +13,10 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.host import Timing
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.errors import CommandError, LinkError, MotionError
-from pioneer3.links import Link, open_link
+from pioneer3.links import open_link
 from pioneer3.models import RobotModel
-from pioneer3.robot.limits import Limits, checked
-from pioneer3.robot.supervisor import Connection, RobotInfo, Supervisor
+from pioneer3.robot.limits import Limits, checked, finite
+from pioneer3.robot.supervisor import Connection, Opener, RobotInfo, Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
@@ -108,12 +108,12 @@ class Robot:
             CommandError: not finite numbers.
             MotionError: it did not get there; the message says why.
         """
-        top = checked(self.info.limits.max_speed if speed is None else speed, distance).v
         limits = self.info.limits
+        top = limits.max_speed if speed is None else _positive("speed", speed)
         await self._carry_out(
             Move(
-                distance=distance,
-                speed=_positive(min(top, limits.max_speed), "speed"),
+                distance=finite("distance", distance),
+                speed=min(top, limits.max_speed),
                 deceleration=limits.deceleration,
                 priority=PROGRAM,
             )
@@ -126,12 +126,12 @@ class Robot:
             CommandError: not finite numbers.
             MotionError: it did not get there; the message says why.
         """
-        top = checked(angle, self.info.limits.max_turn_rate if rate is None else rate).w
         limits = self.info.limits
+        top = limits.max_turn_rate if rate is None else _positive("rate", rate)
         await self._carry_out(
             Turn(
-                angle=angle,
-                rate=_positive(min(top, limits.max_turn_rate), "rate"),
+                angle=finite("angle", angle),
+                rate=min(top, limits.max_turn_rate),
                 deceleration=limits.turn_deceleration,
                 priority=PROGRAM,
             )
@@ -154,31 +154,36 @@ class Robot:
         self._hold.release()
         self.supervisor.stop()  # a fresh command: whatever was held before is over
         self.helm.add(action)
-        moved_at = loop.time()
         try:
-            async for snapshot in self.snapshots():
-                if action.done:
-                    return
-                if action not in self.helm:
-                    raise MotionError(f"{action.name}: somebody stopped the robot")
-                blocked = self.supervisor.pilot.blocked
-                if self.supervisor.pilot.emergency or blocked:
-                    raise MotionError(
-                        f"{action.name}: {blocked or 'the emergency stop is latched'}"
-                    )
-                if self.why_not_moving() is None or self.helm.driver != action.name:
-                    moved_at = snapshot.stamp
-                if loop.time() - moved_at > STUCK_PATIENCE:
-                    raise MotionError(f"{action.name}: {self.why_not_moving()}")
+            async with asyncio.timeout(STUCK_PATIENCE) as patience:
+                async for _ in self.snapshots():
+                    if action.done:
+                        return
+                    self._check(action)
+                    if self.why_not_moving() is None or self.helm.driver != action.name:
+                        patience.reschedule(loop.time() + STUCK_PATIENCE)
             raise MotionError(f"{action.name}: the connection was closed")
+        except TimeoutError:
+            raise MotionError(f"{action.name}: {self.why_not_moving()}") from None
         finally:
             self.helm.remove(action)
 
+    def _check(self, action: Move | Turn) -> None:
+        """Raise MotionError if something has ended `action`."""
+        pilot = self.supervisor.pilot
+        if pilot.emergency:
+            raise MotionError(f"{action.name}: the emergency stop is latched")
+        if pilot.blocked:
+            raise MotionError(f"{action.name}: {pilot.blocked}")
+        if action not in self.helm:
+            raise MotionError(f"{action.name}: somebody stopped the robot")
 
-def _positive(value: float, name: str) -> float:
-    if value <= 0:
-        raise CommandError(f"{name} must be positive, not {value:g}")
-    return value
+
+def _positive(name: str, value: float) -> float:
+    number = finite(name, value)
+    if number <= 0:
+        raise CommandError(f"{name} must be positive, not {number:g}")
+    return number
 
 
 def _on(on: bool) -> str:
@@ -187,7 +192,7 @@ def _on(on: bool) -> str:
 
 @asynccontextmanager
 async def connect_async(
-    url: str | Callable[[], "asyncio.Future[Link]"],
+    url: str | Opener,
     *,
     baud: int | None = None,
     model: RobotModel | None = None,
@@ -216,7 +221,7 @@ async def connect_async(
     def restrict(limits: Limits) -> Limits:
         return limits.lowered_to(max_speed, max_turn_rate)
 
-    opener = partial(open_link, url, baud=baud) if isinstance(url, str) else url
+    opener = url if callable(url) else partial(open_link, url, baud=baud)
     supervisor = Supervisor(
         opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
     )

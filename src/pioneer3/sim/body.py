@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
 from pioneer3.sim.motion import Axis, Drive
+from pioneer3.units import DEGREE
 
 FULL = 13.0
 """Voltage of three charged lead-acid batteries at rest [V]."""
@@ -42,6 +43,10 @@ class Battery:
         return EMPTY + (FULL - EMPTY) * self.energy / CAPACITY
 
 
+USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
+"""Current limits of a robot as delivered (arcos.md 5.1) [m/s, rad/s]; a host may raise them."""
+
+
 class Body:
     """A robot in the world.
 
@@ -63,10 +68,7 @@ class Body:
         self.sonar_on = True
         self.battery = Battery()
         self._stop_button = False
-        self.drive = Drive(
-            linear=Axis(model.acceleration, model.deceleration, model.max_speed),
-            angular=Axis(model.turn_acceleration, model.turn_deceleration, model.max_turn_rate),
-        )
+        self.drive = self._delivered_drive()
 
     @property
     def stop_button(self) -> bool:
@@ -107,7 +109,19 @@ class Body:
         self.drive.halt()
 
     def session_ended(self) -> None:
-        """What the firmware does when nobody is connected."""
-        self.drive.power(on=False)
-        self.drive.held = False
+        """What the firmware does when nobody is connected: it forgets what the host has set."""
+        velocities = self.drive.linear.velocity, self.drive.angular.velocity
+        self.drive = self._delivered_drive()
+        self.drive.linear.velocity, self.drive.angular.velocity = velocities
         self.reset_odometry()
+
+    def _delivered_drive(self) -> Drive:
+        model = self.model
+        return Drive(
+            linear=Axis(model.acceleration, model.deceleration, min(model.max_speed, USUAL_SPEED)),
+            angular=Axis(
+                model.turn_acceleration,
+                model.turn_deceleration,
+                min(model.max_turn_rate, USUAL_TURN_RATE),
+            ),
+        )

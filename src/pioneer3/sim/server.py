@@ -18,6 +18,8 @@ TICK = 0.02
 """Simulated and real time between two looks at the world [s]."""
 STALE = 2.0
 """A client that has been silent for this long [s] loses its place to the next one."""
+STUCK = 0.5
+"""A client that takes nothing for this long [s], its buffers full, is cut off."""
 LATE = 0.5
 """When the machine could not keep up for this long [s], simulated time falls behind real time."""
 
@@ -65,13 +67,20 @@ class RobotPort:
         await self._flush()
 
     async def _flush(self) -> None:
-        data = self.firmware.device.outgoing()
-        if not data or self._link is None:
+        data, link = self.firmware.device.outgoing(), self._link
+        if not data or link is None:
             return
         try:
-            await self._link.write(data)
-        except LinkError:
-            self._link = None
+            async with asyncio.timeout(STUCK):
+                await link.write(data)
+        except (LinkError, TimeoutError):
+            await self.close()
+
+    async def close(self) -> None:
+        """Part from the host, if there is one."""
+        link, self._link = self._link, None
+        if link is not None:
+            await link.close()
 
 
 class Simulation:
@@ -97,8 +106,13 @@ class Simulation:
         """
         for number, port in enumerate(self.ports):
             wanted = first_port + number if first_port else 0
-            server = await _listen(port, host, wanted)
+            try:
+                server = await _listen(port, host, wanted)
+            except LinkError:
+                await self._stack.aclose()
+                raise
             await self._stack.enter_async_context(server)
+            self._stack.push_async_callback(port.close)
             self.addresses.append(server.sockets[0].getsockname()[:2])
 
     async def run(self) -> None:

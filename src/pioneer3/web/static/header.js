@@ -15,13 +15,15 @@ function chip(id, text, level) {
 
 export function showHello({ connection, robot, url }) {
   const badge = byId("badge");
-  badge.textContent = connection;
-  badge.dataset.kind = connection === "ROBOT" ? "robot" : "simulator";
+  const known = Boolean(url); // without an address nothing has answered yet
+  const label = known ? connection : "NOT CONNECTED";
+  badge.textContent = label;
+  badge.dataset.kind = known ? connection.toLowerCase() : "none";
   document.body.dataset.kind = badge.dataset.kind;
-  badge.title = url ?? "";
+  badge.title = url;
   byId("name").textContent = robot?.name || "pioneer3";
   byId("title").textContent = robot?.title ?? "waiting for the robot";
-  document.title = `${connection}: ${robot?.name || "pioneer3"}`;
+  document.title = `${label}: ${robot?.name || "pioneer3"}`;
 }
 
 /** @param model Model @param retryAt when the socket tries again [performance.now()], or null */

@@ -42,7 +42,7 @@ function receive(message) {
 
 function greet(hello) {
   showHello(hello);
-  limits.adopt(hello.limits);
+  if (hello.limits) limits.adopt(hello.limits); // unknown before the robot is
   scene.adoptMap(hello.map);
   scene.invalidate();
 }

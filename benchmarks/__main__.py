@@ -1,0 +1,22 @@
+"""Runs every benchmark, or those named on the command line: latency, start, codec."""
+
+import sys
+
+from benchmarks import bench_codec, bench_latency, bench_start
+
+BENCHMARKS = {"latency": bench_latency, "start": bench_start, "codec": bench_codec}
+
+
+def main() -> int:
+    """Print the table; return 1 if a bar is missed."""
+    names = sys.argv[1:] or list(BENCHMARKS)
+    missed = 0
+    for name in names:
+        for row in BENCHMARKS[name].rows():
+            print(row, flush=True)
+            missed += not row.met
+    return int(missed > 0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

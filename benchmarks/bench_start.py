@@ -1,0 +1,51 @@
+"""How long people wait: for the import, for --help, for the page."""
+
+import subprocess
+import sys
+import time
+import urllib.request
+from statistics import median
+
+from benchmarks.table import Row
+
+RUNS = 9
+GIVE_UP = 30.0
+
+
+def rows() -> list[Row]:
+    """Measure everything of this file."""
+    return [
+        Row("import pioneer3", _import_ms(), "ms", 100),
+        Row("p3 --help", _command_ms("-m", "pioneer3", "--help") , "ms", 300),
+        Row("page up after pioneer3 run", _page_up(), "s", 5),
+    ]
+
+
+def _import_ms() -> float:
+    """Median of what the import adds to the start of Python."""
+    return _command_ms("-c", "import pioneer3") - _command_ms("-c", "pass")
+
+
+def _command_ms(*arguments: str) -> float:
+    times = []
+    for _ in range(RUNS):
+        began = time.perf_counter()
+        subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)
+        times.append((time.perf_counter() - began) * 1000)
+    return median(times)
+
+
+def _page_up() -> float:
+    command = [sys.executable, "-m", "pioneer3", "run", "--sim-port", "0", "--web-port", "0"]
+    began = time.perf_counter()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            for line in process.stdout:
+                if "http://" in line and time.perf_counter() - began < GIVE_UP:
+                    address = next(word for word in line.split() if word.startswith("http://"))
+                    urllib.request.urlopen(address).read()
+                    return time.perf_counter() - began
+        finally:
+            process.terminate()
+    return GIVE_UP

@@ -1,0 +1,164 @@
+"""What a robot, a diagnosis and a list of ports look like on a terminal."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from math import degrees
+from typing import Final
+
+from rich.console import Group, RenderableType
+from rich.markup import escape
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.diagnosis import Finding, Level
+from pioneer3.runtime.identity import is_simulator, kind
+from pioneer3.runtime.meanings import NOT_SENT, explained
+from pioneer3.runtime.probe import Probed, Verdict, choose
+from pioneer3.state import Charging, Snapshot
+
+SIGNS: Final = {
+    Level.OK: Text(" ok ", "green"),
+    Level.WARN: Text("warn", "bold yellow"),
+    Level.FAIL: Text("FAIL", "bold red"),
+}
+VERDICT_STYLES: Final = {
+    Verdict.ROBOT: "bold green",
+    Verdict.SIMULATOR: "bold cyan",
+    Verdict.LASER: "yellow",
+    Verdict.BUSY: "yellow",
+    Verdict.NO_PERMISSION: "red",
+}
+
+
+def robot_tables(robot: RobotInfo, snapshot: Snapshot | None) -> Iterator[RenderableType]:
+    """Yield who the robot is, and its CONFIG group by group."""
+    style = "cyan" if is_simulator(robot) else "green"
+    yield Panel(_summary(robot, snapshot), title=Text(kind(robot), f"bold {style}"), style=style)
+    if robot.config is None:
+        yield Text("The robot did not send its configuration.", "yellow")
+        return
+    rows = explained(robot.config)
+    table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
+    table.add_column("field", no_wrap=True)
+    table.add_column("value", justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    table.add_column("meaning", style="dim")
+    for group, members in groupby(rows, key=lambda row: row.group):
+        table.add_row(Text(group, "bold"))
+        for row in members:
+            style = "dim" if row.value == NOT_SENT else ""
+            table.add_row(Text(f"  {row.field}", style), Text(row.value, style), row.unit, row.meaning)
+    yield table
+
+
+def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
+    limits, model = robot.limits, robot.model
+    grid = Table.grid(padding=(0, 2))
+    grid.style = "default"
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column()
+    speed = f" at {robot.speed} baud" if robot.speed else ""
+    rows = {
+        "name": robot.identity.name,
+        "model": f"{model.title} ({robot.identity.model}), {_size(robot)}",
+        "link": f"{robot.url}{speed}",
+        "limits kept": f"{limits.max_speed:g} m/s, {degrees(limits.max_turn_rate):.0f} deg/s; "
+        f"{limits.acceleration:g} m/s², {degrees(limits.turn_acceleration):.0f} deg/s²; "
+        f"commands expire after {limits.expiry:g} s",
+        "sensors": f"{len(model.sonars)} sonar, laser {model.laser.kind if model.laser else 'none'}",
+        "battery": battery_text(snapshot) if snapshot else "unknown",
+    }
+    for name, value in rows.items():
+        grid.add_row(name, escape(value))
+    return grid
+
+
+def _size(robot: RobotInfo) -> str:
+    return f"{robot.model.length:.2f} m long, {robot.model.width:.2f} m wide"
+
+
+def battery_text(snapshot: Snapshot) -> str:
+    """Return voltage, charge and charger in a few words."""
+    battery = snapshot.battery
+    parts = [f"{battery.voltage:.1f} V"]
+    if battery.charge is not None:
+        parts.append(f"{battery.charge:.0%}")
+    if battery.low:
+        parts.append("LOW")
+    if battery.charging not in {Charging.UNKNOWN, Charging.NONE}:
+        parts.append(f"charging ({battery.charging})")
+    return ", ".join(parts)
+
+
+def findings_table(findings: Iterable[Finding]) -> Table:
+    """Return the findings, each with what it means and what to do."""
+    table = Table.grid(padding=(0, 2))
+    table.add_column(no_wrap=True)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column()
+    for finding in findings:
+        lines: list[RenderableType] = [Text(finding.found)]
+        if finding.meaning:
+            lines.append(Text(finding.meaning, "dim"))
+        if finding.advice:
+            lines.append(Text(f"→ {finding.advice}", "cyan"))
+        table.add_row(SIGNS[finding.level], finding.check, Group(*lines))
+    return table
+
+
+def verdict(findings: Sequence[Finding]) -> Text:
+    """Return the sum of it in one line."""
+    failed = [finding.check for finding in findings if finding.level is Level.FAIL]
+    warned = sum(finding.level is Level.WARN for finding in findings)
+    if failed:
+        return Text(f"\nMend first: {failed[0]}.", "bold red")
+    if warned:
+        return Text(f"\nIt works; {warned} {'thing' if warned == 1 else 'things'} to look at.")
+    return Text("\nAll fine.", "bold green")
+
+
+def ports_table(found: Iterable[Probed]) -> Table:
+    """Return the ports, one a line."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("port", overflow="fold")
+    table.add_column("what", no_wrap=True)
+    table.add_column("details", style="dim", overflow="fold")
+    for each in found:
+        style = VERDICT_STYLES.get(each.verdict, "")
+        capital = each.verdict in {Verdict.ROBOT, Verdict.SIMULATOR}
+        what = each.verdict.upper() if capital else str(each.verdict)
+        table.add_row(Text(each.url), Text(what, style), Text(_details(each)))
+    return table
+
+
+def _details(each: Probed) -> str:
+    port = each.port
+    about = [each.detail.removeprefix(f"{each.url}: ")] if each.detail else []
+    if port is not None:
+        about += [port.device] if port.device != port.path else []
+        about += [" ".join(filter(None, (port.manufacturer, port.product)))]
+    return "; ".join(filter(None, about))
+
+
+def advice(found: Sequence[Probed]) -> Text:
+    """Return the option to use, or what to do when there is no robot."""
+    best = choose(found)
+    if best is None:
+        return Text("\nNo robot found. Is it on, and its cable plugged in? Why not: ", "bold").append(
+            f"p3 doctor -p {_suspect(found)}", "bold cyan"
+        )
+    text = Text("\nUse: ").append(f"--port {best.url}", "bold green")
+    if best.verdict is Verdict.SIMULATOR:
+        text.append("  (a SIMULATOR; no real robot answers)", "cyan")
+    elif any(each.verdict is Verdict.SIMULATOR for each in found):
+        text.append("  (a SIMULATOR runs too)", "cyan")
+    return text
+
+
+def _suspect(found: Sequence[Probed]) -> str:
+    """Return the port most worth a closer look."""
+    order = (Verdict.NO_PERMISSION, Verdict.BUSY, Verdict.SILENT, Verdict.OTHER, Verdict.FAILED)
+    ranked = (each.url for verdict in order for each in found if each.verdict is verdict)
+    return next(ranked, "/dev/ttyUSB0")

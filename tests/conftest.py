@@ -1,0 +1,47 @@
+"""Virtual time: timeouts of minutes pass in microseconds, and always in the same order."""
+
+import asyncio
+import selectors
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pytest
+
+
+class _Autojump(selectors.SelectSelector):
+    """When nothing is readable, jump the clock to the next timer instead of sleeping."""
+
+    now = 0.0
+
+    def select(self, timeout: float | None = None) -> list[Any]:
+        ready = super().select(0)
+        if not ready:
+            if timeout is None:
+                raise RuntimeError("deadlock: every task waits and no timer is set")
+            self.now += timeout
+        return ready
+
+
+class VirtualTimeLoop(asyncio.SelectorEventLoop):
+    """An event loop whose clock jumps from timer to timer."""
+
+    def __init__(self) -> None:
+        self._autojump = _Autojump()
+        super().__init__(self._autojump)
+
+    def time(self) -> float:
+        return self._autojump.now
+
+
+def pytest_asyncio_loop_factories(
+    config: pytest.Config, item: pytest.Item
+) -> Mapping[str, Callable[[], asyncio.AbstractEventLoop]]:
+    """Every async test runs in virtual time unless marked `realtime`."""
+    real = item.get_closest_marker("realtime")
+    return {"real": asyncio.new_event_loop} if real else {"virtual": VirtualTimeLoop}
+
+
+@pytest.fixture(autouse=True)
+def _no_home(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is remembered from one test to the next, or from this machine."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))

@@ -1,0 +1,211 @@
+"""A robot to test with: world and firmware at the far end of a cable in memory."""
+
+import asyncio
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from types import TracebackType
+
+import numpy as np
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.errors import LinkError, MotionError, PortNotFoundError
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.links import Link
+from pioneer3.links.memory import Fault, MemoryLink, clean, null_modem
+from pioneer3.models import load_model
+from pioneer3.runtime.robot import Robot
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.maps import LineMap
+from pioneer3.sim.world import World
+
+TICK = 0.02
+SYNCS = (0, 1, 2)
+
+
+def frame(command: Command) -> bytes:
+    """Return `command` as it is on the wire."""
+    return encode(commands.to_payload(command))
+
+
+def decoded(data: bytes) -> list[Command]:
+    """Return every command in `data`; the SYNCs of a handshake read as PULSE, OPEN, CLOSE."""
+    return [commands.from_payload(payload) for payload in PacketReader().feed(data)]
+
+
+def wall_at(x: float) -> LineMap:
+    """Return a map with one wall across the x axis."""
+    return LineMap(name="wall", walls=np.array([[x, -5.0, x, 5.0]]))
+
+
+@dataclass
+class Wire:
+    """What arrived at the robot over one connection: when [s], what."""
+
+    chunks: list[tuple[float, bytes]] = field(default_factory=list)
+
+    @property
+    def data(self) -> bytes:
+        """All of it."""
+        return b"".join(data for _, data in self.chunks)
+
+    @property
+    def commands(self) -> list[Command]:
+        """The commands in it, once the SYNCs are through."""
+        return decoded(self.data)
+
+
+class SimulatedRobot:
+    """World and firmware in the loop's time; :meth:`open` lays a new cable to it.
+
+    Attributes:
+        to_robot: Fault of the cable on the way to the robot; may be changed at any time.
+        to_host: The same on the way back.
+        plugged: Whether :meth:`open` works.
+        silent: Nothing passes, either way; the cable stays whole.
+        wires: What came over each connection, also through a fault, also while silent.
+    """
+
+    def __init__(
+        self,
+        line_map: LineMap | None = None,
+        *,
+        home: Pose2 = ORIGIN,
+        model: str = "p3at-sh",
+        to_robot: Fault = clean,
+        to_host: Fault = clean,
+        speeds: Sequence[int] = (),
+        url: str = "memory:host",
+    ) -> None:
+        self.body = Body(load_model(model), home)
+        self.world = World(line_map, [self.body])
+        self.firmware = Firmware(self.world, self.body)
+        self.to_robot, self.to_host = to_robot, to_host
+        self.speeds, self.url = tuple(speeds), url
+        self.robot_speed = self.speeds[-1] if self.speeds else None
+        self.plugged, self.silent = True, False
+        self.wires: list[Wire] = []
+        self.edit: Callable[[bytes], bytes] = lambda data: data
+        self._link: MemoryLink | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def __aenter__(self) -> "SimulatedRobot":
+        self._clock = asyncio.get_running_loop().time
+        self._tasks.append(asyncio.ensure_future(self._live()))
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for task in self._tasks:
+            task.cancel()
+        for ended in await asyncio.gather(*self._tasks, return_exceptions=True):
+            if isinstance(ended, Exception) and error is None:
+                raise ended
+
+    async def open(self) -> Link:
+        """Lay a cable, as opening a port does."""
+        if not self.plugged:
+            raise PortNotFoundError("memory: no such port")
+        ours, theirs = null_modem(speeds=self.speeds)
+        ours.url = self.url
+        ours.fault = lambda data: self.to_robot(data)
+        theirs.fault = lambda data: self.to_host(data)
+        theirs.speed = self.robot_speed
+        self._link = theirs
+        self.wires.append(Wire())
+        self._tasks.append(asyncio.ensure_future(self._listen(theirs, self.wires[-1])))
+        return ours
+
+    async def unplug(self) -> None:
+        """Pull the cable out; nobody can open it until `plugged` is set again."""
+        self.plugged = False
+        link, self._link = self._link, None
+        if link is not None:
+            await link.close()
+
+    def power_cycle(self) -> None:
+        """Switch the robot off and on: it knows nothing any more; the cable stays in."""
+        self.body.reset_odometry()
+        self.body.drive.power(on=False)
+        self.body.drive.halt()
+        self.body.drive.held = False
+        self.firmware = Firmware(self.world, self.body)
+
+    @property
+    def speed(self) -> float:
+        """True speed [m/s]."""
+        return self.body.drive.linear.velocity
+
+    @property
+    def powered(self) -> bool:
+        """Whether the motors are on."""
+        return self.body.drive.powered
+
+    async def _listen(self, link: MemoryLink, wire: Wire) -> None:
+        while data := await link.read():
+            wire.chunks.append((self._clock(), data))
+            if not self.silent and link is self._link:
+                self.firmware.receive(data, self._clock())
+                await self._flush()
+
+    async def _live(self) -> None:
+        while True:
+            self.world.step(TICK)
+            self.firmware.tick(self._clock())
+            await self._flush()
+            await asyncio.sleep(TICK)
+
+    async def _flush(self) -> None:
+        data = self.edit(self.firmware.device.outgoing())
+        if data and self._link is not None and not self.silent:
+            try:
+                await self._link.write(data)
+            except LinkError:
+                self._link = None
+
+
+class First:
+    """A fault that spoils the first `times` pieces that contain `frame` and passes the rest."""
+
+    def __init__(self, frame: bytes, becomes: Callable[[bytes], bytes], times: int = 1) -> None:
+        self.frame, self.becomes, self.times = frame, becomes, times
+
+    def __call__(self, data: bytes) -> tuple[bytes, ...]:
+        if self.frame in data and self.times:
+            self.times -= 1
+            return (data.replace(self.frame, self.becomes(self.frame), 1),)
+        return (data,)
+
+
+def lost(frame: bytes) -> bytes:
+    """Lose it."""
+    return b""
+
+
+def doubled(frame: bytes) -> bytes:
+    """Say it twice."""
+    return frame * 2
+
+
+def corrupted(frame: bytes) -> bytes:
+    """Flip a bit in its last byte."""
+    return frame[:-1] + bytes([frame[-1] ^ 1])
+
+
+async def hold(robot: Robot, speed: float, turn_rate: float = 0.0, seconds: float = 1.0) -> int:
+    """Hold a stick: ask ten times a second, whatever comes; return how often it was refused."""
+    loop = asyncio.get_running_loop()
+    end, refused = loop.time() + seconds, 0
+    while loop.time() < end:
+        try:
+            robot.drive(speed, turn_rate)
+        except MotionError:
+            refused += 1
+        await asyncio.sleep(0.1)
+    return refused
