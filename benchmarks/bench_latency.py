@@ -60,9 +60,9 @@ async def asynchronous(url: str) -> list[Row]:
             if links[0].wrote_at > asked:
                 to_wire.append(links[0].wrote_at - asked)
         robot.stop()
-        to_snapshot = []
-        async for _ in robot.snapshots(SNAPSHOTS / 10):
-            to_snapshot.append(time.perf_counter() - links[0].read_at)
+        to_snapshot = [
+            time.perf_counter() - links[0].read_at async for _ in robot.snapshots(SNAPSHOTS / 10)
+        ]
         cpu = time.process_time()
         async for _ in robot.snapshots(COST_SECONDS):
             robot.drive(0.1)
@@ -94,5 +94,3 @@ def rows() -> list[Row]:
     """Measure everything of this file."""
     with simulator_process() as url:
         return [*asyncio.run(asynchronous(url)), *blocking(url)]
-
-

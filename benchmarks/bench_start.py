@@ -16,7 +16,7 @@ def rows() -> list[Row]:
     """Measure everything of this file."""
     return [
         Row("import pioneer3", _import_ms(), "ms", 100),
-        Row("p3 --help", _command_ms("-m", "pioneer3", "--help") , "ms", 300),
+        Row("p3 --help", _command_ms("-m", "pioneer3", "--help"), "ms", 300),
         Row("page up after pioneer3 run", _page_up(), "s", 5),
     ]
 

@@ -17,8 +17,7 @@ class Row:
     @property
     def met(self) -> bool:
         """Whether the bar is met."""
-        better = self.measured >= self.bar if self.more_is_better else self.measured <= self.bar
-        return better
+        return self.measured >= self.bar if self.more_is_better else self.measured <= self.bar
 
     def __str__(self) -> str:
         sign = ">=" if self.more_is_better else "<="

@@ -8,16 +8,30 @@ from typing import Any
 import pytest
 
 
+LONGEST = 1000.0
+"""Virtual time [s] after which a test hangs."""
+
+
+MOST_SPINS = 100_000
+"""Rounds of the loop without a pause after which it will never end."""
+
+
 class _Autojump(selectors.SelectSelector):
     """When nothing is readable, jump the clock to the next timer instead of sleeping."""
 
     now = 0.0
+    spins = 0
 
     def select(self, timeout: float | None = None) -> list[Any]:
         ready = super().select(0)
+        self.spins = 0 if timeout else self.spins + 1
+        if self.spins == MOST_SPINS:
+            raise RuntimeError("hanging: tasks keep each other busy, and no time passes")
         if not ready:
             if timeout is None:
                 raise RuntimeError("deadlock: every task waits and no timer is set")
+            if self.now <= LONGEST < self.now + timeout:
+                raise RuntimeError(f"hanging: nothing has ended after {LONGEST:g} s")
             self.now += timeout
         return ready
 

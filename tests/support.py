@@ -131,10 +131,8 @@ class SimulatedRobot:
 
     def power_cycle(self) -> None:
         """Switch the robot off and on: it knows nothing any more; the cable stays in."""
-        self.body.reset_odometry()
-        self.body.drive.power(on=False)
+        self.body.session_ended()
         self.body.drive.halt()
-        self.body.drive.held = False
         self.firmware = Firmware(self.world, self.body)
 
     @property

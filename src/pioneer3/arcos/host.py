@@ -210,7 +210,7 @@ class Host:
 
     def _knock(self, now: float) -> list[Event]:
         """Begin the handshake, at the next speed if this one stayed silent."""
-        if now - self._began >= self._timing.give_up:
+        if now >= self._began + self._timing.give_up:
             return [self._lose(self._why_nobody_answered())]
         events: list[Event] = []
         if self._speeds and self._tries >= TRIES_PER_SPEED:
@@ -243,11 +243,11 @@ class Host:
 
     def _dislodge(self, now: float) -> list[Event]:
         """Close the session that the robot still serves; begin when it has fallen silent."""
-        if now - self._began >= self._timing.give_up:
+        if now >= self._began + self._timing.give_up:
             return [self._lose("the robot talks, but does not hear: its receive line is dead")]
         self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
         self.deadline = now + self._timing.drain
-        if now - self._dislodged_at >= DISLODGE_EVERY:
+        if now >= self._dislodged_at + DISLODGE_EVERY:
             self._dislodged_at = now
             self._queue(commands.Stop(), now)
             self._queue(commands.Close(), now)
@@ -295,16 +295,16 @@ class Host:
 
     def _keep_open(self, now: float) -> list[Event]:
         events: list[Event] = []
-        if now - self._sip_at >= self._timing.silence:
+        if now >= self._sip_at + self._timing.silence:
             return [self._lose(f"the robot has said nothing for {self._timing.silence:g} s")]
-        if self._config_due is not None and now - self._opened_at >= self._timing.config_patience:
+        if self._config_due is not None and now >= self._opened_at + self._timing.config_patience:
             events.append(self._configure(None))
         elif self._config_due is not None and now >= self._config_due:
             if not self._heard_sip and now > self._opened_at:  # the OPEN may have been lost
                 self._queue(commands.Open(), now)
             self._queue(commands.RequestConfig(), now)
             self._config_due = now + self._timing.config_retry
-        if now - self._sent_at >= self._timing.pulse:
+        if now >= self._sent_at + self._timing.pulse:
             self._queue(commands.Pulse(), now)
         self.deadline = min(
             self._sip_at + self._timing.silence,

@@ -1,65 +1,54 @@
-"""`p3 find-port`: which port is the robot's?"""
+"""`pioneer3 find-port`."""
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from cyclopts import Parameter
-
-from pioneer3.cli.connection import Json
+from pioneer3.cli.flags import Flag
+from pioneer3.cli.loop import run_until_told_to_leave
 
 if TYPE_CHECKING:
     from pioneer3.runtime.ports import SerialPort
     from pioneer3.runtime.probe import Probed
 
-NOT_FOUND = 3
 
-Flag = Annotated[bool, Parameter(negative=())]
-
-
-def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Json = False) -> int:
+def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False) -> int:
     """List the ports of this computer and say which one is the robot's.
 
-    Ports that nobody uses are asked politely; nothing moves, nothing is changed. Ends with 3 when
-    there is no robot. Example: `p3 find-port`
+    Ports that no other program uses are asked politely: nothing moves, nothing is
+    set. The exit code is 3 when no robot was found.
+
+    Example: pioneer3 find-port
 
     Args:
-        no_probe: Only list the ports, send nothing.
+        no_probe: Only list the ports; send nothing.
         wait: Find the port by unplugging the robot's cable and plugging it in again.
         json: Print JSON for programs, nothing else.
     """
-    import asyncio  # noqa: PLC0415
+    return run_until_told_to_leave(_find_port(no_probe=no_probe, wait=wait, json=json))
 
+
+async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
     from pioneer3.runtime.ports import list_ports  # noqa: PLC0415
-    from pioneer3.runtime.probe import choose  # noqa: PLC0415
+    from pioneer3.runtime.probe import SIMULATOR_URL, found_code  # noqa: PLC0415
 
-    if wait:
-        ports = _replugged()
-        urls: list[str] = []
-    else:
-        from pioneer3.runtime.probe import SIMULATOR_URL  # noqa: PLC0415
-
-        ports, urls = list_ports(), [SIMULATOR_URL]
-    found = _listed(ports, urls) if no_probe else asyncio.run(_probed(ports, urls))
+    ports = await _replugged() if wait else list_ports()
+    urls = () if wait else (SIMULATOR_URL,)
+    found = await _looked_at(ports, urls, no_probe=no_probe)
     if json:
         _print_json(found)
     else:
         _show(found, probed=not no_probe)
-    if no_probe:
-        return 0 if found else NOT_FOUND
-    return 0 if choose(found) else NOT_FOUND
+    return found_code(found)
 
 
-def _listed(ports: "tuple[SerialPort, ...]", urls: list[str]) -> "list[Probed]":
-    from pioneer3.runtime.probe import Probed, Verdict, prejudge  # noqa: PLC0415
-
-    listed = [prejudge(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
-    return listed + [Probed(url, Verdict.NOT_PROBED) for url in urls]
-
-
-async def _probed(ports: "tuple[SerialPort, ...]", urls: list[str]) -> "list[Probed]":
+async def _looked_at(
+    ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
+) -> "list[Probed]":
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
-    from pioneer3.runtime.probe import probe, probe_port  # noqa: PLC0415
+    from pioneer3.runtime.probe import not_probed, probe, probe_port  # noqa: PLC0415
 
+    if no_probe:
+        return not_probed(ports, urls)
     found = []
     for port in ports:
         with busy_sign(f"Asking {port.path} ..."):
@@ -70,22 +59,40 @@ async def _probed(ports: "tuple[SerialPort, ...]", urls: list[str]) -> "list[Pro
     return found
 
 
-def _replugged() -> "tuple[SerialPort, ...]":
+async def _replugged() -> "tuple[SerialPort, ...]":
     """Lead a person through unplugging and plugging in; return the ports that came back."""
-    import asyncio  # noqa: PLC0415
-
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
     from pioneer3.runtime.ports import list_ports  # noqa: PLC0415
     from pioneer3.runtime.probe import wait_for_plug  # noqa: PLC0415
 
     before = list_ports()
-    sys.stderr.write("Unplug the robot's cable from this computer, then press Enter. ")
-    sys.stderr.flush()
-    sys.stdin.readline()
+    _say("Unplug the robot's cable from this computer, then press Enter. ")
+    await _enter_pressed()
     without = list_ports()
-    sys.stderr.write("Now plug it in again.\n")
+    _say("Now plug it in again.\n")
     with busy_sign("Waiting for it ..."):
-        return asyncio.run(wait_for_plug(before, without, list_ports))
+        return await wait_for_plug(before, without, list_ports)
+
+
+async def _enter_pressed() -> None:
+    """Wait for a line on stdin; unlike a thread that reads, this can be interrupted."""
+    import asyncio  # noqa: PLC0415
+
+    loop, ready = asyncio.get_running_loop(), asyncio.Event()
+    try:
+        loop.add_reader(sys.stdin.fileno(), ready.set)
+    except OSError:  # a file, which never makes anybody wait
+        return
+    try:
+        await ready.wait()
+    finally:
+        loop.remove_reader(sys.stdin.fileno())
+    sys.stdin.readline()
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(text)
+    sys.stderr.flush()
 
 
 def _print_json(found: "list[Probed]") -> None:
@@ -114,5 +121,5 @@ def _show(found: "list[Probed]", *, probed: bool) -> None:
     console = Console(highlight=False)
     if found:
         console.print(ports_table(found))
-    if probed or not found:
+    if probed:
         console.print(advice(found), soft_wrap=True)

@@ -1,59 +1,68 @@
-"""`p3 info`: who the robot is and how it is set up."""
+"""`pioneer3 info`."""
 
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.connection import DEFAULT_PORT, Baud, Json, Port
+from pioneer3.cli.flags import Flag
+from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
 
 if TYPE_CHECKING:
-    from pioneer3.robot.supervisor import RobotInfo
-    from pioneer3.state import Snapshot
+    from pioneer3.runtime.robot import Robot
 
 
-def info(*, port: Port = DEFAULT_PORT, baud: Baud = None, json: Json = False) -> None:
-    """Show who the robot is, its limits and its whole configuration.
+def info(*, port: Port = DEFAULT_PORT, baud: Baud = None, json: Flag = False) -> int:
+    """Show who the robot is, its limits, its battery and its whole configuration.
 
-    Nothing moves. Example: `p3 info -p /dev/ttyUSB0`
+    Nothing moves.
+
+    Example: pioneer3 info --port /dev/ttyUSB0
 
     Args:
-        port: Where the robot is: /dev/ttyUSB0, tcp://localhost:8101, replay:FILE.
+        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
         baud: Serial speed to try first.
         json: Print JSON for programs, nothing else.
     """
-    import asyncio  # noqa: PLC0415
+    return run_until_told_to_leave(_info(port, baud, json=json))
+
+
+async def _info(port: str, baud: int | None, *, json: bool) -> int:
+    from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign, write_json  # noqa: PLC0415
+    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
 
-    with busy_sign(f"Connecting to {port} ..."):
-        robot, snapshot = asyncio.run(_ask(port, baud))
-    if json:
-        write_json(_as_data(robot, snapshot), indent=2)
-        return
+    async with AsyncExitStack() as stack:
+        with busy_sign(f"Connecting to {port} ..."):
+            connecting = connect_async(port, baud=baud, auto_enable=False)
+            robot = await stack.enter_async_context(connecting)
+        if json:
+            write_json(_as_data(robot), indent=2)
+        else:
+            _show(robot)
+    return 0
+
+
+def _show(robot: "Robot") -> None:
     from rich.console import Console  # noqa: PLC0415
 
     from pioneer3.cli.tables import robot_tables  # noqa: PLC0415
 
     console = Console(highlight=False)
-    for table in robot_tables(robot, snapshot):
+    for table in robot_tables(robot.info, robot.snapshot):
         console.print(table)
 
 
-async def _ask(port: str, baud: int | None) -> "tuple[RobotInfo, Snapshot | None]":
-    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
-
-    async with connect_async(port, baud=baud, auto_enable=False) as robot:
-        return robot.info, robot.snapshot
-
-
-def _as_data(robot: "RobotInfo", snapshot: "Snapshot | None") -> dict[str, object]:
+def _as_data(robot: "Robot") -> dict[str, object]:
     from pioneer3.runtime.identity import kind  # noqa: PLC0415
 
+    info, snapshot = robot.info, robot.snapshot
     return {
-        "kind": kind(robot),
-        "url": robot.url,
-        "speed": robot.speed,
-        "identity": robot.identity,
-        "model": robot.model,
-        "limits": robot.limits,
+        "kind": kind(info),
+        "url": info.url,
+        "speed": info.speed,
+        "identity": info.identity,
+        "model": info.model,
+        "limits": info.limits,
         "battery": snapshot.battery if snapshot else None,
-        "config": robot.config,
+        "config": info.config,
     }

@@ -1,6 +1,5 @@
 """Lines on stdout for programs, signs of life on stderr for people."""
 
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,15 +21,6 @@ def write_json(value: object, *, indent: int | None = None) -> None:
 
     data = msgspec.json.encode(value)
     write_line((msgspec.json.format(data, indent=indent) if indent else data).decode())
-
-
-@contextmanager
-def quiet_when_nobody_reads() -> Iterator[None]:
-    """End the block without complaint when the reader of stdout has gone (`| head`)."""
-    try:
-        yield
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from pioneer3.runtime.probe import Probed, Verdict, choose
 from pioneer3.state import Charging, Snapshot
 
 SIGNS: Final = {
-    Level.OK: Text(" ok ", "green"),
+    Level.OK: Text("ok", "green"),
     Level.WARN: Text("warn", "bold yellow"),
     Level.FAIL: Text("FAIL", "bold red"),
 }
@@ -43,13 +43,13 @@ def robot_tables(robot: RobotInfo, snapshot: Snapshot | None) -> Iterator[Render
     table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
     table.add_column("field", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
     table.add_column("meaning", style="dim")
     for group, members in groupby(rows, key=lambda row: row.group):
         table.add_row(Text(group, "bold"))
         for row in members:
             style = "dim" if row.value == NOT_SENT else ""
-            table.add_row(Text(f"  {row.field}", style), Text(row.value, style), row.unit, row.meaning)
+            value = f"{row.value} {row.unit}".rstrip()
+            table.add_row(Text(f" {row.field}", style), Text(value, style), row.meaning)
     yield table
 
 
@@ -60,6 +60,7 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column()
     speed = f" at {robot.speed} baud" if robot.speed else ""
+    laser = model.laser.kind if model.laser else "none"
     rows = {
         "name": robot.identity.name,
         "model": f"{model.title} ({robot.identity.model}), {_size(robot)}",
@@ -67,7 +68,7 @@ def _summary(robot: RobotInfo, snapshot: Snapshot | None) -> Table:
         "limits kept": f"{limits.max_speed:g} m/s, {degrees(limits.max_turn_rate):.0f} deg/s; "
         f"{limits.acceleration:g} m/s², {degrees(limits.turn_acceleration):.0f} deg/s²; "
         f"commands expire after {limits.expiry:g} s",
-        "sensors": f"{len(model.sonars)} sonar, laser {model.laser.kind if model.laser else 'none'}",
+        "sensors": f"{len(model.sonars)} sonar, usual laser {laser}",
         "battery": battery_text(snapshot) if snapshot else "unknown",
     }
     for name, value in rows.items():
@@ -146,9 +147,8 @@ def advice(found: Sequence[Probed]) -> Text:
     """Return the option to use, or what to do when there is no robot."""
     best = choose(found)
     if best is None:
-        return Text("\nNo robot found. Is it on, and its cable plugged in? Why not: ", "bold").append(
-            f"p3 doctor -p {_suspect(found)}", "bold cyan"
-        )
+        text = Text("\nNo robot found. Is it on, and its cable plugged in? Why not: ", "bold")
+        return text.append(f"p3 doctor -p {_suspect(found)}", "bold cyan")
     text = Text("\nUse: ").append(f"--port {best.url}", "bold green")
     if best.verdict is Verdict.SIMULATOR:
         text.append("  (a SIMULATOR; no real robot answers)", "cyan")

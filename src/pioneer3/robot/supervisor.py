@@ -200,7 +200,7 @@ class Supervisor:
             )
             await self._session.run()
         except (LinkError, NoRobotError) as error:
-            if self.assembler.sessions == 0:
+            if self.snapshots.latest is None:
                 raise
             self._tell(Connection.LOST, str(error))
             if self.assembler.sessions == began_with:

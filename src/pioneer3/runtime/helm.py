@@ -56,7 +56,9 @@ class Helm:
 
     def hold(self, held: Hold, twist: Twist2, seconds: float) -> str | None:
         """Let `held` want `twist` for `seconds`; return why the robot ignores it, or `None`."""
-        held.set(twist, self._clock() + seconds)
+        held.set(twist, self._clock(), seconds)
+        if held.muted:
+            return "somebody stopped the robot; let go, then ask again"
         if self._supervisor.snapshot is None:  # refused, but noted: a held key is not a fresh one
             return self._supervisor.drive(twist)
         return self.decide()
@@ -66,19 +68,22 @@ class Helm:
         held.release()
         self.decide()
 
-    def stop(self) -> None:
-        """End every wish and stand still."""
-        self._clear()
+    def stop(self, by: Hold | None = None) -> None:
+        """End every wish and stand still; what others than `by` hold must be let go first."""
+        self._end_wishes(by)
         self._supervisor.stop()
 
     def emergency_stop(self) -> None:
         """End every wish and stop hard, latched."""
-        self._clear()
+        self._end_wishes(None)
         self._supervisor.emergency_stop()
 
-    def _clear(self) -> None:
-        for action in self._actions:
-            if isinstance(action, Hold):
-                action.release()
-        self._actions = [a for a in self._actions if isinstance(a, Hold)]
+    def _end_wishes(self, by: Hold | None) -> None:
+        holds = [action for action in self._actions if isinstance(action, Hold)]
+        for hold in holds:
+            if hold is by:
+                hold.release()
+            else:
+                hold.mute(self._clock())
+        self._actions = list(holds)
         self.decision = Decision(STILL)

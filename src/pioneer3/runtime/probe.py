@@ -1,7 +1,7 @@
 """What is at the end of each port? Asked politely, one after the other."""
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
@@ -20,6 +20,8 @@ from pioneer3.runtime.identity import is_simulator
 from pioneer3.runtime.ports import SerialPort
 from pioneer3.runtime.strangers import Kind, Stranger
 
+NOT_REACHABLE: Final = 3
+"""Exit code of the command line (user-needs 5)."""
 SIMULATOR_URL: Final = "tcp://localhost:8101"
 
 
@@ -160,3 +162,15 @@ async def wait_for_plug(
             return came_back(before, without, list_ports())
         await asyncio.sleep(0.3)
     return ()
+
+
+def not_probed(ports: Iterable[SerialPort], urls: Iterable[str]) -> list[Probed]:
+    """Return the list without asking anybody."""
+    listed = [prejudge(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
+    return listed + [Probed(url, Verdict.NOT_PROBED) for url in urls]
+
+
+def found_code(found: Sequence[Probed]) -> int:
+    """Return the exit code: 0 when a robot was found or ports were only listed, else 3."""
+    only_listed = any(each.verdict is Verdict.NOT_PROBED for each in found)
+    return 0 if only_listed or choose(found) else NOT_REACHABLE

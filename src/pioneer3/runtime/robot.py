@@ -76,7 +76,7 @@ class Robot:
 
     def stop(self) -> None:
         """Stand still, whoever drives."""
-        self.helm.stop()
+        self.helm.stop(by=self._hold)
 
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off; latched until :meth:`reset_emergency_stop`."""
@@ -92,7 +92,7 @@ class Robot:
         Raises:
             MotionError: the robot did not follow.
         """
-        self.helm.stop()
+        self.stop()
         refused = self.supervisor.set_motors(on=on)
         if refused:
             raise MotionError(refused)

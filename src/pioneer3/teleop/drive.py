@@ -86,7 +86,7 @@ class KeyboardDriver:
         supervisor = self._robot.supervisor
         match key:
             case Key.STOP:
-                self._robot.stop()
+                self._robot.helm.stop(by=self._hold)
             case Key.MOTORS:
                 on = not (self._robot.snapshot and self._robot.snapshot.motors.enabled)
                 supervisor.set_motors(on=on)

@@ -38,6 +38,11 @@ class Page:
             self.robot.helm.hold(self._hold, twist, EXPIRY)
         return None
 
+    def stop(self, who: object) -> None:
+        """Stop for `who`; what anybody else holds must be let go before it counts again."""
+        mine = self._lease.holder(self._clock()) is who
+        self.robot.helm.stop(by=self._hold if mine else None)
+
     def let_go(self, who: object) -> None:
         """Take the wheel from `who`, who is gone: the robot stops at once."""
         if self._lease.holder(self._clock()) is who:

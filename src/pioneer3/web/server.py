@@ -62,6 +62,7 @@ def _bind(host: str, port: int) -> socket.socket:
         listener = socket.socket(family, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
+        listener.listen()  # now, so that the address may be told before the server has started
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortBusyError(

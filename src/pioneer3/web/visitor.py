@@ -67,7 +67,7 @@ class Visitor:
             case messages.Drive(v, w):
                 return page.drive(self, checked(v, w))
             case messages.Stop():
-                page.robot.stop()
+                page.stop(self)
             case messages.EmergencyStop():
                 page.robot.emergency_stop()
             case messages.ResetEmergencyStop():

@@ -1,31 +1,44 @@
 """A velocity that somebody holds: a key, a stick, a finger, a program."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pioneer3.behaviors.engine import Desire
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.state import Snapshot
 
+NEVER = float("-inf")
+
 
 @dataclass(slots=True)
 class Hold:
-    """Wants the last twist set, for as long as that lasts."""
+    """Wants the last twist set, for as long as that lasts.
+
+    Attributes:
+        muted: Somebody stopped the robot while this was held. It wants nothing until it has been
+            let go: released, or not renewed in time.
+    """
 
     name: str
     priority: int
-    twist: Twist2 = STILL
-    until: float = float("-inf")
+    muted: bool = field(default=False, init=False)
+    _twist: Twist2 = field(default=STILL, init=False)
+    _until: float = field(default=NEVER, init=False)
 
-    def set(self, twist: Twist2, until: float) -> None:
-        """Want `twist` until then [s, monotonic]."""
-        self.twist, self.until = twist, until
+    def set(self, twist: Twist2, now: float, seconds: float) -> None:
+        """Want `twist` for `seconds` from `now` [s, monotonic]."""
+        self.muted = self.muted and now < self._until
+        self._twist, self._until = twist, now + seconds
 
     def release(self) -> None:
         """Want nothing."""
-        self.until = float("-inf")
+        self.muted, self._until = False, NEVER
+
+    def mute(self, now: float) -> None:
+        """Want nothing until what is held at `now` has been let go."""
+        self.muted = now < self._until
 
     def decide(self, snapshot: Snapshot, now: float) -> Desire | None:
         """Return the twist while it lasts."""
-        if now >= self.until:
+        if self.muted or now >= self._until:
             return None
-        return Desire(v=self.twist.v, w=self.twist.w, until=self.until)
+        return Desire(v=self._twist.v, w=self._twist.w, until=self._until)

@@ -1,10 +1,11 @@
 """Collects the facts: looks at the port, talks to what is there, listens. Moves nothing."""
 
 import asyncio
+from dataclasses import replace
 from itertools import pairwise
 
 from pioneer3.errors import LinkError
-from pioneer3.links import open_link
+from pioneer3.links import Link, open_link
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.conversation import Conversation
@@ -26,21 +27,21 @@ async def gather(url: str, *, baud: int | None = None, seconds: float = 3.0) -> 
         link = await open_link(url, baud=baud)
     except LinkError as error:
         return Facts(url=url, port=port, refused=error)
+    return await interview(link, seconds, Facts(url=url, port=port))
+
+
+async def interview(link: Link, seconds: float, known: Facts) -> Facts:
+    """Return the facts `known`, and those that `link` leads to; the link is closed then."""
     conversation = Conversation(link)
     try:
         if await conversation.meet():
             heard = await _listen(conversation, seconds)
-            return Facts(
-                url=url,
-                port=port,
-                info=conversation.info,
-                streaming=conversation.streaming,
-                heard=heard,
+            return replace(
+                known, info=conversation.info, streaming=conversation.streaming, heard=heard
             )
         stranger = await conversation.stranger()
-        return Facts(
-            url=url,
-            port=port,
+        return replace(
+            known,
             closed=conversation.closed,
             stranger=stranger,
             heard_at=tuple(speed for speed in conversation.heard_at if speed is not None),

@@ -5,7 +5,14 @@ from typing import Final
 
 from pioneer3.errors import PortBusyError, PortNotFoundError, PortPermissionError
 from pioneer3.links.serial import SPEEDS, how_to_get_permission
-from pioneer3.runtime.diagnosis.facts import FORBIDDEN, UNREACHABLE, Facts, Finding, Level
+from pioneer3.runtime.diagnosis.facts import (
+    FAILED,
+    FORBIDDEN,
+    UNREACHABLE,
+    Facts,
+    Finding,
+    Level,
+)
 from pioneer3.runtime.identity import kind
 from pioneer3.runtime.ports import Holder, SerialPort, latency_file
 from pioneer3.runtime.strangers import Kind, Stranger
@@ -100,7 +107,7 @@ def _busy(holders: tuple[Holder, ...], where: str) -> Finding:
         found=f"{where} is in use by {who or 'another program'}",
         meaning="Two programs on one port each get half of the robot's words.",
         advice=_how_to_free(holders, where),
-        code=UNREACHABLE,
+        code=FAILED,
     )
 
 
@@ -112,7 +119,7 @@ def _how_to_free(holders: tuple[Holder, ...], where: str) -> str:
         tty = where.rpartition("/")[2].rstrip(")")
         return f"It offers a login there. Run: sudo systemctl disable --now serial-getty@{tty}"
     if not holders:
-        return f"Find it with: sudo fuser -v {where.split(' ')[0]}"
+        return f"Find it with: sudo fuser -v {where.partition(' ')[0]}"
     return f"Quit it, or run: kill {' '.join(str(holder.pid) for holder in holders)}"
 
 

@@ -1,0 +1,130 @@
+"""`pioneer3 monitor`."""
+
+import sys
+from collections.abc import AsyncIterator
+from math import inf
+from typing import TYPE_CHECKING
+
+from pioneer3.cli.flags import Flag
+from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+
+if TYPE_CHECKING:
+    from pioneer3.runtime.robot import Robot
+
+
+def monitor(
+    *,
+    port: Port = DEFAULT_PORT,
+    baud: Baud = None,
+    seconds: float | None = None,
+    raw: Flag = False,
+    json: Flag = False,
+) -> int:
+    """Show live everything the robot says; Ctrl-C ends it.
+
+    Nothing moves, and the motors stay off. On a terminal it is a screen, else a
+    line for each reading.
+
+    Example: pioneer3 monitor --port /dev/ttyUSB0
+
+    Args:
+        port: The robot: /dev/ttyUSB0, tcp://localhost:8101, replay:FILE.
+        baud: Serial speed to try first.
+        seconds: End after this time [s].
+        raw: One line for each report, as the robot sent it.
+        json: One JSON object for each reading (with --raw: report), a line each.
+    """
+    length = inf if seconds is None else seconds
+    if raw:
+        return run_until_told_to_leave(_raw(port, baud, length, json=json))
+    return run_until_told_to_leave(_monitor(port, baud, length, json=json))
+
+
+async def _monitor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+    from contextlib import AsyncExitStack  # noqa: PLC0415
+
+    from pioneer3.cli.output import busy_sign  # noqa: PLC0415
+    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
+
+    async with AsyncExitStack() as stack:
+        with busy_sign(f"Connecting to {port} ..."):
+            connecting = connect_async(port, baud=baud, auto_enable=False)
+            robot = await stack.enter_async_context(connecting)
+        if json:
+            await _print_json(robot, seconds)
+        elif sys.stdout.isatty():
+            await _show_screen(robot, seconds)
+        else:
+            await _print_lines(robot, seconds)
+    return 0
+
+
+async def _print_json(robot: "Robot", seconds: float) -> None:
+    from pioneer3.cli.output import write_json  # noqa: PLC0415
+
+    async for snapshot in robot.snapshots(seconds):
+        write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
+
+
+async def _print_lines(robot: "Robot", seconds: float) -> None:
+    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.screen import line  # noqa: PLC0415
+
+    async for snapshot in robot.snapshots(seconds):
+        write_line(line(snapshot))
+
+
+async def _show_screen(robot: "Robot", seconds: float) -> None:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.live import Live  # noqa: PLC0415
+
+    from pioneer3.cli.screen import screen  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    with Live(console=console, screen=True, auto_refresh=False) as live:
+        async for _ in _moments(robot, seconds):
+            status = robot.supervisor.status.latest
+            why = robot.why_not_moving()
+            view = screen(robot.info, robot.snapshot, why, status, console.width)
+            live.update(view, refresh=True)
+
+
+async def _moments(robot: "Robot", seconds: float, patience: float = 0.5) -> AsyncIterator[None]:
+    """Return at each reading; every `patience` [s] while there is none."""
+    import asyncio  # noqa: PLC0415
+
+    clock = asyncio.get_running_loop().time
+    end = clock() + seconds
+    yield
+    while (left := end - clock()) > 0:
+        async for _ in robot.snapshots(min(patience, left)):
+            yield
+        yield
+
+
+async def _raw(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+    import asyncio  # noqa: PLC0415
+
+    from pioneer3.arcos.reports import Report  # noqa: PLC0415
+    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.links import Link, open_link  # noqa: PLC0415
+    from pioneer3.runtime.overheard import OverheardLink, described  # noqa: PLC0415
+    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
+
+    began = asyncio.get_running_loop().time()
+
+    def tell(stamp: float, report: Report) -> None:
+        if json:
+            kind = type(report).__name__
+            write_json({"time": stamp - began, "report": kind, "fields": report})
+        else:
+            write_line(f"{stamp - began:9.3f} {described(report)}")
+
+    async def opened() -> Link:
+        return OverheardLink(await open_link(port, baud=baud), tell)
+
+    async with connect_async(lambda: asyncio.ensure_future(opened()), auto_enable=False) as robot:
+        async for _ in robot.snapshots(seconds):
+            pass
+    return 0

@@ -1,0 +1,216 @@
+"""The monitor's screen: one view of everything a robot says, for 80 columns and 24 rows."""
+
+from collections.abc import Sequence
+from math import degrees, isfinite, isnan
+
+from rich.console import Group, RenderableType
+from rich.layout import Layout
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from pioneer3.cli.tables import battery_text
+from pioneer3.models import SonarMount
+from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.runtime.identity import is_simulator, kind
+from pioneer3.state import LinkQuality, Snapshot, Sonar
+
+FARTHEST = 5.0
+"""A full bar [m]."""
+NEAR, CLOSE = 0.5, 1.0
+"""Below these ranges [m] a bar is red, or yellow."""
+WIDE = 100
+"""From this many columns on the bars are long."""
+SHORT_BAR, LONG_BAR = 8, 18
+EIGHTHS = " ▏▎▍▌▋▊▉█"
+FULL_RATE = 9.0
+"""Reports in a second that a healthy link brings [1/s]."""
+
+
+def screen(
+    info: RobotInfo,
+    snapshot: Snapshot | None,
+    why: str | None,
+    status: Status | None,
+    width: int = 80,
+) -> RenderableType:
+    """Return the whole screen.
+
+    Args:
+        info: The robot last connected.
+        snapshot: The latest reading, or `None` while the link is lost.
+        why: Why the robot stands still, or `None`.
+        status: How it stands with the connection.
+        width: Of the terminal, in columns.
+    """
+    layout = Layout()
+    layout.split_column(
+        Layout(_headline(info, status), size=1),
+        Layout(name="middle"),
+        Layout(_bottom(snapshot, why, status), size=5),
+    )
+    if snapshot is None:
+        layout["middle"].update(Panel(Text("no readings: the link is lost", "bold red")))
+        return layout
+    sonar = _sonar(snapshot.sonar, info.model.sonars, LONG_BAR if width >= WIDE else SHORT_BAR)
+    layout["middle"].split_row(
+        Layout(Panel(_readings(snapshot), title="robot"), ratio=4),
+        Layout(Panel(sonar, title="sonar, range in m"), ratio=5),
+    )
+    return layout
+
+
+def line(snapshot: Snapshot) -> str:
+    """Return the reading as one line of text."""
+    odometry, pose = snapshot.odometry, snapshot.odometry.robot_in_odom
+    words = [
+        f"#{snapshot.sequence}",
+        f"x {pose.x:+.3f} m  y {pose.y:+.3f} m  heading {degrees(pose.theta):+.1f} deg",
+        f"speed {odometry.twist.v:+.3f} m/s  turn {degrees(odometry.twist.w):+.1f} deg/s",
+        f"battery {battery_text(snapshot)}",
+        f"motors {'on' if snapshot.motors.enabled else 'off'}",
+        f"nearest {_metres(snapshot.sonar.nearest)} m",
+        f"{snapshot.link.rate:.0f} reports/s",
+        *_alarms(snapshot),
+    ]
+    return "  ".join(words)
+
+
+def _alarms(snapshot: Snapshot) -> list[str]:
+    motors, bumpers = snapshot.motors, snapshot.bumpers
+    alarms = {
+        "STOP BUTTON": motors.stop_button,
+        "STALLED": motors.stalled,
+        "BUMPED": any((*bumpers.front, *bumpers.rear)),
+    }
+    return [name for name, up in alarms.items() if up] + [
+        fault.upper() for fault in snapshot.faults
+    ]
+
+
+def _headline(info: RobotInfo, status: Status | None) -> Text:
+    style = "black on cyan" if is_simulator(info) else "black on green"
+    state = status.connection if status else Connection.CONNECTED
+    text = Text(no_wrap=True, overflow="ellipsis")
+    text.append(f" {kind(info)} ", f"bold {style}")
+    text.append(f" {info.identity.name}, {info.model.title}  ", "bold")
+    text.append(f"{info.url}  ", "dim")
+    text.append(state, "green" if state is Connection.CONNECTED else "bold red")
+    return text
+
+
+def _readings(snapshot: Snapshot) -> Table:
+    odometry, motors = snapshot.odometry, snapshot.motors
+    pose, twist = odometry.robot_in_odom, odometry.twist
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column(no_wrap=True)
+    grid.add_row("x", f"{pose.x:+8.3f} m")
+    grid.add_row("y", f"{pose.y:+8.3f} m")
+    grid.add_row("heading", f"{degrees(pose.theta):+8.1f} deg")
+    grid.add_row("speed", f"{twist.v:+8.3f} m/s")
+    grid.add_row("turn", f"{degrees(twist.w):+8.1f} deg/s")
+    grid.add_row("wheels", f"{odometry.left_speed:+.3f} {odometry.right_speed:+.3f} m/s")
+    grid.add_row("battery", _warning(battery_text(snapshot), up=snapshot.battery.low))
+    moving = ", moving" if motors.moving else ""
+    grid.add_row("motors", Text(f"on{moving}", "bold green") if motors.enabled else "off")
+    grid.add_row("stop button", _alarm("PRESSED", "not pressed", up=motors.stop_button))
+    grid.add_row("stall", _stall(snapshot))
+    grid.add_row("bumpers", _bumpers(snapshot))
+    grid.add_row("inputs", _inputs(snapshot))
+    grid.add_row("faults", _alarm(", ".join(snapshot.faults), "none", up=bool(snapshot.faults)))
+    return grid
+
+
+def _alarm(loud: str, quiet: str, *, up: bool) -> Text:
+    return Text(loud, "bold white on red") if up else Text(quiet)
+
+
+def _warning(text: str, *, up: bool) -> Text:
+    return Text(text, "bold yellow" if up else "")
+
+
+def _stall(snapshot: Snapshot) -> Text:
+    motors = snapshot.motors
+    sides = {"LEFT": motors.left_stalled, "RIGHT": motors.right_stalled}
+    return _alarm(" ".join(side for side, up in sides.items() if up), "none", up=motors.stalled)
+
+
+def _bumpers(snapshot: Snapshot) -> Text:
+    text = Text()
+    for name, segments in (("front", snapshot.bumpers.front), ("rear", snapshot.bumpers.rear)):
+        if segments:
+            text.append(f"{name} ")
+            for pressed in segments:
+                text.append("■" if pressed else "□", "bold red" if pressed else "dim")
+            text.append(" ")
+    return text or Text("none on this robot", "dim")
+
+
+def _inputs(snapshot: Snapshot) -> str:
+    inputs = snapshot.inputs
+    compass = "" if inputs.compass is None else f" {degrees(inputs.compass):.0f}°"
+    heat = "" if inputs.temperature is None else f" {inputs.temperature}°C"
+    return f"{inputs.digital_in:08b} {inputs.analog:.2f} V{compass}{heat}"
+
+
+def _sonar(sonar: Sonar, mounts: Sequence[SonarMount], length: int) -> RenderableType:
+    """Return a bar for each transducer; a ring of eight is a block, two blocks stand in a row."""
+    if not sonar.ranges:
+        return Text("no sonar", "dim")
+    pairs = Table.grid(padding=(0, 1))
+    for first in range(0, len(sonar.ranges), 16):
+        pairs.add_row(_ring(sonar, mounts, first, length), _ring(sonar, mounts, first + 8, length))
+    state = Text("pinging", "dim") if sonar.enabled else Text("switched off", "yellow")
+    nearest = Text(f"\nnearest {_metres(sonar.nearest)} m, ").append_text(state)
+    return Group(pairs, nearest)
+
+
+def _ring(sonar: Sonar, mounts: Sequence[SonarMount], first: int, length: int) -> RenderableType:
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(justify="right", style="dim", no_wrap=True)
+    grid.add_column(width=length, no_wrap=True)
+    grid.add_column(justify="right", width=4, no_wrap=True)
+    for number, metres in list(enumerate(sonar.ranges))[first : first + 8]:
+        grid.add_row(_direction(number, mounts), bar(metres, length), _metres(metres))
+    name = {0: "front", 8: "rear"}.get(first, f"from number {first}")
+    return Group(Text(name, "bold"), grid) if grid.row_count else Text()
+
+
+def _direction(number: int, mounts: Sequence[SonarMount]) -> str:
+    """Return where the transducer looks; its number where nobody knows."""
+    return f"{degrees(mounts[number].theta):+4.0f}°" if number < len(mounts) else f"{number}"
+
+
+def bar(metres: float, length: int) -> Text:
+    """Return a bar of up to `length` columns; full means that nothing is near."""
+    if isnan(metres):
+        return Text("?", "dim")
+    steps = round(min(metres, FARTHEST) / FARTHEST * length * 8)
+    whole, rest = divmod(steps, 8)
+    drawn = ("█" * whole + EIGHTHS[rest].strip()).ljust(length)
+    style = "red" if metres < NEAR else "yellow" if metres < CLOSE else "green"
+    return Text(drawn, style if isfinite(metres) else "dim green")
+
+
+def _metres(metres: float) -> str:
+    return f"{metres:.2f}" if isfinite(metres) else "-"
+
+
+def _bottom(snapshot: Snapshot | None, why: str | None, status: Status | None) -> Panel:
+    lines = [_link(snapshot.link)] if snapshot else []
+    if status and status.connection is not Connection.CONNECTED:
+        lines.append(Text(f"{status.connection}: {status.message}", "bold red"))
+    lines.append(Text(why or "It moves."))
+    return Panel(Group(*lines), title="link and why it stands still", subtitle="Ctrl-C ends")
+
+
+def _link(link: LinkQuality) -> Text:
+    spoilt = link.bad_checksums or link.bytes_skipped
+    slow = link.rate < FULL_RATE < link.reports  # in the first second it is not known yet
+    text = Text(f"{link.rate:.0f} reports/s", "yellow" if slow else "")
+    text.append(f", {link.reports} in session {link.sessions}, ", "")
+    return text.append(
+        f"{link.bad_checksums} bad checksums, {link.bytes_skipped} bytes lost",
+        "yellow" if spoilt else "",
+    )

@@ -1,0 +1,52 @@
+import subprocess
+import sys
+
+import pioneer3
+
+PUBLIC = [
+    "BlockingRobot",
+    "CommandError",
+    "ConfigError",
+    "LinkError",
+    "MotionError",
+    "NoRobotError",
+    "PioneerError",
+    "PortBusyError",
+    "PortNotFoundError",
+    "PortPermissionError",
+    "Pose2",
+    "Robot",
+    "RobotModel",
+    "Snapshot",
+    "Twist2",
+    "connect",
+    "connect_async",
+    "load_model",
+]
+HEAVY = ["asyncio", "numpy", "rich", "serialx", "starlette", "uvicorn", "msgspec", "cyclopts"]
+
+
+def test_the_public_names_are_these() -> None:
+    assert pioneer3.__all__ == PUBLIC
+    assert all(getattr(pioneer3, name).__name__ == name for name in PUBLIC)
+    assert set(PUBLIC) <= set(dir(pioneer3))
+
+
+def loaded_after(statement: str) -> set[str]:
+    code = f"import sys; {statement}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    assert loaded_after("import pioneer3").isdisjoint(HEAVY)
+
+
+def test_the_help_needs_neither_numpy_nor_a_web_server_nor_an_event_loop() -> None:
+    heavy = {"numpy", "serialx", "starlette", "uvicorn", "msgspec", "asyncio", "rich.markdown"}
+    assert loaded_after("import pioneer3.cli.main").isdisjoint(heavy)
+
+
+def test_the_protocol_needs_neither_numpy_nor_an_event_loop() -> None:
+    statement = "import pioneer3.arcos.host, pioneer3.arcos.device"
+    assert loaded_after(statement).isdisjoint(HEAVY)

@@ -1,0 +1,96 @@
+"""The real page, served by the real server, in headless Chromium."""
+
+import asyncio
+import shutil
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from pioneer3.runtime.robot import Robot, connect_async
+from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.web.server import serve_page
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+@dataclass(frozen=True)
+class Product:
+    """A simulator, the driver and the page, in a thread of their own."""
+
+    address: str
+    simulation: RunningSimulation
+    robot: Robot
+
+
+@pytest.fixture
+def product() -> Iterator[Product]:
+    """Run the product; every test gets its own."""
+    ready: Future[Product] = Future()
+    loop = asyncio.new_event_loop()
+    leave = asyncio.Event()
+
+    async def serve() -> None:
+        async with AsyncExitStack() as stack:
+            running = await stack.enter_async_context(simulator(port=0))
+            robot = await stack.enter_async_context(connect_async(running.url))
+            address = await stack.enter_async_context(serve_page(robot, running.scene, port=0))
+            ready.set_result(Product(address, running, robot))
+            await leave.wait()
+
+    thread = threading.Thread(target=loop.run_until_complete, args=(serve(),))
+    thread.start()
+    try:
+        yield ready.result(20)
+    finally:
+        loop.call_soon_threadsafe(leave.set)
+        thread.join()
+        loop.close()
+
+
+def wait_for_the_robot(page: Page) -> None:
+    """Wait until the page shows a snapshot; by asking, for its CSP forbids injected pollers."""
+    for _ in range(200):
+        if page.evaluate("Boolean(window.pioneer3?.state.snapshot)"):
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError("the page shows no robot")
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Start Chromium once."""
+    if CHROMIUM is None:
+        pytest.skip("Chromium is not installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(browser: Browser, product: Product) -> Iterator[Page]:
+    """Open the page at desktop size; anything in the console fails the test."""
+    context = browser.new_context(viewport={"width": 1440, "height": 900})
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    yield page
+    context.close()
+    assert complaints == []
