@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from pioneer3.geometry import Pose2, Twist2
     from pioneer3.models import RobotModel, load_model
     from pioneer3.runtime.blocking import BlockingRobot, connect
-    from pioneer3.runtime.robot import Robot, connect_async
+    from pioneer3.runtime.connect import connect_async
+    from pioneer3.runtime.robot import Robot
     from pioneer3.state import Snapshot
 
 _HOME = {
@@ -44,7 +45,7 @@ _HOME = {
     "Snapshot": "state",
     "Twist2": "geometry",
     "connect": "runtime.blocking",
-    "connect_async": "runtime.robot",
+    "connect_async": "runtime.connect",
     "load_model": "models",
 }
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from pioneer3.runtime.robot import Robot, connect_async
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.simulation import RunningSimulation, simulator
 from pioneer3.web.server import serve_page
 

@@ -15,7 +15,7 @@ from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, bytewise, clean
 from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
-from pioneer3.runtime.robot import connect_async
+from pioneer3.runtime.connect import connect_async
 from tests.support import TICK, First, SimulatedRobot, corrupted, doubled, frame, hold, lost
 
 SYNCS = [bytes.fromhex(sync) for sync in ("fafb03000000", "fafb03010001", "fafb03020002")]
@@ -78,7 +78,7 @@ async def test_a_lost_open_is_repeated_with_the_request_for_config() -> None:
         assert fault.times == 0
         assert now() == pytest.approx(0.25 + ONE_CYCLE, abs=TICK)
         assert driver.info.config is not None
-        assert robot.wires[0].data.count(OPEN) == 2
+        assert robot.wires[0].data.count(OPEN) == 1
 
 
 async def test_a_robot_that_moves_in_an_earlier_session_is_stopped_with_the_first_bytes() -> None:

@@ -289,8 +289,9 @@ class Host:
                 continue
             if payload == self._doubtful_config:
                 return [self._configure(config, trusted=False)]
+            if not self._doubtful_config:  # ask again at once, once
+                self._config_due = self.deadline = now
             self._doubtful_config = payload
-            self._config_due = self.deadline = now
         return []
 
     def _keep_open(self, now: float) -> list[Event]:

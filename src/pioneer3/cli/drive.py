@@ -2,6 +2,7 @@
 
 import os
 import sys
+from pathlib import Path
 
 from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
@@ -19,6 +20,7 @@ def drive(
     speed: float = 0.5,
     turn_rate: float = 0.5,
     latch: bool = False,
+    record: Path | None = None,
 ) -> int:
     """Drive with the keyboard of this terminal: arrows drive, space stops, q quits.
 
@@ -33,17 +35,24 @@ def drive(
         speed: Of the forward key [m/s]; + and - change it.
         turn_rate: Of the turning keys [rad/s]; + and - change it.
         latch: One press keeps moving until another key, as in the lab's rob_key.
+        record: New file for every byte on the wire; --port replay:FILE plays it.
     """
-    return run_until_told_to_leave(_drive(port, baud, speed, turn_rate, latch=latch))
+    return run_until_told_to_leave(_drive(port, baud, speed, turn_rate, latch=latch, record=record))
 
 
 async def _drive(
-    port: str, baud: int | None, speed: float, turn_rate: float, *, latch: bool
+    port: str,
+    baud: int | None,
+    speed: float,
+    turn_rate: float,
+    *,
+    latch: bool,
+    record: Path | None,
 ) -> int:
     from pioneer3.errors import CommandError  # noqa: PLC0415
     from pioneer3.robot.limits import checked  # noqa: PLC0415
+    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
     from pioneer3.runtime.identity import kind  # noqa: PLC0415
-    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
     from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
     from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
@@ -52,7 +61,7 @@ async def _drive(
     if wanted.v <= 0 or wanted.w <= 0:
         raise CommandError("--speed and --turn-rate must be positive")
     with raw_terminal() as terminal:
-        async with connect_async(port, baud=baud) as robot:
+        async with connect_async(port, baud=baud, record=record) as robot:
             limits = robot.info.limits
             keyboard = Keyboard(
                 speed=min(wanted.v, limits.max_speed),

@@ -63,12 +63,14 @@ async def _replugged() -> "tuple[SerialPort, ...]":
     """Lead a person through unplugging and plugging in; return the ports that came back."""
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
     from pioneer3.runtime.ports import list_ports  # noqa: PLC0415
-    from pioneer3.runtime.probe import wait_for_plug  # noqa: PLC0415
+    from pioneer3.runtime.probe import came_back, wait_for_plug  # noqa: PLC0415
 
     before = list_ports()
     _say("Unplug the robot's cable from this computer, then press Enter. ")
     await _enter_pressed()
     without = list_ports()
+    if not came_back(before, without, before):
+        _say("No port has vanished: was the cable in this computer?\n")
     _say("Now plug it in again.\n")
     with busy_sign("Waiting for it ..."):
         return await wait_for_plug(before, without, list_ports)

@@ -29,7 +29,7 @@ async def _info(port: str, baud: int | None, *, json: bool) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign, write_json  # noqa: PLC0415
-    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
+    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
 
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {port} ..."):

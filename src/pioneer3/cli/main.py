@@ -59,18 +59,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def execute(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code, errors told in one line."""
     try:
-        result = app(arguments, exit_on_error=False, print_error=True)
-    except CycloptsError:
-        return Exit.USAGE
+        result = app(arguments, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        return _tell(error, Exit.USAGE)
     except KeyboardInterrupt:
         return Exit.INTERRUPTED
     except PioneerError as error:
-        print(f"pioneer3: {error}", file=sys.stderr)  # noqa: T201
-        return exit_code(error)
+        return _tell(error, exit_code(error))
     except BrokenPipeError:  # the reader of our output has gone: that is its right
         sys.stdout = None
         return Exit.OK
     return result if isinstance(result, int) else Exit.OK
+
+
+def _tell(error: Exception, code: Exit) -> Exit:
+    print(f"pioneer3: {error}", file=sys.stderr)  # noqa: T201
+    return code
 
 
 def exit_code(error: PioneerError) -> Exit:

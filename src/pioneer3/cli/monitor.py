@@ -45,7 +45,7 @@ async def _monitor(port: str, baud: int | None, seconds: float, *, json: bool) -
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
-    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
+    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
 
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {port} ..."):
@@ -109,8 +109,8 @@ async def _raw(port: str, baud: int | None, seconds: float, *, json: bool) -> in
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
     from pioneer3.links import Link, open_link  # noqa: PLC0415
+    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
     from pioneer3.runtime.overheard import OverheardLink, described  # noqa: PLC0415
-    from pioneer3.runtime.robot import connect_async  # noqa: PLC0415
 
     began = asyncio.get_running_loop().time()
 

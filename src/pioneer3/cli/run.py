@@ -1,11 +1,13 @@
 """`pioneer3 run`."""
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import TcpPort
 
 
 def run(
@@ -14,10 +16,11 @@ def run(
     baud: Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")] = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
     robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None,
-    sim_port: int = 8101,
-    web_port: int = 8080,
+    sim_port: TcpPort = 8101,
+    web_port: TcpPort = 8080,
     host: str = "127.0.0.1",
     max_speed: float | None = None,
+    record: Path | None = None,
 ) -> int:
     """Connect to a robot and serve the live page; without --port, to a simulated one of its own.
 
@@ -28,10 +31,11 @@ def run(
         baud: Serial speed to try first.
         map_: A shipped map (office) or an ARIA .map file.
         robot: Simulated model, such as p3dx-sh; with --port: used whatever the robot says it is.
-        sim_port: TCP port of the simulator.
+        sim_port: TCP port of the simulator; 0 takes a free one.
         web_port: TCP port of the page; 0 takes a free one.
         host: Address the page is served on. Anything but 127.0.0.1 lets the network drive.
         max_speed: Keep below this speed [m/s].
+        record: New file for every byte on the wire; --port replay:FILE plays it.
     """
     from pioneer3.web.live import Options, live  # noqa: PLC0415
 
@@ -44,6 +48,7 @@ def run(
         web_port=web_port,
         host=host,
         max_speed=max_speed,
+        record=record,
     )
     return run_until_told_to_leave(live(options, _tell))
 

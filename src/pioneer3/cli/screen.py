@@ -104,7 +104,7 @@ def _readings(snapshot: Snapshot) -> Table:
     pose, twist = odometry.robot_in_odom, odometry.twist
     grid = Table.grid(padding=(0, 1))
     grid.add_column(style="dim", no_wrap=True)
-    grid.add_column(no_wrap=True)
+    grid.add_column()
     grid.add_row("x", f"{pose.x:+8.3f} m")
     grid.add_row("y", f"{pose.y:+8.3f} m")
     grid.add_row("heading", f"{degrees(pose.theta):+8.1f} deg")
@@ -116,8 +116,13 @@ def _readings(snapshot: Snapshot) -> Table:
     grid.add_row("motors", Text(f"on{moving}", "bold green") if motors.enabled else "off")
     grid.add_row("stop button", _alarm("PRESSED", "not pressed", up=motors.stop_button))
     grid.add_row("stall", _stall(snapshot))
-    grid.add_row("bumpers", _bumpers(snapshot))
-    grid.add_row("inputs", _inputs(snapshot))
+    grid.add_row("bumps front", _bumpers(snapshot.bumpers.front))
+    grid.add_row("bumps rear", _bumpers(snapshot.bumpers.rear))
+    grid.add_row("inputs", f"{snapshot.inputs.digital_in:08b} {snapshot.inputs.analog:.2f} V")
+    if snapshot.inputs.compass is not None:
+        grid.add_row("compass", f"{degrees(snapshot.inputs.compass):+.0f} deg")
+    if snapshot.inputs.temperature is not None:
+        grid.add_row("motor heat", f"{snapshot.inputs.temperature} °C")
     grid.add_row("faults", _alarm(", ".join(snapshot.faults), "none", up=bool(snapshot.faults)))
     return grid
 
@@ -136,22 +141,11 @@ def _stall(snapshot: Snapshot) -> Text:
     return _alarm(" ".join(side for side, up in sides.items() if up), "none", up=motors.stalled)
 
 
-def _bumpers(snapshot: Snapshot) -> Text:
-    text = Text()
-    for name, segments in (("front", snapshot.bumpers.front), ("rear", snapshot.bumpers.rear)):
-        if segments:
-            text.append(f"{name} ")
-            for pressed in segments:
-                text.append("■" if pressed else "□", "bold red" if pressed else "dim")
-            text.append(" ")
-    return text or Text("none on this robot", "dim")
-
-
-def _inputs(snapshot: Snapshot) -> str:
-    inputs = snapshot.inputs
-    compass = "" if inputs.compass is None else f" {degrees(inputs.compass):.0f}°"
-    heat = "" if inputs.temperature is None else f" {inputs.temperature}°C"
-    return f"{inputs.digital_in:08b} {inputs.analog:.2f} V{compass}{heat}"
+def _bumpers(segments: Sequence[bool]) -> Text:
+    text = Text() if segments else Text("none", "dim")
+    for pressed in segments:
+        text.append("■" if pressed else "□", "bold red" if pressed else "dim")
+    return text
 
 
 def _sonar(sonar: Sonar, mounts: Sequence[SonarMount], length: int) -> RenderableType:

@@ -6,13 +6,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import TcpPort
 
 
 def sim(
     *,
     map_: Annotated[str, Parameter(name=["--map", "-m"])] = "office",
     robot: Annotated[str, Parameter(name=["--robot", "-r"])] = "p3at-sh",
-    port: Annotated[int, Parameter(name=["--port", "-p"])] = 8101,
+    port: Annotated[TcpPort, Parameter(name=["--port", "-p"])] = 8101,
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False,
 ) -> int:
     """Run the simulator alone, in real time, without a window: a robot in a map on a TCP port.

@@ -1,5 +1,6 @@
 """What a driver or a simulator needs from a cable, and nothing more."""
 
+from collections.abc import Awaitable, Callable
 from typing import Protocol
 
 
@@ -34,3 +35,7 @@ class Link(Protocol):
 
     async def close(self) -> None:
         """Send what is still buffered, then close; safe to call twice."""
+
+
+Opener = Callable[[], Awaitable[Link]]
+"""Opens the same link anew each time it is called."""

@@ -10,13 +10,14 @@ The format::
 
 import asyncio
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 from pioneer3.clock import Clock
 from pioneer3.errors import ConfigError, PortNotFoundError
-from pioneer3.links.base import Link
+from pioneer3.links.base import Link, Opener
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
 
@@ -67,6 +68,25 @@ class TapLink:
         if data:
             seconds = self._clock() - self._began
             self._file.write(f"{seconds:.6f} {way} {len(data)} {data.hex()}\n")
+
+
+@contextmanager
+def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Opener]:
+    """Record every link that `opener` opens to one new file, line by line as it happens.
+
+    Raises:
+        ConfigError: the file cannot be written; one that exists is left alone.
+    """
+    try:
+        file = path.open("x", encoding="ascii", buffering=1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
+    with file:
+
+        async def open_and_record() -> Link:
+            return TapLink(await opener(), file, clock)
+
+        yield open_and_record
 
 
 class ReplayLink:

@@ -79,24 +79,28 @@ class Pilot:
         self.deadline = inf
         self._block(f"the link was lost ({why}); let go, then ask again", now)
 
-    def drive(self, twist: Twist2, now: float, until: float = inf) -> str | None:
+    def drive(
+        self, twist: Twist2, now: float, until: float = inf, *, renewed: bool = False
+    ) -> str | None:
         """Ask for `twist` until it expires, at `until` [s] at the latest.
 
-        Returns why it is ignored, or `None`.
+        What is `renewed` was asked for before, and is never fresh. Returns why it is ignored, or
+        `None`.
         """
-        fresh = twist.is_zero or (
-            self.limits is not None and now - self._requested_at > self.limits.expiry
-        )
-        self._requested_at = -inf if twist.is_zero else now
+        if self.limits is None:
+            return "no robot is connected"
+        expiry = self.limits.expiry
+        fresh = twist.is_zero or (now - self._requested_at > expiry and not renewed)
+        self._requested_at = -inf if twist.is_zero else min(now, until - expiry)
         if self.emergency:
             return "the emergency stop is latched"
         if self._blocked and fresh and self._snapshot is not None:
             self._blocked = None
         if self._blocked:
             return self._blocked
-        if self.limits is None or self._snapshot is None:
+        if self._snapshot is None:
             return "no robot is connected"
-        self._request, self._until = twist, min(now + self.limits.expiry, until)
+        self._request, self._until = twist, min(now + expiry, until)
         given_up = fresh and self.enable_failed
         if not twist.is_zero and self._auto_enable and (given_up or not self._motors_wanted):
             self._want_motors(on=True)
@@ -137,8 +141,6 @@ class Pilot:
         motors, before = snapshot.motors, self._snapshot
         self._snapshot = snapshot
         self._notice_sleep(now)
-        if before is None:
-            self._requested_at = now  # who asks right now asked before the link was lost
         if motors.stop_button:
             if self._motors_wanted:
                 self._motors_wanted = None  # released, it does not bring them back

@@ -82,6 +82,7 @@ class Session:
         self._host = Host(self._clock(), link.speeds, timing)
         self._wake = asyncio.Event()
         self._lost: Lost | None = None
+        self._configured = False
 
     def wake(self) -> None:
         """Let the writer look at once: there is something to send."""
@@ -169,12 +170,14 @@ class Session:
         self.model = self.model or _model_of(self.identity, config)
         self._assembler.session_opened(self.model)
         self._pilot.session_opened(self._restrict(limits_for(self.model, config)), now)
+        self._configured = True
         self._listener.on_connected(self)
 
     def _serve(self, report: Report, now: float) -> None:
         self._listener.on_report(report, now)
-        if not isinstance(report, Sip) or not self._host.config_settled or self.model is None:
+        if not isinstance(report, Sip) or not self._configured:
             return
+        assert self.model is not None
         snapshot = self._assembler.assemble(
             report,
             now,

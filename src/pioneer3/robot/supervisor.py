@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
@@ -12,7 +12,7 @@ from pioneer3.arcos.host import Timing
 from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
-from pioneer3.links import Link
+from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
@@ -26,8 +26,6 @@ log = logging.getLogger(__name__)
 
 BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
-
-Opener = Callable[[], Awaitable[Link]]
 
 
 class Connection(StrEnum):
@@ -119,12 +117,13 @@ class Supervisor:
             for feed in (self.snapshots, self.reports, self.status):
                 feed.close()
 
-    def drive(self, twist: Twist2, until: float = inf) -> str | None:
+    def drive(self, twist: Twist2, until: float = inf, *, renewed: bool = False) -> str | None:
         """Ask for `twist` until it expires, at `until` [s, loop time] at the latest.
 
-        Returns why it is ignored, or `None`.
+        What is `renewed` was asked for before, and is never fresh. Returns why it is ignored, or
+        `None`.
         """
-        return self._after(self.pilot.drive(twist, self._clock(), until))
+        return self._after(self.pilot.drive(twist, self._clock(), until, renewed=renewed))
 
     def stop(self) -> None:
         """Stand still."""

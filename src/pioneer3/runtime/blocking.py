@@ -7,13 +7,15 @@ import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import AsyncExitStack
 from math import inf
+from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, TypeVar
 
 from pioneer3.arcos.commands import Command
 from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.robot import Robot, connect_async
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 
 T = TypeVar("T")
@@ -27,6 +29,7 @@ def connect(
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,
+    record: Path | None = None,
 ) -> "BlockingRobot":
     """Connect to a robot or simulator, and wait until it says something.
 
@@ -41,6 +44,7 @@ def connect(
         max_speed=max_speed,
         max_turn_rate=max_turn_rate,
         auto_enable=auto_enable,
+        record=record,
     )
 
 

@@ -27,16 +27,20 @@ class Helm:
     async def run(self) -> None:
         """Decide anew at each snapshot, for as long as the supervisor lives."""
         async for _ in self._supervisor.snapshots.values():
-            self.decide()
+            self.decide(renewed=True)
 
-    def decide(self) -> str | None:
-        """Resolve now; return why the robot ignores the result, or `None`."""
+    def decide(self, *, renewed: bool = False) -> str | None:
+        """Resolve now; return why the robot ignores the result, or `None`.
+
+        `renewed` says that nobody has asked for anything new: only time has passed.
+        """
         snapshot, now, before = self._supervisor.snapshot, self._clock(), self.decision
         if snapshot is None:
             return self._supervisor.why_not_moving()
         self.decision = resolve(self._actions, snapshot, now)
         if self.decision.wanted:
-            return self._supervisor.drive(self.decision.twist, self.decision.until)
+            twist, until = self.decision.twist, self.decision.until
+            return self._supervisor.drive(twist, until, renewed=renewed)
         if before.wanted and now < before.until:  # let go; what expires, the pilot ends itself
             return self._supervisor.drive(STILL)
         return None
@@ -77,6 +81,11 @@ class Helm:
         """End every wish and stop hard, latched."""
         self._end_wishes(None)
         self._supervisor.emergency_stop()
+
+    def set_motors(self, *, on: bool, by: Hold | None = None) -> str | None:
+        """Stop as :meth:`stop` does, then switch the motors; return why not, or `None`."""
+        self.stop(by)
+        return self._supervisor.set_motors(on=on)
 
     def _end_wishes(self, by: Hold | None) -> None:
         holds = [action for action in self._actions if isinstance(action, Hold)]

@@ -1,22 +1,14 @@
 """The robot as a program sees it, asynchronously."""
 
 import asyncio
-import signal
-import threading
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
-from functools import partial
+from collections.abc import AsyncIterator
 from math import inf, isfinite
-from typing import Any
 
 from pioneer3.arcos.commands import Command
-from pioneer3.arcos.host import Timing
 from pioneer3.behaviors.actions import Hold, Move, Turn
-from pioneer3.errors import CommandError, LinkError, MotionError
-from pioneer3.links import open_link
-from pioneer3.models import RobotModel
-from pioneer3.robot.limits import Limits, checked, finite
-from pioneer3.robot.supervisor import Connection, Opener, RobotInfo, Supervisor
+from pioneer3.errors import CommandError, MotionError
+from pioneer3.robot.limits import checked, finite
+from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
@@ -30,8 +22,8 @@ STUCK_PATIENCE = 2.0
 class Robot:
     """A connected robot. All angles counter-clockwise, all units SI.
 
-    Made by :func:`connect_async`. Velocities expire after :attr:`Limits.expiry` (0.5 s); every way
-    out stops the robot.
+    Made by :func:`pioneer3.connect_async`. Velocities expire after :attr:`Limits.expiry` (0.5 s);
+    every way out stops the robot.
     """
 
     def __init__(self, supervisor: Supervisor, helm: Helm) -> None:
@@ -188,85 +180,3 @@ def _positive(name: str, value: float) -> float:
 
 def _on(on: bool) -> str:
     return "on" if on else "off"
-
-
-@asynccontextmanager
-async def connect_async(
-    url: str | Opener,
-    *,
-    baud: int | None = None,
-    model: RobotModel | None = None,
-    max_speed: float | None = None,
-    max_turn_rate: float | None = None,
-    auto_enable: bool = True,
-    timing: Timing | None = None,
-) -> AsyncIterator[Robot]:
-    """Connect to a robot or simulator; stop it and close the session on every way out.
-
-    Args:
-        url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
-        baud: Serial speed to try first.
-        model: Use this model, whatever the robot says it is.
-        max_speed: Keep below this [m/s]; never above the robot's own limit.
-        max_turn_rate: Keep below this [rad/s].
-        auto_enable: Whether a fresh command switches the motors on.
-        timing: How patient to be.
-
-    Raises:
-        LinkError: the port does not open.
-        NoRobotError: nothing that answers is a robot.
-        ConfigError: the URL or an option is wrong.
-    """
-
-    def restrict(limits: Limits) -> Limits:
-        return limits.lowered_to(max_speed, max_turn_rate)
-
-    opener = url if callable(url) else partial(open_link, url, baud=baud)
-    supervisor = Supervisor(
-        opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
-    )
-    helm = Helm(supervisor)
-    tasks = [asyncio.ensure_future(supervisor.run()), asyncio.ensure_future(helm.run())]
-    try:
-        with stopped_by_sigterm():
-            await _until_connected(supervisor, tasks[0])
-            yield Robot(supervisor, helm)
-    finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
-
-
-async def _until_connected(supervisor: Supervisor, running: "asyncio.Future[None]") -> None:
-    """Wait for the first snapshot; raise what ended the supervisor instead."""
-    first = asyncio.ensure_future(anext(supervisor.snapshots.values()))
-    both: set[asyncio.Future[Any]] = {first, running}
-    try:
-        await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        first.cancel()
-        await asyncio.gather(first, return_exceptions=True)
-    if running.done():
-        await running
-    latest = supervisor.status.latest
-    if latest is not None and latest.connection is Connection.CLOSED:
-        raise LinkError("the connection was closed before the robot said anything")
-
-
-@contextmanager
-def stopped_by_sigterm() -> Iterator[None]:
-    """Cancel the task inside on SIGTERM, so that the robot is stopped on that way out too.
-
-    Only where nobody else handles SIGTERM, and in the main thread.
-    """
-    main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
-        return
-    loop, task = asyncio.get_running_loop(), asyncio.current_task()
-    assert task is not None
-    loop.add_signal_handler(signal.SIGTERM, task.cancel)
-    try:
-        yield
-    finally:
-        loop.remove_signal_handler(signal.SIGTERM)

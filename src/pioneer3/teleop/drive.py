@@ -89,7 +89,8 @@ class KeyboardDriver:
                 self._robot.helm.stop(by=self._hold)
             case Key.MOTORS:
                 on = not (self._robot.snapshot and self._robot.snapshot.motors.enabled)
-                supervisor.set_motors(on=on)
+                self._robot.helm.set_motors(on=on, by=self._hold)
+                key = Key.STOP  # a move still held would switch them on again
             case Key.EMERGENCY if supervisor.pilot.emergency:
                 supervisor.reset_emergency_stop()
             case Key.EMERGENCY:

@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import re
 import sys
 import termios
 import tty
@@ -35,22 +36,23 @@ SEQUENCES = {
     ESCAPE: Key.QUIT,
     "\x04": Key.QUIT,
 }
+TOKEN = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|O[ -~])|.", re.DOTALL)
+"""An escape sequence, known or not, or else one character (ECMA-48, 5.4)."""
+UNFINISHED = re.compile(r"\x1b(?:\[[0-?]*[ -/]*|O)?\Z")
+"""The beginning of a sequence at the end of a text."""
+PATIENCE = 0.05
+"""How long the rest of a sequence is waited for [s]: networks may cut it in two."""
 
 
 def keys_in(text: str) -> Iterator[Key]:
     """Yield the keys in what a terminal sent; what means nothing is skipped.
 
-    Escape sequences come in one piece from every terminal; a lone ESC is the key.
+    An ESC that begins no sequence is the key.
     """
-    while text:
-        known = next((s for s in SEQUENCES if len(s) > 1 and text.startswith(s)), None)
-        if known is None and text.startswith(ESCAPE) and len(text) > 1:
-            text = text.lstrip(ESCAPE).lstrip("[O0123456789;")[1:]  # a sequence we do not know
-            continue
-        token = known or text[0]
-        if token.lower() in SEQUENCES or token in SEQUENCES:
-            yield SEQUENCES.get(token) or SEQUENCES[token.lower()]
-        text = text[len(token) :]
+    for token in TOKEN.findall(text):
+        key = SEQUENCES.get(token if len(token) > 1 else token.lower())
+        if key is not None:
+            yield key
 
 
 @contextmanager
@@ -60,7 +62,7 @@ def raw_terminal() -> Iterator[int]:
     Raises:
         ConfigError: standard input is not a terminal.
     """
-    if not sys.stdin.isatty():
+    if sys.stdin is None or not sys.stdin.isatty():
         raise ConfigError("driving with the keyboard needs a terminal; standard input is none")
     descriptor = sys.stdin.fileno()
     before = termios.tcgetattr(descriptor)
@@ -89,7 +91,20 @@ async def keys(descriptor: int) -> AsyncIterator[Key]:
     loop.add_reader(descriptor, ready)
     try:
         while chunk := await chunks.get():
+            while UNFINISHED.search(chunk.decode("utf-8", "ignore")):
+                if not (rest := await _soon(chunks)):
+                    break
+                chunk += rest
             for key in keys_in(chunk.decode("utf-8", "ignore")):
                 yield key
     finally:
         loop.remove_reader(descriptor)
+
+
+async def _soon(chunks: asyncio.Queue[bytes]) -> bytes:
+    """Return what comes within :data:`PATIENCE`, or nothing."""
+    try:
+        async with asyncio.timeout(PATIENCE):
+            return await chunks.get()
+    except TimeoutError:
+        return b""

@@ -1,5 +1,6 @@
 """Routes and the rules of the house: who may load the page, and from where."""
 
+from ipaddress import ip_address
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -48,8 +49,15 @@ class HouseRules:
 
 
 def is_ours(host: str | None, names: frozenset[str]) -> bool:
-    """Whether `host`, a header such as `localhost:8080`, is a name this server goes by."""
-    return bool(host) and urlsplit(f"//{host}").hostname in names
+    """Whether `host`, a header such as `localhost:8080`, is a name this server goes by.
+
+    So is every number: a name is what DNS rebinding needs.
+    """
+    try:
+        name = urlsplit(f"//{host}").hostname or ""
+        return name in names or bool(ip_address(name))
+    except ValueError:
+        return False
 
 
 def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> Starlette:
@@ -60,7 +68,7 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> Starlette:
 
     async def visit(socket: WebSocket) -> None:
         host, origin = socket.headers.get("host"), socket.headers.get("origin")
-        same = origin is None or urlsplit(origin).netloc == host
+        same = origin in {None, f"http://{host}", f"https://{host}"}
         if not is_ours(host, names) or not same:
             await socket.close(POLICY_VIOLATION)
             return

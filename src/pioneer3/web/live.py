@@ -4,10 +4,12 @@ import asyncio
 from collections.abc import Callable
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
+from pathlib import Path
 
 from pioneer3.models import load_model
+from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.identity import kind
-from pioneer3.runtime.robot import Robot, connect_async
+from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation import simulator
 from pioneer3.sim.maps import load_map
@@ -29,6 +31,7 @@ class Options:
         web_port: TCP port of the page; 0 takes a free one.
         host: Address the page is served on.
         max_speed: Keep below this [m/s].
+        record: New file for every byte on the wire.
     """
 
     port: str | None = None
@@ -39,6 +42,7 @@ class Options:
     web_port: int = 8080
     host: str = "127.0.0.1"
     max_speed: float | None = None
+    record: Path | None = None
 
 
 async def live(options: Options, tell: Callable[[str], None]) -> int:
@@ -55,6 +59,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
                 baud=options.baud,
                 model=load_model(options.robot) if options.robot else None,
                 max_speed=options.max_speed,
+                record=options.record,
             )
         )
         address = await stack.enter_async_context(

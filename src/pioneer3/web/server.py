@@ -36,7 +36,7 @@ async def serve_page(
         PortBusyError, LinkError: the port cannot be listened on.
     """
     with _bind(host, port) as listener:
-        names = LOCAL_NAMES | {host} | _own_names(host)
+        names = LOCAL_NAMES | {host.lower()} | _own_names(host)
         config = uvicorn.Config(
             make_app(Page(robot, scene), names),
             ws="websockets-sansio",
@@ -59,10 +59,8 @@ async def serve_page(
 def _bind(host: str, port: int) -> socket.socket:
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen()  # now, so that the address may be told before the server has started
+        # it listens now, so that the address may be told before the server has started
+        return socket.create_server((host, port), family=family)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortBusyError(
@@ -71,7 +69,6 @@ def _bind(host: str, port: int) -> socket.socket:
         raise LinkError(f"{host}:{port}: cannot serve the page there: {error.strerror}") from None
     except OverflowError:
         raise LinkError(f"{host}:{port}: ports are numbers from 1 to 65535") from None
-    return listener
 
 
 def _own_names(host: str) -> frozenset[str]:
@@ -79,11 +76,7 @@ def _own_names(host: str) -> frozenset[str]:
     if host in LOCAL_NAMES:
         return frozenset()
     name = socket.gethostname().lower()
-    try:
-        addresses = {str(info[4][0]) for info in socket.getaddrinfo(name, None)}
-    except OSError:
-        addresses = set()
-    return frozenset({name, f"{name}.local", *addresses})
+    return frozenset({name, f"{name}.local"})
 
 
 def _shown(host: str) -> str:

@@ -73,7 +73,7 @@ class Visitor:
             case messages.ResetEmergencyStop():
                 page.robot.reset_emergency_stop()
             case messages.SwitchMotors(on):
-                return page.robot.supervisor.set_motors(on=on)
+                return page.robot.helm.set_motors(on=on)
             case messages.Ping(t):
                 return {"type": "pong", "t": t}
         return None

@@ -1,0 +1,114 @@
+"""Connecting to a robot, and every way of leaving it."""
+
+import asyncio
+import signal
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import ExitStack, asynccontextmanager, contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pioneer3.arcos.host import Timing
+from pioneer3.errors import LinkError
+from pioneer3.links import Opener, open_link
+from pioneer3.links.tap import recorded
+from pioneer3.models import RobotModel
+from pioneer3.robot.limits import Limits
+from pioneer3.robot.supervisor import Connection, Supervisor
+from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.robot import Robot
+
+
+@asynccontextmanager
+async def connect_async(
+    url: str | Opener,
+    *,
+    baud: int | None = None,
+    model: RobotModel | None = None,
+    max_speed: float | None = None,
+    max_turn_rate: float | None = None,
+    auto_enable: bool = True,
+    record: Path | None = None,
+    timing: Timing | None = None,
+) -> AsyncIterator[Robot]:
+    """Connect to a robot or simulator; stop it and close the session on every way out.
+
+    Args:
+        url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
+        baud: Serial speed to try first.
+        model: Use this model, whatever the robot says it is.
+        max_speed: Keep below this [m/s]; never above the robot's own limit.
+        max_turn_rate: Keep below this [rad/s].
+        auto_enable: Whether a fresh command switches the motors on.
+        record: New file for every byte on the wire, which `replay:FILE` plays.
+        timing: How patient to be.
+
+    Raises:
+        LinkError: the port does not open.
+        NoRobotError: nothing that answers is a robot.
+        ConfigError: the URL or an option is wrong.
+    """
+
+    def restrict(limits: Limits) -> Limits:
+        return limits.lowered_to(max_speed, max_turn_rate)
+
+    opener = url if callable(url) else partial(open_link, url, baud=baud)
+    with ExitStack() as stack:
+        if record is not None:
+            clock = asyncio.get_running_loop().time
+            opener = stack.enter_context(recorded(opener, record, clock))
+        supervisor = Supervisor(
+            opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
+        )
+        async with _running(supervisor) as robot:
+            yield robot
+
+
+@asynccontextmanager
+async def _running(supervisor: Supervisor) -> AsyncIterator[Robot]:
+    helm = Helm(supervisor)
+    tasks = [asyncio.ensure_future(supervisor.run()), asyncio.ensure_future(helm.run())]
+    try:
+        with stopped_by_sigterm():
+            await _until_connected(supervisor, tasks[0])
+            yield Robot(supervisor, helm)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _until_connected(supervisor: Supervisor, running: "asyncio.Future[None]") -> None:
+    """Wait for the first snapshot; raise what ended the supervisor instead."""
+    first = asyncio.ensure_future(anext(supervisor.snapshots.values()))
+    both: set[asyncio.Future[Any]] = {first, running}
+    try:
+        await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        first.cancel()
+        await asyncio.gather(first, return_exceptions=True)
+    if running.done():
+        await running
+    latest = supervisor.status.latest
+    if latest is not None and latest.connection is Connection.CLOSED:
+        raise LinkError("the connection was closed before the robot said anything")
+
+
+@contextmanager
+def stopped_by_sigterm() -> Iterator[None]:
+    """Cancel the task inside on SIGTERM, so that the robot is stopped on that way out too.
+
+    Only where nobody else handles SIGTERM, and in the main thread.
+    """
+    main = threading.current_thread() is threading.main_thread()
+    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+    loop, task = asyncio.get_running_loop(), asyncio.current_task()
+    assert task is not None
+    loop.add_signal_handler(signal.SIGTERM, task.cancel)
+    try:
+        yield
+    finally:
+        loop.remove_signal_handler(signal.SIGTERM)

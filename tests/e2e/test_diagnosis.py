@@ -1,0 +1,221 @@
+"""The doctor's interview over a faulty cable, in virtual time."""
+
+import asyncio
+from dataclasses import dataclass, field
+from random import Random
+
+import pytest
+from support import SimulatedRobot, decoded
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.packet import encode
+from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
+from pioneer3.runtime.conversation import QUICK, SCIP_SPEEDS, Conversation
+from pioneer3.runtime.diagnosis import Facts, Finding, Level, diagnose
+from pioneer3.runtime.diagnosis.gather import interview
+from pioneer3.runtime.strangers import SCIP_QUESTION, Kind, lms_checksum
+
+URL = "memory:robot"
+SPEEDS = (9600, 19200, 38400, 57600, 115200)
+HARMLESS = (
+    commands.Stop,
+    commands.Pulse,
+    commands.Open,
+    commands.Close,
+    commands.Sonar,
+    commands.RequestConfig,
+)
+
+
+async def examined(robot: SimulatedRobot, seconds: float = 3.0) -> dict[str, Finding]:
+    """Return the findings about `robot` by their check."""
+    facts = await interview(await robot.open(), seconds, Facts(url=URL))
+    return {finding.check: finding for finding in diagnose(facts)}
+
+
+async def test_a_healthy_robot_is_found_healthy_and_a_simulator() -> None:
+    async with SimulatedRobot() as robot:
+        findings = await examined(robot)
+    assert {finding.level for finding in findings.values()} == {Level.OK}
+    assert findings["answer"].found.startswith("SIMULATOR MobileSim, Pioneer 3-AT")
+    assert findings["sonar"].found == "16 transducers"
+
+
+async def test_nothing_but_harmless_commands_is_sent_and_the_motors_stay_off() -> None:
+    async with SimulatedRobot() as robot:
+        await examined(robot)
+        await asyncio.sleep(0.1)  # the farewell travels
+        sent = decoded(robot.wires[0].data)
+        assert not robot.powered
+        assert not robot.firmware.device.is_open
+    others = [command for command in sent if not isinstance(command, HARMLESS)]
+    assert set(others) == {commands.Enable(on=False)}
+
+
+async def test_a_robot_left_streaming_is_found_and_freed() -> None:
+    async with SimulatedRobot() as robot:
+        before = Conversation(await robot.open(), QUICK)
+        assert await before.meet()
+        findings = await examined(robot)  # the first host is gone without a word
+    assert findings["session"].level is Level.WARN
+    assert findings["reports"].level is Level.OK
+
+
+async def test_a_robot_left_at_another_speed_is_found_there() -> None:
+    async with SimulatedRobot(speeds=SPEEDS) as robot:
+        robot.robot_speed = 38400
+        findings = await examined(robot)
+    assert findings["speed"].level is Level.WARN
+    assert "38400" in findings["speed"].found
+
+
+async def test_noise_is_counted_and_the_session_survives_it() -> None:
+    async with SimulatedRobot() as robot:
+        link = await robot.open()
+        noisy = Noise(Random(1), corrupt=0.003)
+        conversation = Conversation(link)
+        assert await conversation.meet()
+        robot.to_host = noisy
+        await conversation.listen(5.0)
+        assert conversation.bad_checksums > 3
+        assert 30 < len(conversation.sips) < 50
+        await conversation.leave()
+
+
+async def test_a_noisy_cable_fails_the_checksums() -> None:
+    async with SimulatedRobot(to_host=Noise(Random(2), corrupt=0.004)) as robot:
+        findings = await examined(robot)
+    assert findings["checksums"].level is Level.FAIL
+
+
+async def test_single_bytes_are_no_worse_than_whole_packets() -> None:
+    async with SimulatedRobot(to_host=bytewise) as robot:
+        findings = await examined(robot)
+    assert {finding.level for finding in findings.values()} == {Level.OK}
+
+
+async def test_stop_button_and_empty_battery_are_found() -> None:
+    async with SimulatedRobot() as robot:
+        robot.body.stop_button = True
+        robot.body.battery.fixed = 11.2
+        findings = await examined(robot)
+    assert findings["stop button"].level is Level.FAIL
+    assert findings["battery"].level is Level.WARN
+
+
+async def test_a_robot_unplugged_while_it_talks_is_a_session_that_broke_off() -> None:
+    async with SimulatedRobot() as robot:
+        conversation = Conversation(await robot.open())
+        assert await conversation.meet()
+        await robot.unplug()
+        await conversation.listen(1.0)
+        assert conversation.closed
+        await conversation.leave()
+
+
+async def test_a_robot_that_falls_silent_is_a_failure_of_the_reports() -> None:
+    async with SimulatedRobot() as robot:
+        link = await robot.open()
+        conversation = Conversation(link)
+        assert await conversation.meet()
+        robot.silent = True
+        await conversation.listen(5.0)
+        assert conversation.failure == "the robot has said nothing for 2 s"
+        await conversation.leave()
+
+
+@dataclass
+class Device:
+    """Something that is no robot: answers each write, and remembers it with the speed.
+
+    Attributes:
+        speeds: Of the link.
+        answers: What comes back to a write that contains the key, at which speed.
+        greeting: Said at once.
+        echo: Whether everything comes back.
+    """
+
+    speeds: tuple[int, ...] = ()
+    answers: dict[tuple[int | None, bytes], bytes] = field(default_factory=dict)
+    greeting: bytes = b""
+    echo: bool = False
+    written: list[tuple[int | None, bytes]] = field(default_factory=list)
+
+    def link(self) -> MemoryLink:
+        """Return the host's end of a cable to it."""
+        ours, theirs = null_modem(speeds=self.speeds)
+
+        def answer(data: bytes) -> tuple[bytes, ...]:
+            theirs.speed = ours.speed
+            self.written.append((ours.speed, data))
+            back = data if self.echo else b""
+            for (speed, question), words in self.answers.items():
+                back += words if speed == ours.speed and question in data else b""
+            if back:
+                theirs._peer = ours
+                theirs._deliver(back)
+            return ()
+
+        ours.fault = answer
+        if self.greeting:
+            theirs._deliver(self.greeting)
+        return ours
+
+
+async def facts_about(device: Device) -> Facts:
+    """Return what the interview finds out."""
+    return await interview(device.link(), 1.0, Facts(url=URL))
+
+
+@pytest.mark.parametrize("speed", SCIP_SPEEDS)
+async def test_a_hokuyo_answers_the_question_at_its_speed(speed: int) -> None:
+    version = b"VV\n00P\nVEND:Hokuyo;x\nPROD:URG-04LX;x\n\n"
+    laser = Device(speeds=SPEEDS, answers={(speed, b"VV\n"): version})
+    facts = await facts_about(laser)
+    assert facts.stranger is not None
+    assert (facts.stranger.kind, facts.stranger.name) == (Kind.LASER, "Hokuyo, URG-04LX")
+
+
+async def test_a_silent_device_hears_the_handshake_and_one_question() -> None:
+    device = Device(speeds=SPEEDS)
+    facts = await facts_about(device)
+    assert facts.stranger is None
+    assert {speed for speed, _ in device.written} == set(SPEEDS)
+    questions = [(s, data) for s, data in device.written if not data.startswith(b"\xfa\xfb")]
+    assert questions == [(speed, SCIP_QUESTION) for speed in SCIP_SPEEDS]
+
+
+async def test_a_streaming_sick_is_recognised_without_a_question() -> None:
+    powered_on = bytes.fromhex("0280") + b"\x02\x00\x91\x10"
+    telegram = powered_on + lms_checksum(powered_on).to_bytes(2, "little")
+    device = Device(greeting=telegram)
+    facts = await facts_about(device)
+    assert facts.stranger is not None
+    assert facts.stranger.name == "SICK LMS 2xx"
+    assert all(data != SCIP_QUESTION for _, data in device.written)
+
+
+async def test_a_loopback_plug_is_recognised() -> None:
+    facts = await facts_about(Device(echo=True))
+    assert facts.stranger is not None
+    assert facts.stranger.kind is Kind.ECHO
+
+
+async def test_a_banner_is_quoted() -> None:
+    facts = await facts_about(Device(greeting=b"login: "))
+    assert facts.stranger is not None
+    assert facts.stranger.kind is Kind.TEXT
+
+
+async def test_the_last_words_to_a_stranger_are_a_stop_and_a_good_bye() -> None:
+    device = Device()
+    await facts_about(device)
+    farewell = (
+        commands.Stop(),
+        commands.Enable(on=False),
+        commands.Sonar(on=False),
+        commands.Close(),
+    )
+    assert device.written[-1][1] == b"".join(
+        encode(commands.to_payload(command)) for command in farewell
+    )

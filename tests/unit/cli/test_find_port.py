@@ -1,0 +1,71 @@
+"""`pioneer3 find-port`: what is shown, and what is left for a program."""
+
+import json
+
+import pytest
+
+from pioneer3.cli.find_port import find_port
+from pioneer3.cli.tables import advice
+from pioneer3.runtime import ports, probe
+from pioneer3.runtime.ports import SerialPort
+from pioneer3.runtime.probe import Probed, Verdict
+
+ADAPTER = SerialPort(
+    path="/dev/serial/by-id/usb-FTDI_A1", device="/dev/ttyUSB0", manufacturer="FTDI", product="R"
+)
+
+
+@pytest.fixture
+def one_adapter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A computer with one serial adapter."""
+    monkeypatch.setattr(ports, "list_ports", lambda: (ADAPTER,))
+
+
+@pytest.mark.usefixtures("one_adapter")
+def test_listing_shows_the_stable_name_and_the_device_and_asks_nobody(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert find_port(no_probe=True) == 0
+    out = capsys.readouterr().out
+    assert "/dev/serial/by-id/usb-FTDI_A1" in out
+    assert "/dev/ttyUSB0" in out
+    assert "--port" not in out
+
+
+@pytest.mark.usefixtures("one_adapter")
+def test_json_is_all_there_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    assert find_port(no_probe=True, json=True) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["use"] is None
+    assert report["ports"][0]["url"] == ADAPTER.path
+    assert report["ports"][0]["port"]["device"] == "/dev/ttyUSB0"
+    assert report["ports"][1]["url"] == "tcp://localhost:8101"
+
+
+@pytest.mark.realtime
+@pytest.mark.usefixtures("one_adapter")
+def test_without_a_robot_the_exit_code_is_3(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(probe, "SIMULATOR_URL", "tcp://127.0.0.1:9")
+    assert find_port() == 3
+    captured = capsys.readouterr()
+    assert "No robot found" in captured.out
+    assert captured.err == ""
+
+
+def test_the_option_to_use_is_spelt_out() -> None:
+    found = [Probed("tcp://localhost:8101", Verdict.SIMULATOR), Probed(ADAPTER.path, Verdict.ROBOT)]
+    text = advice(found).plain
+    assert f"Use: --port {ADAPTER.path}" in text
+    assert "a SIMULATOR runs too" in text
+
+
+def test_a_simulator_is_never_passed_off_as_a_robot() -> None:
+    text = advice([Probed("tcp://localhost:8101", Verdict.SIMULATOR)]).plain
+    assert "a SIMULATOR; no real robot answers" in text
+
+
+def test_without_a_robot_the_most_promising_port_goes_to_the_doctor() -> None:
+    found = [Probed("/dev/ttyS0", Verdict.SILENT), Probed("/dev/ttyUSB0", Verdict.NO_PERMISSION)]
+    assert advice(found).plain.endswith("p3 doctor -p /dev/ttyUSB0")

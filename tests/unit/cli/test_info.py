@@ -1,0 +1,65 @@
+"""`pioneer3 info`: tables for people, JSON for programs."""
+
+from dataclasses import replace
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from pioneer3.arcos.reports import Config
+from pioneer3.cli.info import info
+from pioneer3.cli.tables import robot_tables
+from pioneer3.errors import PortNotFoundError
+from pioneer3.models import load_model
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.state import Identity
+
+MODEL = load_model("p3at-sh")
+CONFIG = Config(family="Pioneer", model="p3at-sh", serial_number="42", speed_top_mm_s=1500)
+ROBOT = RobotInfo(
+    identity=Identity(name="Bender [red]", family="Pioneer", model="p3at-sh"),
+    model=MODEL,
+    limits=limits_for(MODEL, None),
+    config=CONFIG,
+    url="serial:/dev/ttyUSB0",
+    speed=38400,
+)
+
+
+def shown(robot: RobotInfo) -> str:
+    """Return the tables as they look on 80 columns."""
+    console = Console(file=StringIO(), width=80, highlight=False)
+    for table in robot_tables(robot, None):
+        console.print(table)
+    return console.file.getvalue()  # type: ignore[attr-defined, no-any-return]
+
+
+def test_robot_and_simulator_are_told_apart_in_capitals() -> None:
+    simulated = replace(ROBOT, config=replace(CONFIG, serial_number="SIM"))
+    assert " ROBOT " in shown(ROBOT).splitlines()[0]
+    assert " SIMULATOR " in shown(simulated).splitlines()[0]
+
+
+def test_the_names_of_robots_are_no_markup() -> None:
+    assert "Bender [red]" in shown(ROBOT)
+
+
+def test_fields_carry_value_unit_and_meaning() -> None:
+    lines = shown(ROBOT).splitlines()
+    top = next(line for line in lines if line.startswith(" speed_top"))
+    assert top.split()[1:] == ["1500", "mm/s", *["highest", "speed", "that", "can", "be", "set"]]
+    assert any("sip_cycle" in line and "not sent" in line for line in lines)
+    assert "at 38400 baud" in shown(ROBOT)
+
+
+def test_a_robot_without_configuration_is_shown_all_the_same() -> None:
+    assert "did not send its configuration" in shown(replace(ROBOT, config=None))
+
+
+def test_nothing_goes_to_stdout_when_there_is_no_robot(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(PortNotFoundError):
+        info(port="/dev/no-such-port", json=True)
+    assert capsys.readouterr().out == ""
