@@ -5,8 +5,9 @@ from collections.abc import Callable
 from math import hypot
 
 import pytest
-from browser.conftest import Product, wait_for_the_robot
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, ViewportSize
+
+from tests.browser.conftest import Product, wait_for_the_robot
 
 SLACK = 0.25
 """A shared machine may lose this much [s] on top of a limit."""
@@ -132,7 +133,7 @@ def test_loading_the_page_moves_nothing(page: Page, product: Product) -> None:
 
 
 def test_the_page_fits_a_phone_380_pixels_wide(browser: Browser, product: Product) -> None:
-    phone = {"width": 380, "height": 780}
+    phone: ViewportSize = {"width": 380, "height": 780}
     context = browser.new_context(viewport=phone, has_touch=True, is_mobile=True)
     page = context.new_page()
     page.goto(product.address)

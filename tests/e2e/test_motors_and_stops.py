@@ -210,12 +210,6 @@ async def test_the_emergency_stop_brakes_hard_switches_off_and_latches() -> None
         await asyncio.sleep(1)
         assert not robot.powered
         assert "emergency stop is latched" in str(driver.why_not_moving())
-        with pytest.raises(MotionError, match="stop"):
-            driver.drive(0.1)
-        with pytest.raises(MotionError, match="emergency stop is latched"):
-            await driver.motors(on=True)
-        with pytest.raises(MotionError, match="emergency stop is latched"):
-            await driver.move(0.1)
         driver.reset_emergency_stop()
         stood_at = robot.body.robot_in_world
         await holding
@@ -224,6 +218,24 @@ async def test_the_emergency_stop_brakes_hard_switches_off_and_latches() -> None
         await asyncio.sleep(PAUSE)
         assert await hold(driver, 0.2) == 0
         assert robot.speed > 0.1
+
+
+async def test_while_the_emergency_stop_is_latched_nothing_moves_the_robot() -> None:
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        driver.emergency_stop()
+        for _ in range(20):
+            with pytest.raises(MotionError, match="emergency stop is latched"):
+                driver.drive(0.1)
+            with pytest.raises(MotionError, match="emergency stop is latched"):
+                await driver.motors(on=True)
+            with pytest.raises(MotionError, match="emergency stop is latched"):
+                await driver.move(0.1)
+            await asyncio.sleep(0.3)
+        assert not robot.powered
+        assert ON not in robot.wires[0].data
+        driver.reset_emergency_stop()
+        await asyncio.sleep(2)
+        assert not robot.powered
 
 
 async def test_the_emergency_stop_stays_latched_over_a_lost_link() -> None:

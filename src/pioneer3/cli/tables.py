@@ -147,8 +147,8 @@ def advice(found: Sequence[Probed]) -> Text:
     """Return the option to use, or what to do when there is no robot."""
     best = choose(found)
     if best is None:
-        text = Text("\nNo robot found. Is it on, and its cable plugged in? Why not: ", "bold")
-        return text.append(f"p3 doctor -p {_suspect(found)}", "bold cyan")
+        text = Text("\nNo robot found. Is it on, and its cable plugged in?\nWhy not: ", "bold")
+        return text.append(_next_step(found), "bold cyan")
     text = Text("\nUse: ").append(f"--port {best.url}", "bold green")
     if best.verdict is Verdict.SIMULATOR:
         text.append("  (a SIMULATOR; no real robot answers)", "cyan")
@@ -157,8 +157,9 @@ def advice(found: Sequence[Probed]) -> Text:
     return text
 
 
-def _suspect(found: Sequence[Probed]) -> str:
-    """Return the port most worth a closer look."""
+def _next_step(found: Sequence[Probed]) -> str:
+    """Return the command that tells more: about the port most worth a closer look, if any."""
     order = (Verdict.NO_PERMISSION, Verdict.BUSY, Verdict.SILENT, Verdict.OTHER, Verdict.FAILED)
     ranked = (each.url for verdict in order for each in found if each.verdict is verdict)
-    return next(ranked, "/dev/ttyUSB0")
+    suspect = next(ranked, None)
+    return f"p3 doctor -p {suspect}" if suspect else "p3 find-port --wait"

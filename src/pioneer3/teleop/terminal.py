@@ -7,7 +7,7 @@ import sys
 import termios
 import tty
 from collections.abc import AsyncIterator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from pioneer3.errors import ConfigError
 from pioneer3.teleop.keyboard import Key
@@ -72,9 +72,10 @@ def raw_terminal() -> Iterator[int]:
         sys.stdout.flush()
         yield descriptor
     finally:
-        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
-        sys.stdout.write("\x1b[?25h\n")
-        sys.stdout.flush()
+        with suppress(termios.error, OSError):  # a terminal that was closed
+            termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+            sys.stdout.write("\x1b[?25h\n")
+            sys.stdout.flush()
 
 
 async def keys(descriptor: int) -> AsyncIterator[Key]:

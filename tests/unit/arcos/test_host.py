@@ -1,0 +1,331 @@
+"""The host's side of a session, packet by packet and second by second."""
+
+import pytest
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.host import (
+    Configured,
+    Event,
+    Host,
+    Lost,
+    Opened,
+    Received,
+    SpeedWanted,
+    State,
+    Timing,
+)
+from pioneer3.arcos.packet import encode
+from pioneer3.arcos.reports import Report
+from pioneer3.errors import CommandError
+from pioneer3.state import Identity
+from tests.support import decoded, frame
+
+STOP, CLOSE = frame(commands.Stop()), frame(commands.Close())
+SYNC = [encode(bytes([number])) for number in (0, 1, 2)]
+WHO = encode(b"\x02Robot\0Pioneer\0P3AT-SH\0")
+IDENTITY = Identity(name="Robot", family="Pioneer", model="p3at-sh")
+CONFIG = reports.Config(family="Pioneer", model="P3AT-SH", serial_number="1")
+SIP = reports.Sip()
+
+
+def wire(report: Report) -> bytes:
+    return encode(reports.to_payload(report))
+
+
+def spoilt(data: bytes) -> bytes:
+    return data[:-1] + bytes([data[-1] ^ 1])
+
+
+def opened(now: float = 0.0) -> Host:
+    """Return a host that has just sent what follows the handshake."""
+    host = Host(now)
+    host.tick(now)
+    for answer in (SYNC[0], SYNC[1]):
+        assert host.receive(answer, now) == []
+    assert host.receive(WHO, now) == [Opened(IDENTITY)]
+    return host
+
+
+def configured(now: float = 0.0) -> Host:
+    host = opened(now)
+    host.outgoing()
+    assert host.receive(wire(CONFIG), now) == [Configured(CONFIG)]
+    return host
+
+
+def later(host: Host, until: float) -> list[Event]:
+    """Let the host act at each of its deadlines up to `until`."""
+    events: list[Event] = []
+    while host.deadline <= until and host.state is not State.CLOSED:
+        due = host.deadline
+        events += host.tick(due)
+        assert host.deadline > due or host.state is State.CLOSED
+    return events
+
+
+def test_a_handshake_is_three_questions_after_a_stop() -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    assert host.outgoing() == STOP + SYNC[0]
+    host.receive(SYNC[0], 0.0)
+    assert host.outgoing() == SYNC[1]
+    host.receive(SYNC[1], 0.0)
+    assert host.outgoing() == SYNC[2]
+    assert host.receive(WHO, 0.1) == [Opened(IDENTITY)]
+    assert host.state is State.OPEN
+    assert host.identity == IDENTITY
+
+
+def test_after_open_come_stop_and_motors_off_before_anything_else() -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    for answer in (SYNC[0], SYNC[1]):
+        host.receive(answer, 0.0)
+    host.outgoing()
+    host.receive(WHO, 0.0)
+    expected: list[Command] = [
+        commands.Open(),
+        commands.Stop(),
+        commands.Enable(on=False),
+        commands.RequestConfig(),
+    ]
+    assert decoded(host.outgoing()) == expected
+
+
+@pytest.mark.parametrize("answers", [0, 1, 2])
+def test_silence_in_the_handshake_begins_it_anew(answers: int) -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    for answer in SYNC[:answers]:
+        host.receive(answer, 0.0)
+    host.outgoing()
+    host.tick(0.39)
+    assert host.outgoing() == b""
+    host.tick(0.4)
+    assert host.outgoing() == STOP + SYNC[0]
+    assert host.state is State.SYNC0
+
+
+@pytest.mark.parametrize("stray", [SYNC[1], SYNC[2], WHO, encode(b"\xff"), encode(b"\x90\1\2")])
+def test_late_mail_is_ignored_in_the_handshake(stray: bytes) -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    host.outgoing()
+    assert host.receive(stray, 0.0) == []
+    assert host.state is State.SYNC0
+    assert host.outgoing() == b""
+
+
+def test_each_speed_gets_two_tries_in_turn() -> None:
+    host = Host(0.0, speeds=(9600, 38400))
+    assert host.speed == 9600
+    wanted = [event.baud for event in later(host, 3.3) if isinstance(event, SpeedWanted)]
+    assert wanted == [9600, 38400, 9600, 38400, 9600]
+    assert host.outgoing().count(SYNC[0]) == 9
+
+
+def test_a_link_without_speeds_is_asked_for_none() -> None:
+    host = Host(0.0)
+    assert host.speed is None
+    assert later(host, 5.0) == []
+
+
+@pytest.mark.parametrize(
+    ("speeds", "noise", "reason"),
+    [
+        ((), b"", "nothing answers"),
+        ((38400, 9600), b"", "nothing answers at 9600, 38400 baud"),
+        ((), b"login: ", "something answers, but not as a Pioneer robot does"),
+    ],
+)
+def test_giving_up_says_what_was_heard(speeds: tuple[int, ...], noise: bytes, reason: str) -> None:
+    host = Host(0.0, speeds=speeds)
+    host.receive(noise, 0.0)
+    assert later(host, 20.0)[-1] == Lost(reason)
+    assert host.state is State.CLOSED
+    assert host.tick(30.0) == []
+
+
+@pytest.mark.parametrize("number", [0x32, 0x33])
+def test_a_robot_still_in_a_session_is_stopped_closed_and_left_to_fall_silent(number: int) -> None:
+    host, sip = Host(0.0), wire(reports.Sip(number=number))
+    host.tick(0.0)
+    host.outgoing()
+    host.receive(sip, 0.05)
+    assert host.outgoing() == STOP + CLOSE
+    host.receive(sip, 0.10)
+    assert host.outgoing() == b""  # not for every report
+    host.receive(sip, 0.15)
+    assert host.outgoing() == STOP + CLOSE  # the first one may have been lost
+    host.tick(0.34)
+    assert host.outgoing() == b""
+    host.tick(0.35)
+    assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_a_robot_that_streams_and_does_not_listen_is_given_up() -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    events: list[Event] = []
+    for cycle in range(1, 200):
+        events += host.receive(wire(SIP), cycle * 0.1)
+        events += host.tick(cycle * 0.1)
+    assert events == [Lost("the robot talks, but does not hear: its receive line is dead")]
+
+
+def test_dislodging_keeps_the_speed_that_the_robot_answers_at() -> None:
+    host = Host(0.0, speeds=(9600, 38400))
+    later(host, 1.3)
+    assert host.speed == 38400
+    host.receive(wire(SIP), 1.3)
+    host.tick(1.5)
+    assert host.speed == 38400
+
+
+def test_config_is_announced_once_and_kept() -> None:
+    host = opened()
+    assert not host.config_settled
+    assert host.receive(wire(CONFIG), 0.1) == [Configured(CONFIG)]
+    assert host.config is CONFIG or host.config == CONFIG
+    assert host.config_settled
+    assert host.receive(wire(CONFIG), 0.2) == [Received(CONFIG)]
+
+
+def test_config_is_asked_for_again_and_then_done_without() -> None:
+    host = opened()
+    host.outgoing()
+    events = later(host, 1.5)
+    assert events == [Configured(None)]
+    sent = decoded(host.outgoing())
+    assert sent.count(commands.RequestConfig()) == 5  # at 0.25, 0.5, 0.75, 1.0, 1.25
+    assert host.config is None
+    assert host.config_settled
+
+
+def test_an_open_that_was_perhaps_lost_is_repeated_until_a_report_comes() -> None:
+    host = opened()
+    host.outgoing()
+    host.tick(0.25)
+    assert decoded(host.outgoing()) == [commands.Open(), commands.RequestConfig()]
+    host.receive(wire(SIP), 0.3)
+    host.tick(0.5)
+    assert decoded(host.outgoing()) == [commands.RequestConfig()]
+
+
+def test_a_spoilt_config_is_asked_for_at_once_and_believed_when_it_comes_alike() -> None:
+    host = opened()
+    host.outgoing()
+    assert host.receive(spoilt(wire(CONFIG)), 0.1) == []
+    assert host.deadline == 0.1
+    host.tick(0.1)
+    assert commands.RequestConfig() in decoded(host.outgoing())
+    assert host.receive(spoilt(wire(CONFIG)), 0.2) == [Configured(CONFIG, trusted=False)]
+
+
+def test_a_spoilt_config_of_somebody_else_is_never_believed() -> None:
+    other = reports.Config(family="Pioneer", model="p3dx-sh", serial_number="1")
+    host = opened()
+    for _ in range(5):
+        assert host.receive(spoilt(wire(other)), 0.1) == []
+        assert host.receive(spoilt(wire(SIP)), 0.1) == []
+
+
+def test_spoilt_configs_that_differ_are_not_believed_and_do_not_flood_the_line() -> None:
+    host = opened()
+    host.outgoing()
+    for serial in range(20):
+        config = reports.Config(family="Pioneer", model="p3at-sh", serial_number=str(serial))
+        assert host.receive(spoilt(wire(config)), 0.1) == []
+        host.tick(0.1)
+    assert decoded(host.outgoing()).count(commands.RequestConfig()) == 1
+
+
+def test_a_sound_config_after_a_spoilt_one_is_trusted() -> None:
+    host = opened()
+    host.receive(spoilt(wire(CONFIG)), 0.1)
+    assert host.receive(wire(CONFIG), 0.2) == [Configured(CONFIG)]
+
+
+def test_reports_are_handed_on() -> None:
+    io = reports.from_payload(b"\x90" + bytes(8))
+    assert configured().receive(wire(SIP) + wire(io), 0.1) == [Received(SIP), Received(io)]
+
+
+def test_a_quiet_host_pulses_twice_a_second() -> None:
+    host = configured()
+    host.outgoing()
+    for tenth in range(1, 21):
+        host.receive(wire(SIP), tenth / 10)
+        host.tick(tenth / 10)
+    assert decoded(host.outgoing()) == [commands.Pulse()] * 4
+
+
+def test_a_command_takes_the_place_of_a_pulse() -> None:
+    host = configured()
+    host.outgoing()
+    host.send(commands.Vel(0.2), 0.4)
+    host.tick(0.6)
+    assert decoded(host.outgoing()) == [commands.Vel(0.2)]
+    host.tick(0.9)
+    assert decoded(host.outgoing()) == [commands.Pulse()]
+
+
+def test_two_seconds_without_a_report_are_a_lost_session() -> None:
+    host = configured()
+    host.receive(wire(SIP), 1.0)
+    assert later(host, 2.99) == []
+    assert later(host, 3.0) == [Lost("the robot has said nothing for 2 s")]
+    assert host.receive(wire(SIP), 3.1) == []
+
+
+def test_other_reports_do_not_hide_that_the_robot_is_lost() -> None:
+    host = configured()
+    for tenth in range(1, 20):
+        host.receive(wire(CONFIG), tenth / 10)
+    assert later(host, 2.0) == [Lost("the robot has said nothing for 2 s")]
+
+
+@pytest.mark.parametrize("number", [0xFE, 0xFF])
+def test_a_robot_may_end_the_session(number: int) -> None:
+    host = configured()
+    events = host.receive(encode(bytes([number])) + wire(SIP), 0.1)
+    assert events == [Lost("the robot ended the session")]
+
+
+def test_patience_is_a_parameter() -> None:
+    host = Host(0.0, timing=Timing(retry=0.1, give_up=0.3))
+    assert later(host, 1.0) == [Lost("nothing answers")]
+    assert host.outgoing().count(SYNC[0]) == 3
+
+
+def test_without_a_session_commands_are_refused() -> None:
+    host = Host(0.0)
+    with pytest.raises(CommandError, match="cannot send Vel: no session is open"):
+        host.send(commands.Vel(0.1), 0.0)
+    host = configured()
+    host.leave(0.1)
+    with pytest.raises(CommandError, match="no session is open"):
+        host.send(commands.Vel(0.1), 0.2)
+
+
+@pytest.mark.parametrize("host", [Host(0.0), opened(), configured()], ids=["new", "open", "ready"])
+def test_leaving_stops_switches_off_and_closes_whatever_the_state(host: Host) -> None:
+    host.outgoing()
+    host.leave(0.1)
+    farewell: list[Command] = [
+        commands.Stop(),
+        commands.Enable(on=False),
+        commands.Sonar(on=False),
+        commands.Close(),
+    ]
+    assert decoded(host.outgoing()) == farewell
+    host.leave(0.2)
+    assert host.outgoing() == b""
+
+
+def test_ticking_too_often_does_no_harm() -> None:
+    host = Host(0.0)
+    for _ in range(100):
+        host.tick(0.0)
+    assert host.outgoing() == STOP + SYNC[0]
