@@ -146,7 +146,7 @@ class LinkQuality:
         reports: Reports received in this session.
         bad_checksums: Frames thrown away because their checksum was wrong.
         bytes_skipped: Bytes that belonged to no frame.
-        rate: Reports of this kind in the last second [1/s].
+        rate: Reports per second, over the last second [1/s]; 0 after the first one.
         sessions: How often the robot has been connected to, this session included.
     """
 

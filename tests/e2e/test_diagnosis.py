@@ -5,15 +5,15 @@ from dataclasses import dataclass, field
 from random import Random
 
 import pytest
-from support import SimulatedRobot, decoded
 
-from pioneer3.arcos import commands
-from pioneer3.arcos.packet import encode
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
 from pioneer3.runtime.conversation import QUICK, SCIP_SPEEDS, Conversation
 from pioneer3.runtime.diagnosis import Facts, Finding, Level, diagnose
 from pioneer3.runtime.diagnosis.gather import interview
 from pioneer3.runtime.strangers import SCIP_QUESTION, Kind, lms_checksum
+from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"
 SPEEDS = (9600, 19200, 38400, 57600, 115200)
@@ -86,6 +86,23 @@ async def test_a_noisy_cable_fails_the_checksums() -> None:
     async with SimulatedRobot(to_host=Noise(Random(2), corrupt=0.004)) as robot:
         findings = await examined(robot)
     assert findings["checksums"].level is Level.FAIL
+
+
+def with_spoilt_config(data: bytes) -> bytes:
+    """Return the frames in `data`, the checksum of CONFIG always wrong."""
+    frames = [encode(payload) for payload in PacketReader().feed(data)]
+    return b"".join(
+        corrupted(frame) if frame[3] == reports.Config.ID else frame for frame in frames
+    )
+
+
+async def test_a_config_that_is_always_spoilt_is_not_held_against_the_cable() -> None:
+    async with SimulatedRobot() as robot:
+        robot.edit = with_spoilt_config
+        findings = await examined(robot)
+    assert findings["config"].level is Level.WARN
+    assert "wrong checksum" in findings["config"].found
+    assert findings["checksums"].level is Level.OK
 
 
 async def test_single_bytes_are_no_worse_than_whole_packets() -> None:

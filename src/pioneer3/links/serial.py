@@ -5,7 +5,9 @@ import grp
 import os
 import termios
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from stat import S_IRGRP
 from typing import Final
 
 from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
@@ -56,11 +58,13 @@ def explain_open_error(path: str, error: Exception) -> LinkError:
 
 
 def how_to_get_permission(path: str) -> str:
-    """Return the command that lets this user open `path`."""
-    try:
-        group = grp.getgrgid(os.stat(path).st_gid).gr_name  # noqa: PTH116
-    except (OSError, KeyError):
-        group = "dialout"
+    """Return what lets this user open `path`."""
+    group = "dialout"
+    with suppress(OSError, KeyError):
+        status = os.stat(path)  # noqa: PTH116
+        group = grp.getgrgid(status.st_gid).gr_name
+        if group == "root" or not status.st_mode & S_IRGRP:
+            return "only root may open it; is this the robot's port? See: pioneer3 find-port"
     return f"run: sudo usermod -aG {group} $USER, then log out and in again"
 
 

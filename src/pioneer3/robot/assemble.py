@@ -113,11 +113,16 @@ class Assembler:
                 reports=self._reports,
                 bad_checksums=bad_checksums,
                 bytes_skipped=bytes_skipped,
-                rate=float(len(self._stamps)) / RATE_WINDOW,
+                rate=self._rate(),
                 sessions=self.sessions,
             ),
             faults=_names(sip.faults or Fault(0)),
         )
+
+    def _rate(self) -> float:
+        """Return the reports per second over the last second, from the pauses between them."""
+        span = self._stamps[-1] - self._stamps[0]
+        return (len(self._stamps) - 1) / span if span > 0 else 0.0
 
     def _odometry(self, sip: Sip, model: RobotModel) -> Odometry:
         left = sip.left_speed_raw * model.speed_factor

@@ -38,9 +38,6 @@ class Listener(Protocol):
     def on_connected(self, session: "Session") -> None:
         """Identity, configuration and model are known; reports flow."""
 
-    def on_report(self, report: Report, stamp: float) -> None:
-        """Take any report, raw."""
-
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Take a new reading."""
 
@@ -174,7 +171,6 @@ class Session:
         self._listener.on_connected(self)
 
     def _serve(self, report: Report, now: float) -> None:
-        self._listener.on_report(report, now)
         if not isinstance(report, Sip) or not self._configured:
             return
         assert self.model is not None

@@ -9,7 +9,7 @@ from math import inf
 
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.host import Timing
-from pioneer3.arcos.reports import Config, Report
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
 from pioneer3.links import Opener
@@ -85,7 +85,6 @@ class Supervisor:
         self.pilot = Pilot(auto_enable=auto_enable)
         self.assembler = Assembler()
         self.snapshots: Feed[Snapshot] = Feed()
-        self.reports: Feed[Report] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
         self._open_link = open_link
@@ -114,7 +113,7 @@ class Supervisor:
                 await asyncio.sleep(BACK_OFF[min(attempt, len(BACK_OFF)) - 1])
         finally:
             self._tell(Connection.CLOSED, "closed")
-            for feed in (self.snapshots, self.reports, self.status):
+            for feed in (self.snapshots, self.status):
                 feed.close()
 
     def drive(self, twist: Twist2, until: float = inf, *, renewed: bool = False) -> str | None:
@@ -173,10 +172,6 @@ class Supervisor:
         _remember_speed(session)
         who = session.identity
         self._tell(Connection.CONNECTED, f"{who.name} ({session.model.title}) on {self.info.url}")
-
-    def on_report(self, report: Report, stamp: float) -> None:
-        """Pass any report on, raw."""
-        self.reports.publish(report)
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Pass a new reading on."""

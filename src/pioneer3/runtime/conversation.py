@@ -73,17 +73,17 @@ class Conversation:
 
     @property
     def packets(self) -> int:
-        """Frames accepted since the session began."""
+        """Frames accepted since listening began."""
         return self._host.reader.packets - self._packets
 
     @property
     def bad_checksums(self) -> int:
-        """Frames rejected since the session began."""
+        """Frames rejected since listening began."""
         return self._host.reader.bad_checksums - self._bad_checksums
 
     @property
     def bytes_skipped(self) -> int:
-        """Bytes that belonged to no frame since the session began."""
+        """Bytes that belonged to no frame since listening began."""
         return self._host.reader.bytes_skipped - self._bytes_skipped
 
     @property
@@ -119,7 +119,13 @@ class Conversation:
         return self.identity is not None
 
     async def listen(self, seconds: float) -> None:
-        """Keep the session open for `seconds`."""
+        """Keep the session open for `seconds`; the counters start anew.
+
+        So a CONFIG whose checksum is always wrong is not held against the cable.
+        """
+        reader = self._host.reader
+        self._packets, self._bad_checksums = reader.packets, reader.bad_checksums
+        self._bytes_skipped = reader.bytes_skipped
         end = self._clock() + seconds
         while not self.is_over and self._clock() < end:
             await self._turn(end)
@@ -182,9 +188,6 @@ class Conversation:
                 await self._link.set_speed(baud)
             case Opened(identity):
                 self.identity, self.speed = identity, self._host.speed
-                reader = self._host.reader
-                self._packets, self._bad_checksums = reader.packets, reader.bad_checksums
-                self._bytes_skipped = reader.bytes_skipped
                 self._host.send(commands.Sonar(on=True), now)
             case Configured(config, trusted):
                 self.config, self.config_trusted, self.config_settled = config, trusted, True

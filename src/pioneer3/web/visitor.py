@@ -55,6 +55,8 @@ class Visitor:
                     refused = self._obey(messages.decode(await self._socket.receive_text()))
                 except (MsgspecError, CommandError) as error:
                     refused = f"not understood: {error}"
+                except KeyError:
+                    refused = "not understood: bytes, where text is expected"
                 if isinstance(refused, dict):
                     await self._say(refused)
                 elif refused:

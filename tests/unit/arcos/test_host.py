@@ -156,11 +156,11 @@ def test_a_robot_still_in_a_session_is_stopped_closed_and_left_to_fall_silent(nu
     assert host.outgoing() == STOP + CLOSE
     host.receive(sip, 0.10)
     assert host.outgoing() == b""  # not for every report
-    host.receive(sip, 0.15)
+    host.receive(sip, 0.16)
     assert host.outgoing() == STOP + CLOSE  # the first one may have been lost
-    host.tick(0.34)
-    assert host.outgoing() == b""
     host.tick(0.35)
+    assert host.outgoing() == b""
+    host.tick(0.36)
     assert host.outgoing() == STOP + SYNC[0]
 
 

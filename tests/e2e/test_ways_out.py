@@ -1,0 +1,377 @@
+"""Every way out of a program tells the robot to stop: the bytes are counted at the other end."""
+
+import asyncio
+import os
+import signal
+import sys
+import textwrap
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+
+from pioneer3 import connect_async
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.packet import PacketReader
+from pioneer3.links.tcp import accepted
+from pioneer3.models import load_model
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.world import World
+from tests.support import SimulatedRobot, frame, hold
+
+FAREWELL: list[Command] = [
+    commands.Stop(),
+    commands.Enable(on=False),
+    commands.Sonar(on=False),
+    commands.Close(),
+]
+BYE = b"".join(frame(command) for command in FAREWELL)
+SOON = 20.0  # of a busy machine
+
+
+class Recorded(Firmware):
+    """A firmware that keeps what it hears."""
+
+    heard = b""
+
+    def receive(self, data: bytes, now: float) -> None:
+        self.heard += data
+        super().receive(data, now)
+
+
+class Site:
+    """A simulator in this process, and a program beside it."""
+
+    def __init__(self, simulation: Simulation, firmware: Recorded, body: Body) -> None:
+        self.simulation, self.firmware, self.body = simulation, firmware, body
+        self.url = "tcp://{}:{}".format(*simulation.addresses[0])
+
+    @property
+    def speed(self) -> float:
+        return self.body.drive.linear.velocity
+
+    async def drives(self) -> None:
+        async with asyncio.timeout(SOON):
+            while self.speed < 0.1:
+                await asyncio.sleep(0.02)
+
+    async def stands(self) -> None:
+        async with asyncio.timeout(SOON):
+            while self.speed != 0:
+                await asyncio.sleep(0.02)
+
+    async def run(self, program: str, sent: int | None = None) -> tuple[int, str]:
+        """Run `program` (URL in `url`); send it a signal once it drives; return code and stderr."""
+        code = f"url = {self.url!r}\n" + textwrap.dedent(program)
+        child = await asyncio.create_subprocess_exec(
+            sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
+        )
+        try:
+            if sent is not None:
+                await self.drives()
+                child.send_signal(sent)
+            async with asyncio.timeout(SOON):
+                _, errors = await child.communicate()
+        finally:
+            if child.returncode is None:
+                child.kill()
+                await child.wait()
+        assert child.returncode is not None
+        return child.returncode, errors.decode()
+
+
+@pytest.fixture
+async def site() -> AsyncIterator[Site]:
+    async with running() as here:
+        yield here
+
+
+@asynccontextmanager
+async def running() -> AsyncIterator[Site]:
+    body = Body(load_model("p3at-sh"))
+    world = World(None, [body])
+    firmware = Recorded(world, body)
+    simulation = Simulation(world, [firmware])
+    await simulation.listen(0)
+    task = asyncio.ensure_future(simulation.run())
+    try:
+        yield Site(simulation, firmware, body)
+    finally:
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        await asyncio.sleep(0)
+
+
+async def said_goodbye(site: Site) -> None:
+    """Check that the last bytes were the farewell, and that the robot obeyed."""
+    async with asyncio.timeout(SOON):
+        while not site.firmware.heard.endswith(BYE):
+            await asyncio.sleep(0.02)
+    await site.stands()
+    assert not site.body.drive.powered
+    assert not site.firmware.device.is_open
+
+
+BLOCKING = {
+    "return": """
+        from pioneer3 import connect
+        with connect(url) as robot:
+            for _ in range(10):
+                robot.drive(0.3)
+                list(robot.snapshots(0.1))
+        """,
+    "forgotten close": """
+        from pioneer3 import connect
+        robot = connect(url)
+        for _ in range(10):
+            robot.drive(0.3)
+            list(robot.snapshots(0.1))
+        """,
+    "sys.exit": """
+        import sys
+        from pioneer3 import connect
+        robot = connect(url)
+        robot.drive(0.3)
+        sys.exit()
+        """,
+}
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("way", BLOCKING)
+async def test_a_script_that_ends_leaves_the_robot_stopped(site: Site, way: str) -> None:
+    code, errors = await site.run(BLOCKING[way])
+    assert (code, errors) == (0, "")
+    await said_goodbye(site)
+
+
+@pytest.mark.realtime
+async def test_an_exception_inside_with_stops_the_robot_and_comes_through(site: Site) -> None:
+    code, errors = await site.run("""
+        from pioneer3 import connect
+        with connect(url) as robot:
+            robot.drive(0.3)
+            raise RuntimeError("the student's own")
+        """)
+    assert code == 1
+    assert errors.strip().endswith("RuntimeError: the student's own")
+    await said_goodbye(site)
+
+
+SCRIPT = """
+    from pioneer3 import connect
+    with connect(url) as robot:
+        while True:
+            robot.drive(0.3)
+            list(robot.snapshots(0.1))
+    """
+LONG_MOVE = """
+    from pioneer3 import connect
+    with connect(url) as robot:
+        robot.move(50.0)
+    """
+NO_WITH = """
+    from pioneer3 import connect
+    robot = connect(url)
+    robot.move(50.0)
+    """
+ASYNC = """
+    import asyncio
+    from pioneer3 import connect_async
+    async def main():
+        async with connect_async(url) as robot:
+            await robot.move(50.0)
+    asyncio.run(main())
+    """
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    "program", [SCRIPT, LONG_MOVE, NO_WITH, ASYNC], ids=["drive", "move", "no with", "async"]
+)
+async def test_a_signal_stops_the_robot(site: Site, program: str, sent: int) -> None:
+    code, errors = await site.run(program, sent)
+    await said_goodbye(site)
+    assert code != 0
+    assert "never awaited" not in errors
+    assert "destroyed" not in errors
+    assert "ResourceWarning" not in errors
+    if sent == signal.SIGINT:
+        assert errors.strip().endswith("KeyboardInterrupt")
+
+
+@pytest.mark.realtime
+async def test_interrupting_a_connection_that_does_not_come_about_ends_it(
+    unused_tcp_port: int,
+) -> None:
+    heard = bytearray()
+    knocked = asyncio.Event()
+
+    async def mute(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while data := await reader.read(1000):
+            heard.extend(data)
+            knocked.set()
+        writer.close()
+
+    server = await asyncio.start_server(mute, "127.0.0.1", unused_tcp_port)
+    async with server:
+        code = f"from pioneer3 import connect\nconnect('tcp://127.0.0.1:{unused_tcp_port}')"
+        child = await asyncio.create_subprocess_exec(
+            sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
+        )
+        async with asyncio.timeout(SOON):
+            await knocked.wait()
+            child.send_signal(signal.SIGINT)
+            _, errors = await child.communicate()
+            while not heard.endswith(BYE):
+                await asyncio.sleep(0.02)
+    assert errors.decode().strip().endswith("KeyboardInterrupt")
+    assert b"destroyed" not in errors
+    assert b"ResourceWarning" not in errors
+
+
+@pytest.mark.realtime
+async def test_a_killed_program_leaves_the_robot_to_its_watchdog(site: Site) -> None:
+    clock = asyncio.get_running_loop().time
+    await site.run(SCRIPT, signal.SIGKILL)
+    killed = clock()
+    assert site.speed > 0
+    async with asyncio.timeout(2.1 + 0.3 / 0.3 + 1.0):  # watchdog, braking, a busy machine
+        await site.stands()
+    assert clock() - killed > 0.5
+    assert BYE not in site.firmware.heard
+
+
+async def test_leaving_the_block_says_goodbye() -> None:
+    async with SimulatedRobot() as robot:
+        async with connect_async(robot.open) as driver:
+            await hold(driver, 0.3)
+        await asyncio.sleep(0)
+        assert robot.wires[0].data.endswith(BYE)
+        assert robot.wires[0].commands[-4:] == FAREWELL
+        await asyncio.sleep(0.5)
+        assert robot.speed == 0
+        assert not robot.powered
+
+
+async def test_an_exception_in_the_block_says_goodbye() -> None:
+    async with SimulatedRobot() as robot:
+        with pytest.raises(ZeroDivisionError):
+            async with connect_async(robot.open) as driver:
+                driver.drive(0.3)
+                raise ZeroDivisionError
+        await asyncio.sleep(0)
+        assert robot.wires[0].data.endswith(BYE)
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+async def test_cancelling_a_task_says_goodbye_however_often_it_is_cancelled(times: int) -> None:
+    async with SimulatedRobot() as robot:
+
+        async def program() -> None:
+            async with connect_async(robot.open) as driver:
+                await driver.move(50)
+
+        task = asyncio.ensure_future(program())
+        await asyncio.sleep(2)
+        for _ in range(times):
+            task.cancel()
+            await asyncio.sleep(0)
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        await asyncio.sleep(0.1)
+        assert robot.wires[0].data.endswith(BYE)
+
+
+async def test_cancelling_during_the_handshake_says_goodbye() -> None:
+    async with SimulatedRobot(to_host=lambda data: ()) as robot:
+
+        async def program() -> None:
+            async with connect_async(robot.open):
+                pass
+
+        task = asyncio.ensure_future(program())
+        await asyncio.sleep(0.2)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        await asyncio.sleep(0.1)
+        assert robot.wires[0].data.endswith(BYE)
+
+
+async def test_two_robots_are_both_told_when_one_of_their_programs_fails() -> None:
+    async with SimulatedRobot() as one, SimulatedRobot() as two:
+        with pytest.raises(ZeroDivisionError):
+            async with connect_async(one.open) as first, connect_async(two.open) as second:
+                first.drive(0.2)
+                second.drive(0.2)
+                raise ZeroDivisionError
+        await asyncio.sleep(0)
+        assert one.wires[0].data.endswith(BYE)
+        assert two.wires[0].data.endswith(BYE)
+
+
+@pytest.mark.realtime
+async def test_a_far_end_that_takes_nothing_does_not_hold_up_the_way_out() -> None:
+    async with running() as site:
+        stuck = asyncio.Event()
+
+        async def relay(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            link = accepted("tcp://client", reader, writer)
+            host, port = site.simulation.addresses[0]
+            to_robot = await asyncio.open_connection(host, port)
+
+            async def back() -> None:
+                while data := await to_robot[0].read(1000):
+                    await link.write(data)
+
+            backwards = asyncio.ensure_future(back())
+            while not stuck.is_set():
+                to_robot[1].write(await link.read())
+            backwards.cancel()
+            await asyncio.gather(backwards, return_exceptions=True)
+            to_robot[1].close()
+            await ended.wait()
+            await link.close()
+
+        ended = asyncio.Event()
+        server = await asyncio.start_server(relay, "127.0.0.1", 0)
+        port = server.sockets[0].getsockname()[1]
+        async with server, asyncio.timeout(SOON):
+            async with connect_async(f"tcp://127.0.0.1:{port}") as driver:
+                driver.drive(0.1)
+                stuck.set()
+                await asyncio.sleep(0.6)
+            ended.set()
+            await asyncio.sleep(0.1)
+
+
+def heard_commands(data: bytes) -> list[Command]:
+    return [commands.from_payload(payload) for payload in PacketReader().feed(data)]
+
+
+@pytest.mark.realtime
+async def test_a_program_that_is_suspended_and_resumed_does_not_drive_on(site: Site) -> None:
+    code = f"url = {site.url!r}\n" + textwrap.dedent(LONG_MOVE)
+    child = await asyncio.create_subprocess_exec(
+        sys.executable, "-c", code, stderr=asyncio.subprocess.PIPE
+    )
+    try:
+        await site.drives()
+        os.kill(child.pid, signal.SIGSTOP)
+        await site.stands()
+        stood_at = site.body.robot_in_world.x
+        os.kill(child.pid, signal.SIGCONT)
+        async with asyncio.timeout(SOON):
+            _, errors = await child.communicate()
+    finally:
+        if child.returncode is None:
+            child.kill()
+            await child.wait()
+    assert b"MotionError" in errors
+    await said_goodbye(site)
+    assert site.body.robot_in_world.x == pytest.approx(stood_at, abs=0.05)

@@ -1,0 +1,138 @@
+"""A browser at the page, without a network between: it speaks ASGI with the application."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, MutableMapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from math import hypot
+from types import TracebackType
+from typing import Any
+
+from starlette.applications import Starlette
+
+from pioneer3 import Robot, connect_async
+from pioneer3.runtime.scene import Scene
+from pioneer3.web.app import make_app
+from pioneer3.web.page import Page
+from tests.support import SimulatedRobot
+
+Message = MutableMapping[str, Any]
+HERE = "localhost:8080"
+
+
+def strict(text: str) -> dict[str, Any]:
+    """Return the object in `text`; a browser's JSON.parse knows no NaN and no Infinity."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    value = json.loads(text, parse_constant=refuse)
+    assert isinstance(value, dict)
+    return value
+
+
+class Browser:
+    """One WebSocket to `app`.
+
+    Attributes:
+        heard: Every message so far.
+        closed: The code the application closed with, or `None`.
+    """
+
+    def __init__(self, app: Starlette, *, host: str = HERE, origin: str | None = None) -> None:
+        headers = [(b"host", host.encode())]
+        if origin is not None:
+            headers.append((b"origin", origin.encode()))
+        self._scope = {"type": "websocket", "path": "/ws", "headers": headers, "query_string": b""}
+        self._app = app
+        self._said: asyncio.Queue[Message] = asyncio.Queue()
+        self.heard: list[dict[str, Any]] = []
+        self.closed: int | None = None
+
+    async def __aenter__(self) -> "Browser":
+        self._said.put_nowait({"type": "websocket.connect"})
+        self.task = asyncio.ensure_future(self._app(self._scope, self._said.get, self._send))
+        await asyncio.sleep(0.01)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.leave()
+
+    async def leave(self) -> None:
+        """Close the tab."""
+        self._said.put_nowait({"type": "websocket.disconnect", "code": 1001})
+        await self.task
+
+    def say(self, type_: str, **fields: object) -> None:
+        """Send a request."""
+        self.say_text(json.dumps({"type": type_, **fields}))
+
+    def say_text(self, text: str) -> None:
+        """Send any text."""
+        self._said.put_nowait({"type": "websocket.receive", "text": text})
+
+    def say_bytes(self, data: bytes) -> None:
+        """Send a frame of bytes."""
+        self._said.put_nowait({"type": "websocket.receive", "bytes": data})
+
+    def drive(self, v: float, w: float = 0.0) -> None:
+        """Hold a velocity."""
+        self.say("drive", v=v, w=w)
+
+    async def keep_driving(self, v: float, seconds: float, w: float = 0.0) -> None:
+        """Hold a key, as the page does: a request every 66 ms."""
+        loop = asyncio.get_running_loop()
+        end = loop.time() + seconds
+        while loop.time() < end:
+            self.drive(v, w)
+            await asyncio.sleep(0.066)
+
+    def all(self, type_: str) -> list[dict[str, Any]]:
+        """Return the messages of one type so far."""
+        return [message for message in self.heard if message["type"] == type_]
+
+    def latest(self, type_: str) -> dict[str, Any]:
+        """Return the newest message of one type."""
+        return self.all(type_)[-1]
+
+    async def _send(self, message: Message) -> None:
+        match message["type"]:
+            case "websocket.send":
+                self.heard.append(strict(message["text"]))
+            case "websocket.close":
+                self.closed = message["code"]
+
+
+@dataclass(frozen=True)
+class Product:
+    """A robot in a simulated world, and the page of it."""
+
+    sim: SimulatedRobot
+    robot: Robot
+    page: Page
+    app: Starlette
+
+    @property
+    def speed(self) -> float:
+        """True speed [m/s]."""
+        return self.sim.speed
+
+    @property
+    def travelled(self) -> float:
+        """Distance from the start [m]."""
+        pose = self.sim.body.robot_in_world
+        return hypot(pose.x, pose.y)
+
+
+@asynccontextmanager
+async def product(scene: Scene | None = None) -> AsyncIterator[Product]:
+    """Join world, firmware, driver and page, in the loop's time."""
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        page = Page(robot, scene or Scene())
+        yield Product(sim, robot, page, make_app(page))

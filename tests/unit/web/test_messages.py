@@ -1,0 +1,183 @@
+"""What page and server tell each other."""
+
+import json
+from math import inf, nan
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pioneer3.arcos.reports import Config
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.models import load_model
+from pioneer3.robot.limits import Limits
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.scene import Scene
+from pioneer3.sim.maps import LineMap
+from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
+from pioneer3.web import messages
+from tests.unit.web.browser import strict
+
+MODEL = load_model("p3dx-sh")
+LIMITS = Limits(max_speed=0.75, max_turn_rate=1.5)
+
+
+def info(limits: Limits = LIMITS, name: str = "dora", serial: str = "4711") -> RobotInfo:
+    return RobotInfo(
+        identity=Identity(name=name, family="Pioneer", model="p3dx-sh"),
+        model=MODEL,
+        limits=limits,
+        config=Config(family="Pioneer", model="p3dx-sh", serial_number=serial),
+        url="serial:/dev/ttyUSB0",
+        speed=9600,
+    )
+
+
+def reading(number: float = 0.0) -> Snapshot:
+    return Snapshot(
+        stamp=1.0,
+        sequence=7,
+        odometry=Odometry(
+            robot_in_odom=Pose2(number, number, number),
+            twist=Twist2(number, number),
+            left_speed=number,
+            right_speed=number,
+        ),
+        battery=Battery(voltage=number, charge=None),
+        motors=Motors(enabled=True, left_stalled=True),
+        sonar=Sonar(ranges=(1.5, inf, nan, number), enabled=True),
+        bumpers=Bumpers(front=(True, False), rear=()),
+        faults=("over_current",),
+    )
+
+
+def said(message: dict[str, Any]) -> dict[str, Any]:
+    """Return `message` as a browser gets it."""
+    return strict(messages.encode(message))
+
+
+def test_hello_shows_the_robot_as_the_model_has_it() -> None:
+    robot = said(messages.hello("1.2", info(), Scene()))["robot"]
+    assert robot == {
+        "name": "dora",
+        "model": "p3dx-sh",
+        "title": MODEL.title,
+        "length_front": MODEL.length_front,
+        "length_rear": MODEL.length_rear,
+        "width": MODEL.width,
+        "sonars": [{"x": s.x, "y": s.y, "theta": s.theta} for s in MODEL.sonars],
+        "front_bumpers": MODEL.front_bumpers,
+        "rear_bumpers": MODEL.rear_bumpers,
+        "sonar_max": 5.0,
+    }
+    assert len(robot["sonars"]) == 16
+
+
+def test_hello_says_where_and_what_in_capitals() -> None:
+    hello = said(messages.hello("1.2", info(), Scene()))
+    assert (hello["type"], hello["version"]) == ("hello", "1.2")
+    assert (hello["connection"], hello["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
+    assert said(messages.hello("1.2", info(serial="SIM"), Scene()))["connection"] == "SIMULATOR"
+    assert said(messages.hello("1.2", info(name="MobileSim"), Scene()))["connection"] == "SIMULATOR"
+
+
+def test_hello_offers_moderate_speeds_to_begin_with() -> None:
+    assert said(messages.hello("1.2", info(), Scene()))["limits"] == {
+        "speed": 0.75,
+        "turn_rate": 1.5,
+        "default_speed": 0.3,
+        "default_turn_rate": 0.6,
+    }
+
+
+def test_hello_never_offers_more_than_the_limits() -> None:
+    slow = said(messages.hello("1.2", info(Limits(max_speed=0.1, max_turn_rate=0.2)), Scene()))
+    assert (slow["limits"]["default_speed"], slow["limits"]["default_turn_rate"]) == (0.1, 0.2)
+
+
+def test_hello_draws_the_walls() -> None:
+    walls = np.array([[0.0, 1.0, 2.0, 1.0 / 3.0]])
+    hello = said(messages.hello("1.2", info(), Scene(LineMap(name="lab", walls=walls))))
+    assert hello["map"] == {"name": "lab", "walls": [[0.0, 1.0, 2.0, 0.3333]]}
+    assert said(messages.hello("1.2", info(), Scene()))["map"] is None
+
+
+def test_hello_before_any_robot_is_valid_too() -> None:
+    hello = said(messages.hello("1.2", None, Scene()))
+    assert (hello["robot"], hello["limits"], hello["url"]) == (None, None, "")
+
+
+def test_a_snapshot_says_what_the_reading_says() -> None:
+    pose = Pose2(1.0, 2.0, 3.0)
+    why, driver = "The motors are off.", "other"
+    told = said(
+        messages.snapshot(reading(0.5), pose=pose, why=why, emergency_stop=True, driver="other")
+    )
+    assert told["pose"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
+    assert told["twist"] == {"v": 0.5, "w": 0.5}
+    assert (told["type"], told["sequence"], told["why"]) == ("snapshot", 7, why)
+    assert (told["emergency_stop"], told["driver"]) == (True, driver)
+    assert told["motors"] == {
+        "enabled": True,
+        "stalled": True,
+        "moving": False,
+        "stop_button": False,
+    }
+    assert told["bumpers"] == {"front": [True, False], "rear": []}
+    assert told["battery"]["voltage"] == 0.5
+    assert told["battery"]["charge"] is None
+    assert told["faults"] == ["over_current"]
+
+
+def test_what_no_sonar_has_seen_is_null() -> None:
+    told = said(
+        messages.snapshot(reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
+    )
+    assert told["sonar"] == {"ranges": [1.5, None, None, 0.0], "enabled": True}
+
+
+@pytest.mark.parametrize("number", [nan, inf, -inf])
+def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> None:
+    pose = Pose2(number, number, number)
+    told = said(
+        messages.snapshot(reading(number), pose=pose, why=None, emergency_stop=False, driver=None)
+    )
+    assert told["pose"] == {"x": None, "y": None, "theta": None}
+    assert told["battery"]["voltage"] is None
+
+
+@pytest.mark.parametrize(
+    ("text", "request_"),
+    [
+        ('{"type":"drive","v":0.3,"w":-1}', messages.Drive(0.3, -1.0)),
+        ('{"w":-1,"v":0.3,"type":"drive"}', messages.Drive(0.3, -1.0)),
+        ('{"type":"stop"}', messages.Stop()),
+        ('{"type":"emergency_stop"}', messages.EmergencyStop()),
+        ('{"type":"reset_emergency_stop"}', messages.ResetEmergencyStop()),
+        ('{"type":"motors","on":true}', messages.SwitchMotors(on=True)),
+        ('{"type":"ping","t":1.5}', messages.Ping(1.5)),
+    ],
+)
+def test_every_request_is_understood(text: str, request_: messages.AnyRequest) -> None:
+    assert messages.decode(text) == request_
+
+
+@given(st.text() | st.recursive(st.none() | st.floats() | st.text(), st.lists).map(json.dumps))
+def test_any_other_text_is_refused_and_never_breaks_the_decoder(text: str) -> None:
+    with pytest.raises(msgspec.MsgspecError):
+        messages.decode(text)
+
+
+@given(st.floats(), st.floats())
+def test_no_number_that_is_not_finite_gets_through(v: float, w: float) -> None:
+    text = json.dumps({"type": "drive", "v": v, "w": w})
+    try:
+        request = messages.decode(text)
+    except msgspec.MsgspecError:
+        assert not Twist2(v, w).is_finite
+    else:
+        assert request == messages.Drive(v, w)
+        assert Twist2(v, w).is_finite

@@ -1,0 +1,182 @@
+"""The page over real sockets."""
+
+import asyncio
+import json
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from urllib.parse import urlsplit
+
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from pioneer3 import LinkError, PortBusyError, connect_async
+from pioneer3.runtime.scene import Scene
+from pioneer3.web.server import FRAME_LIMIT, serve_page
+from tests.support import SimulatedRobot
+
+pytestmark = pytest.mark.realtime
+
+PATIENCE = 20.0
+
+
+@asynccontextmanager
+async def served() -> AsyncIterator[tuple[SimulatedRobot, str]]:
+    """Serve the page of a simulated robot; yield the robot, and `host:port` of the page."""
+    async with (
+        SimulatedRobot() as sim,
+        connect_async(sim.open) as robot,
+        serve_page(robot, Scene(), port=0) as address,
+    ):
+        yield sim, urlsplit(address).netloc
+
+
+async def get(where: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], str]:
+    """Return status, headers and body."""
+    reader, writer = await asyncio.open_connection(*where.split(":"))
+    named = "" if host == "" else f"Host: {host or where}\r\n"
+    writer.write(f"GET {path} HTTP/1.1\r\n{named}Connection: close\r\n\r\n".encode())
+    async with asyncio.timeout(PATIENCE):
+        head, _, body = (await reader.read()).decode().partition("\r\n\r\n")
+    writer.close()
+    await writer.wait_closed()
+    first, *rest = head.split("\r\n")
+    headers = dict(line.lower().split(": ", 1) for line in rest)
+    return int(first.split()[1]), headers, body
+
+
+async def until_standing(sim: SimulatedRobot) -> None:
+    async with asyncio.timeout(PATIENCE):
+        while sim.speed:
+            await asyncio.sleep(0.02)
+
+
+async def until_driving(sim: SimulatedRobot, page: object) -> None:
+    async with asyncio.timeout(PATIENCE):
+        while sim.speed < 0.2:
+            await page.send('{"type":"drive","v":0.3,"w":0}')  # type: ignore[attr-defined]
+            await asyncio.sleep(0.05)
+
+
+async def test_every_answer_carries_the_security_headers() -> None:
+    async with served() as (_, where):
+        for path, status in (("/", 200), ("/static/main.js", 200), ("/static/none.js", 404)):
+            answered, headers, _ = await get(where, path)
+            assert answered == status
+            assert "default-src 'self'" in headers["content-security-policy"]
+            assert "frame-ancestors 'none'" in headers["content-security-policy"]
+            assert headers["x-content-type-options"] == "nosniff"
+            assert headers["referrer-policy"] == "no-referrer"
+            assert headers["cache-control"] == "no-cache"
+
+
+async def test_the_page_loads_nothing_from_elsewhere() -> None:
+    async with served() as (_, where):
+        _, _, page = await get(where, "/")
+        assert "<title>" in page
+        assert "http://" not in page.replace("http://www.w3.org", "")
+        assert "https://" not in page
+
+
+@pytest.mark.parametrize("host", ["evil.example", "[", "", "localhost.evil.example:80"])
+async def test_a_name_that_is_not_ours_is_answered_with_421_or_400(host: str) -> None:
+    async with served() as (_, where):
+        status, _, body = await get(where, "/", host)
+        assert status == (421 if host else 400)
+        assert "<title>" not in body
+
+
+@pytest.mark.parametrize("host", ["localhost:1", "127.0.0.1", "[::1]:8080", "LocalHost"])
+async def test_local_names_are_ours_on_any_port(host: str) -> None:
+    async with served() as (_, where):
+        status, _, _ = await get(where, "/", host)
+        assert status == 200
+
+
+@pytest.mark.parametrize("path", ["/static/../app.py", "/static/%2e%2e/app.py", "/../etc/passwd"])
+async def test_nothing_beside_the_page_is_served(path: str) -> None:
+    async with served() as (_, where):
+        status, _, body = await get(where, path)
+        assert status == 404
+        assert "import" not in body
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://[", "null"])
+async def test_a_foreign_page_gets_no_socket(origin: str) -> None:
+    async with served() as (_, where):
+        with pytest.raises(InvalidStatus) as refused:
+            await connect(f"ws://{where}/ws", additional_headers={"Origin": origin})
+        assert refused.value.response.status_code == 403
+
+
+async def test_the_page_itself_gets_one() -> None:
+    async with served() as (_, where):
+        headers = {"Origin": f"http://{where}"}
+        async with connect(f"ws://{where}/ws", additional_headers=headers) as page:
+            hello = json.loads(await page.recv())
+            assert hello["type"] == "hello"
+            assert hello["robot"]["model"] == "p3at-sh"
+
+
+async def test_a_frame_that_is_too_long_ends_the_visit_and_stops_the_robot() -> None:
+    async with served() as (sim, where), connect(f"ws://{where}/ws") as page:
+        await until_driving(sim, page)
+        await page.send("x" * (FRAME_LIMIT + 1))
+        with pytest.raises(ConnectionClosed) as closed:
+            async with asyncio.timeout(PATIENCE):
+                while True:
+                    await page.recv()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1009
+        await until_standing(sim)
+
+
+async def test_a_browser_that_is_killed_stops_the_robot() -> None:
+    async with served() as (sim, where):
+        page = await connect(f"ws://{where}/ws")
+        await until_driving(sim, page)
+        page.transport.abort()
+        await until_standing(sim)
+
+
+async def test_the_server_ends_with_pages_open_and_stops_the_robot() -> None:
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        async with serve_page(robot, Scene(), port=0) as address:
+            page = await connect(f"ws://{urlsplit(address).netloc}/ws")
+            await until_driving(sim, page)
+        with pytest.raises(ConnectionClosed):
+            async with asyncio.timeout(PATIENCE):
+                while True:
+                    await page.recv()
+        assert robot.helm.driver is None
+        await until_standing(sim)
+
+
+async def test_a_port_in_use_is_refused_with_a_way_out() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+            with pytest.raises(PortBusyError, match=rf"127\.0\.0\.1:{port}.*--web-port"):
+                async with serve_page(robot, Scene(), port=port):
+                    pass
+
+
+@pytest.mark.parametrize(
+    ("host", "port"), [("127.0.0.1", 70000), ("127.0.0.1", -1), ("192.0.2.1", 0), ("x.invalid", 0)]
+)
+async def test_an_address_that_is_none_of_ours_is_refused(host: str, port: int) -> None:
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        with pytest.raises(LinkError, match=f"{host}:{port}"):
+            async with serve_page(robot, Scene(), host=host, port=port):
+                pass
+
+
+async def test_the_port_is_free_again_at_once() -> None:
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        port = 0
+        for _ in range(3):
+            async with serve_page(robot, Scene(), port=port) as address:
+                status, _, _ = await get(urlsplit(address).netloc, "/")
+                assert status == 200
+                port = int(address.rsplit(":", 1)[1])
