@@ -17,7 +17,7 @@ from pioneer3.arcos.device import (
     WatchdogBit,
     WatchdogFed,
 )
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.body import Body
 from pioneer3.sim.configuration import configuration
 from pioneer3.sim.motion import Axis
@@ -182,7 +182,7 @@ class Firmware:
             case commands.BatTest(voltage):
                 self.body.battery.fixed = voltage or None
             case commands.SimSetPose(x, y, heading):
-                self.body.robot_in_world = Pose2(x, y, heading)
+                self.body.robot_in_world = Pose2(x, y, wrap(heading))
             case commands.SimReset():
                 self.body.reset()
 
@@ -234,7 +234,7 @@ class Firmware:
             case commands.SetRA(acceleration):
                 _set_ramp(drive.angular, acceleration)
             case commands.SetO(x, y, heading):
-                body.reset_odometry(Pose2(x or 0.0, y or 0.0, heading or 0.0))
+                body.reset_odometry(Pose2(x or 0.0, y or 0.0, wrap(heading or 0.0)))
             case commands.Sonar(on):
                 body.sonar_on = on
             case _:

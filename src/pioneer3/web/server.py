@@ -57,6 +57,8 @@ async def serve_page(
 
 
 def _bind(host: str, port: int) -> socket.socket:
+    if not 0 <= port <= 65535:
+        raise LinkError(f"{host}:{port}: ports are numbers from 1 to 65535")
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         # it listens now, so that the address may be told before the server has started
@@ -67,8 +69,6 @@ def _bind(host: str, port: int) -> socket.socket:
                 f"{host}:{port}: in use; choose another port for the page with --web-port"
             ) from None
         raise LinkError(f"{host}:{port}: cannot serve the page there: {error.strerror}") from None
-    except OverflowError:
-        raise LinkError(f"{host}:{port}: ports are numbers from 1 to 65535") from None
 
 
 def _own_names(host: str) -> frozenset[str]:
