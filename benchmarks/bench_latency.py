@@ -8,7 +8,9 @@ from benchmarks.table import Row, rows_of_latency
 from pioneer3 import BlockingRobot, connect, connect_async
 from pioneer3.links import Link, open_link
 
-COMMANDS = 300
+COMMANDS = 120
+PAUSE = 0.06
+"""Between two commands [s]; the driver sends a velocity every 0.05 s at most."""
 SNAPSHOTS = 50
 COST_SECONDS = 10.0
 
@@ -56,7 +58,7 @@ async def asynchronous(url: str) -> list[Row]:
         for number in range(COMMANDS):
             asked = time.perf_counter()
             robot.drive(0.1 + number % 2 * 0.1)
-            await asyncio.sleep(0.01)
+            await asyncio.sleep(PAUSE)
             if links[0].wrote_at > asked:
                 to_wire.append(links[0].wrote_at - asked)
         robot.stop()
@@ -86,7 +88,7 @@ def _timed(robot: BlockingRobot, number: int) -> float:
     asked = time.perf_counter()
     robot.drive(0.1 + number % 2 * 0.1)
     took = time.perf_counter() - asked
-    time.sleep(0.01)
+    time.sleep(PAUSE)
     return took
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-
 LONGEST = 1000.0
 """Virtual time [s] after which a test hangs."""
 

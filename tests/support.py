@@ -1,7 +1,7 @@
 """A robot to test with: world and firmware at the far end of a cable in memory."""
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
 
@@ -114,8 +114,7 @@ class SimulatedRobot:
             raise PortNotFoundError("memory: no such port")
         ours, theirs = null_modem(speeds=self.speeds)
         ours.url = self.url
-        ours.fault = lambda data: self.to_robot(data)
-        theirs.fault = lambda data: self.to_host(data)
+        ours.fault, theirs.fault = self._spoil_to_robot, self._spoil_to_host
         theirs.speed = self.robot_speed
         self._link = theirs
         self.wires.append(Wire())
@@ -144,6 +143,12 @@ class SimulatedRobot:
     def powered(self) -> bool:
         """Whether the motors are on."""
         return self.body.drive.powered
+
+    def _spoil_to_robot(self, data: bytes) -> Iterable[bytes]:
+        return self.to_robot(data)
+
+    def _spoil_to_host(self, data: bytes) -> Iterable[bytes]:
+        return self.to_host(data)
 
     async def _listen(self, link: MemoryLink, wire: Wire) -> None:
         while data := await link.read():
@@ -194,6 +199,16 @@ def doubled(frame: bytes) -> bytes:
 def corrupted(frame: bytes) -> bytes:
     """Flip a bit in its last byte."""
     return frame[:-1] + bytes([frame[-1] ^ 1])
+
+
+async def until(holds: Callable[[], object], within: float = 30.0) -> float:
+    """Wait until `holds` is true; return how long that took [s]."""
+    clock = asyncio.get_running_loop().time
+    began = clock()
+    async with asyncio.timeout(within):
+        while not holds():  # noqa: ASYNC110  nobody tells when
+            await asyncio.sleep(0.02)
+    return clock() - began
 
 
 async def hold(robot: Robot, speed: float, turn_rate: float = 0.0, seconds: float = 1.0) -> int:

@@ -1,7 +1,6 @@
 """What people type wrong: one clear line, the right type, and nothing left behind."""
 
 import asyncio
-import os
 import threading
 from pathlib import Path
 from typing import Any
@@ -50,7 +49,7 @@ def threads() -> set[threading.Thread]:
 
 
 def open_files() -> int:
-    return len(os.listdir("/proc/self/fd"))
+    return len(list(Path("/proc/self/fd").iterdir()))
 
 
 @pytest.mark.parametrize(("url", "kind", "says"), WRONG)

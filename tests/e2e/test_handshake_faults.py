@@ -22,6 +22,7 @@ SYNCS = [bytes.fromhex(sync) for sync in ("fafb03000000", "fafb03010001", "fafb0
 SYNC_NAMES = ["SYNC0", "SYNC1", "SYNC2"]
 STOP = bytes.fromhex("fafb031d001d")
 OPEN = frame(commands.Open())
+CONFIG = frame(commands.RequestConfig())
 ONE_CYCLE = 0.1  # from OPEN to the first report that the driver hands on
 RETRY = 0.4
 
@@ -193,7 +194,7 @@ async def test_a_line_that_answers_at_no_speed_names_the_speeds() -> None:
                 pass
 
 
-WHAT_IT_IS = b"\x20Pioneer\0p3at-sh\0"
+WHAT_IT_IS = b"\x20Pioneer\0p3at-sh\0S"
 
 
 def config_with_wrong_checksum(data: bytes) -> bytes:
@@ -214,31 +215,35 @@ async def test_a_config_with_a_wrong_checksum_is_believed_when_it_comes_twice_al
             assert robot.wires[0].commands.count(commands.RequestConfig()) == 2
 
 
-async def test_configs_that_are_spoilt_differently_are_not_believed() -> None:
-    def spoil(data: bytes) -> bytes:
-        nonlocal spoilt
-        spoilt += data.count(WHAT_IT_IS)
-        return data.replace(WHAT_IT_IS, WHAT_IT_IS + f"{spoilt:03}".encode())
+class SpoiltDifferently:
+    """Put a number into each CONFIG, which its checksum does not know of."""
 
-    spoilt = 0
+    def __init__(self) -> None:
+        self.times = 0
+
+    def __call__(self, data: bytes) -> bytes:
+        self.times += data.count(WHAT_IT_IS)
+        return data.replace(WHAT_IT_IS, WHAT_IT_IS[:-1] + bytes([self.times]))
+
+
+async def test_configs_that_are_spoilt_differently_are_not_believed() -> None:
     async with SimulatedRobot() as robot:
-        robot.edit = spoil
+        robot.edit = spoil = SpoiltDifferently()
         async with connect_async(robot.open) as driver:
             assert driver.info.config is None
-            assert spoilt >= 6
+            assert spoil.times >= 6
 
 
 async def test_without_config_the_values_of_the_model_hold() -> None:
-    async with SimulatedRobot(to_robot=lambda data: (data.replace(CONFIG, b""),)) as robot:
-        async with connect_async(robot.open) as driver:
-            assert driver.info.config is None
-            assert driver.info.limits.max_speed == load_model("p3at-sh").max_speed
-            assert now() == pytest.approx(1.5, abs=ONE_CYCLE)
-            await hold(driver, 0.2)
-            assert robot.speed > 0.1
-
-
-CONFIG = frame(commands.RequestConfig())
+    async with (
+        SimulatedRobot(to_robot=lambda data: (data.replace(CONFIG, b""),)) as robot,
+        connect_async(robot.open) as driver,
+    ):
+        assert driver.info.config is None
+        assert driver.info.limits.max_speed == load_model("p3at-sh").max_speed
+        assert now() == pytest.approx(1.5, abs=ONE_CYCLE)
+        await hold(driver, 0.2)
+        assert robot.speed > 0.1
 
 
 def without_reports(data: bytes) -> bytes:
@@ -257,7 +262,7 @@ async def test_a_robot_that_never_sends_reports_is_lost_after_the_silence() -> N
 
 async def test_an_unknown_robot_is_driven_by_what_its_config_says() -> None:
     async with SimulatedRobot() as robot:
-        robot.edit = lambda data: renamed(data)
+        robot.edit = renamed
         async with connect_async(robot.open) as driver:
             assert driver.info.identity.model == "p3zz-sh"
             assert driver.info.limits.max_speed <= 1.2
@@ -281,9 +286,11 @@ async def test_a_home_that_is_not_writable_is_no_obstacle(
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
-    async with SimulatedRobot(
-        speeds=(9600,), url="serial:/dev/robot", home=Pose2(), to_robot=clean
-    ) as robot:
-        async with connect_async(robot.open) as driver:
-            assert driver.info.speed == 9600
+    async with (
+        SimulatedRobot(
+            speeds=(9600,), url="serial:/dev/robot", home=Pose2(), to_robot=clean
+        ) as robot,
+        connect_async(robot.open) as driver,
+    ):
+        assert driver.info.speed == 9600
     assert remembered_speed("/dev/robot") is None

@@ -14,7 +14,7 @@ from pioneer3.links.memory import Noise
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from tests.support import SimulatedRobot, frame, hold
+from tests.support import SimulatedRobot, frame, hold, until
 
 STOP = bytes.fromhex("fafb031d001d")
 FRESH = 0.6  # a pause longer than the expiry of 0.5 s
@@ -139,7 +139,10 @@ async def test_while_the_link_is_lost_the_driver_says_so() -> None:
         await asyncio.sleep(1)
         assert driver.snapshot is None
         assert driver.supervisor.status.latest is not None
-        assert driver.supervisor.status.latest.connection in {Connection.LOST, Connection.CONNECTING}
+        assert driver.supervisor.status.latest.connection in {
+            Connection.LOST,
+            Connection.CONNECTING,
+        }
         with pytest.raises(MotionError, match="the link was lost"):
             driver.drive(0.1)
         assert "No robot is connected" in str(driver.why_not_moving())
@@ -172,10 +175,8 @@ async def test_the_robot_stands_by_itself_when_nothing_reaches_it() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         await hold(driver, 0.2, seconds=2)
         robot.silent = True
-        asleep = now()
-        while robot.speed > 0:
-            await asyncio.sleep(0.02)
-        assert now() - asleep <= 2.0 + 0.2 / driver.info.limits.deceleration + 0.1
+        stopping = await until(lambda: robot.speed == 0)
+        assert stopping <= 2.0 + 0.2 / driver.info.limits.deceleration + 0.1
 
 
 async def test_reconnecting_is_tried_for_as_long_as_it_takes() -> None:
@@ -206,10 +207,7 @@ async def test_one_byte_in_a_hundred_spoilt_for_a_minute_is_survived() -> None:
             await hold(driver, 0.2, 0.3, seconds=1.5)
             fastest = max(fastest, robot.speed)
             driver.stop()
-            released = now()
-            while robot.speed > 0 or robot.body.drive.angular.velocity != 0:
-                await asyncio.sleep(0.02)
-            waited.append(now() - released)
+            waited.append(await until(lambda: not robot.body.drive.moves))
             await asyncio.sleep(FRESH)
         assert max(waited) <= 1.5
         assert 0.15 < fastest < 0.21
@@ -223,10 +221,7 @@ async def test_bytes_lost_now_and_then_are_survived_too() -> None:
         robot.to_robot = Noise(Random(3), drop=0.01)
         robot.to_host = Noise(Random(4), drop=0.01)
         await hold(driver, 0.2, seconds=30)
-        released = now()
-        while robot.speed > 0:
-            await asyncio.sleep(0.02)
-        assert now() - released <= 1.5
+        assert await until(lambda: robot.speed == 0) <= 1.5
 
 
 async def test_a_program_that_slept_finds_that_its_command_is_stale() -> None:

@@ -1,4 +1,4 @@
-"""Motors, buttons, stalls, bumpers and the emergency stop, driver against firmware. Virtual time."""
+"""Motors, buttons, stalls, bumpers and the emergency stop: driver against firmware."""
 
 import asyncio
 from math import radians
@@ -10,8 +10,7 @@ from pioneer3.arcos.reports import Sip
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.robot import Robot
-from tests.support import First, SimulatedRobot, frame, hold, lost, wall_at
+from tests.support import First, SimulatedRobot, frame, hold, lost, until, wall_at
 
 ON, OFF = frame(commands.Enable(on=True)), frame(commands.Enable(on=False))
 PAUSE = 0.6
@@ -24,11 +23,11 @@ def now() -> float:
 
 async def stands(robot: SimulatedRobot, within: float) -> float:
     """Wait until the robot stands; return how long that took."""
-    began = now()
-    while robot.speed != 0 or robot.body.drive.angular.velocity != 0:
-        assert now() - began <= within
-        await asyncio.sleep(0.02)
-    return now() - began
+    return await until(lambda: not any(velocities(robot)), within)
+
+
+def velocities(robot: SimulatedRobot) -> tuple[float, float]:
+    return robot.body.drive.linear.velocity, robot.body.drive.angular.velocity
 
 
 async def test_connecting_leaves_the_motors_off_and_everything_still() -> None:

@@ -1,7 +1,6 @@
 """A serial port that is pulled out and put back under the same name. Real time, real ptys."""
 
 import asyncio
-import os
 from pathlib import Path
 
 import pytest
@@ -17,7 +16,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import RobotPort
 from pioneer3.sim.world import World
-from tests.support import hold
+from tests.support import hold, until
 
 pytestmark = pytest.mark.realtime
 SOON = 20.0
@@ -73,8 +72,7 @@ async def test_a_port_pulled_out_and_put_back_is_found_again(tmp_path: Path) -> 
         assert board.body.drive.linear.velocity > 0.1
         holding = asyncio.ensure_future(hold(driver, 0.2, seconds=4))
         await board.unplug()
-        while driver.snapshot is not None:
-            await asyncio.sleep(0.02)
+        await until(lambda: driver.snapshot is None)
         with pytest.raises(MotionError, match="the link was lost"):
             driver.drive(0.1)
         await board.plug_in()
@@ -148,6 +146,10 @@ async def test_a_host_notices_that_the_port_is_gone(tmp_path: Path) -> None:
     await link.close()
 
 
+def open_files() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
 async def ends(link: StreamLink) -> bool:
     try:
         return await link.read() == b""
@@ -157,10 +159,10 @@ async def ends(link: StreamLink) -> bool:
 
 async def test_a_name_that_is_taken_is_refused_and_nothing_left_open(tmp_path: Path) -> None:
     (tmp_path / "robot").write_text("")
-    before = len(os.listdir("/proc/self/fd"))
+    before = open_files()
     with pytest.raises(LinkError, match="cannot make this port: File exists"):
         await open_pty(tmp_path / "robot")
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert open_files() == before
 
 
 @pytest.mark.parametrize(
@@ -169,7 +171,7 @@ async def test_a_name_that_is_taken_is_refused_and_nothing_left_open(tmp_path: P
         ("/dev/ttyNONE", PortNotFoundError, "no such port; is the cable plugged in"),
         ("/dev/null", LinkError, "not a serial port"),
         ("/etc/hostname", LinkError, "not a serial port"),
-        ("/tmp", LinkError, "/tmp: "),  # noqa: S108
+        ("/tmp", LinkError, "/tmp: "),
     ],
 )
 async def test_what_is_no_port_is_called_so(path: str, kind: type[LinkError], says: str) -> None:

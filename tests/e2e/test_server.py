@@ -181,12 +181,28 @@ async def test_every_command_with_any_arguments_does_no_harm(station: Station) -
         assert driver.snapshot is not None
 
 
+@pytest.mark.realtime
+async def test_programs_that_follow_each_other_closely_are_all_served() -> None:
+    simulation = Simulation(*robots())
+    await simulation.listen(0)
+    host, port = simulation.addresses[0]
+    running = asyncio.ensure_future(simulation.run())
+    for _ in range(5):
+        _, stranger = await asyncio.open_connection(host, port)
+        stranger.write(SYNCS + OPEN)
+        stranger.transport.abort()
+        async with asyncio.timeout(SOON), connect_async(f"tcp://{host}:{port}"):
+            pass
+    running.cancel()
+    await asyncio.gather(running, return_exceptions=True)
+
+
 class Stuck:
     """A client that takes nothing any more."""
 
-    url, speeds = "memory:stuck", ()
-
     def __init__(self) -> None:
+        self.url = "memory:stuck"
+        self.speeds: tuple[int, ...] = ()
         self.closed = asyncio.Event()
         self.first = SYNCS + OPEN
 
@@ -233,7 +249,7 @@ async def test_several_robots_listen_on_consecutive_ports_or_on_none(unused_tcp_
     async with taken:
         with pytest.raises(PortBusyError):
             await Simulation(*robots(2)).listen(port - 1)
-        with pytest.raises(OSError, match="refused|failed"):
+        with pytest.raises(OSError, match=r"refused|failed"):
             await asyncio.open_connection("127.0.0.1", port - 1)
     simulation = Simulation(*robots(3))
     await simulation.listen(0)
@@ -279,7 +295,7 @@ async def test_ending_a_simulation_closes_its_ports_and_parts_from_its_clients()
     assert reports.from_payload(got[0]) == reports.SyncEcho(0)
     writer.close()
     await writer.wait_closed()
-    with pytest.raises(OSError, match="refused|failed"):
+    with pytest.raises(OSError, match=r"refused|failed"):
         await asyncio.open_connection(host, port)
 
 

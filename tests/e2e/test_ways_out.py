@@ -20,7 +20,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
-from tests.support import SimulatedRobot, frame, hold
+from tests.support import SimulatedRobot, frame, hold, until
 
 FAREWELL: list[Command] = [
     commands.Stop(),
@@ -54,14 +54,10 @@ class Site:
         return self.body.drive.linear.velocity
 
     async def drives(self) -> None:
-        async with asyncio.timeout(SOON):
-            while self.speed < 0.1:
-                await asyncio.sleep(0.02)
+        await until(lambda: self.speed >= 0.1, SOON)
 
     async def stands(self) -> None:
-        async with asyncio.timeout(SOON):
-            while self.speed != 0:
-                await asyncio.sleep(0.02)
+        await until(lambda: self.speed == 0, SOON)
 
     async def run(self, program: str, sent: int | None = None) -> tuple[int, str]:
         """Run `program` (URL in `url`); send it a signal once it drives; return code and stderr."""
@@ -107,9 +103,7 @@ async def running() -> AsyncIterator[Site]:
 
 async def said_goodbye(site: Site) -> None:
     """Check that the last bytes were the farewell, and that the robot obeyed."""
-    async with asyncio.timeout(SOON):
-        while not site.firmware.heard.endswith(BYE):
-            await asyncio.sleep(0.02)
+    await until(lambda: site.firmware.heard.endswith(BYE), SOON)
     await site.stands()
     assert not site.body.drive.powered
     assert not site.firmware.device.is_open
@@ -227,8 +221,7 @@ async def test_interrupting_a_connection_that_does_not_come_about_ends_it(
             await knocked.wait()
             child.send_signal(signal.SIGINT)
             _, errors = await child.communicate()
-            while not heard.endswith(BYE):
-                await asyncio.sleep(0.02)
+            await until(lambda: heard.endswith(BYE))
     assert errors.decode().strip().endswith("KeyboardInterrupt")
     assert b"destroyed" not in errors
     assert b"ResourceWarning" not in errors
@@ -260,7 +253,7 @@ async def test_leaving_the_block_says_goodbye() -> None:
 
 async def test_an_exception_in_the_block_says_goodbye() -> None:
     async with SimulatedRobot() as robot:
-        with pytest.raises(ZeroDivisionError):
+        with pytest.raises(ZeroDivisionError):  # noqa: PT012  the block is what is tested
             async with connect_async(robot.open) as driver:
                 driver.drive(0.3)
                 raise ZeroDivisionError
@@ -305,7 +298,7 @@ async def test_cancelling_during_the_handshake_says_goodbye() -> None:
 
 async def test_two_robots_are_both_told_when_one_of_their_programs_fails() -> None:
     async with SimulatedRobot() as one, SimulatedRobot() as two:
-        with pytest.raises(ZeroDivisionError):
+        with pytest.raises(ZeroDivisionError):  # noqa: PT012  the blocks are what is tested
             async with connect_async(one.open) as first, connect_async(two.open) as second:
                 first.drive(0.2)
                 second.drive(0.2)

@@ -1,6 +1,6 @@
 """`pioneer3 drive`."""
 
-import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -78,6 +78,6 @@ async def _drive(
 
 def _show(line: str) -> None:
     """Rewrite the live line, cut to the width of the terminal."""
-    width = os.get_terminal_size().columns if sys.stdout.isatty() else 200
+    width = shutil.get_terminal_size().columns
     sys.stdout.write(f"\r\x1b[K{line[: width - 1]}")
     sys.stdout.flush()

@@ -59,7 +59,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def execute(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code, errors told in one line."""
     try:
-        result = app(arguments, exit_on_error=False, print_error=False)
+        result = app(
+            arguments, exit_on_error=False, print_error=False, result_action="return_value"
+        )
     except CycloptsError as error:
         return _tell(error, Exit.USAGE)
     except KeyboardInterrupt:

@@ -25,6 +25,7 @@ class StreamLink:
         self._reader = reader
         self._writer = writer
         self._change_speed = change_speed
+        self._closed = False
 
     async def read(self) -> bytes:
         """Return the next bytes; `b""` once the far end has closed."""
@@ -50,6 +51,9 @@ class StreamLink:
 
     async def close(self) -> None:
         """Flush and close; a far end that takes nothing is cut off."""
+        if self._closed:  # a second `wait_closed` would find the first one's cancellation
+            return
+        self._closed = True
         self._writer.close()
         try:
             async with asyncio.timeout(CLOSE_PATIENCE):

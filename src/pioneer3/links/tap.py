@@ -9,8 +9,9 @@ The format::
 """
 
 import asyncio
+import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -18,6 +19,8 @@ from typing import TextIO
 from pioneer3.clock import Clock
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.links.base import Link, Opener
+
+log = logging.getLogger(__name__)
 
 FROM_HOST, FROM_ROBOT = "C>S", "S>C"
 
@@ -41,7 +44,8 @@ class TapLink:
         self._file = file
         self._clock = clock
         self._began = clock()
-        file.write(f"# {link.url}\n")
+        self._broken = False
+        self._put(f"# {link.url}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""
@@ -56,18 +60,30 @@ class TapLink:
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
-        self._file.write(f"# {self._clock() - self._began:.6f} {baud} baud\n")
+        self._put(f"# {self._clock() - self._began:.6f} {baud} baud")
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
         """Close the link inside; the file stays its owner's."""
         await self._link.close()
-        self._file.flush()
+        if not self._broken:
+            with suppress(OSError):
+                self._file.flush()
 
     def _note(self, way: str, data: bytes) -> None:
         if data:
             seconds = self._clock() - self._began
-            self._file.write(f"{seconds:.6f} {way} {len(data)} {data.hex()}\n")
+            self._put(f"{seconds:.6f} {way} {len(data)} {data.hex()}")
+
+    def _put(self, line: str) -> None:
+        """Write one line; a full disk ends the recording, never the drive."""
+        if self._broken:
+            return
+        try:
+            self._file.write(line + "\n")
+        except OSError as error:
+            self._broken = True
+            log.warning("%s: recording ended: %s", self._file.name, error.strerror)
 
 
 @contextmanager
@@ -155,11 +171,11 @@ def read_recording(path: Path) -> Iterator[Chunk]:
             continue
         try:
             seconds, way, count, text = line.split()
-            chunk = Chunk(float(seconds), way, bytes.fromhex(text))
+            chunk, size = Chunk(float(seconds), way, bytes.fromhex(text)), int(count)
         except ValueError:
             raise ConfigError(
                 f"{path}:{number}: expected `<seconds> C>S|S>C <bytes> <hex>`"
             ) from None
-        if way not in {FROM_HOST, FROM_ROBOT} or int(count) != len(chunk.data):
+        if way not in {FROM_HOST, FROM_ROBOT} or size != len(chunk.data):
             raise ConfigError(f"{path}:{number}: the way or the number of bytes is wrong")
         yield chunk

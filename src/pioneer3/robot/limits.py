@@ -130,9 +130,14 @@ def limit(twist: Twist2, limits: Limits, bumpers: Bumpers) -> Twist2:
         limits.max_speed / abs(twist.v) if twist.v else 1.0,
         limits.max_turn_rate / abs(twist.w) if twist.w else 1.0,
     )
-    v, w = twist.v * scale, twist.w * scale
+    v, w = _clip(twist.v * scale, limits.max_speed), _clip(twist.w * scale, limits.max_turn_rate)
     if v > 0 and any(bumpers.front):
         v = 0.0
     if v < 0 and any(bumpers.rear):
         v = 0.0
     return Twist2(v, w)
+
+
+def _clip(value: float, top: float) -> float:
+    """Take off what rounding has left above `top`."""
+    return max(-top, min(top, value))

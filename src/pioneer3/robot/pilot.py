@@ -21,6 +21,9 @@ from pioneer3.state import Snapshot
 
 REPEAT = 0.2
 """Pause between repetitions of a velocity [s]."""
+PACE = 0.05
+"""Shortest pause between two velocities [s]: both frames take 19 ms at 9600 baud. A stop never
+waits."""
 ENABLE_RETRY = 0.5
 ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
@@ -68,7 +71,7 @@ class Pilot:
             commands.SetRA(acceleration=-limits.turn_deceleration),
             commands.Sonar(on=True),
         ]
-        self._sent, self._sent_at, self._awake_at = STILL, now, now
+        self._sent, self._sent_at, self._awake_at = STILL, -inf, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
@@ -224,8 +227,12 @@ class Pilot:
         twist = limit(self.asked(now), limits, snapshot.bumpers)
         measured = snapshot.odometry.twist
         rests = abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
-        due = now - self._sent_at >= REPEAT and not (twist.is_zero and rests)
-        if twist != self._sent or due:
+        due = now >= self._sent_at + REPEAT and not (twist.is_zero and rests)
+        changed = twist != self._sent and (twist.is_zero or now >= self._sent_at + PACE)
+        if changed or due:
             self._outbox += (commands.Vel(speed=twist.v), commands.RVel(rate=twist.w))
             self._sent, self._sent_at = twist, now
-        self.deadline = min(now + REPEAT, self._until if self._until > now else inf)
+        again = self._sent_at + (REPEAT if twist == self._sent else PACE)
+        self.deadline = min(
+            again if again > now else now + REPEAT, self._until if self._until > now else inf
+        )

@@ -7,17 +7,16 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from pioneer3.arcos.host import Timing
-from pioneer3.errors import LinkError
 from pioneer3.links import Opener, open_link
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel
 from pioneer3.robot.limits import Limits
-from pioneer3.robot.supervisor import Connection, Supervisor
+from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.tasks import running
 
 
 @asynccontextmanager
@@ -61,38 +60,17 @@ async def connect_async(
         supervisor = Supervisor(
             opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
-        async with _running(supervisor) as robot:
-            yield robot
-
-
-@asynccontextmanager
-async def _running(supervisor: Supervisor) -> AsyncIterator[Robot]:
-    helm = Helm(supervisor)
-    tasks = [asyncio.ensure_future(supervisor.run()), asyncio.ensure_future(helm.run())]
-    try:
+        helm = Helm(supervisor)
         with stopped_by_sigterm():
-            await _until_connected(supervisor, tasks[0])
-            yield Robot(supervisor, helm)
-    finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+            async with running(supervisor.run(), helm.run()):
+                await _first_snapshot(supervisor)
+                yield Robot(supervisor, helm)
 
 
-async def _until_connected(supervisor: Supervisor, running: "asyncio.Future[None]") -> None:
-    """Wait for the first snapshot; raise what ended the supervisor instead."""
-    first = asyncio.ensure_future(anext(supervisor.snapshots.values()))
-    both: set[asyncio.Future[Any]] = {first, running}
-    try:
-        await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        first.cancel()
-        await asyncio.gather(first, return_exceptions=True)
-    if running.done():
-        await running
-    latest = supervisor.status.latest
-    if latest is not None and latest.connection is Connection.CLOSED:
-        raise LinkError("the connection was closed before the robot said anything")
+async def _first_snapshot(supervisor: Supervisor) -> None:
+    """Wait until the robot has said something; what ends the supervisor cancels this."""
+    if await anext(supervisor.snapshots.values(), None) is None:
+        await asyncio.get_running_loop().create_future()
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """From options to a running simulator."""
 
-import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from pathlib import Path
 from pioneer3.geometry import ORIGIN
 from pioneer3.models import load_model
 from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.maps import load_map
@@ -57,9 +57,5 @@ async def simulator(
     await simulation.listen(port, LOOPBACK)
     host, number = simulation.addresses[0]
     scene = Scene(line_map, body.home, truth=lambda: body.robot_in_world)
-    running = asyncio.ensure_future(simulation.run())
-    try:
+    async with running(simulation.run()):
         yield RunningSimulation(f"tcp://{host}:{number}", world, body, scene)
-    finally:
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)

@@ -250,9 +250,14 @@ class Firmware:
         here, model = self.body.robot_in_odom, self.body.model
         turned = here.theta * model.wheel_base / 2
         return reports.Encoders(
-            left_counts=round((here.x - turned) * TICKS_PER_METRE),
-            right_counts=round((here.x + turned) * TICKS_PER_METRE),
+            left_counts=_s32((here.x - turned) * TICKS_PER_METRE),
+            right_counts=_s32((here.x + turned) * TICKS_PER_METRE),
         )
+
+
+def _s32(value: float) -> int:
+    """Count as a counter of 32 bits does."""
+    return (round(value) + (1 << 31)) % (1 << 32) - (1 << 31)
 
 
 def _set_ramp(axis: Axis, acceleration: float) -> None:

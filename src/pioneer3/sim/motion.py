@@ -118,7 +118,7 @@ class Drive:
     def emergency_stop(self) -> None:
         """Brake as hard as the wheels can."""
         self.stop()
-        self.braking = True
+        self.braking = any((self.linear.velocity, self.angular.velocity))
 
     def power(self, *, on: bool) -> None:
         """Switch the motors."""

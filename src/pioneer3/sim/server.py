@@ -18,6 +18,8 @@ TICK = 0.02
 """Simulated and real time between two looks at the world [s]."""
 STALE = 2.0
 """A client that has been silent for this long [s] loses its place to the next one."""
+GRACE = 0.1
+"""A client that has just left may not have been noticed when the next one is here [s]."""
 STUCK = 0.5
 """A client that takes nothing for this long [s], its buffers full, is cut off."""
 LATE = 0.5
@@ -34,7 +36,9 @@ class RobotPort:
         self._heard_at = float("-inf")
 
     async def serve(self, link: Link) -> None:
-        """Serve one host until its link ends; a second host is turned away at once."""
+        """Serve one host until its link ends; a second host is turned away."""
+        if self._link is not None:
+            await asyncio.sleep(GRACE)
         if self._link is not None and self._clock() - self._heard_at < STALE:
             log.info("%s: turned away, another host is connected", link.url)
             await link.close()

@@ -50,21 +50,22 @@ class KeyboardDriver:
             self._robot.stop()
 
     def line(self) -> str:
-        """Return the live line: pose, speed, battery, nearest sonar, and why it stands."""
+        """Return the live line: speed or why it stands, speeds set, battery, nearest sonar, pose.
+
+        While the robot moves, 79 columns hold it; a narrow terminal cuts off what matters least.
+        """
         robot, now, keyboard = self._robot, self._robot.snapshot, self._keyboard
         if now is None:
             status = robot.supervisor.status.latest
             return f"{status.connection.value.upper()}: {status.message}" if status else ""
         pose, twist, near = now.odometry.robot_in_odom, now.odometry.twist, now.sonar.nearest
-        why = robot.why_not_moving()
         return "  ".join(
             (
-                f"x{pose.x:7.2f} y{pose.y:7.2f} m {degrees(pose.theta):5.0f}°",
-                f"{twist.v:5.2f} m/s {twist.w:5.2f} rad/s",
+                robot.why_not_moving() or f"{twist.v:5.2f} m/s {twist.w:5.2f} rad/s",
+                f"[{keyboard.speed:.2f} {keyboard.turn_rate:.2f}]",
                 f"{now.battery.voltage:4.1f} V{' LOW' if now.battery.low else ''}",
                 f"sonar {near:4.2f} m" if isfinite(near) else "sonar  --   ",
-                f"[{keyboard.speed:.2f} {keyboard.turn_rate:.2f}]",
-                why or "",
+                f"x{pose.x:6.2f} y{pose.y:6.2f} {degrees(pose.theta):4.0f}°",
             )
         )
 

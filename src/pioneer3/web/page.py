@@ -35,7 +35,9 @@ class Page:
         if twist.is_zero:
             self.robot.helm.release(self._hold)
         else:
-            self.robot.helm.hold(self._hold, twist, EXPIRY)
+            refused = self.robot.helm.hold(self._hold, twist, EXPIRY)
+            if self._hold.muted:
+                return refused
         return None
 
     def stop(self, who: object) -> None:

@@ -54,13 +54,17 @@ def configured(now: float = 0.0) -> Host:
     return host
 
 
+def closed(host: Host) -> bool:
+    return host.state is State.CLOSED
+
+
 def later(host: Host, until: float) -> list[Event]:
     """Let the host act at each of its deadlines up to `until`."""
     events: list[Event] = []
-    while host.deadline <= until and host.state is not State.CLOSED:
+    while host.deadline <= until and not closed(host):
         due = host.deadline
         events += host.tick(due)
-        assert host.deadline > due or host.state is State.CLOSED
+        assert host.deadline > due or closed(host)
     return events
 
 

@@ -177,7 +177,7 @@ async def test_a_muted_hold_counts_again_after_it_has_run_out() -> None:
 async def test_what_was_not_held_during_a_stop_is_not_muted() -> None:
     async with bridge() as the:
         the.helm.hold(the.web, FORTH, 0.1)
-        await asyncio.sleep(0.1)
+        await asyncio.sleep(0.11)
         the.helm.stop()
         assert the.helm.hold(the.web, FORTH, LONG) is None
         assert the.helm.hold(the.keyboard, BACK, LONG) is None

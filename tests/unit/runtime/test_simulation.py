@@ -97,6 +97,6 @@ async def test_a_port_that_is_none_is_refused(port: int) -> None:
 )
 async def test_a_wrong_option_is_refused_before_anything_runs(options: dict[str, str]) -> None:
     with pytest.raises(ConfigError):
-        async with simulator(port=0, **options):  # type: ignore[arg-type]
+        async with simulator(port=0, **options):
             pass
     assert asyncio.all_tasks() == {asyncio.current_task()}

@@ -161,10 +161,15 @@ async def test_keys_end_when_the_terminal_goes_away(terminal: Terminal) -> None:
 
 def test_the_terminal_is_restored_after_an_error(terminal: Terminal) -> None:
     before = termios.tcgetattr(terminal.screen)
-    with pytest.raises(ZeroDivisionError), raw_terminal() as descriptor:
-        assert not termios.tcgetattr(descriptor)[3] & (termios.ICANON | termios.ECHO)
-        assert termios.tcgetattr(descriptor)[3] & termios.ISIG  # Ctrl-C stays a signal
-        raise ZeroDivisionError
+
+    def fail() -> None:
+        with raw_terminal() as descriptor:
+            assert not termios.tcgetattr(descriptor)[3] & (termios.ICANON | termios.ECHO)
+            assert termios.tcgetattr(descriptor)[3] & termios.ISIG  # Ctrl-C stays a signal
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
     assert termios.tcgetattr(terminal.screen) == before
 
 

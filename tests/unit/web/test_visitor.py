@@ -153,6 +153,7 @@ async def test_motors_switched_off_while_a_key_is_held_stay_off() -> None:
             who.say("motors", on=False)
             await ann.keep_driving(0.3, 1.0)
             assert not the.sim.powered
+            assert "the robot switched" not in ann.latest("snapshot")["why"]  # people did
             ann.drive(0.0)
 
 

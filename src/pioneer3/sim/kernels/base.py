@@ -1,0 +1,102 @@
+"""The seam between the simulated world and what computes it fast."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.kernels.mounts import Fan, Mounts
+from pioneer3.sim.kernels.robots import Robots
+from pioneer3.sim.kernels.walls import Grid
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+Int32 = NDArray[np.int32]
+
+
+class Kernels(Protocol):
+    """What a world asks of its walls and robots. Arrays in, arrays out.
+
+    Ranges agree with :func:`pioneer3.sim.raycast.cast_reference` within 1e-6 m. `out`, where given,
+    is C-contiguous, is filled and returned; where not, the answer is a new array. After robots
+    moved, :meth:`place` comes first: the other methods see them where they were placed.
+
+    Attributes:
+        name: `numba` or `numpy`.
+    """
+
+    name: str
+
+    def place(self, robots: Robots) -> None:
+        """Bring the outlines and the table of `robots` up to date with their poses."""
+        ...
+
+    def cast_rays(
+        self,
+        grid: Grid,
+        robots: Robots,
+        origins: Float,
+        angles: Float,
+        owner: Int32,
+        limit: float,
+        out: Float | None = None,
+    ) -> Float:
+        """Return the range to the nearest wall or robot along each ray [m], shape (R,).
+
+        Args:
+            grid: The walls.
+            robots: Seen where they were placed.
+            origins: Where rays start [m], shape (R, 2).
+            angles: Their directions [rad], shape (R,).
+            owner: The robot that each ray does not see, or -1, shape (R,).
+            limit: Longest range [m]; a ray that hits nothing returns this.
+            out: For the ranges, shape (R,).
+        """
+        ...
+
+    def sonar(
+        self, grid: Grid, robots: Robots, mounts: Mounts, limit: float, out: Float | None = None
+    ) -> Float:
+        """Return the range per robot and transducer [m], shape (N, mounts.most).
+
+        The nearest of a transducer's rays counts. No robot sees itself. Columns that a robot's
+        type does not have read `limit`.
+        """
+        ...
+
+    def cast_fans(
+        self,
+        grid: Grid,
+        robots: Robots,
+        fan: Fan,
+        limit: float,
+        owners: Int32 | None = None,
+        out: Float | None = None,
+    ) -> Float:
+        """Return the range per laser and beam [m], shape (F, B).
+
+        Args:
+            grid: The walls.
+            robots: Seen where they were placed.
+            fan: The beams, and where the laser sits on its robot.
+            limit: Longest range [m].
+            owners: The F robots that carry this laser; `None` means all N.
+            out: For the ranges, shape (F, B).
+        """
+        ...
+
+    def blocked(
+        self,
+        grid: Grid,
+        robots: Robots,
+        x: Float,
+        y: Float,
+        theta: Float,
+        out: Bool | None = None,
+    ) -> Bool:
+        """Return whether each robot, at a proposed pose, would stand on something, shape (N,).
+
+        Touching is free, as in :func:`pioneer3.sim.collision.footprint_hits`. The other robots
+        count where they were placed, not where they propose to go.
+        """
+        ...

@@ -1,0 +1,126 @@
+"""The kernels compiled by numba: the fast implementation, in the extra `fast`."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.kernels import compiled
+from pioneer3.sim.kernels.mounts import Fan, Mounts
+from pioneer3.sim.kernels.robots import Robots
+from pioneer3.sim.kernels.walls import Grid
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+Int32 = NDArray[np.int32]
+
+WORTH_THREADS = 50
+"""Robots from which on sharing the work among threads pays."""
+
+WHOLE = (np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([0, 1], dtype=np.int32))
+"""A transducer at the pose itself, pointing ahead."""
+
+
+class NumbaKernels:
+    """Same contract as `Kernels`; compiles at first use, in seconds, then loads from the cache.
+
+    Args:
+        threads: That share the work of many robots; the result is the same to the last bit.
+    """
+
+    name = "numba"
+
+    def __init__(self, threads: int = 1) -> None:
+        self._threads = threads
+        self._pool = ThreadPoolExecutor(threads, "kernels") if threads > 1 else None
+
+    def place(self, robots: Robots) -> None:
+        compiled.place(robots.state, robots.arrays)
+
+    def cast_rays(
+        self,
+        grid: Grid,
+        robots: Robots,
+        origins: Float,
+        angles: Float,
+        owner: Int32,
+        limit: float,
+        out: Float | None = None,
+    ) -> Float:
+        count = len(angles)
+        ranges = np.empty(count) if out is None else out
+        poses = np.concatenate([origins.T, angles[None]])
+        mounts = (*WHOLE, np.zeros(count, dtype=np.int32))
+        walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
+
+        def work(first: int, last: int) -> None:
+            compiled.sonar(
+                first, last, limit, poses, owner, mounts, walls, others, rows
+            )
+
+        self._share(count, work)
+        return ranges
+
+    def sonar(
+        self, grid: Grid, robots: Robots, mounts: Mounts, limit: float, out: Float | None = None
+    ) -> Float:
+        count = len(robots)
+        ranges = np.empty((count, mounts.most)) if out is None else out
+        table, walls, others = mounts.arrays, grid.arrays, robots.arrays
+
+        def work(first: int, last: int) -> None:
+            compiled.sonar(
+                first, last, limit, robots.poses, robots.everyone, table, walls, others, ranges
+            )
+
+        self._share(count, work)
+        return ranges
+
+    def cast_fans(
+        self,
+        grid: Grid,
+        robots: Robots,
+        fan: Fan,
+        limit: float,
+        owners: Int32 | None = None,
+        out: Float | None = None,
+    ) -> Float:
+        lasers = robots.everyone if owners is None else owners
+        ranges = np.empty((len(lasers), fan.headings.shape[1])) if out is None else out
+        walls, others, poses = grid.arrays, robots.arrays, robots.poses
+
+        def work(first: int, last: int) -> None:
+            compiled.fans(
+                first, last, limit, lasers, fan.frame, fan.headings, poses, walls, others, ranges
+            )
+
+        self._share(len(lasers), work)
+        return ranges
+
+    def blocked(
+        self,
+        grid: Grid,
+        robots: Robots,
+        x: Float,
+        y: Float,
+        theta: Float,
+        out: Bool | None = None,
+    ) -> Bool:
+        hits = np.empty(len(robots), dtype=np.bool_) if out is None else out
+        walls, others, state = grid.arrays, robots.arrays, robots.state
+
+        def work(first: int, last: int) -> None:
+            compiled.blocked(first, last, x, y, theta, state, walls, others, hits)
+
+        self._share(len(robots), work)
+        return hits
+
+    def _share(self, count: int, work: Callable[[int, int], None]) -> None:
+        """Call `work` on `count` rows, in parts if that pays."""
+        if self._pool is None or count < WORTH_THREADS:
+            work(0, count)
+            return
+        edges = [count * part // self._threads for part in range(self._threads + 1)]
+        for _ in self._pool.map(work, edges[:-1], edges[1:]):
+            pass

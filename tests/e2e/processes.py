@@ -1,0 +1,102 @@
+"""The commands as people start them: processes of their own, never left running."""
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+PATIENCE = 30.0
+"""Longest wait for anything on a busy machine [s]."""
+COMMAND = (sys.executable, "-m", "pioneer3")
+
+
+def environment() -> dict[str, str]:
+    """Return this machine's environment without what would change a command's defaults."""
+    return {k: v for k, v in os.environ.items() if not k.startswith("PIONEER3_")}
+
+
+def p3(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    """Run a command to its end, with nothing on standard input."""
+    return subprocess.run(
+        [*COMMAND, *arguments],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        env=environment(),
+        check=False,
+    )
+
+
+def in_session(session: int) -> list[int]:
+    """Return the processes that are left of a session."""
+    left = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[3]) == session and fields[0] != "Z":
+            left.append(int(stat.parent.name))
+    return left
+
+
+class Command:
+    """A running command, the leader of a session of its own."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self.process = process
+
+    async def line(self) -> str:
+        """Return the next line of its output."""
+        assert self.process.stdout is not None
+        async with asyncio.timeout(PATIENCE):
+            return (await self.process.stdout.readline()).decode().rstrip("\n")
+
+    async def end(self, number: signal.Signals | None = None) -> tuple[int, str]:
+        """Send a signal and wait; return the exit code and all of stderr.
+
+        The exit code is what a shell shows: 128 + the signal that killed it.
+        """
+        assert self.process.stderr is not None
+        if number is not None:
+            self.process.send_signal(number)
+        async with asyncio.timeout(PATIENCE):
+            stderr = (await self.process.stderr.read()).decode()
+            code = await self.process.wait()
+        assert in_session(self.process.pid) == []
+        return (code if code >= 0 else -1000 + code), stderr
+
+
+@asynccontextmanager
+async def running(*arguments: str) -> AsyncIterator[Command]:
+    """Start a command; kill it in the end if it still runs."""
+    process = await asyncio.create_subprocess_exec(
+        *COMMAND,
+        *arguments,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment(),
+        start_new_session=True,
+    )
+    try:
+        yield Command(process)
+    finally:
+        if process.returncode is None:
+            process.kill()
+        await process.communicate()
+
+
+async def until(condition: Callable[[], object]) -> float:
+    """Wait until `condition` holds; return how long that took [s]."""
+    began = time.monotonic()
+    async with asyncio.timeout(PATIENCE):
+        while not condition():  # noqa: ASYNC110  most conditions have no event
+            await asyncio.sleep(0.01)
+    return time.monotonic() - began

@@ -1,0 +1,58 @@
+"""`pioneer3 drive`: its options and its live line. The rest is in `tests/e2e/test_keyboard.py`."""
+
+import os
+from collections.abc import Callable
+
+import pytest
+
+from pioneer3.cli.drive import KEYS, _show
+from pioneer3.cli.main import execute
+from pioneer3.teleop.terminal import SEQUENCES
+
+
+@pytest.mark.parametrize("option", ["--speed", "--turn-rate"])
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "-0.1", "0", "1e999"])
+def test_a_speed_that_is_none_is_refused_before_anything_is_opened(
+    option: str, value: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["drive", option, value, "--port", "tcp://x.invalid:1"]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert option.removeprefix("--").split("-")[0] in told
+
+
+def test_the_help_line_names_every_letter() -> None:
+    letters = [s for s in SEQUENCES if s.isalpha()] + ["+", "-"]
+    assert all(letter in KEYS.replace(":", " ").split() for letter in letters)
+    assert "space: stop" in KEYS
+
+
+@pytest.fixture
+def show(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[str, int], str]:
+    """Return what a live line looks like on a terminal of so many columns."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+    def shown(line: str, columns: int) -> str:
+        with monkeypatch.context() as patched:
+            patched.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((columns, 24)))
+            _show(line)
+        text = capsys.readouterr().out
+        assert text.startswith("\r\x1b[K")
+        return text.removeprefix("\r\x1b[K")
+
+    return shown
+
+
+@pytest.mark.parametrize(("columns", "visible"), [(80, 79), (20, 19)])
+def test_the_live_line_never_wraps(
+    columns: int, visible: int, show: Callable[[str, int], str]
+) -> None:
+    assert show("x" * 300, columns) == "x" * visible
+
+
+def test_a_terminal_that_does_not_tell_its_width_is_taken_to_have_80_columns(
+    show: Callable[[str, int], str],
+) -> None:
+    assert show("x" * 300, 0) == "x" * 79

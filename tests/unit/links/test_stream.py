@@ -1,0 +1,83 @@
+"""Links over real sockets: the same contract as in memory."""
+
+import asyncio
+import socket
+import struct
+from collections.abc import AsyncIterator
+
+import pytest
+
+from pioneer3.errors import LinkError
+from pioneer3.links.stream import StreamLink
+from pioneer3.links.tcp import accepted, open_tcp
+
+pytestmark = pytest.mark.realtime
+
+
+@pytest.fixture
+async def ends() -> AsyncIterator[tuple[StreamLink, StreamLink]]:
+    arrived: asyncio.Queue[StreamLink] = asyncio.Queue()
+
+    async def on_client(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await arrived.put(accepted("tcp://client", reader, writer))
+
+    server = await asyncio.start_server(on_client, "127.0.0.1", 0)
+    async with server:
+        ours = await open_tcp("127.0.0.1", server.sockets[0].getsockname()[1])
+        theirs = await arrived.get()
+        yield ours, theirs
+        await ours.close()
+        await theirs.close()
+
+
+Ends = tuple[StreamLink, StreamLink]
+
+
+async def test_bytes_pass_both_ways(ends: Ends) -> None:
+    for near, far in (ends, ends[::-1]):
+        await near.write(b"hello")
+        assert await far.read() == b"hello"
+
+
+async def test_a_far_end_that_closes_is_read_as_the_end(ends: Ends) -> None:
+    ours, theirs = ends
+    await theirs.close()
+    assert await ours.read() == b""
+    assert await ours.read() == b""
+
+
+async def test_a_closed_link_takes_nothing(ends: Ends) -> None:
+    ours, _ = ends
+    await ours.close()
+    await ours.close()
+    with pytest.raises(LinkError, match="the link is closed"):
+        await ours.write(b"x")
+
+
+async def test_a_reset_connection_is_a_link_error(ends: Ends) -> None:
+    ours, theirs = ends
+    await ours.write(b"unread")
+    await asyncio.sleep(0.05)
+    reset = struct.pack("ii", 1, 0)  # linger for no time: RST in place of FIN
+    theirs._writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, reset)
+    theirs._writer.transport.abort()
+    with pytest.raises(LinkError, match="tcp://127"):
+        await ours.read()
+    with pytest.raises(LinkError, match="tcp://127"):
+        await ours.write(b"x")
+
+
+async def test_a_link_without_a_speed_ignores_one(ends: Ends) -> None:
+    assert ends[0].speeds == ()
+    await ends[0].set_speed(38400)
+
+
+async def test_closing_does_not_wait_for_a_far_end_that_takes_nothing(ends: Ends) -> None:
+    ours, _ = ends
+    with pytest.raises(TimeoutError):  # noqa: PT012  nothing else ends it
+        async with asyncio.timeout(0.1):
+            while True:
+                await ours.write(bytes(1 << 20))
+    began = asyncio.get_running_loop().time()
+    await ours.close()
+    assert asyncio.get_running_loop().time() - began < 5.0

@@ -1,0 +1,410 @@
+"""Which commands go out, and when: requests, snapshots and the time in, commands out."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.geometry import ORIGIN, STILL, Twist2
+from pioneer3.robot.limits import Limits
+from pioneer3.robot.pilot import ENABLE_RETRY, ENABLE_TRIES, PACE, REPEAT, Pilot
+from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
+
+LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5)
+AHEAD = Twist2(0.3, 0.0)
+ON, OFF = commands.Enable(on=True), commands.Enable(on=False)
+EXPIRY = LIMITS.expiry
+
+
+def seen(
+    *,
+    v: float = 0.0,
+    w: float = 0.0,
+    enabled: bool = False,
+    stalled: bool = False,
+    stop_button: bool = False,
+    bumpers: Bumpers | None = None,
+) -> Snapshot:
+    odometry = Odometry(robot_in_odom=ORIGIN, twist=Twist2(v, w), left_speed=v, right_speed=v)
+    motors = Motors(enabled=enabled, left_stalled=stalled, stop_button=stop_button)
+    return Snapshot(
+        stamp=0.0,
+        sequence=1,
+        odometry=odometry,
+        battery=Battery(voltage=12.5),
+        motors=motors,
+        bumpers=bumpers or Bumpers(),
+    )
+
+
+STANDING, READY = seen(), seen(enabled=True)
+
+
+def flying(now: float = 0.0, *, auto_enable: bool = True) -> Pilot:
+    """Return a pilot in a session, nothing asked, motors off, nothing left to send."""
+    pilot = Pilot(auto_enable=auto_enable)
+    pilot.session_opened(LIMITS, now)
+    pilot.observe(STANDING, now)
+    pilot.outgoing()
+    return pilot
+
+
+def vel(v: float, w: float = 0.0) -> list[Command]:
+    return [commands.Vel(speed=v), commands.RVel(rate=w)]
+
+
+def driving(now: float = 0.0) -> Pilot:
+    """Return a pilot that drives ahead, motors on."""
+    pilot = flying(now)
+    assert pilot.drive(AHEAD, now) is None
+    pilot.observe(READY, now)
+    pilot.outgoing()
+    return pilot
+
+
+def test_a_session_begins_with_a_stop_and_the_limits() -> None:
+    pilot = Pilot()
+    pilot.session_opened(LIMITS, 0.0)
+    expected: list[Command] = [
+        commands.Stop(),
+        commands.SetV(speed=0.7),
+        commands.SetA(acceleration=0.3),
+        commands.SetA(acceleration=-0.3),
+        commands.SetRV(rate=1.5),
+        commands.SetRA(acceleration=LIMITS.turn_acceleration),
+        commands.SetRA(acceleration=-LIMITS.turn_deceleration),
+        commands.Sonar(on=True),
+    ]
+    assert pilot.outgoing() == expected
+    assert pilot.outgoing() == []
+
+
+def test_motors_found_on_are_switched_off() -> None:
+    pilot = Pilot()
+    pilot.session_opened(LIMITS, 0.0)
+    pilot.outgoing()
+    pilot.observe(READY, 0.0)
+    assert OFF in pilot.outgoing()
+    pilot.observe(STANDING, 0.1)
+    pilot.observe(READY, 0.2)  # somebody at the robot switches them on
+    assert OFF not in pilot.outgoing()
+
+
+def test_before_a_session_requests_are_refused() -> None:
+    pilot = Pilot()
+    assert pilot.drive(AHEAD, 0.0) == "no robot is connected"
+    pilot.session_opened(LIMITS, 0.0)
+    pilot.outgoing()
+    assert pilot.drive(AHEAD, 1.0) == "no robot is connected"
+    assert pilot.outgoing() == []
+
+
+def test_a_request_switches_the_motors_on_and_sends_its_velocity() -> None:
+    pilot = flying()
+    assert pilot.drive(Twist2(0.2, 0.1), 1.0) is None
+    assert pilot.outgoing() == [ON, *vel(0.2, 0.1)]
+
+
+def test_a_request_is_limited() -> None:
+    pilot = flying()
+    pilot.drive(Twist2(7.0, 0.0), 1.0)
+    assert pilot.outgoing() == [ON, *vel(0.7)]
+
+
+def test_a_zero_request_does_not_need_motors() -> None:
+    pilot = flying()
+    pilot.drive(STILL, 1.0)
+    assert pilot.outgoing() == []
+
+
+def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -> None:
+    pilot = driving()
+    sent = 0
+    for hundredth in range(1, 41):
+        now = hundredth / 100
+        pilot.drive(AHEAD, now)
+        pilot.observe(seen(v=0.3, enabled=True), now)
+        sent += pilot.outgoing() == vel(0.3)
+    assert sent == 0.4 / REPEAT
+
+
+def test_a_new_request_goes_out_at_once() -> None:
+    pilot = driving()
+    pilot.drive(Twist2(0.1, 0.2), PACE)
+    assert pilot.outgoing() == vel(0.1, 0.2)
+
+
+def test_requests_in_quick_succession_do_not_queue_up_on_a_slow_line() -> None:
+    pilot = driving()
+    for thousandth in range(1, 50):
+        pilot.drive(Twist2(0.1, thousandth / 100), thousandth / 1000)
+    assert pilot.outgoing() == []
+    assert pilot.deadline == PACE
+    pilot.tick(PACE)
+    assert pilot.outgoing() == vel(0.1, 0.49)
+
+
+def test_a_stop_never_waits_for_its_turn() -> None:
+    pilot = driving()
+    pilot.drive(Twist2(), 0.001)
+    assert pilot.outgoing() == vel(0.0)
+
+
+def test_a_request_expires_to_the_moment() -> None:
+    pilot = driving()
+    pilot.observe(seen(v=0.3, enabled=True), 0.4)
+    assert pilot.deadline == EXPIRY
+    pilot.outgoing()
+    pilot.tick(EXPIRY - 0.001)
+    assert pilot.asked(EXPIRY - 0.001) == AHEAD
+    assert vel(0.0) != pilot.outgoing()
+    pilot.tick(EXPIRY)
+    assert pilot.outgoing() == vel(0.0)
+    assert pilot.asked(EXPIRY) == STILL
+
+
+def test_a_request_may_end_sooner_but_not_later_than_its_expiry() -> None:
+    pilot = flying()
+    pilot.drive(AHEAD, 1.0, until=1.1)
+    assert pilot.asked(1.09) == AHEAD
+    assert pilot.asked(1.1) == STILL
+    pilot.drive(AHEAD, 2.0, until=99.0)
+    assert pilot.asked(2.0 + EXPIRY) == STILL
+
+
+def test_zero_is_repeated_until_the_robot_stands() -> None:
+    pilot = driving()
+    pilot.drive(STILL, 0.1)
+    assert pilot.outgoing() == vel(0.0)
+    moving = seen(v=0.2, enabled=True)
+    assert not sends(pilot, moving, 0.29)
+    assert pilot.deadline == pytest.approx(0.1 + REPEAT)
+    assert sends(pilot, moving, 0.31)
+    assert not sends(pilot, moving, 0.5)
+    assert sends(pilot, moving, 0.52)
+    assert not any(sends(pilot, READY, t / 10) for t in range(8, 30))
+    turning = seen(w=0.2, enabled=True)
+    assert sends(pilot, turning, 3.0)
+
+
+def sends(pilot: Pilot, snapshot: Snapshot, now: float) -> bool:
+    pilot.observe(snapshot, now)
+    return pilot.outgoing() == vel(0.0)
+
+
+def test_enable_is_sent_again_until_the_motors_are_on_and_not_for_ever() -> None:
+    pilot = flying()
+    tries = 0
+    for tenth in range(100):
+        pilot.drive(AHEAD, tenth / 10)
+        pilot.observe(STANDING, tenth / 10)
+        tries += pilot.outgoing().count(ON)
+    assert tries == ENABLE_TRIES
+    assert pilot.enable_failed
+    assert (ENABLE_TRIES - 1) * ENABLE_RETRY < 2.0  # a move waits that long before it gives up
+
+
+def test_a_fresh_request_tries_again_to_switch_the_motors_on() -> None:
+    pilot = flying()
+    for tenth in range(100):
+        pilot.drive(AHEAD, tenth / 10)
+        pilot.observe(STANDING, tenth / 10)
+    pilot.outgoing()
+    pilot.drive(AHEAD, 10.0)
+    assert ON not in pilot.outgoing()
+    pilot.drive(AHEAD, 11.0)
+    assert ON in pilot.outgoing()
+
+
+def test_without_auto_enable_motors_go_on_only_when_asked_for() -> None:
+    pilot = flying(auto_enable=False)
+    pilot.drive(AHEAD, 1.0)
+    assert ON not in pilot.outgoing()
+    assert pilot.set_motors(on=True, now=2.0) is None
+    assert pilot.outgoing() == [commands.Stop(), ON]
+
+
+def test_stop_is_sent_each_time() -> None:
+    pilot = driving()
+    pilot.stop(0.1)
+    pilot.stop(0.1)
+    assert pilot.outgoing() == [commands.Stop()] * 2
+    assert pilot.asked(0.1) == STILL
+
+
+BLOCKS = {
+    "stall": (seen(enabled=True, stalled=True), "the wheels stalled"),
+    "stop button": (seen(stop_button=True), "the stop button on the robot is pressed"),
+    "motors off": (STANDING, "the robot switched its motors off"),
+}
+
+
+@pytest.mark.parametrize(("what", "why"), BLOCKS.values(), ids=BLOCKS)
+def test_a_held_key_is_not_fresh_however_long(what: Snapshot, why: str) -> None:
+    pilot = driving()
+    pilot.observe(what, 0.1)
+    assert pilot.blocked == why
+    assert pilot.outgoing() == vel(0.0)
+    after = replace(what, motors=Motors(enabled=what.motors.enabled))
+    for tenth in range(2, 100):
+        assert pilot.drive(AHEAD, tenth / 10) == why
+        pilot.observe(after, tenth / 10)
+        assert pilot.outgoing() == []
+
+
+@pytest.mark.parametrize(("what", "why"), BLOCKS.values(), ids=BLOCKS)
+def test_a_request_after_a_pause_is_fresh(what: Snapshot, why: str) -> None:
+    pilot = driving()
+    pilot.observe(what, 0.1)
+    assert pilot.drive(AHEAD, 0.1 + EXPIRY) == why
+    assert pilot.drive(AHEAD, 0.1 + 2 * EXPIRY + 0.01) is None
+
+
+def test_a_zero_request_a_stop_and_the_motor_switch_are_fresh() -> None:
+    acts: list[Callable[[Pilot], object]] = [
+        lambda pilot: pilot.drive(STILL, 0.2),
+        lambda pilot: pilot.stop(0.2),
+        lambda pilot: pilot.set_motors(on=True, now=0.2),
+    ]
+    for act in acts:
+        pilot = driving()
+        pilot.observe(seen(enabled=True, stalled=True), 0.1)
+        assert pilot.drive(AHEAD, 0.15) is not None
+        act(pilot)
+        assert pilot.blocked is None
+        assert pilot.drive(AHEAD, 0.3) is None
+
+
+def test_what_is_only_renewed_is_never_fresh() -> None:
+    pilot = driving()
+    pilot.session_lost("pulled out", 0.2)
+    pilot.session_opened(LIMITS, 60.0)
+    pilot.observe(STANDING, 60.0)
+    assert "pulled out" in str(pilot.drive(AHEAD, 60.0, renewed=True))
+    assert "pulled out" in str(pilot.drive(AHEAD, 70.0, renewed=True))
+    assert pilot.drive(AHEAD, 80.0) is None
+
+
+def test_the_pause_counts_from_the_end_of_what_was_held() -> None:
+    pilot = driving()
+    pilot.observe(seen(enabled=True, stalled=True), 0.1)
+    pilot.drive(AHEAD, 1.0, until=1.0 + EXPIRY)  # fresh, and stalls again
+    pilot.observe(seen(enabled=True, stalled=True), 1.05)
+    for tenth in (1.1, 1.2, 1.3, 1.4):
+        pilot.drive(AHEAD, tenth, until=1.0 + EXPIRY, renewed=True)
+    assert pilot.drive(AHEAD, 1.0 + EXPIRY + 0.01, until=inf) is None
+
+
+def test_a_stall_while_nothing_is_asked_blocks_nothing() -> None:
+    pilot = flying()
+    pilot.observe(seen(stalled=True), 0.1)
+    assert pilot.blocked is None
+
+
+def test_a_lost_session_forgets_everything_asked_for() -> None:
+    pilot = driving()
+    pilot.drive(Twist2(0.1, 0.0), 0.1)
+    pilot.session_lost("gone", 0.2)
+    assert pilot.outgoing() == []
+    assert pilot.deadline == inf
+    assert pilot.asked(0.2) == STILL
+    pilot.session_opened(LIMITS, 1.0)
+    pilot.outgoing()
+    pilot.observe(READY, 1.0)
+    assert pilot.outgoing() == [OFF]
+    pilot.stop(1.1)  # no robot spoke yet when somebody pressed stop: harmless
+    assert pilot.drive(AHEAD, 1.2) is None
+
+
+def test_stop_without_a_session_does_not_make_a_held_key_fresh() -> None:
+    pilot = driving()
+    pilot.session_lost("gone", 0.2)
+    pilot.stop(0.3)
+    assert pilot.blocked is not None
+
+
+def test_a_host_that_slept_longer_than_the_watchdog_waits_for_a_fresh_request() -> None:
+    pilot = driving()
+    pilot.observe(seen(v=0.3, enabled=True), 2.5)
+    assert pilot.blocked == "the watchdog stopped the robot: this program slept 2.5 s"
+    assert pilot.outgoing() == vel(0.0)
+
+
+def test_a_host_that_hears_reports_has_not_slept() -> None:
+    pilot = driving()
+    for tenth in range(1, 100):
+        pilot.observe(READY, tenth / 10)
+    pilot.tick(9.95)
+    assert pilot.blocked is None
+
+
+def test_a_tick_notices_sleep_too() -> None:
+    pilot = driving()
+    pilot.tick(2.1)
+    assert "slept 2.1 s" in str(pilot.blocked)
+
+
+def test_the_emergency_stop_latches() -> None:
+    pilot = driving()
+    pilot.emergency_stop(0.1)
+    assert pilot.outgoing() == [commands.Stop(), commands.EStop()]
+    assert pilot.emergency
+    pilot.observe(READY, 0.2)
+    assert pilot.outgoing() == [OFF]
+    assert pilot.drive(AHEAD, 5.0) == "the emergency stop is latched"
+    assert pilot.set_motors(on=True, now=5.0) == "the emergency stop is latched"
+    assert pilot.set_motors(on=False, now=5.0) is None
+
+
+def test_while_latched_the_motors_are_kept_off() -> None:
+    pilot = driving()
+    pilot.emergency_stop(0.1)
+    pilot.observe(STANDING, 0.2)
+    pilot.outgoing()
+    pilot.observe(READY, 3.0)  # somebody at the robot switches them on
+    assert pilot.outgoing() == [OFF]
+
+
+def test_after_the_reset_the_motors_stay_off_and_a_held_key_does_nothing() -> None:
+    pilot = driving()
+    pilot.emergency_stop(0.1)
+    for tenth in range(2, 20):
+        pilot.drive(AHEAD, tenth / 10)
+        pilot.observe(STANDING, tenth / 10)
+    pilot.reset_emergency_stop()
+    pilot.outgoing()
+    for tenth in range(20, 50):
+        assert "emergency stop was pressed" in str(pilot.drive(AHEAD, tenth / 10))
+        pilot.observe(STANDING, tenth / 10)
+    assert pilot.outgoing() == []
+    assert pilot.drive(AHEAD, 5.0 + EXPIRY) is None
+    assert ON in pilot.outgoing()
+
+
+def test_releasing_the_stop_button_brings_no_motors_back() -> None:
+    pilot = driving()
+    pilot.observe(seen(stop_button=True), 0.1)
+    pilot.observe(seen(stop_button=True), 2.0)
+    pilot.outgoing()
+    for tenth in range(21, 60):
+        pilot.observe(STANDING, tenth / 10)
+    assert pilot.outgoing() == []
+
+
+def test_a_bumper_stops_what_pushes_it() -> None:
+    pilot = driving()
+    pilot.observe(seen(v=0.3, enabled=True, bumpers=Bumpers(front=(False, True))), 0.1)
+    assert pilot.outgoing() == vel(0.0)
+    pilot.drive(Twist2(-0.2, 0.0), 0.2)
+    assert pilot.outgoing() == vel(-0.2)
+
+
+def test_the_pilot_wants_to_be_asked_again_in_time() -> None:
+    pilot = flying(10.0)
+    pilot.tick(10.5)
+    assert pilot.deadline == 10.5 + REPEAT
+    pilot.drive(AHEAD, 10.6, until=10.7)
+    assert pilot.deadline == 10.7
