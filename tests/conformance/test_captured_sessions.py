@@ -10,7 +10,8 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.device import Commanded, Device, SessionClosed, SessionOpened
-from pioneer3.arcos.host import Configured, Host, Opened, Received
+from pioneer3.arcos.host import Host
+from pioneer3.arcos.host_events import Configured, Opened, Received
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
 from pioneer3.models import load_model

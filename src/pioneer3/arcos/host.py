@@ -21,96 +21,27 @@ Facts: arcos.md 2.1 to 2.5.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import Enum
 from typing import Final
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
+from pioneer3.arcos.host_events import (
+    Configured,
+    Event,
+    Lost,
+    Opened,
+    Received,
+    SpeedWanted,
+    State,
+    Timing,
+)
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import CommandError
 from pioneer3.state import Identity
 
-SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
-"""Serial speeds an ARCOS robot can have [baud], in the order of their codes (arcos.md 1.1)."""
 TRIES_PER_SPEED: Final = 2
 DISLODGE_EVERY: Final = 0.1
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Timing:
-    """How patient the host is, all in [s].
-
-    Attributes:
-        retry: Between unanswered SYNC packets; a robot answers within 30 ms.
-        drain: Silence to wait for after closing an earlier session.
-        config_retry: Between requests for CONFIG.
-        config_patience: After which the session goes on without CONFIG.
-        pulse: Longest pause between two packets; the robot's watchdog bites at 2 s.
-        silence: Without an information packet for this long the robot is lost (ARIA: 8 s).
-        give_up: Longest handshake over all speeds.
-    """
-
-    retry: float = 0.4
-    drain: float = 0.2
-    config_retry: float = 0.25
-    config_patience: float = 1.5
-    pulse: float = 0.5
-    silence: float = 2.0
-    give_up: float = 12.0
-
-
-class State(Enum):
-    """Where the session is."""
-
-    SYNC0 = 0
-    SYNC1 = 1
-    SYNC2 = 2
-    OPEN = 3
-    CLOSED = 4
-
-
-@dataclass(frozen=True, slots=True)
-class SpeedWanted:
-    """The caller must set the link to `baud` before it sends :meth:`Host.outgoing`."""
-
-    baud: int
-
-
-@dataclass(frozen=True, slots=True)
-class Opened:
-    """The handshake finished."""
-
-    identity: Identity
-
-
-@dataclass(frozen=True, slots=True)
-class Configured:
-    """CONFIG arrived, or `None`: the robot did not send it in time. Once a session.
-
-    `trusted` is false for a CONFIG whose checksum was wrong, but twice the same.
-    """
-
-    config: reports.Config | None
-    trusted: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class Received:
-    """Any other report arrived."""
-
-    report: Report
-
-
-@dataclass(frozen=True, slots=True)
-class Lost:
-    """The session is over; `reason` is a sentence for a person."""
-
-    reason: str
-
-
-Event = SpeedWanted | Opened | Configured | Received | Lost
 
 
 class Host:

@@ -58,19 +58,30 @@ class Pilot:
         self._enable_tries = 0
         self._enabled_at = -inf
 
-    def session_opened(self, limits: Limits, now: float) -> None:
-        """Set the robot up: its limits, sonar on, everything still."""
+    def session_opened(
+        self,
+        limits: Limits,
+        now: float,
+        *,
+        settable_speed: bool = True,
+        settable_acceleration: bool = True,
+    ) -> None:
+        """Set the robot up as far as its firmware lets us: limits, sonar on, everything still."""
         self.limits = limits
-        self._outbox = [
-            commands.Stop(),
-            commands.SetV(speed=limits.max_speed),
-            commands.SetA(acceleration=limits.acceleration),
-            commands.SetA(acceleration=-limits.deceleration),
-            commands.SetRV(rate=limits.max_turn_rate),
-            commands.SetRA(acceleration=limits.turn_acceleration),
-            commands.SetRA(acceleration=-limits.turn_deceleration),
-            commands.Sonar(on=True),
-        ]
+        self._outbox = [commands.Stop()]
+        if settable_speed:
+            self._outbox += [
+                commands.SetV(speed=limits.max_speed),
+                commands.SetRV(rate=limits.max_turn_rate),
+            ]
+        if settable_acceleration:
+            self._outbox += [
+                commands.SetA(acceleration=limits.acceleration),
+                commands.SetA(acceleration=-limits.deceleration),
+                commands.SetRA(acceleration=limits.turn_acceleration),
+                commands.SetRA(acceleration=-limits.turn_deceleration),
+            ]
+        self._outbox.append(commands.Sonar(on=True))
         self._sent, self._sent_at, self._awake_at = STILL, -inf, now
         self.deadline = now + REPEAT
 

@@ -7,10 +7,10 @@ from contextlib import suppress
 from typing import Protocol
 
 from pioneer3.arcos.commands import Command
-from pioneer3.arcos.host import (
+from pioneer3.arcos.host import Host
+from pioneer3.arcos.host_events import (
     Configured,
     Event,
-    Host,
     Lost,
     Opened,
     Received,
@@ -166,7 +166,12 @@ class Session:
             log.warning("the configuration came with a wrong checksum, twice the same: accepted")
         self.model = self.model or _model_of(self.identity, config)
         self._assembler.session_opened(self.model)
-        self._pilot.session_opened(self._restrict(limits_for(self.model, config)), now)
+        self._pilot.session_opened(
+            self._restrict(limits_for(self.model, config)),
+            now,
+            settable_speed=self.model.settable_speed,
+            settable_acceleration=self.model.settable_acceleration,
+        )
         self._configured = True
         self._listener.on_connected(self)
 

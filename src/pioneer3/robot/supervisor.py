@@ -8,7 +8,7 @@ from enum import StrEnum
 from math import inf
 
 from pioneer3.arcos.commands import Command
-from pioneer3.arcos.host import Timing
+from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2

@@ -8,7 +8,7 @@ from contextlib import ExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
 
-from pioneer3.arcos.host import Timing
+from pioneer3.arcos.host_events import Timing
 from pioneer3.links import Opener, open_link
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel

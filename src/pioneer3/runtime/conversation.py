@@ -10,7 +10,16 @@ from contextlib import suppress
 from typing import Final
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.host import Configured, Event, Host, Lost, Opened, Received, SpeedWanted, Timing
+from pioneer3.arcos.host import Host
+from pioneer3.arcos.host_events import (
+    Configured,
+    Event,
+    Lost,
+    Opened,
+    Received,
+    SpeedWanted,
+    Timing,
+)
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Config, Sip
 from pioneer3.errors import LinkError

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from pioneer3.arcos.host import Timing
+from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import (
     LinkError,
     PortBusyError,

@@ -4,10 +4,10 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
-from pioneer3.arcos.host import (
+from pioneer3.arcos.host import Host
+from pioneer3.arcos.host_events import (
     Configured,
     Event,
-    Host,
     Lost,
     Opened,
     Received,

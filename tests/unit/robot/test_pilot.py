@@ -71,15 +71,21 @@ def test_a_session_begins_with_a_stop_and_the_limits() -> None:
     expected: list[Command] = [
         commands.Stop(),
         commands.SetV(speed=0.7),
+        commands.SetRV(rate=1.5),
         commands.SetA(acceleration=0.3),
         commands.SetA(acceleration=-0.3),
-        commands.SetRV(rate=1.5),
         commands.SetRA(acceleration=LIMITS.turn_acceleration),
         commands.SetRA(acceleration=-LIMITS.turn_deceleration),
         commands.Sonar(on=True),
     ]
     assert pilot.outgoing() == expected
     assert pilot.outgoing() == []
+
+
+def test_firmware_whose_limits_cannot_be_set_is_not_told_any() -> None:
+    pilot = Pilot()
+    pilot.session_opened(LIMITS, 0.0, settable_speed=False, settable_acceleration=False)
+    assert pilot.outgoing() == [commands.Stop(), commands.Sonar(on=True)]
 
 
 def test_motors_found_on_are_switched_off() -> None:

@@ -16,10 +16,15 @@ MOST_KEPT = 1 << 22
 
 
 class NearWalls:
-    """The walls within `reach` [m] of each cell of a grid, found when first asked for."""
+    """The walls within `reach` [m] of each cell of a grid, found when first asked for.
+
+    Attributes:
+        ends: Of all walls x0, y0, x1, y1 [m], shape (4, W).
+    """
 
     def __init__(self, grid: Grid, reach: float) -> None:
         self._grid, self._reach = grid, reach
+        self.ends = np.ascontiguousarray(grid.walls.T)
         columns, rows = grid.shape
         self._all = reach >= (columns + rows) * grid.cell
         # from further outside nothing is near

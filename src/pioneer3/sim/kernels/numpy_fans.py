@@ -5,14 +5,14 @@ segment's interval of beams takes two multiplications. Beams so near its ends th
 decide, and all beams where the laser nearly touches it, are measured as the oracle does.
 """
 
-from math import ceil, tau
+from math import ceil, cos, pi, sin, tau
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.mounts import Fan
-from pioneer3.sim.kernels.walls import ranges
-from pioneer3.sim.raycast import meetings
+from pioneer3.sim.kernels.numpy_rays import measured
+from pioneer3.sim.kernels.walls import SLACK, ranges
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -27,56 +27,76 @@ BLOCK = 1 << 14
 """Meetings of beam and segment worked on at a time."""
 
 
-def paint(owners: Int, seen: Float, fan: Fan, limit: float, out: Float) -> None:
+def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
     """Rasterise segments onto beams.
 
     Args:
         owners: Whose row of `out` each segment belongs to, shape (P,).
         seen: Ends `ax, ay, bx, by` in the laser's frame [m], shape (4, P).
         fan: The beams.
-        limit: Longest range [m].
         out: Inverse ranges, contiguous [1/m], shape (F, B).
     """
-    turn = seen[0] * seen[3] - seen[1] * seen[2]
-    squared = (seen[2] - seen[0]) ** 2 + (seen[3] - seen[1]) ** 2
-    near = turn**2 <= limit**2 * squared
-    owners, seen, turn, squared = owners[near], seen[:, near], turn[near], squared[near]
-    swap = turn < 0
-    seen[:, swap] = seen[:, swap][[2, 3, 0, 1]]
-    turn = abs(turn)
-    ends = np.minimum(seen[0] ** 2 + seen[1] ** 2, seen[2] ** 2 + seen[3] ** 2)
-    close = (turn**2 <= CLOSE**2 * squared) | (ends < CLOSE**2)
-    row = owners * out.shape[1]
-    _exactly(row[close], seen[:, close], np.zeros(close.sum()), np.inf, fan, out)
-    clear = ~close
-    _spread(row[clear], seen[:, clear], turn[clear], fan, out)
+    here = _in_front(seen, fan)
+    row, seen = owners[here] * out.shape[1], seen.take(here, axis=1)
+    ax, ay, bx, by = seen
+    ex, ey, turn = bx - ax, by - ay, ax * by - ay * bx
+    ends = np.minimum(ax * ax + ay * ay, bx * bx + by * by)
+    close = (turn * turn <= CLOSE**2 * (ex * ex + ey * ey)) | (ends < CLOSE**2)
+    low, span = _directions(seen, turn, fan)
+    span[close] = -np.inf
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = np.stack([ey / turn, -ex / turn])
+    touched = np.flatnonzero(close)
+    doubts = [(touched, np.zeros(len(touched)), np.full(len(touched), np.inf))]
+    doubts += _spread(row, low, span, inverse, fan, out)
+    which, lower, upper = (np.concatenate(parts) for parts in zip(*doubts, strict=True))
+    if len(which):
+        _exactly(row[which], seen[:, which], lower, upper, fan, out)
 
 
-def _spread(row: Int, seen: Float, turn: Float, fan: Fan, out: Float) -> None:
-    """Paint counter-clockwise segments that the laser does not touch."""
+def _in_front(seen: Float, fan: Fan) -> Int:
+    """Return which segments may be met by a fan of at most half a circle: not wholly behind it."""
     start, step = fan.frame[3:]
-    margin, circle, beams = MARGIN / step, tau / step, out.shape[1]
-    low = np.arctan2(seen[1], seen[0])
-    span = np.arctan2(seen[3], seen[2]) - low
-    span = np.where(span < 0, span + tau, span) / step
-    low = (low - start) / step
-    low -= np.floor((low + span + margin) / circle) * circle
-    inverse = np.stack([seen[3] - seen[1], seen[0] - seen[2]]) / turn
+    width = step * (fan.headings.shape[1] - 1)
+    if width > pi:
+        return np.arange(seen.shape[1])
+    c, s = cos(start + width / 2), sin(start + width / 2)
+    return np.flatnonzero(np.maximum(c * seen[0] + s * seen[1], c * seen[2] + s * seen[3]) >= -SLACK)
+
+
+def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
+    """Return the first beam of each segment, counter-clockwise, and how many it is wide."""
+    start, step = fan.frame[3:]
+    first, last = np.arctan2(seen[1], seen[0]), np.arctan2(seen[3], seen[2])
+    low = (np.where(turn < 0, last, first) - start) / step
+    span = np.where(turn < 0, first - last, last - first) / step
+    span[span < 0] += tau / step
+    return low, span
+
+
+def _spread(
+    row: Int, low: Float, span: Float, inverse: Float, fan: Fan, out: Float
+) -> list[tuple[Int, Float, Float]]:
+    """Paint what is surely met; return the intervals of beams in doubt: whose, first, last."""
+    margin, circle, beams = MARGIN / fan.frame[4], tau / fan.frame[4], out.shape[1]
+    doubts = []
+    low = low - np.floor((low + span.clip(min=0) + margin) / circle) * circle
     for turns in range(ceil((beams + margin) / circle) + 1):
-        begin = low + turns * circle
-        here = np.flatnonzero(begin - margin < beams)
+        here = np.flatnonzero((low + (turns * circle - margin) < beams) & (span >= 0))
         if len(here) == 0:
-            return
-        begin, end, rows = begin[here], (begin + span)[here], row[here]
+            break
+        begin = low[here] + turns * circle
+        end = begin + span[here]
         sure, last = np.ceil(begin + margin), np.floor(end - margin)
-        _surely(rows, inverse[:, here], sure, last, fan, out)
-        some, before = seen[:, here], np.ceil(begin - margin)
-        for lower, upper in ((before, sure - 1), (np.maximum(last + 1, sure), np.floor(end + margin))):
+        _surely(row[here], inverse[:, here], sure, last, fan, out)
+        after = np.maximum(last + 1, sure)
+        for lower, upper in ((np.ceil(begin - margin), sure - 1), (after, np.floor(end + margin))):
             doubt = np.flatnonzero(lower <= upper)
-            _exactly(rows[doubt], some[:, doubt], lower[doubt], upper[doubt], fan, out)
+            doubts.append((here[doubt], lower[doubt], upper[doubt]))
+    return doubts
 
 
-def _intervals(lower: Float, upper: Float | float, beams: int) -> tuple[Int, Int]:
+def _intervals(lower: Float, upper: Float, beams: int) -> tuple[Int, Int]:
     """Return first beam and number of beams of each interval, clipped to the fan."""
     first = np.clip(lower, 0, beams).astype(np.int64)
     counts = np.clip(upper, -1, beams - 1).astype(np.int64) - first + 1
@@ -99,11 +119,11 @@ def _surely(row: Int, inverse: Float, lower: Float, upper: Float, fan: Fan, out:
 
 
 def _exactly(
-    row: Int, seen: Float, lower: Float, upper: Float | float, fan: Fan, out: Float
+    row: Int, seen: Float, lower: Float, upper: Float, fan: Fan, out: Float
 ) -> None:
     """Measure beams `lower` to `upper` of each segment one by one."""
     first, counts = _intervals(lower, upper, out.shape[1])
     which, beam = np.repeat(np.arange(len(row)), counts), ranges(first, counts)
-    index, met = meetings(np.zeros(2), fan.headings.T[beam], seen.T[which])
+    met = measured(fan.headings[:, beam], seen[:, which])
     with np.errstate(divide="ignore"):
-        np.maximum.at(out.reshape(-1), row[which[index]] + beam[index], 1.0 / met)
+        np.maximum.at(out.reshape(-1), row[which] + beam, 1.0 / met)

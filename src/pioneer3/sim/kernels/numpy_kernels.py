@@ -9,9 +9,9 @@ from pioneer3.sim.collision import TOUCH as DEEP
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.near import NearWalls, near_robots
 from pioneer3.sim.kernels.numpy_fans import paint
-from pioneer3.sim.kernels.numpy_rays import march, meet_robots, nearest_per_ray
+from pioneer3.sim.kernels.numpy_rays import Rays, march, meet_robots
 from pioneer3.sim.kernels.robots import Robots
-from pioneer3.sim.kernels.walls import SLACK, Grid
+from pioneer3.sim.kernels.walls import Grid
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -76,9 +76,13 @@ class NumpyKernels:
         ranges = np.full((len(owners), len(table) * per_mount), limit)
         reach = limit + float(np.hypot(table[:, 0], table[:, 1]).max())
         poses = robots.poses[:, owners]
-        whose, seen = self._seen(grid, robots, poses, reach, owners)
-        starts, headings = np.repeat(table[:, :2], per_mount, axis=0), table[:, 2:].reshape(-1, 2)
-        nearest_per_ray(starts, headings, whose, seen.T, ranges)
+        rays = Rays(np.repeat(table[:, :2], per_mount, axis=0), table[:, 2:].reshape(-1, 2))
+        rays.meet_walls(*self._walls(grid, poses, reach), ranges)
+        beside, others = near_robots(robots, *poses[:2], reach, owners)
+        if len(others):
+            shapes = robots.shapes.T[:, others]
+            middles = np.stack([*_from(poses, beside, shapes[:2]), shapes[2]])
+            rays.meet_robots(beside, middles, _from(poses, beside, shapes[3:]), ranges)
         shortest: Float = ranges.reshape(len(owners), len(table), per_mount).min(axis=2)
         return shortest
 
@@ -101,8 +105,10 @@ class NumpyKernels:
             ranges[:] = np.divide(1.0, limit)
             for first in range(0, len(lasers), TOGETHER):
                 some = slice(first, first + TOGETHER)
-                whose, seen = self._seen(grid, robots, poses[:, some], limit, lasers[some])
-                paint(whose, seen, fan, limit, ranges[some])
+                paint(*self._walls(grid, poses[:, some], limit), fan, ranges[some])
+                outlines = _outlines(robots, poses[:, some], limit, lasers[some], facing=True)
+                if len(outlines[0]):
+                    paint(*outlines, fan, ranges[some])
             np.divide(1.0, ranges, out=ranges)
         return np.minimum(ranges, limit, out=ranges)
 
@@ -118,7 +124,10 @@ class NumpyKernels:
         front, rear, half = robots.state[3:]
         reach = float(np.hypot(np.maximum(front, rear), half).max(initial=0.0))
         poses = np.stack([x, y, theta])
-        whose, (ax, ay, bx, by) = self._seen(grid, robots, poses, reach, robots.everyone)
+        walls = self._walls(grid, poses, reach)
+        outlines = _outlines(robots, poses, reach, robots.everyone, facing=False)
+        whose = np.concatenate([walls[0], outlines[0]])
+        ax, ay, bx, by = np.concatenate([walls[1], outlines[1]], axis=1)
         length, width = (front + rear)[whose] / 2 - DEEP, half[whose] - DEEP
         mx, my, hx, hy = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
         mx -= (front - rear)[whose] / 2
@@ -131,25 +140,38 @@ class NumpyKernels:
         hits[:] = np.bincount(whose[meets], minlength=len(robots)) > 0
         return hits
 
-    def _seen(
-        self, grid: Grid, robots: Robots, poses: Float, reach: float, owners: Int | Int32
-    ) -> tuple[Int, Float]:
-        """Return what comes within `reach` of each of the poses (3, F), and some more.
+    def _walls(self, grid: Grid, poses: Float, reach: float) -> tuple[Int, Float]:
+        """Return the walls within `reach` of each of the poses (3, F), and some more.
 
         Returns:
-            Index of the pose, shape (P,), and the segments from there, ax, ay, bx, by, (4, P).
+            Index of the pose, shape (P,), and ax, ay, bx, by seen from there [m], shape (4, P).
         """
-        x, y, theta = poses
         lists = self._near.setdefault(grid, {})
         if reach not in lists:
             lists[reach] = NearWalls(grid, reach)
-        points, walls = lists[reach].of(x, y)
-        beside, others = near_robots(robots, x, y, reach, owners)
-        whose, segments = points, grid.walls[walls]
-        if len(others):
-            whose = np.concatenate([points, np.repeat(beside, 4)])
-            segments = np.concatenate([segments, robots.outlines[others].reshape(-1, 4)])
-        c, s = np.cos(theta)[whose], np.sin(theta)[whose]
-        ax, ay, bx, by = segments.T - np.stack([x, y, x, y])[:, whose]
-        seen = np.stack([c * ax + s * ay, c * ay - s * ax, c * bx + s * by, c * by - s * bx])
-        return whose, seen
+        points, walls = lists[reach].of(poses[0], poses[1])
+        return points, _from(poses, points, lists[reach].ends.take(walls, axis=1))
+
+
+def _from(poses: Float, which: Int, points: Float) -> Float:
+    """Return points x, y, x, y..., shape (2 K, P), as seen from the poses (3, F) `which` (P,)."""
+    x, y, c, s = np.stack([*poses[:2], np.cos(poses[2]), np.sin(poses[2])]).take(which, axis=1)
+    seen = np.empty_like(points)
+    for k in range(0, len(points), 2):
+        dx, dy = points[k] - x, points[k + 1] - y
+        seen[k], seen[k + 1] = c * dx + s * dy, c * dy - s * dx
+    return seen
+
+
+def _outlines(
+    robots: Robots, poses: Float, reach: float, owners: Int32, *, facing: bool
+) -> tuple[Int, Float]:
+    """Return the sides of the other robots within `reach`; only those `facing` a pose outside."""
+    beside, others = near_robots(robots, poses[0], poses[1], reach, owners)
+    corners = _from(poses, beside, robots.shapes.T[3:, others])
+    starts = corners.reshape(4, 2, -1)
+    ends = np.roll(starts, -1, axis=0)
+    turn = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
+    away = (turn > 0) & ~(turn > 0).all(axis=0) if facing else np.zeros_like(turn, dtype=np.bool_)
+    side, pair = np.nonzero(~away)
+    return beside[pair], np.concatenate([starts[side, :, pair], ends[side, :, pair]], axis=1).T

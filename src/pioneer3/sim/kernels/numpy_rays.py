@@ -15,31 +15,80 @@ FIRST_REACH = 2.0
 """How far rays are followed before those that hit something are dropped [m]."""
 
 
-def nearest_per_ray(starts: Float, headings: Float, owners: Int, seen: Float, out: Float) -> None:
-    """Shorten the ranges of robots that all carry the same rays.
+def measured(headings: Float, ends: Float) -> Float:
+    """Return the range from the origin along each ray to a segment [m], as the oracle, or infinity.
+
+    Args:
+        headings: Unit vectors, shape (2, P).
+        ends: Of the segment beside each, `ax, ay, bx, by` from the ray's start [m], shape (4, P).
+    """
+    (dx, dy), (ax, ay, bx, by) = headings, ends
+    across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
+    along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
+    across0[abs(across0) <= TOUCH] = 0.0
+    across1[abs(across1) <= TOUCH] = 0.0
+    lies_along = (across0 == 0) & (across1 == 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        met = along0 + (along1 - along0) * (across0 / (across0 - across1))
+    nearer = np.where(along0 * along1 <= 0, 0.0, np.minimum(along0, along1))
+    met = np.where(lies_along, nearer, met)
+    apart = np.sign(across0) * np.sign(across1) > 0
+    ranges: Float = np.where(apart | ~(met >= -TOUCH), np.inf, met.clip(min=0.0))
+    return ranges
+
+
+class Rays:
+    """The rays of one robot type, ready to be held against what is around a robot.
 
     Args:
         starts: Where each ray starts on its robot [m], shape (R, 2).
         headings: Their unit vectors there, shape (R, 2).
-        owners: Whose surroundings each segment belongs to, ascending, shape (P,).
-        seen: Segments `x0, y0, x1, y1` [m], each in the frame of its robot, shape (P, 4).
-        out: Ranges, contiguous [m], shape (robots, R).
     """
-    rays, flat = len(headings), out.reshape(-1)
-    # across a ray: heading x (end - start)
-    ahead = headings[:, 0] * starts[:, 1] - headings[:, 1] * starts[:, 0]
-    across = np.stack([-headings[:, 1], headings[:, 0], -ahead], axis=1)
-    ends = np.ones((2, 3, PAIRS // rays + 1))
-    for first in range(0, len(owners), PAIRS // rays + 1):
-        some = seen[first : first + PAIRS // rays + 1]
-        ends[0, :2, : len(some)], ends[1, :2, : len(some)] = some[:, :2].T, some[:, 2:].T
-        left, right = across @ ends[0, :, : len(some)], across @ ends[1, :, : len(some)]
-        # a touch may come with any product up to this; `meetings` then decides
-        bound = TOUCH * max(1.0, abs(left).max(), abs(right).max())
-        ray, wall = np.nonzero(np.multiply(left, right, out=left) <= bound)
-        index, met = meetings(starts[ray], headings[ray], some[wall])
-        place = owners[first + wall[index]] * rays + ray[index]
-        np.minimum.at(flat, place, met)
+
+    def __init__(self, starts: Float, headings: Float) -> None:
+        self._starts, self._headings = starts.T.copy(), headings.T.copy()
+        (x, y), (dx, dy) = self._starts, self._headings
+        # of a point (x, y, 1): how far across each ray it lies, how far along
+        self._across = np.stack([-dy, dx, dy * x - dx * y], axis=1)
+        self._along = np.stack([dx, dy, -dx * x - dy * y], axis=1)
+        self._block = PAIRS // len(starts) + 1
+
+    def meet_walls(self, owners: Int, seen: Float, out: Float) -> None:
+        """Shorten ranges by segments.
+
+        Args:
+            owners: Whose surroundings each segment belongs to, shape (P,).
+            seen: Ends `ax, ay, bx, by` in the frame of that robot [m], shape (4, P).
+            out: Ranges, contiguous [m], shape (robots, R).
+        """
+        ones = np.ones((1, seen.shape[1]))
+        first_ends, last_ends = np.vstack([seen[:2], ones]), np.vstack([seen[2:], ones])
+        for first in range(0, len(owners), self._block):
+            some = slice(first, first + self._block)
+            left, right = self._across @ first_ends[:, some], self._across @ last_ends[:, some]
+            # a touch may come with any product up to this; `measured` then decides
+            bound = TOUCH * (float(left.max()) - float(left.min()) + 1.0)
+            right *= left
+            pairs = np.flatnonzero(right <= bound)
+            ray, wall = np.divmod(pairs, left.shape[1])
+            self._measure(ray, owners[some][wall], seen[:, some].take(wall, axis=1), out)
+
+    def meet_robots(self, owners: Int, middles: Float, corners: Float, out: Float) -> None:
+        """Shorten ranges by outlines, given as middle x, y, radius, (3, P), and corners (8, P)."""
+        points = np.vstack([middles[:2], np.ones((1, middles.shape[1]))])
+        radius = middles[2] + TOUCH
+        along = self._along @ points
+        meets = (abs(self._across @ points) <= radius) & (along >= -radius)
+        meets &= along - radius <= out[owners].T
+        ray, robot = np.nonzero(meets)
+        for k in range(4):
+            ends = corners.take(robot, axis=1)[[2 * k - 2, 2 * k - 1, 2 * k, 2 * k + 1]]
+            self._measure(ray, owners[robot], ends, out)
+
+    def _measure(self, ray: Int, owner: Int, ends: Float, out: Float) -> None:
+        ends -= np.tile(self._starts, (2, 1)).take(ray, axis=1)
+        met = measured(self._headings.take(ray, axis=1), ends)
+        np.minimum.at(out.reshape(-1), owner * out.shape[1] + ray, met)
 
 
 def march(grid: Grid, origins: Float, angles: Float, limit: float, out: Float) -> None:
