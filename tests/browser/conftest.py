@@ -71,9 +71,9 @@ def wait_for_the_robot(page: Page) -> None:
     raise AssertionError("the page shows no robot")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Start Chromium once."""
+    """Start Chromium once a file: while it runs, no other test can have an event loop."""
     if CHROMIUM is None:
         pytest.skip("Chromium is not installed")
     with sync_playwright() as playwright:

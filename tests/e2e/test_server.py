@@ -181,20 +181,14 @@ async def test_every_command_with_any_arguments_does_no_harm(station: Station) -
         assert driver.snapshot is not None
 
 
-@pytest.mark.realtime
-async def test_programs_that_follow_each_other_closely_are_all_served() -> None:
-    simulation = Simulation(*robots())
-    await simulation.listen(0)
-    host, port = simulation.addresses[0]
-    running = asyncio.ensure_future(simulation.run())
-    for _ in range(5):
-        _, stranger = await asyncio.open_connection(host, port)
-        stranger.write(SYNCS + OPEN)
-        stranger.transport.abort()
-        async with asyncio.timeout(SOON), connect_async(f"tcp://{host}:{port}"):
-            pass
-    running.cancel()
-    await asyncio.gather(running, return_exceptions=True)
+async def test_a_client_that_comes_while_the_last_one_leaves_is_served(station: Station) -> None:
+    first = station.plug_in()
+    await first.write(SYNCS[:6])
+    await asyncio.sleep(0.1)
+    second = station.plug_in()
+    await first.close()
+    await second.write(SYNCS[:6])
+    assert await second.read() == SYNCS[:6]
 
 
 class Stuck:

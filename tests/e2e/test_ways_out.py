@@ -228,6 +228,31 @@ async def test_interrupting_a_connection_that_does_not_come_about_ends_it(
 
 
 @pytest.mark.realtime
+async def test_sigterm_stops_every_robot_of_a_program(site: Site) -> None:
+    async with running() as other:
+        program = f"""
+        import asyncio
+        from pioneer3 import connect_async
+
+        async def drive(url):
+            async with connect_async(url) as robot:
+                while True:
+                    robot.drive(0.3)
+                    await asyncio.sleep(0.1)
+
+        async def main():
+            await asyncio.gather(drive(url), drive({other.url!r}))
+
+        asyncio.run(main())
+        """
+        driving = asyncio.ensure_future(other.drives())
+        code, errors = await site.run(program, signal.SIGTERM)
+        await driving
+        assert (code, errors) == (128 + signal.SIGTERM, "")
+        await said_goodbye(site)
+        await said_goodbye(other)
+
+
 async def test_a_killed_program_leaves_the_robot_to_its_watchdog(site: Site) -> None:
     clock = asyncio.get_running_loop().time
     await site.run(SCRIPT, signal.SIGKILL)

@@ -3,8 +3,8 @@
 import asyncio
 import signal
 import threading
-from collections.abc import AsyncIterator, Iterator
-from contextlib import ExitStack, asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator
+from contextlib import ExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
 
@@ -61,10 +61,10 @@ async def connect_async(
             opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         helm = Helm(supervisor)
-        with stopped_by_sigterm():
-            async with running(supervisor.run(), helm.run()):
-                await _first_snapshot(supervisor)
-                yield Robot(supervisor, helm)
+        leave_on_sigterm()
+        async with running(supervisor.run(), helm.run()):
+            await _first_snapshot(supervisor)
+            yield Robot(supervisor, helm)
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:
@@ -73,20 +73,16 @@ async def _first_snapshot(supervisor: Supervisor) -> None:
         await asyncio.get_running_loop().create_future()
 
 
-@contextmanager
-def stopped_by_sigterm() -> Iterator[None]:
-    """Cancel the task inside on SIGTERM, so that the robot is stopped on that way out too.
+def leave_on_sigterm() -> None:
+    """Make SIGTERM end this event loop as an exit of the program does, not as a kill.
 
-    Only where nobody else handles SIGTERM, and in the main thread.
+    `asyncio.run` then cancels every task, and each robot is told to stop on that way out. Only where
+    nobody else handles SIGTERM, and in the main thread. It lasts as long as the loop.
     """
     main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
-        return
-    loop, task = asyncio.get_running_loop(), asyncio.current_task()
-    assert task is not None
-    loop.add_signal_handler(signal.SIGTERM, task.cancel)
-    try:
-        yield
-    finally:
-        loop.remove_signal_handler(signal.SIGTERM)
+    if main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, _exit, signal.SIGTERM)
+
+
+def _exit(number: int) -> None:
+    raise SystemExit(128 + number)
