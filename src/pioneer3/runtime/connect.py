@@ -76,8 +76,8 @@ async def _first_snapshot(supervisor: Supervisor) -> None:
 def leave_on_sigterm() -> None:
     """Make SIGTERM end this event loop as an exit of the program does, not as a kill.
 
-    `asyncio.run` then cancels every task, and each robot is told to stop on that way out. Only where
-    nobody else handles SIGTERM, and in the main thread. It lasts as long as the loop.
+    `asyncio.run` then cancels every task, and each robot is told to stop on that way out. Only
+    where nobody else handles SIGTERM, and in the main thread. It lasts as long as the loop.
     """
     main = threading.current_thread() is threading.main_thread()
     if main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:

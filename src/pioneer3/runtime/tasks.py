@@ -1,4 +1,4 @@
-"""Background work that belongs to a block: it ends with the block, and its failure ends the block."""
+"""Background work that belongs to a block: each ends with the other."""
 
 import asyncio
 import logging
