@@ -253,6 +253,7 @@ async def test_sigterm_stops_every_robot_of_a_program(site: Site) -> None:
         await said_goodbye(other)
 
 
+@pytest.mark.realtime
 async def test_a_killed_program_leaves_the_robot_to_its_watchdog(site: Site) -> None:
     clock = asyncio.get_running_loop().time
     await site.run(SCRIPT, signal.SIGKILL)
