@@ -30,6 +30,8 @@ FAREWELL: list[Command] = [
 ]
 BYE = b"".join(frame(command) for command in FAREWELL)
 SOON = 20.0  # of a busy machine
+HEAR_INTERRUPTS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+"""A shell's background jobs ignore SIGINT, and pass that on."""
 
 
 class Recorded(Firmware):
@@ -59,15 +61,19 @@ class Site:
     async def stands(self) -> None:
         await until(lambda: self.speed == 0, SOON)
 
-    async def run(self, program: str, sent: int | None = None) -> tuple[int, str]:
-        """Run `program` (URL in `url`); send it a signal once it drives; return code and stderr."""
-        code = f"url = {self.url!r}\n" + textwrap.dedent(program)
+    async def run(self, program: str, sent: int | None = None, *others: "Site") -> tuple[int, str]:
+        """Run `program` (URL in `url`); send it a signal once it drives here and at `others`.
+
+        Returns its code and what it wrote to stderr.
+        """
+        code = f"{HEAR_INTERRUPTS}\nurl = {self.url!r}\n" + textwrap.dedent(program)
         child = await asyncio.create_subprocess_exec(
             sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
         )
         try:
             if sent is not None:
-                await self.drives()
+                for site in (self, *others):
+                    await site.drives()
                 child.send_signal(sent)
             async with asyncio.timeout(SOON):
                 _, errors = await child.communicate()
@@ -213,7 +219,8 @@ async def test_interrupting_a_connection_that_does_not_come_about_ends_it(
 
     server = await asyncio.start_server(mute, "127.0.0.1", unused_tcp_port)
     async with server:
-        code = f"from pioneer3 import connect\nconnect('tcp://127.0.0.1:{unused_tcp_port}')"
+        url = f"tcp://127.0.0.1:{unused_tcp_port}"
+        code = f"{HEAR_INTERRUPTS}\nfrom pioneer3 import connect\nconnect({url!r})"
         child = await asyncio.create_subprocess_exec(
             sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
         )
@@ -245,9 +252,7 @@ async def test_sigterm_stops_every_robot_of_a_program(site: Site) -> None:
 
         asyncio.run(main())
         """
-        driving = asyncio.ensure_future(other.drives())
-        code, errors = await site.run(program, signal.SIGTERM)
-        await driving
+        code, errors = await site.run(program, signal.SIGTERM, other)
         assert (code, errors) == (128 + signal.SIGTERM, "")
         await said_goodbye(site)
         await said_goodbye(other)
