@@ -80,7 +80,7 @@ def check_rays(kernels: Kernels, scene: Scene, rays: Float, limit: float) -> Non
     """Compare rays x, y, theta (R, 3), each without one of the robots in turn."""
     owners = np.arange(len(rays), dtype=np.int32) % (len(scene.robots) + 1) - 1
     origins, angles = rays[:, :2], rays[:, 2]
-    found = kernels.cast_rays(scene.grid, scene.robots, origins, angles, owners, limit)
+    found = kernels.cast_rays(scene.grid, scene.robots, origins, angles, owner=owners, limit=limit)
     for k, (x, y, theta) in enumerate(rays.tolist()):
         seen = scene.around(int(owners[k]))
         plain = cast_reference(np.array([x, y]), np.array([theta]), seen, limit)
@@ -91,7 +91,7 @@ def check_sonar(kernels: Kernels, scene: Scene, limit: float, rays: int) -> None
     kinds = [n % 2 for n in range(len(scene.robots))]
     mounts = sonar_mounts(MOUNTS, kinds, rays=rays, width=0.5)
     found = kernels.sonar(scene.grid, scene.robots, mounts, limit)
-    spread = np.linspace(-0.25, 0.25, rays) if rays > 1 else np.zeros(1)
+    spread: Float = np.linspace(-0.25, 0.25, rays) if rays > 1 else np.zeros(1)
     for n, kind in enumerate(kinds):
         pose, expected = scene.pose(n), np.full(3, limit)
         for m, mount in enumerate(MOUNTS[kind].tolist()):
@@ -111,13 +111,13 @@ def check_fan(kernels: Kernels, scene: Scene, fan: tuple[float, float, int], lim
         pose = scene.pose(n)
         x = pose.x + cos(pose.theta) * mount[0] - sin(pose.theta) * mount[1]
         y = pose.y + sin(pose.theta) * mount[0] + cos(pose.theta) * mount[1]
-        turns = pose.theta + mount[2] + start + step * np.arange(count)
+        turns = pose.theta + mount[2] + start + step * np.arange(count, dtype=np.float64)
         plain = cast_reference(np.array([x, y]), turns, scene.around(n), limit)
         np.testing.assert_allclose(found[n], plain, rtol=0, atol=1e-6)
 
 
 def check_blocked(kernels: Kernels, scene: Scene, poses: Float) -> None:
-    found = kernels.blocked(scene.grid, scene.robots, *poses)
+    found = kernels.blocked(scene.grid, scene.robots, poses)
     for n in range(len(scene.robots)):
         front, rear, half = scene.robots.state[3:, n].tolist()
         pose = Pose2(*poses[:, n].tolist())
@@ -189,15 +189,15 @@ def test_every_map_agrees_with_the_reference(kernels: Kernels, name: str) -> Non
     walls = read_map(MAPS / f"{name}.map").walls
     low, high = walls.reshape(-1, 2).min(axis=0), walls.reshape(-1, 2).max(axis=0)
     random = np.random.default_rng(7)
-    # a fifth of them outside, one just beside a wall's end
-    places = random.uniform(low - 2.0, high + 2.0, (12, 2))
+    # some of them outside, one just beside a wall's end
+    places = random.uniform(low - 2.0, high + 2.0, (5, 2))
     places[0] = walls[0, :2] + 0.01
-    sizes = np.full((12, 3), 0.25)
-    bodies = np.column_stack([places, random.uniform(-pi, pi, 12), sizes])
+    sizes = np.full((5, 3), 0.25)
+    bodies = np.column_stack([places, random.uniform(-pi, pi, 5), sizes])
     scene = scene_of(kernels, walls, [tuple(row) for row in bodies.tolist()])
-    along = np.arctan2(walls[::500, 3] - walls[::500, 1], walls[::500, 2] - walls[::500, 0])
-    rays = np.concatenate([bodies[:, :3], np.column_stack([walls[::500, :2], along])])
+    along = np.arctan2(walls[::2000, 3] - walls[::2000, 1], walls[::2000, 2] - walls[::2000, 0])
+    rays = np.concatenate([bodies[:, :3], np.column_stack([walls[::2000, :2], along])])
     check_rays(kernels, scene, rays, 30.0)
     check_sonar(kernels, scene, 5.0, 5)
-    check_fan(kernels, scene, (-pi / 2, pi / 180, 181), 8.0)
+    check_fan(kernels, scene, (-pi / 2, pi / 60, 61), 8.0)
     check_blocked(kernels, scene, scene.robots.poses.copy())

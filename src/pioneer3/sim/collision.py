@@ -1,4 +1,4 @@
-"""Does a robot's rectangle stand on a wall? Exact for every wall and pose."""
+"""Does a robot's rectangle stand on a wall? Exact for every wall and pose; the oracle."""
 
 from math import cos, sin
 

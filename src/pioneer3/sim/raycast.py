@@ -19,7 +19,7 @@ PAIRS = 1 << 15
 
 
 def cast_reference(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    """Plain numpy; slow but obvious. The test oracle for :func:`cast`.
+    """Plain numpy; slow but obvious. The oracle of the kernels.
 
     Args:
         origin: Where all rays start [m], shape (2,).
@@ -45,34 +45,6 @@ def cast_reference(origin: Float, angles: Float, walls: Float, limit: float) -> 
     hit = (np.sign(across0) * np.sign(across1) <= 0) & (ranges >= -TOUCH)
     shortest: Float = np.where(hit, ranges, limit).min(axis=1, initial=limit).clip(min=0.0)
     return shortest
-
-
-def cast(origins: Float, angles: Float, walls: Float, limit: float) -> Float:
-    """Same contract as :func:`cast_reference`, fast, and each ray with its own origin.
-
-    Args:
-        origins: Where each ray starts [m], shape (B, 2). One origin for all is faster.
-        angles: Ray directions [rad], shape (B,).
-        walls: Segments `x0, y0, x1, y1` [m], shape (W, 4).
-        limit: Longest range [m].
-
-    Returns:
-        Ranges [m], shape (B,), each in [0, limit].
-    """
-    ranges = np.full(len(angles), float(limit))
-    if not len(angles):
-        return ranges
-    shared = bool((origins == origins[0]).all())
-    headings = directions(angles)
-    rays = max(1, PAIRS // max(1, len(walls)))
-    for first in range(0, len(angles), rays):
-        some = slice(first, first + rays)
-        starts = origins[:1] if shared else origins[some]
-        for wall in range(0, len(walls), PAIRS):
-            block = walls[None, wall : wall + PAIRS]
-            ray, met = meetings(starts[:, None], headings[some, None], block)
-            np.minimum.at(ranges[some], ray, met)
-    return ranges
 
 
 def directions(angles: Float) -> Float:

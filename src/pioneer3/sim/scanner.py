@@ -63,8 +63,7 @@ class Scanner:
             return []
         start, end = sorted((self._start, self._end))
         count = min(MOST_READINGS, round((end - start) / self._step) + 1)
-        angles = start + self._step * np.arange(count, dtype=np.float64)
-        metres = self._world.laser(self._body, self._mount, angles)
+        metres = self._world.laser(self._body, self._mount, start, self._step, count)
         ranges_mm: list[int] = np.rint(metres / MM).astype(int).tolist()
         return [
             self._packet(count, first, tuple(ranges_mm[first : first + READINGS_PER_PACKET]))

@@ -8,8 +8,8 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.grid import distances
 from pioneer3.sim.maps import load_map, shipped_map, shipped_maps
+from pioneer3.sim.maps.distance import distances
 from pioneer3.sim.raycast import cast_reference
 
 

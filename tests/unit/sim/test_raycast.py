@@ -1,6 +1,5 @@
 """Ranges along rays, derived by hand; both implementations."""
 
-import tracemalloc
 from collections.abc import Callable
 from math import inf, pi, sqrt
 
@@ -8,9 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pioneer3.sim import raycast
-from pioneer3.sim.grid import WallGrid
-from pioneer3.sim.raycast import cast, cast_reference
+from pioneer3.sim.kernels import Robots, build_grid, load_kernels
+from pioneer3.sim.raycast import cast_reference
 
 Float = NDArray[np.float64]
 Caster = Callable[[Float, Float, Float, float], Float]
@@ -18,12 +16,17 @@ Caster = Callable[[Float, Float, Float, float], Float]
 SQUARE = np.array([[-1, -1, 1, -1], [1, -1, 1, 1], [1, 1, -1, 1], [-1, 1, -1, -1]], dtype=float)
 
 
-def tiled(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    return cast(np.tile(origin, (len(angles), 1)), angles, walls, limit)
+def by_kernels(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
+    return cast_from(np.tile(origin, (len(angles), 1)), angles, walls, limit)
 
 
-def gridded(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    return WallGrid(walls).cast(np.tile(origin, (len(angles), 1)), angles, limit)
+def cast_from(origins: Float, angles: Float, walls: Float, limit: float) -> Float:
+    nobody = np.full(len(angles), -1, dtype=np.int32)
+    robots = Robots(*np.empty((3, 0)))
+    kernels = load_kernels("numpy")
+    kernels.place(robots)
+    grid = build_grid(walls)
+    return kernels.cast_rays(grid, robots, origins, angles, owner=nobody, limit=limit)
 
 
 def one(caster: Caster, angle: float, *walls: tuple[float, ...], limit: float = 9.0) -> float:
@@ -31,7 +34,7 @@ def one(caster: Caster, angle: float, *walls: tuple[float, ...], limit: float = 
     return float(caster(np.zeros(2), np.array([angle]), table, limit)[0])
 
 
-casters = pytest.mark.parametrize("caster", [cast_reference, tiled, gridded])
+casters = pytest.mark.parametrize("caster", [cast_reference, by_kernels])
 
 
 @casters
@@ -97,23 +100,5 @@ def test_a_ray_does_not_slip_through_a_corner(caster: Caster) -> None:
 
 def test_each_ray_has_its_own_origin() -> None:
     origins = np.array([[0.0, 0.0], [0.5, 0.0], [-3.0, 0.0]])
-    ranges = cast(origins, np.zeros(3), SQUARE, 9.0)
+    ranges = cast_from(origins, np.zeros(3), SQUARE, 9.0)
     np.testing.assert_allclose(ranges, [1.0, 0.5, 2.0])
-
-
-def test_blocks_give_the_same_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    random = np.random.default_rng(3)
-    walls, angles = random.uniform(-5, 5, (70, 4)), random.uniform(-4, 4, 50)
-    whole = cast(np.zeros((50, 2)), angles, walls, 9.0)
-    monkeypatch.setattr(raycast, "PAIRS", 16)
-    np.testing.assert_array_equal(cast(np.zeros((50, 2)), angles, walls, 9.0), whole)
-
-
-def test_memory_stays_small() -> None:
-    random = np.random.default_rng(4)
-    walls, angles = random.uniform(-50, 50, (20_000, 4)), random.uniform(-4, 4, 40)
-    tracemalloc.start()
-    cast(random.uniform(-1, 1, (40, 2)), angles, walls, 30.0)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 64e6

@@ -10,7 +10,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_MIN, SONAR_RANGE
-from pioneer3.sim.world import World, outline
+from pioneer3.sim.world import World
 from tests.support import wall_at
 
 MODEL = load_model("p3at-sh")
@@ -89,30 +89,19 @@ def test_robots_see_each_other_and_not_themselves() -> None:
     body, other = Body(AHEAD), Body(AHEAD, Pose2(3.0, 0.0, np.pi))
     world = World(None, [body, other])
     assert world.sonar(body)[0] == pytest.approx(3.0 - MODEL.length_front - 0.1)
-    angles = np.array([0.0, np.pi / 2])
-    ahead, left = world.laser(body, ORIGIN, angles)
+    ahead, left = world.laser(body, ORIGIN, 0.0, np.pi / 2, 2)
     assert ahead == pytest.approx(3.0 - MODEL.length_front)
     assert left == LASER_RANGE
 
 
-def test_few_walls_and_many_are_measured_alike() -> None:
+def test_far_walls_change_nothing() -> None:
     far = np.column_stack((np.full((3000, 2), 500.0), np.full((3000, 2), 501.0)))
     many = LineMap(name="many", walls=np.concatenate((wall_at(2.0).walls, far)))
-    angles = np.linspace(-1.0, 1.0, 21)
     few_body, many_body = Body(AHEAD), Body(AHEAD)
     np.testing.assert_allclose(
-        World(many, [many_body]).laser(many_body, Pose2(0.2), angles),
-        World(wall_at(2.0), [few_body]).laser(few_body, Pose2(0.2), angles),
+        World(many, [many_body]).laser(many_body, Pose2(0.2), -1.0, 0.1, 21),
+        World(wall_at(2.0), [few_body]).laser(few_body, Pose2(0.2), -1.0, 0.1, 21),
     )
-
-
-def test_an_outline_is_the_footprint_in_the_world() -> None:
-    sides = outline(Body(MODEL, Pose2(1.0, 2.0, np.pi / 2)))
-    half = MODEL.width / 2
-    assert sides[:, ::2].min() == pytest.approx(1.0 - half)
-    assert sides[:, ::2].max() == pytest.approx(1.0 + half)
-    assert sides[:, 1::2].min() == pytest.approx(2.0 - MODEL.length_rear)
-    assert sides[:, 1::2].max() == pytest.approx(2.0 + MODEL.length_front)
 
 
 def test_a_robot_without_sonars_hears_nothing() -> None:

@@ -37,6 +37,7 @@ class Kernels(Protocol):
         robots: Robots,
         origins: Float,
         angles: Float,
+        *,
         owner: Int32,
         limit: float,
         out: Float | None = None,
@@ -70,6 +71,7 @@ class Kernels(Protocol):
         robots: Robots,
         fan: Fan,
         limit: float,
+        *,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
@@ -85,16 +87,10 @@ class Kernels(Protocol):
         """
         ...
 
-    def blocked(
-        self,
-        grid: Grid,
-        robots: Robots,
-        x: Float,
-        y: Float,
-        theta: Float,
-        out: Bool | None = None,
-    ) -> Bool:
-        """Return whether each robot, at a proposed pose, would stand on something, shape (N,).
+    def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
+        """Return whether each robot would stand on something, shape (N,).
+
+        `poses` are the proposed ones, rows x, y [m], theta [rad], shape (3, N), C-contiguous.
 
         Touching is free, as in :func:`pioneer3.sim.collision.footprint_hits`. The other robots
         count where they were placed, not where they propose to go.

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """The loops that numba compiles. Each runs over robots `first` to `last`, so threads can share.
 
 All in one file on purpose: numba compiles anew when the file of the function called has changed,
@@ -32,6 +33,12 @@ CLOSE = 1e-3
 
 MARGIN = 5e-5
 """Beams this close to a segment's end are measured one by one; above the error of _angle [rad]."""
+
+EMPTY = 0.1
+"""Along the edges of a grid at least this much has no walls [cells]."""
+
+FAR = 1e9
+"""From further away a ray does not find the grid [cells]; rounding would lose its way."""
 
 HUGE = 1e300
 """Stands for the inverse of zero where infinity would make a NaN."""
@@ -78,23 +85,21 @@ def _walk(ox: float, oy: float, dx: float, dy: float, limit: float, walls: Walls
     frame, starts, pieces = walls
     columns, rows, per_metre = int(frame[4]), int(frame[5]), frame[3]
     px, py = (ox - frame[0]) * per_metre, (oy - frame[1]) * per_metre
-    best, begin = limit, 0.0
+    best, begin, end = limit, 0.0, limit * per_metre
     if not (0.0 <= px < columns and 0.0 <= py < rows):
         begin = _entry(px, py, dx, dy, columns, rows)
-        begin = begin if begin <= limit * per_metre else inf
-    if begin < inf:
-        column = min(max(int(floor(px + begin * dx)), 0), columns - 1)
-        row = min(max(int(floor(py + begin * dy)), 0), rows - 1)
+        px, py, end = px + begin * dx, py + begin * dy, end - begin
+    if begin < FAR and end >= 0.0:
+        column, row = min(max(floor(px), 0), columns - 1), min(max(floor(py), 0), rows - 1)
         each_x, each_y = min(1.0 / abs(dx), HUGE), min(1.0 / abs(dy), HUGE)
         next_x = (column + 1 - px if dx >= 0 else px - column) * each_x
         next_y = (row + 1 - py if dy >= 0 else py - row) * each_y
         end_x = (columns - px if dx >= 0 else px) * each_x
         end_y = (rows - py if dy >= 0 else py) * each_y
-        # the outermost part of the grid is empty, so ending a little early loses nothing
-        end = min(min(end_x, end_y) - SLACK, best * per_metre)
-        place, sideways, upwards = row * columns + column, (1 if dx >= 0 else -1), columns
-        upwards = columns if dy >= 0 else -columns
-        leave = begin
+        # the grid is empty along its edges: whatever rounding does, the walk ends inside
+        end, leave = min(end, end_x - EMPTY, end_y - EMPTY), 0.0
+        sideways, upwards = (1 if dx >= 0 else -1), (columns if dy >= 0 else -columns)
+        place = row * columns + column
         while leave <= end:
             for k in range(starts[place], starts[place + 1]):
                 ax, ay = pieces[k, 0] - ox, pieces[k, 1] - oy
@@ -102,7 +107,7 @@ def _walk(ox: float, oy: float, dx: float, dy: float, limit: float, walls: Walls
                 across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
                 if min(across0, across1) <= TOUCH and max(across0, across1) >= -TOUCH:
                     best = min(best, _meeting(ax, ay, bx, by, dx, dy))
-                    end = min(end, best * per_metre)
+                    end = min(end, best * per_metre - begin)
             leave = min(next_x, next_y)
             goes_x = next_x < next_y
             place += sideways if goes_x else upwards
@@ -114,10 +119,8 @@ def _walk(ox: float, oy: float, dx: float, dy: float, limit: float, walls: Walls
 @inlined
 def _cells(low: float, high: float, edge: float, per_metre: float) -> tuple[int, int]:
     """Return the first and last column (or row) of an interval; far away, merely outside."""
-    far = 1e9
-    first = floor(min(max((low - edge) * per_metre, -far), far))
-    last = floor(min(max((high - edge) * per_metre, -far), far))
-    return int(first), int(last)
+    first = floor(min(max((low - edge) * per_metre, -FAR), FAR))
+    return first, floor(min(max((high - edge) * per_metre, -FAR), FAR))
 
 
 @inlined
@@ -149,9 +152,7 @@ def _neighbours(x: float, y: float, reach: float, skip: int, others: Others, fou
 
 
 @compiled
-def _see_robots(
-    near: int, found: Int32, shapes: Float, count: int, rays: Float
-) -> None:
+def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float) -> None:
     """Shorten the ranges of `count` rays where one of the robots `found` is nearer.
 
     `rays` has the rows ox, oy, dx, dy, the range, and one for this function's own use.
@@ -163,7 +164,7 @@ def _see_robots(
             rx, ry = x - rays[0, k], y - rays[1, k]
             along = rays[2, k] * rx + rays[3, k] * ry
             across = abs(rays[2, k] * ry - rays[3, k] * rx)
-            apart = max(max(across, -along), along - rays[4, k]) - radius
+            apart = max(across, -along, along - rays[4, k]) - radius
             rays[5, k] = apart
             hits += apart <= 0.0
         for k in range(count if hits else 0):
@@ -178,8 +179,15 @@ def _see_robots(
 
 @compiled
 def sonar(
-    first: int, last: int, limit: float, poses: Float, owners: Int32,
-    mounts: tuple[Float, Int32, Int32], walls: Walls, others: Others, out: Float,
+    first: int,
+    last: int,
+    limit: float,
+    poses: Float,
+    owners: Int32,
+    mounts: tuple[Float, Int32, Int32],
+    walls: Walls,
+    others: Others,
+    out: Float,
 ) -> None:
     """Fill rows `first` to `last` of `out` with the nearest range of each transducer's rays."""
     table, offsets, kinds = mounts
@@ -192,13 +200,20 @@ def sonar(
             mx, my = table[m, 0], table[m, 1]
             ox, oy = x + c * mx - s * my, y + s * mx + c * my
             for k in range(2, 2 + 2 * per_mount, 2):
-                dx, dy = c * table[m, k] - s * table[m, k + 1], s * table[m, k] + c * table[m, k + 1]
+                dx, dy = (
+                    c * table[m, k] - s * table[m, k + 1],
+                    s * table[m, k] + c * table[m, k + 1],
+                )
                 best = _walk(ox, oy, dx, dy, limit, walls)
                 rays[0, count], rays[1, count], rays[2, count], rays[3, count] = ox, oy, dx, dy
                 rays[4, count] = best
                 reach = max(reach, best + abs(ox - x) + abs(oy - y))
                 count += 1
-        near = _neighbours(x, y, reach, owners[n], others, found) if len(shapes) > 1 or owners[n] < 0 else 0
+        near = (
+            _neighbours(x, y, reach, owners[n], others, found)
+            if len(shapes) > 1 or owners[n] < 0
+            else 0
+        )
         if near > 0:
             _see_robots(near, found, shapes, count, rays)
         out[n, :] = limit
@@ -221,9 +236,7 @@ def _angle(x: float, y: float) -> float:
 
 
 @compiled
-def _paint_slowly(
-    seen: Float, i: int, first: int, last: int, headings: Float, out: Float
-) -> None:
+def _paint_slowly(seen: Float, i: int, first: int, last: int, headings: Float, out: Float) -> None:
     """Measure a segment along beams `first` to `last`, one by one, into `out` [1/m]."""
     ax, ay, bx, by = seen[0, i], seen[1, i], seen[2, i], seen[3, i]
     for k in range(max(first, 0), min(last + 1, len(out))):
@@ -262,16 +275,20 @@ def _plan(count: int, seen: Float, limit: float, start: float, step: float, plan
 
 @compiled
 def _paint(
-    count: int, seen: Float, plan: Float, limit: float, start: float, step: float, headings: Float, out: Float
+    count: int,
+    seen: Float,
+    plan: Float,
+    limit: float,
+    start: float,
+    step: float,
+    headings: Float,
+    out: Float,
 ) -> None:
     """Rasterise segments, seen from the laser, onto the beams: inverse ranges into `out` [1/m].
 
     A segment covers one interval of beams. Those near its ends are measured one by one, as are
     all where the laser nearly touches it.
-
-    Args:
-        count: Of segments.
-        seen: Rows ax, ay, bx, by.
+    `seen` has the rows ax, ay, bx, by.
     """
     _plan(count, seen, limit, start, step, plan)
     margin, circle, beams = MARGIN / step, tau / step, len(out)
@@ -281,10 +298,10 @@ def _paint(
             _paint_slowly(seen, i, 0, beams - 1, headings, out)
             continue
         while span >= 0 and low - margin < beams:
-            first = max(int(ceil(low - margin)), 0)
-            sure = min(max(int(ceil(low + margin)), 0), beams)
-            end = max(min(int(floor(low + span - margin)) + 1, beams), sure)
-            last = min(int(floor(low + span + margin)) + 1, beams)
+            first = max(ceil(low - margin), 0)
+            sure = min(max(ceil(low + margin), 0), beams)
+            end = max(min(floor(low + span - margin) + 1, beams), sure)
+            last = min(floor(low + span + margin) + 1, beams)
             if first < sure:
                 _paint_slowly(seen, i, first, sure - 1, headings, out)
             for k in range(sure, end):
@@ -314,8 +331,16 @@ def _hidden(x: float, y: float, radius: float, start: float, step: float, out: F
 
 @compiled
 def fans(
-    first: int, last: int, limit: float, owners: Int32, fan: Float, headings: Float,
-    poses: Float, walls: Walls, others: Others, out: Float,
+    first: int,
+    last: int,
+    limit: float,
+    owners: Int32,
+    fan: Float,
+    headings: Float,
+    poses: Float,
+    walls: Walls,
+    others: Others,
+    out: Float,
 ) -> None:
     """Fill rows `first` to `last` of `out` with the ranges of each laser's beams."""
     frame, starts, pieces = walls
@@ -345,10 +370,8 @@ def fans(
                 # a wall that was in the box one cell before is met already
                 count += not (west <= pieces[k, 4] <= east and south <= pieces[k, 5] <= north)
         _paint(count, seen, plan, limit, start, step, headings, beams)
-        count, reach = 0, 0.0
-        for i in range(len(beams)):
-            reach = max(reach, 1.0 / beams[i])
-        for i in range(_neighbours(x, y, min(limit, reach), owner, others, found) if len(shapes) > 1 else 0):
+        count = 0
+        for i in range(_neighbours(x, y, limit, owner, others, found) if len(shapes) > 1 else 0):
             k = found[i]
             dx, dy = shapes[k, 0] - x, shapes[k, 1] - y
             if not _hidden(c * dx + s * dy, c * dy - s * dx, shapes[k, 2], start, step, beams):
@@ -370,8 +393,15 @@ def fans(
 
 @compiled
 def _stands_on(
-    ax: float, ay: float, bx: float, by: float, c: float, s: float,
-    middle: float, length: float, width: float,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    c: float,
+    s: float,
+    middle: float,
+    length: float,
+    width: float,
 ) -> bool:
     """Return whether a segment, relative to the pose, reaches into the rectangle; as the oracle."""
     mx, my, hx, hy = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
@@ -386,15 +416,20 @@ def _stands_on(
 
 @compiled
 def blocked(
-    first: int, last: int, x: Float, y: Float, theta: Float, state: Float,
-    walls: Walls, others: Others, out: Bool,
+    first: int,
+    last: int,
+    poses: Float,
+    state: Float,
+    walls: Walls,
+    others: Others,
+    out: Bool,
 ) -> None:
     """Fill `out` from `first` to `last` with whether robots would stand on something."""
     frame, starts, pieces = walls
     shapes, columns, rows = others[1], int(frame[4]), int(frame[5])
     found = np.empty(len(shapes) + 1, np.int32)
     for n in range(first, last):
-        px, py, c, s = x[n], y[n], cos(theta[n]), sin(theta[n])
+        px, py, c, s = poses[0, n], poses[1, n], cos(poses[2, n]), sin(poses[2, n])
         front, rear, half = state[3, n], state[4, n], state[5, n]
         middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
         hit, reach = False, hypot(max(front, rear), half)

@@ -12,7 +12,7 @@ Float = NDArray[np.float64]
 Int32 = NDArray[np.int32]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Mounts:
     """Transducers of every robot type, and which robot is of which type.
 
@@ -67,7 +67,7 @@ def sonar_mounts(
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Fan:
     """The beams of a laser, and where it sits on the robot.
 

@@ -14,6 +14,9 @@ Int = NDArray[np.int64]
 MOST_KEPT = 1 << 22
 """Entries of all lists together after which they are forgotten: 32 MB."""
 
+FEW_PAIRS = 4096
+"""Of point and robot that are all looked at, without sorting."""
+
 
 class NearWalls:
     """The walls within `reach` [m] of each cell of a grid, found when first asked for.
@@ -42,7 +45,9 @@ class NearWalls:
             count = len(self._grid.walls)
             return np.repeat(np.arange(len(x)), count), np.tile(np.arange(count), len(x))
         cells = self._cells_of(x, y)
-        self._find(np.unique(cells[self._first[cells] < 0]))
+        missing = cells[self._first[cells] < 0]
+        if len(missing):
+            self._find(np.unique(missing))
         if len(self._pool) > MOST_KEPT:
             self._forget()
             self._find(np.unique(cells))
@@ -67,9 +72,8 @@ class NearWalls:
         return cells.astype(np.int64)
 
     def _find(self, cells: Int) -> None:
-        """Append the lists of `cells` to the pool."""
-        if not len(cells):
-            return
+        """Append the lists of `cells`, not listed yet, to the pool."""
+        cells = cells[self._first[cells] < 0]
         column, row = cells % self._columns - self._border, cells // self._columns - self._border
         whose, items = self._in_boxes(column, row)
         walls = self._grid.cell_items[items].astype(np.int64)
@@ -100,7 +104,7 @@ class NearWalls:
 
 
 def near_robots(
-    robots: Robots, x: Float, y: Float, reach: float, skip: NDArray[np.int32]
+    robots: Robots, x: Float, y: Float, reach: float, skip: NDArray[np.int32] | Int
 ) -> tuple[Int, Int]:
     """Return the robots, but not `skip` (N,), within `reach` [m] of each point (N,).
 
@@ -111,6 +115,11 @@ def near_robots(
     if len(shapes) == 0 or (len(shapes) == 1 and not skip.any()):
         nobody = np.empty(0, dtype=np.int64)
         return nobody, nobody
+    if len(x) * len(shapes) <= FEW_PAIRS:
+        apart = np.hypot(shapes[:, 0] - x[:, None], shapes[:, 1] - y[:, None])
+        points, others = np.nonzero(apart <= reach + shapes[:, 2] + SLACK)
+        seen = others != skip[points]
+        return points[seen], others[seen]
     order = np.argsort(shapes[:, 0])
     wide = reach + shapes[:, 2].max() + SLACK
     first = np.searchsorted(shapes[order, 0], x - wide)

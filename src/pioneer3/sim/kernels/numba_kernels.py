@@ -44,6 +44,7 @@ class NumbaKernels:
         robots: Robots,
         origins: Float,
         angles: Float,
+        *,
         owner: Int32,
         limit: float,
         out: Float | None = None,
@@ -55,9 +56,7 @@ class NumbaKernels:
         walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
 
         def work(first: int, last: int) -> None:
-            compiled.sonar(
-                first, last, limit, poses, owner, mounts, walls, others, rows
-            )
+            compiled.sonar(first, last, limit, poses, owner, mounts, walls, others, rows)
 
         self._share(count, work)
         return ranges
@@ -83,6 +82,7 @@ class NumbaKernels:
         robots: Robots,
         fan: Fan,
         limit: float,
+        *,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
@@ -98,20 +98,12 @@ class NumbaKernels:
         self._share(len(lasers), work)
         return ranges
 
-    def blocked(
-        self,
-        grid: Grid,
-        robots: Robots,
-        x: Float,
-        y: Float,
-        theta: Float,
-        out: Bool | None = None,
-    ) -> Bool:
+    def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
         hits = np.empty(len(robots), dtype=np.bool_) if out is None else out
         walls, others, state = grid.arrays, robots.arrays, robots.state
 
         def work(first: int, last: int) -> None:
-            compiled.blocked(first, last, x, y, theta, state, walls, others, hits)
+            compiled.blocked(first, last, poses, state, walls, others, hits)
 
         self._share(len(robots), work)
         return hits

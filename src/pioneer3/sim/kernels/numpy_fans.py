@@ -5,6 +5,7 @@ segment's interval of beams takes two multiplications. Beams so near its ends th
 decide, and all beams where the laser nearly touches it, are measured as the oracle does.
 """
 
+from itertools import pairwise
 from math import ceil, cos, pi, sin, tau
 
 import numpy as np
@@ -48,20 +49,23 @@ def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
         inverse = np.stack([ey / turn, -ex / turn])
     touched = np.flatnonzero(close)
     doubts = [(touched, np.zeros(len(touched)), np.full(len(touched), np.inf))]
-    doubts += _spread(row, low, span, inverse, fan, out)
+    doubts += _spread(row, (low, span), inverse, fan, out)
     which, lower, upper = (np.concatenate(parts) for parts in zip(*doubts, strict=True))
     if len(which):
-        _exactly(row[which], seen[:, which], lower, upper, fan, out)
+        beams = _beams(lower, upper, out.shape[1])
+        _exactly(row[which], seen[:, which], beams, fan, out)
 
 
 def _in_front(seen: Float, fan: Fan) -> Int:
-    """Return which segments may be met by a fan of at most half a circle: not wholly behind it."""
+    """Return which segments are not wholly behind a fan of at most half a circle."""
     start, step = fan.frame[3:]
     width = step * (fan.headings.shape[1] - 1)
     if width > pi:
         return np.arange(seen.shape[1])
     c, s = cos(start + width / 2), sin(start + width / 2)
-    return np.flatnonzero(np.maximum(c * seen[0] + s * seen[1], c * seen[2] + s * seen[3]) >= -SLACK)
+    return np.flatnonzero(
+        np.maximum(c * seen[0] + s * seen[1], c * seen[2] + s * seen[3]) >= -SLACK
+    )
 
 
 def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
@@ -75,9 +79,10 @@ def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
 
 
 def _spread(
-    row: Int, low: Float, span: Float, inverse: Float, fan: Fan, out: Float
+    row: Int, intervals: tuple[Float, Float], inverse: Float, fan: Fan, out: Float
 ) -> list[tuple[Int, Float, Float]]:
     """Paint what is surely met; return the intervals of beams in doubt: whose, first, last."""
+    low, span = intervals
     margin, circle, beams = MARGIN / fan.frame[4], tau / fan.frame[4], out.shape[1]
     doubts = []
     low = low - np.floor((low + span.clip(min=0) + margin) / circle) * circle
@@ -88,7 +93,7 @@ def _spread(
         begin = low[here] + turns * circle
         end = begin + span[here]
         sure, last = np.ceil(begin + margin), np.floor(end - margin)
-        _surely(row[here], inverse[:, here], sure, last, fan, out)
+        _surely(row[here], inverse[:, here], _beams(sure, last, beams), fan, out)
         after = np.maximum(last + 1, sure)
         for lower, upper in ((np.ceil(begin - margin), sure - 1), (after, np.floor(end + margin))):
             doubt = np.flatnonzero(lower <= upper)
@@ -96,20 +101,19 @@ def _spread(
     return doubts
 
 
-def _intervals(lower: Float, upper: Float, beams: int) -> tuple[Int, Int]:
+def _beams(lower: Float, upper: Float, beams: int) -> tuple[Int, Int]:
     """Return first beam and number of beams of each interval, clipped to the fan."""
     first = np.clip(lower, 0, beams).astype(np.int64)
     counts = np.clip(upper, -1, beams - 1).astype(np.int64) - first + 1
     return first, counts.clip(min=0)
 
 
-def _surely(row: Int, inverse: Float, lower: Float, upper: Float, fan: Fan, out: Float) -> None:
-    """Paint beams `lower` to `upper` of each segment."""
+def _surely(row: Int, inverse: Float, beams: tuple[Int, Int], fan: Fan, out: Float) -> None:
+    """Paint an interval of beams of each segment."""
     flat, headings = out.reshape(-1), fan.headings
-    first, counts = _intervals(lower, upper, out.shape[1])
+    first, counts = beams
     blocks = np.flatnonzero(np.diff(np.cumsum(counts) // BLOCK)) + 1
-    edges = [0, *blocks.tolist(), len(counts)]
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
+    for begin, end in pairwise([0, *blocks.tolist(), len(counts)]):
         some = counts[begin:end]
         beam = ranges(first[begin:end], some)
         depth = np.repeat(inverse[0, begin:end], some) * headings[0].take(beam)
@@ -118,11 +122,9 @@ def _surely(row: Int, inverse: Float, lower: Float, upper: Float, fan: Fan, out:
         np.maximum.at(flat, beam, depth)
 
 
-def _exactly(
-    row: Int, seen: Float, lower: Float, upper: Float, fan: Fan, out: Float
-) -> None:
-    """Measure beams `lower` to `upper` of each segment one by one."""
-    first, counts = _intervals(lower, upper, out.shape[1])
+def _exactly(row: Int, seen: Float, beams: tuple[Int, Int], fan: Fan, out: Float) -> None:
+    """Measure an interval of beams of each segment one by one."""
+    first, counts = beams
     which, beam = np.repeat(np.arange(len(row)), counts), ranges(first, counts)
     met = measured(fan.headings[:, beam], seen[:, which])
     with np.errstate(divide="ignore"):

@@ -9,7 +9,7 @@ from pioneer3.sim.collision import TOUCH as DEEP
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.near import NearWalls, near_robots
 from pioneer3.sim.kernels.numpy_fans import paint
-from pioneer3.sim.kernels.numpy_rays import Rays, march, meet_robots
+from pioneer3.sim.kernels.numpy_rays import Rays, march, meet_robots, sides
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
 
@@ -17,6 +17,9 @@ Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
+
+POINTS = [0, 1, 3, 4, 5, 6, 7, 8, 9, 10]
+"""Rows of shapes transposed: the middle, then the corners."""
 
 TOGETHER = 128
 """Robots worked on at a time: their arrays then fit a processor's cache."""
@@ -28,6 +31,7 @@ class NumpyKernels:
     name = "numpy"
 
     def __init__(self) -> None:
+        self._rays: WeakKeyDictionary[Mounts, list[Rays]] = WeakKeyDictionary()
         self._near: WeakKeyDictionary[Grid, dict[float, NearWalls]] = WeakKeyDictionary()
 
     def place(self, robots: Robots) -> None:
@@ -47,6 +51,7 @@ class NumpyKernels:
         robots: Robots,
         origins: Float,
         angles: Float,
+        *,
         owner: Int32,
         limit: float,
         out: Float | None = None,
@@ -62,28 +67,27 @@ class NumpyKernels:
     ) -> Float:
         ranges = np.empty((len(robots), mounts.most)) if out is None else out
         ranges[:] = limit
-        for kind in range(len(mounts.offsets) - 1):
-            table = mounts.table[mounts.offsets[kind] : mounts.offsets[kind + 1]]
+        if mounts not in self._rays:
+            tables = np.split(mounts.table, mounts.offsets[1:-1])
+            self._rays[mounts] = [Rays(table) for table in tables]
+        for kind, rays in enumerate(self._rays[mounts]):
             owners = np.flatnonzero(mounts.kinds == kind)
-            for first in range(0, len(owners) if len(table) else 0, TOGETHER):
+            for first in range(0, len(owners) if rays.mounts else 0, TOGETHER):
                 some = owners[first : first + TOGETHER]
-                ranges[some, : len(table)] = self._sonar(grid, robots, table, some, limit)
+                ranges[some, : rays.mounts] = self._sonar(grid, robots, rays, some, limit)
         return ranges
 
-    def _sonar(self, grid: Grid, robots: Robots, table: Float, owners: Int, limit: float) -> Float:
+    def _sonar(self, grid: Grid, robots: Robots, rays: Rays, owners: Int, limit: float) -> Float:
         """Return the ranges of a few robots of one type, shape (owners, transducers)."""
-        per_mount = (table.shape[1] - 2) // 2
-        ranges = np.full((len(owners), len(table) * per_mount), limit)
-        reach = limit + float(np.hypot(table[:, 0], table[:, 1]).max())
-        poses = robots.poses[:, owners]
-        rays = Rays(np.repeat(table[:, :2], per_mount, axis=0), table[:, 2:].reshape(-1, 2))
-        rays.meet_walls(*self._walls(grid, poses, reach), ranges)
-        beside, others = near_robots(robots, *poses[:2], reach, owners)
+        ranges = np.full((len(owners), rays.count), limit)
+        reach, frames = limit + rays.reach, _frames(*robots.poses[:, owners])
+        rays.meet_walls(*self._walls(grid, frames, reach), ranges)
+        beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
         if len(others):
-            shapes = robots.shapes.T[:, others]
-            middles = np.stack([*_from(poses, beside, shapes[:2]), shapes[2]])
-            rays.meet_robots(beside, middles, _from(poses, beside, shapes[3:]), ranges)
-        shortest: Float = ranges.reshape(len(owners), len(table), per_mount).min(axis=2)
+            shapes = robots.shapes.T.take(others, axis=1)
+            radius, points = shapes[2], _from(frames, beside, shapes[POINTS])
+            rays.meet_robots(beside, radius, points, ranges)
+        shortest: Float = ranges.reshape(len(owners), rays.mounts, -1).min(axis=2)
         return shortest
 
     def cast_fans(
@@ -92,6 +96,7 @@ class NumpyKernels:
         robots: Robots,
         fan: Fan,
         limit: float,
+        *,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
@@ -100,34 +105,20 @@ class NumpyKernels:
         x, y, theta = robots.poses[:, lasers]
         c, s = np.cos(theta), np.sin(theta)
         mx, my, turned = fan.frame[:3]
-        poses = np.stack([x + c * mx - s * my, y + s * mx + c * my, theta + turned])
+        frames = _frames(x + c * mx - s * my, y + s * mx + c * my, theta + turned)
         with np.errstate(divide="ignore"):
             ranges[:] = np.divide(1.0, limit)
             for first in range(0, len(lasers), TOGETHER):
                 some = slice(first, first + TOGETHER)
-                paint(*self._walls(grid, poses[:, some], limit), fan, ranges[some])
-                outlines = _outlines(robots, poses[:, some], limit, lasers[some], facing=True)
-                if len(outlines[0]):
-                    paint(*outlines, fan, ranges[some])
+                seen = self._seen(grid, robots, frames[:, some], limit, lasers[some])
+                paint(*seen, fan, ranges[some])
             np.divide(1.0, ranges, out=ranges)
         return np.minimum(ranges, limit, out=ranges)
 
-    def blocked(
-        self,
-        grid: Grid,
-        robots: Robots,
-        x: Float,
-        y: Float,
-        theta: Float,
-        out: Bool | None = None,
-    ) -> Bool:
+    def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
         front, rear, half = robots.state[3:]
         reach = float(np.hypot(np.maximum(front, rear), half).max(initial=0.0))
-        poses = np.stack([x, y, theta])
-        walls = self._walls(grid, poses, reach)
-        outlines = _outlines(robots, poses, reach, robots.everyone, facing=False)
-        whose = np.concatenate([walls[0], outlines[0]])
-        ax, ay, bx, by = np.concatenate([walls[1], outlines[1]], axis=1)
+        whose, (ax, ay, bx, by) = self._seen(grid, robots, _frames(*poses), reach, robots.everyone)
         length, width = (front + rear)[whose] / 2 - DEEP, half[whose] - DEEP
         mx, my, hx, hy = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
         mx -= (front - rear)[whose] / 2
@@ -140,38 +131,40 @@ class NumpyKernels:
         hits[:] = np.bincount(whose[meets], minlength=len(robots)) > 0
         return hits
 
-    def _walls(self, grid: Grid, poses: Float, reach: float) -> tuple[Int, Float]:
-        """Return the walls within `reach` of each of the poses (3, F), and some more.
+    def _seen(
+        self, grid: Grid, robots: Robots, frames: Float, reach: float, owners: Int32
+    ) -> tuple[Int, Float]:
+        """Return the same of walls and of the outlines of all robots but the `owners` (F,)."""
+        whose, seen = self._walls(grid, frames, reach)
+        beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
+        if len(others) == 0:
+            return whose, seen
+        corners = _from(frames, beside, robots.shapes.T[3:].take(others, axis=1))
+        return np.concatenate([whose, *[beside] * 4]), np.concatenate([seen, sides(corners)], 1)
+
+    def _walls(self, grid: Grid, frames: Float, reach: float) -> tuple[Int, Float]:
+        """Return the walls within `reach` of each of the frames (4, F), and some more.
 
         Returns:
-            Index of the pose, shape (P,), and ax, ay, bx, by seen from there [m], shape (4, P).
+            Index of the frame, shape (P,), and ax, ay, bx, by seen from there [m], shape (4, P).
         """
         lists = self._near.setdefault(grid, {})
         if reach not in lists:
             lists[reach] = NearWalls(grid, reach)
-        points, walls = lists[reach].of(poses[0], poses[1])
-        return points, _from(poses, points, lists[reach].ends.take(walls, axis=1))
+        points, walls = lists[reach].of(frames[0], frames[1])
+        return points, _from(frames, points, lists[reach].ends.take(walls, axis=1))
 
 
-def _from(poses: Float, which: Int, points: Float) -> Float:
-    """Return points x, y, x, y..., shape (2 K, P), as seen from the poses (3, F) `which` (P,)."""
-    x, y, c, s = np.stack([*poses[:2], np.cos(poses[2]), np.sin(poses[2])]).take(which, axis=1)
+def _frames(x: Float, y: Float, theta: Float) -> Float:
+    """Return x, y, cosine and sine of poses, shape (4, F)."""
+    return np.stack([x, y, np.cos(theta), np.sin(theta)])
+
+
+def _from(frames: Float, which: Int, points: Float) -> Float:
+    """Return points x, y, x, y..., shape (2 K, P), as seen from the frames `which` (P,)."""
+    x, y, c, s = frames.take(which, axis=1)
+    dx, dy = points[::2] - x, points[1::2] - y
     seen = np.empty_like(points)
-    for k in range(0, len(points), 2):
-        dx, dy = points[k] - x, points[k + 1] - y
-        seen[k], seen[k + 1] = c * dx + s * dy, c * dy - s * dx
+    seen[::2] = c * dx + s * dy
+    seen[1::2] = c * dy - s * dx
     return seen
-
-
-def _outlines(
-    robots: Robots, poses: Float, reach: float, owners: Int32, *, facing: bool
-) -> tuple[Int, Float]:
-    """Return the sides of the other robots within `reach`; only those `facing` a pose outside."""
-    beside, others = near_robots(robots, poses[0], poses[1], reach, owners)
-    corners = _from(poses, beside, robots.shapes.T[3:, others])
-    starts = corners.reshape(4, 2, -1)
-    ends = np.roll(starts, -1, axis=0)
-    turn = starts[:, 0] * ends[:, 1] - starts[:, 1] * ends[:, 0]
-    away = (turn > 0) & ~(turn > 0).all(axis=0) if facing else np.zeros_like(turn, dtype=np.bool_)
-    side, pair = np.nonzero(~away)
-    return beside[pair], np.concatenate([starts[side, :, pair], ends[side, :, pair]], axis=1).T

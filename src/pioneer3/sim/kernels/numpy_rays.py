@@ -1,4 +1,4 @@
-"""Sonar and single rays with numpy alone: all pairs of ray and near wall, then the few that meet."""
+"""Sonar and single rays with numpy alone: every ray and near wall, then the few that meet."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,36 +22,49 @@ def measured(headings: Float, ends: Float) -> Float:
         headings: Unit vectors, shape (2, P).
         ends: Of the segment beside each, `ax, ay, bx, by` from the ray's start [m], shape (4, P).
     """
-    (dx, dy), (ax, ay, bx, by) = headings, ends
-    across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
-    along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
-    across0[abs(across0) <= TOUCH] = 0.0
-    across1[abs(across1) <= TOUCH] = 0.0
-    lies_along = (across0 == 0) & (across1 == 0)
+    (dx, dy), x, y = headings, ends[::2], ends[1::2]
+    across, along = dx * y - dy * x, dx * x + dy * y
+    across *= abs(across) > TOUCH
+    gap = across[0] - across[1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        met = along0 + (along1 - along0) * (across0 / (across0 - across1))
-    nearer = np.where(along0 * along1 <= 0, 0.0, np.minimum(along0, along1))
-    met = np.where(lies_along, nearer, met)
-    apart = np.sign(across0) * np.sign(across1) > 0
-    ranges: Float = np.where(apart | ~(met >= -TOUCH), np.inf, met.clip(min=0.0))
-    return ranges
+        met: Float = along[0] + (along[1] - along[0]) * (across[0] / gap)
+    met[across[0] * across[1] > 0] = np.inf
+    lies_along = np.flatnonzero((gap == 0) & (across[0] == 0))
+    if len(lies_along):
+        one, other = along[:, lies_along]
+        met[lies_along] = np.where(one * other <= 0, 0.0, np.minimum(one, other))
+    met[met < -TOUCH] = np.inf
+    return np.maximum(met, 0.0, out=met)
+
+
+def sides(corners: Float) -> Float:
+    """Return the sides of outlines given by corners, (8, P) to ends ax, ay, bx, by, (4, 4 P)."""
+    order = np.array([[6, 0, 2, 4], [7, 1, 3, 5], [0, 2, 4, 6], [1, 3, 5, 7]])
+    return corners.take(order, axis=0).reshape(4, -1)
 
 
 class Rays:
     """The rays of one robot type, ready to be held against what is around a robot.
 
     Args:
-        starts: Where each ray starts on its robot [m], shape (R, 2).
-        headings: Their unit vectors there, shape (R, 2).
+        table: Of each mount x, y [m], then cosine and sine of each of its rays, shape (M, 2 + 2 k).
+
+    Attributes:
+        mounts: M.
+        count: Of rays, M * k.
+        reach: Largest distance of a mount from the robot's pose [m].
     """
 
-    def __init__(self, starts: Float, headings: Float) -> None:
-        self._starts, self._headings = starts.T.copy(), headings.T.copy()
-        (x, y), (dx, dy) = self._starts, self._headings
+    def __init__(self, table: Float) -> None:
+        self.mounts, self.count = len(table), table[:, 2:].size // 2
+        self.reach = float(np.hypot(table[:, 0], table[:, 1]).max(initial=0.0))
+        x, y = np.repeat(table[:, :2].T, self.count // max(1, self.mounts), axis=1)
+        dx, dy = table[:, 2:].reshape(-1, 2).T
+        self._starts, self._headings = np.stack([x, y, x, y]), np.stack([dx, dy])
         # of a point (x, y, 1): how far across each ray it lies, how far along
         self._across = np.stack([-dy, dx, dy * x - dx * y], axis=1)
         self._along = np.stack([dx, dy, -dx * x - dy * y], axis=1)
-        self._block = PAIRS // len(starts) + 1
+        self._block = PAIRS // max(1, self.count) + 1
 
     def meet_walls(self, owners: Int, seen: Float, out: Float) -> None:
         """Shorten ranges by segments.
@@ -61,32 +74,33 @@ class Rays:
             seen: Ends `ax, ay, bx, by` in the frame of that robot [m], shape (4, P).
             out: Ranges, contiguous [m], shape (robots, R).
         """
-        ones = np.ones((1, seen.shape[1]))
-        first_ends, last_ends = np.vstack([seen[:2], ones]), np.vstack([seen[2:], ones])
+        points = np.ones((6, seen.shape[1]))
+        points[:2], points[3:5] = seen[:2], seen[2:]
+        # a touch may come with any product up to this; `measured` then decides
+        bound = TOUCH * (4 * float(abs(seen).max(initial=0.0)) + 10)
         for first in range(0, len(owners), self._block):
-            some = slice(first, first + self._block)
-            left, right = self._across @ first_ends[:, some], self._across @ last_ends[:, some]
-            # a touch may come with any product up to this; `measured` then decides
-            bound = TOUCH * (float(left.max()) - float(left.min()) + 1.0)
-            right *= left
-            pairs = np.flatnonzero(right <= bound)
-            ray, wall = np.divmod(pairs, left.shape[1])
-            self._measure(ray, owners[some][wall], seen[:, some].take(wall, axis=1), out)
+            some = points[:, first : first + self._block]
+            product = self._across @ some[:3]
+            product *= self._across @ some[3:]
+            ray, wall = np.divmod(np.flatnonzero(product <= bound), some.shape[1])
+            wall += first
+            self._measure(ray, owners[wall], seen.take(wall, axis=1), out)
 
-    def meet_robots(self, owners: Int, middles: Float, corners: Float, out: Float) -> None:
-        """Shorten ranges by outlines, given as middle x, y, radius, (3, P), and corners (8, P)."""
-        points = np.vstack([middles[:2], np.ones((1, middles.shape[1]))])
-        radius = middles[2] + TOUCH
+    def meet_robots(self, owners: Int, radius: Float, seen: Float, out: Float) -> None:
+        """Shorten ranges by outlines of a `radius` (P,) [m], seen as middle and corners (10, P)."""
+        points = np.ones((3, len(owners)))
+        points[:2] = seen[:2]
+        radius = radius + TOUCH
         along = self._along @ points
         meets = (abs(self._across @ points) <= radius) & (along >= -radius)
         meets &= along - radius <= out[owners].T
         ray, robot = np.nonzero(meets)
-        for k in range(4):
-            ends = corners.take(robot, axis=1)[[2 * k - 2, 2 * k - 1, 2 * k, 2 * k + 1]]
-            self._measure(ray, owners[robot], ends, out)
+        if len(ray):
+            ends = sides(seen[2:].take(robot, axis=1))
+            self._measure(np.tile(ray, 4), np.tile(owners[robot], 4), ends, out)
 
     def _measure(self, ray: Int, owner: Int, ends: Float, out: Float) -> None:
-        ends -= np.tile(self._starts, (2, 1)).take(ray, axis=1)
+        ends -= self._starts.take(ray, axis=1)
         met = measured(self._headings.take(ray, axis=1), ends)
         np.minimum.at(out.reshape(-1), owner * out.shape[1] + ray, met)
 
@@ -101,20 +115,23 @@ def march(grid: Grid, origins: Float, angles: Float, limit: float, out: Float) -
     end = min(float(far[rays].max(initial=0.0)), limit)
     while len(rays) and start < end:
         stop = min(start + reach, end)
-        _along(grid, origins, headings, rays, start, stop, out)
+        lines = np.concatenate([origins[rays], headings[rays]], axis=1)
+        _along(grid, rays, lines, (start, stop), out)
         # beyond `stop` a nearer wall may stand in a cell not looked at yet
         rays = rays[out[rays] > stop]
         start, reach = stop, 2 * reach
 
 
-def _along(
-    grid: Grid, origins: Float, headings: Float, rays: Int, start: float, stop: float, out: Float
-) -> None:
-    """Shorten ranges by the walls in the cells that rays pass from `start` to `stop` [m]."""
-    span = np.concatenate([start * headings[rays], stop * headings[rays]], axis=1)
-    cells, index = rasterise(np.tile(origins[rays] - grid.corner, 2) + span, grid.cell)
+def _along(grid: Grid, rays: Int, lines: Float, interval: tuple[float, float], out: Float) -> None:
+    """Shorten the ranges of `rays` by the walls in the cells they pass in an interval [m].
+
+    `lines` are where they start and their unit vectors, shape (len(rays), 4).
+    """
+    origins, headings = lines[:, :2], lines[:, 2:]
+    span = np.concatenate([interval[0] * headings, interval[1] * headings], axis=1)
+    cells, index = rasterise(np.tile(origins - grid.corner, 2) + span, grid.cell)
     inside = ((cells >= 0) & (cells < grid.shape)).all(axis=1)
-    places, index = cells[inside] @ np.array([1, grid.shape[0]]), rays[index[inside]]
+    places, index = cells[inside] @ np.array([1, grid.shape[0]]), index[inside]
     first = grid.cell_start[places].astype(np.int64)
     counts = grid.cell_start[places + 1] - first
     blocks = np.flatnonzero(np.diff(np.cumsum(counts) // PAIRS)) + 1
@@ -122,7 +139,7 @@ def _along(
         ray = np.repeat(index[block], counts[block])
         walls = grid.pieces[ranges(first[block], counts[block]), :4]
         which, met = meetings(origins[ray], headings[ray], walls)
-        np.minimum.at(out, ray[which], met)
+        np.minimum.at(out, rays[ray[which]], met)
 
 
 def _interval(grid: Grid, origins: Float) -> tuple[Float, Float]:

@@ -142,7 +142,7 @@ def _predecessors(walls: Float, cells: Int, owners: Int) -> Int:
 
 def _large_enough(cell: float, extent: Float, length: float) -> float:
     """Return `cell`, or what keeps both the cells of the map's box and its items bounded [m]."""
-    width, height = extent.tolist()
+    width, height = float(extent[0]), float(extent[1])
     return max(
         cell,
         sqrt(width * height / MOST_CELLS) * 1.1,

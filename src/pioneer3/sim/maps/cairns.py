@@ -1,7 +1,20 @@
-"""The `Cairn:` and `MapInfo:` lines of an ARIA map (arcos.md 10.2, 10.3)."""
+"""The `Cairn:` and `MapInfo:` lines of an ARIA map (arcos.md 10.2, 10.3).
+
+What the simulator makes of them, after MobileSim and AMRISim (their README, `MapLoader`):
+
+* `Sim.BoxObstacle`, and areas of a type whose MapInfo says `Sim.Obstacle=yes`: four walls.
+* `Reflector`, `Sim.Reflector`, types that end in `.Reflect`, and lines of a type whose MapInfo
+  says `Sim.LaserReflect=` 2 or more: one wall. Walls have no reflectance here: a laser sees a
+  reflector as a wall like any other.
+* `Sim.Obstacle=no`, `Sim.LaserReflect=0` or `no` and `Sim.SonarReflect=no` ask for things that only
+  some sensors see. A wall here stops robots, sonar and laser alike: `Sim.Obstacle=no` leaves
+  the object out, the other two change nothing.
+* All others, ForbiddenLine and ForbiddenArea among them, are objects without walls.
+"""
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from math import cos, radians, sin
 
 from pioneer3.geometry import Pose2, wrap
@@ -9,11 +22,26 @@ from pioneer3.sim.maps.line_map import MapObject
 from pioneer3.sim.maps.text import Line, shown
 from pioneer3.units import MM
 
-STANDARD_LINES = frozenset({"ForbiddenLine", "Reflector"})
+STANDARD_LINES = frozenset({"ForbiddenLine", "Reflector", "Sim.Reflector"})
 """Types whose four numbers are the ends of a line, whether a MapInfo declares them or not."""
+STANDARD_SOLIDS = frozenset({"Sim.BoxObstacle", "Reflector", "Sim.Reflector"})
+"""Types that become walls, unless their MapInfo says that they are no obstacles."""
 
 _WORD = re.compile(r'"([^"]*)"|(\S+)')
-_NAME = re.compile(r"Name=(\S+)")
+_YES, _NO = ("yes", "true"), ("no", "false", "0")
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectTypes:
+    """What the MapInfo lines of a map say about its object types.
+
+    Attributes:
+        lines: Types whose four numbers are the ends of a line; all others are areas.
+        solids: Types whose outline becomes walls.
+    """
+
+    lines: frozenset[str] = field(default=STANDARD_LINES)
+    solids: frozenset[str] = field(default=STANDARD_SOLIDS)
 
 
 def words(text: str) -> list[str]:
@@ -21,28 +49,39 @@ def words(text: str) -> list[str]:
     return [quoted or bare for quoted, bare in _WORD.findall(text)]
 
 
-def line_types(infos: Iterable[str]) -> frozenset[str]:
-    """Return the object types that are lines.
-
-    Args:
-        infos: The values of the MapInfo lines.
-    """
-    declared = set(STANDARD_LINES)
+def object_types(infos: Iterable[str]) -> ObjectTypes:
+    """Return what the values of the MapInfo lines declare."""
+    lines, solids = set(STANDARD_LINES), set(STANDARD_SOLIDS)
     for info in infos:
         kind, *settings = words(info) or [""]
-        names = [match[1] for word in settings if (match := _NAME.fullmatch(word))]
-        if kind == "BoundaryType":
-            declared.update(names)
-    return frozenset(declared)
+        given = dict(word.split("=", 1) for word in settings if "=" in word)
+        name = given.get("Name", "")
+        is_line = kind == "BoundaryType"
+        if is_line:
+            lines.add(name)
+        obstacle = given.get("Sim.Obstacle", "").lower()
+        if obstacle in _NO:
+            solids.discard(name)
+        elif (
+            (obstacle in _YES and not is_line)
+            or name.endswith(".Reflect")
+            or (is_line and _reflects(given.get("Sim.LaserReflect", "")))
+        ):
+            solids.add(name)
+    return ObjectTypes(frozenset(lines), frozenset(solids))
 
 
-def cairn(line: Line, value: str, lines: frozenset[str]) -> MapObject:
+def _reflects(value: str) -> bool:
+    return value.isdecimal() and value not in {"0", "1"}
+
+
+def cairn(line: Line, value: str, types: ObjectTypes) -> MapObject:
     """Return the object that a `Cairn:` line describes.
 
     Args:
         line: Where it stands, for errors.
         value: What follows `Cairn:`.
-        lines: The types whose four numbers are the ends of a line; all others are areas.
+        types: What the map declares.
 
     Raises:
         ConfigError: Fields are missing, left over or not numbers.
@@ -56,9 +95,15 @@ def cairn(line: Line, value: str, lines: frozenset[str]) -> MapObject:
     outline: tuple[tuple[float, float], ...] = ()
     if corners_mm:
         x0, y0, x1, y1 = (MM * number for number in line.numbers("Cairn", corners_mm))
-        outline = ((x0, y0), (x1, y1)) if kind in lines else rectangle(x0, y0, x1, y1, theta)
-    pose = Pose2(MM * x_mm, MM * y_mm, wrap(theta))
-    return MapObject(kind=kind, name=name, pose=pose, outline=outline)
+        is_line = kind in types.lines
+        outline = ((x0, y0), (x1, y1)) if is_line else rectangle(x0, y0, x1, y1, theta)
+    return MapObject(
+        kind=kind,
+        name=name,
+        pose=Pose2(MM * x_mm, MM * y_mm, wrap(theta)),
+        outline=outline,
+        solid=bool(outline) and kind in types.solids,
+    )
 
 
 def rectangle(

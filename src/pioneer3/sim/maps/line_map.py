@@ -1,5 +1,6 @@
 """A map as the simulator sees it: wall segments and named places, in SI."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,12 +31,27 @@ class MapObject:
         pose: Pose in the map frame; meaningless for lines and areas.
         outline: Points `(x, y)` [m] in the map frame: none for a place, the two ends of a line,
             the four corners of an area in order.
+        solid: Its outline is among the walls of the map: a box, a reflector.
     """
 
     kind: str
     name: str
     pose: Pose2
     outline: tuple[tuple[float, float], ...] = ()
+    solid: bool = False
+
+    @property
+    def sides(self) -> tuple[tuple[float, float, float, float], ...]:
+        """The segments `x0, y0, x1, y1` [m]: of a place none, of a line one, of an area four."""
+        corners = self.outline
+        after = corners[1:] + (corners[:1] if len(corners) > 2 else ())
+        return tuple((*start, *end) for start, end in zip(corners, after, strict=False))
+
+
+def solid_walls(objects: Iterable[MapObject]) -> Float:
+    """Return the walls that solid objects stand for [m], shape (W, 4), in their order."""
+    sides = [side for item in objects if item.solid for side in item.sides]
+    return np.array(sides, dtype=np.float64).reshape(-1, 4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,7 +60,8 @@ class LineMap:
 
     Attributes:
         name: What to call it on screen.
-        walls: Segments `x0, y0, x1, y1` [m], shape (W, 4), float64; a read-only copy is kept.
+        walls: Segments `x0, y0, x1, y1` [m], shape (W, 4), float64; a read-only copy is kept. The
+            sides of solid objects are among them.
         homes: Poses a robot may start at, in file order.
         objects: Every cairn in file order, the homes and obstacles among them.
     """

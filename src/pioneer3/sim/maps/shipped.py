@@ -4,8 +4,8 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.aria import read_map
 from pioneer3.sim.maps.line_map import LineMap
+from pioneer3.sim.maps.read import read_map
 
 _SUFFIX = ".map"
 

@@ -59,29 +59,63 @@ def read_lines(path: Path) -> Iterator[Line]:
     Raises:
         ConfigError: The file is missing, not a regular file, unreadable or too large.
     """
-    text = _read(path)
-    for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+    return lines_of(path, decoded(read_bytes(path)))
+
+
+def lines_of(path: Path, text: str) -> Iterator[Line]:
+    """Yield the lines of `text` that say something; `path` is for messages."""
+    for number, line in numbered(text):
         stripped = line.strip()
         if stripped and stripped[0] not in "#;":
             yield Line(path, number, stripped)
 
 
-def _read(path: Path) -> str:
+def numbered(text: str) -> Iterator[tuple[int, str]]:
+    """Yield every line with its number from 1, whatever its line end."""
+    yield from enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1)
+
+
+def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
+    """Return what is in a file of at most `largest` bytes.
+
+    Raises:
+        ConfigError: The file is missing, not a regular file, unreadable or too large.
+    """
     try:
         if path.is_dir():
             raise wrong(path, " is a directory, not a map file")
         if path.exists() and not path.is_file():
             raise wrong(path, " is not a regular file")
         with path.open("rb") as file:
-            raw = file.read(LARGEST_FILE + 1)
+            raw = file.read(largest + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, ConfigError):
             raise
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise wrong(path, f" cannot read this map file: {reason}") from None
-    if len(raw) > LARGEST_FILE:
-        raise wrong(path, f" is larger than {LARGEST_FILE >> 20} MB, so not a map")
+        raise wrong(path, f" cannot read this map file: {_reason(error)}") from None
+    if len(raw) > largest:
+        raise wrong(path, f" is larger than {largest >> 20} MB, so not a map")
+    return raw
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file.
+
+    Raises:
+        ConfigError: It cannot be written.
+    """
+    try:
+        path.write_bytes(data)
+    except (OSError, ValueError) as error:
+        raise wrong(path, f" cannot be written: {_reason(error)}") from None
+
+
+def decoded(raw: bytes) -> str:
+    """Return the text in `raw`: UTF-8 with or without its mark, else Latin-1."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

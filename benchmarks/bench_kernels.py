@@ -1,0 +1,152 @@
+"""Rays and beams per second of both kernels, how they grow, and how long they take to start."""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from math import ceil, pi, sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.table import Row
+from pioneer3.models import load_model
+from pioneer3.sim.kernels import (
+    Grid,
+    Kernels,
+    Robots,
+    build_grid,
+    laser_fan,
+    load_kernels,
+    sonar_mounts,
+)
+from pioneer3.sim.maps import shipped_map
+
+Float = NDArray[np.float64]
+
+AMR_OFFICE = Path("/work/shared/maps/AMROffice.map")
+MODEL = load_model("p3dx-sh")
+SONAR_LIMIT, LASER_LIMIT, BEAMS = 5.0, 8.0, 181
+MANY_RAYS = 20_000
+BARS = {"numba": (15.0, 40.0), "numpy": (1.0, 12.0)}
+"""Million rays and beams per second; of numpy's rays what its real-time factor asks for."""
+WARM = (
+    "from time import perf_counter as now; import numba; from pioneer3.sim import kernels;"
+    "begin = now(); kernels.load_kernels('numba'); print(now() - begin)"
+)
+
+
+def office(copies: int = 1) -> Float:
+    """Return the lines of an office with a boundary, side by side, shape (W, 4)."""
+    if AMR_OFFICE.exists():
+        text = AMR_OFFICE.read_text(encoding="ascii", errors="replace")
+        lines = text.partition("LINES\n")[2].partition("DATA")[0].split()
+        walls = np.array(lines, dtype=np.float64).reshape(-1, 4) / 1000
+    else:
+        walls = shipped_map("office").walls
+    points = walls.reshape(-1, 2)
+    (x0, y0), (x1, y1) = points.min(axis=0) - 0.1, points.max(axis=0) + 0.1
+    box = [[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]]
+    walls, side = np.concatenate([walls, box]), ceil(sqrt(copies))
+    shifts = [(k % side * (x1 - x0 + 1), k // side * (y1 - y0 + 1)) * 2 for k in range(copies)]
+    return np.concatenate([walls + shift for shift in shifts])
+
+
+def crowd(kernels: Kernels, grid: Grid, count: int) -> Robots:
+    """Return so many robots at random free places."""
+    sizes = (MODEL.length_front, MODEL.length_rear, MODEL.width / 2)
+    robots, random = Robots(*(np.full(count, size) for size in sizes)), np.random.default_rng(1)
+    points = grid.walls.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    robots.theta[:] = random.uniform(-pi, pi, count)
+    lost = np.ones(count, dtype=np.bool_)
+    while lost.any():
+        robots.poses[:2, lost] = random.uniform(low, high, (int(lost.sum()), 2)).T
+        kernels.place(robots)
+        lost = kernels.blocked(grid, robots, robots.poses)
+    return robots
+
+
+def seconds(call: Callable[[], object]) -> float:
+    """Return what one call takes at best [s]."""
+    call()
+    times = []
+    for _ in range(15):
+        begin = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - begin)
+    repeats = max(1, int(0.01 / min(times)))
+    for _ in range(7):
+        begin = time.perf_counter()
+        for _ in range(repeats):
+            call()
+        times.append((time.perf_counter() - begin) / repeats)
+    return min(times)
+
+
+def speeds(kernels: Kernels, copies: int, count: int) -> tuple[float, float]:
+    """Return rays and beams per second of `count` robots that see each other."""
+    grid = build_grid(office(copies))
+    robots = crowd(kernels, grid, count)
+    transducers = np.array([(s.x, s.y, s.theta) for s in MODEL.sonars])
+    mounts = sonar_mounts([transducers], [0] * count)
+    fan = laser_fan((0.02, 0.0, 0.0), -pi / 2, pi / (BEAMS - 1), BEAMS)
+    heard, seen = np.empty((count, mounts.most)), np.empty((count, BEAMS))
+    rays = seconds(lambda: kernels.sonar(grid, robots, mounts, SONAR_LIMIT, heard))
+    beams = seconds(lambda: kernels.cast_fans(grid, robots, fan, LASER_LIMIT, out=seen))
+    return heard.size / rays, seen.size / beams
+
+
+def seconds_per_ray(kernels: Kernels, copies: int) -> float:
+    """Return what a ray from a random place among walls takes [s]."""
+    grid, random = build_grid(office(copies)), np.random.default_rng(2)
+    nobody = np.empty(0)
+    robots, points = Robots(nobody, nobody, nobody), grid.walls.reshape(-1, 2)
+    kernels.place(robots)
+    origins = random.uniform(points.min(axis=0), points.max(axis=0), (MANY_RAYS, 2))
+    angles, owner = random.uniform(-pi, pi, MANY_RAYS), np.full(MANY_RAYS, -1, dtype=np.int32)
+    out = np.empty(MANY_RAYS)
+    took = seconds(
+        lambda: kernels.cast_rays(
+            grid, robots, origins, angles, owner=owner, limit=SONAR_LIMIT, out=out
+        )
+    )
+    return took / MANY_RAYS
+
+
+def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
+    """Measure one implementation."""
+    kernels = load_kernels(name)
+    rays_bar, beams_bar = BARS[name]
+    for count, copies in ((1, 1), (10, 1), (100, 1), (1000, 16)):
+        rays, beams = speeds(kernels, copies, count)
+        yield Row(f"{name}: sonar, {count} robots", rays / 1e6, "M/s", rays_bar, True)
+        yield Row(f"{name}: 181 beams, {count} robots", beams / 1e6, "M/s", beams_bar, True)
+    few, many = speeds(kernels, 1, 10), speeds(kernels, 100, 1000)
+    for what, one, other in zip(("sonar", "beams"), few, many, strict=True):
+        yield Row(f"{name}: {what} per robot, 1000 as against 10", one / other, "times", 1.5)
+    growth = seconds_per_ray(kernels, 405) / seconds_per_ray(kernels, 1)
+    yield Row(f"{name}: ray among 100 000 segments as against 247", growth, "times", 2)
+
+
+def start_rows() -> Iterator[Row]:
+    """Measure compiling, then loading what was compiled, each in a new process."""
+    with TemporaryDirectory() as cache:
+        for what, bar in (("compile", 8.0), ("load from cache", 0.6)):
+            command = [sys.executable, "-c", WARM]
+            environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+            done = subprocess.run(command, check=True, capture_output=True, env=environment)
+            yield Row(f"numba: {what}, without importing numba", float(done.stdout), "s", bar)
+
+
+def rows() -> Iterator[Row]:
+    """Measure everything of this file."""
+    if find_spec("numba"):
+        yield from start_rows()
+        yield from rows_of("numba")
+    yield from rows_of("numpy")

@@ -1,0 +1,141 @@
+"""`pioneer3 map`: look at maps and worlds, check them, convert them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+from cyclopts.validators import Number
+
+from pioneer3.cli.flags import Flag
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from pioneer3.runtime.mapping import MapInfo
+    from pioneer3.sim.worldfile.remark import Remark
+
+map_app = App(
+    name="map",
+    help="""Show, check and convert maps and worlds.
+
+    They are ARIA .map files, ROS map_server .yaml files with their picture,
+    and .toml worlds: a map with robots, boxes and people.
+
+    Example: pioneer3 map show office
+    """,
+    help_format="plaintext",
+)
+
+
+@map_app.command
+def show(file: str) -> int:
+    """Draw a map in the terminal; say how large it is and what is in it.
+
+    Example: pioneer3 map show lab.map
+
+    Args:
+        file: A shipped map (office), or a .map, .yaml or .toml file.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from pioneer3.runtime.mapping import look  # noqa: PLC0415
+
+    _print_map(look(file), Console(highlight=False))
+    return 0
+
+
+@map_app.command
+def check(
+    file: str,
+    *,
+    robot: Annotated[str, Parameter(name=["--robot", "-r"])] = "p3at-sh",
+    json: Flag = False,
+) -> int:
+    """Say all that is wrong with a map: bad lines, homes in walls, goals out of reach.
+
+    The exit code is 0 if nothing is, 1 after warnings, 2 after errors.
+
+    Example: pioneer3 map check lab.map --robot p3dx
+
+    Args:
+        file: A shipped map (office), or a .map, .yaml or .toml file.
+        robot: The model that must have room at homes and on the way to goals.
+        json: Print JSON for programs, nothing else.
+    """
+    from pioneer3.cli.output import write_json  # noqa: PLC0415
+    from pioneer3.runtime import mapping  # noqa: PLC0415
+
+    remarks, code = mapping.check(file, robot)
+    if json:
+        write_json({"file": file, "exit_code": code, "remarks": remarks}, indent=2)
+    else:
+        _print_remarks(file, remarks)
+    return code
+
+
+@map_app.command
+def convert(
+    source: str,
+    target: Path,
+    *,
+    resolution: Annotated[float, Parameter(validator=Number(gte=0.001, lte=10))] = 0.05,
+    force: Flag = False,
+) -> int:
+    """Write a map in another format; the ending of the new name says which.
+
+    .map for ARIA, .yaml with a .pgm picture for ROS, .toml for a world that builds on
+    the map, .svg or .png for a picture to look at.
+
+    Example: pioneer3 map convert lab.map lab.yaml
+
+    Args:
+        source: A shipped map (office), or a .map, .yaml or .toml file.
+        target: The new file.
+        resolution: Side of a pixel of a .yaml map [m].
+        force: Write over files that are there.
+    """
+    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.runtime import mapping  # noqa: PLC0415
+
+    done = mapping.convert(source, target, resolution=resolution, force=force)
+    for path in done.files:
+        write_line(f"wrote {path}")
+    if done.left_out:
+        write_line(f"left out, a {target.suffix} has no place for it: {', '.join(done.left_out)}")
+    return 0
+
+
+def _print_map(info: "MapInfo", console: "Console") -> None:
+    from rich.text import Text  # noqa: PLC0415
+
+    from pioneer3.cli.map_drawing import Canvas, legend  # noqa: PLC0415
+
+    title = Text(info.name, "bold", no_wrap=True, overflow="ellipsis")
+    width, height = info.size
+    title.append(f"  {width:.1f} x {height:.1f} m, {info.walls} walls", "default")
+    title.append(f" ({info.wall_length:.0f} m)", "dim")
+    counts = Text(", ".join(f"{count} {kind}" for kind, count in info.counts.items()))
+    marks = legend(info.drawing.bounds, info.drawing)
+    lines = sum(len(text.wrap(console, console.width)) for text in (title, counts, marks))
+    # a row for the ruler, and one for the prompt that follows
+    canvas = Canvas(info.drawing, console.width, max(4, console.height - lines - 2))
+    console.print(title)
+    if counts:
+        console.print(counts)
+    console.print(canvas.text(), end="")
+    console.print(canvas.ruler())
+    console.print(marks)
+
+
+def _print_remarks(file: str, remarks: "tuple[Remark, ...]") -> None:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    for remark in remarks:
+        style = "bold red" if remark.level == "error" else "yellow"
+        where = f"{file}:{remark.line}: " if remark.line else f"{file}: "
+        text = Text(where).append(f"{remark.level}: ", style).append(remark.text)
+        console.print(text, soft_wrap=True)
+    if not remarks:
+        console.print(Text(f"{file}: all fine", "bold green"), soft_wrap=True)

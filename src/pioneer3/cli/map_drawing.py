@@ -1,0 +1,133 @@
+"""A map as characters: braille dots for lines, signs and names for places."""
+
+from collections.abc import Mapping
+from math import pi
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.cells import cell_len
+from rich.text import Text
+
+from pioneer3.sim.maps.line_map import Bounds
+from pioneer3.sim.maps.raster import samples
+from pioneer3.sim.worldfile.drawing import Drawing, Ink, Mark
+
+BLANK: Final = 0x2800
+DOTS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
+"""The bit of each dot of a braille character, its rows from the top."""
+ARROWS: Final = "→↗↑↖←↙↓↘"
+SIGNS: Mapping[Ink, str] = MappingProxyType({Ink.GOAL: "●", Ink.DOCK: "■", Ink.HOME: "▲"})
+STYLES: Mapping[Ink, str] = MappingProxyType(
+    {
+        Ink.WALL: "",
+        Ink.FORBIDDEN: "red",
+        Ink.PERSON: "magenta",
+        Ink.BOX: "yellow",
+        Ink.DOCK: "bold yellow",
+        Ink.GOAL: "bold cyan",
+        Ink.HOME: "bold green",
+    }
+)
+ROUND: Final = (1, 2, 5)
+
+
+class Canvas:
+    """Characters that a drawing fits on.
+
+    Args:
+        drawing: What to draw.
+        columns: Characters at most.
+        rows: The same.
+    """
+
+    def __init__(self, drawing: Drawing, columns: int, rows: int) -> None:
+        bounds = drawing.bounds
+        width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
+        # a character is two dots wide and four high, and dots are about square
+        self.scale = max(width / (2 * columns - 1), height / (4 * rows - 1), 1e-6)
+        self.columns = min(columns, int(width / self.scale) // 2 + 1)
+        self.rows = min(rows, int(height / self.scale) // 4 + 1)
+        self._bounds = bounds
+        self._bits = np.zeros((self.rows, self.columns), dtype=np.int64)
+        self._styles = [[""] * self.columns for _ in range(self.rows)]
+        self._letters: dict[tuple[int, int], tuple[str, str]] = {}
+        for ink in Ink:
+            self._draw_lines(ink, drawing.lines.get(ink, np.empty((0, 4))))
+        for mark in drawing.marks:
+            self._put(*self._cell(mark), _sign(mark), STYLES[mark.ink])
+        for mark in drawing.marks:
+            self._name(mark)
+
+    def text(self) -> Text:
+        """Return all of it, one line of text a row."""
+        text = Text(no_wrap=True, overflow="crop")
+        for row in range(self.rows):
+            for column in range(self.columns):
+                dots = chr(BLANK + int(self._bits[row, column])), self._styles[row][column]
+                letter, style = self._letters.get((row, column), dots)
+                text.append(letter, style or None)
+            text.append("\n")
+        return text
+
+    def ruler(self) -> Text:
+        """Return a line that is a round number of metres long, and says so."""
+        longest = self.columns * 2 * self.scale / 3
+        power = 10.0 ** np.floor(np.log10(longest))
+        metres = max(step * power for step in ROUND if step * power <= longest)
+        width = max(2, round(metres / self.scale / 2))
+        return Text(f"├{'─' * (width - 2)}┤ {metres:g} m", "dim")
+
+    def _draw_lines(self, ink: Ink, segments: NDArray[np.float64]) -> None:
+        if not len(segments):
+            return
+        points = samples(segments, self.scale / 2)
+        x = (points[:, 0] - self._bounds.x_min) / self.scale
+        y = (self._bounds.y_max - points[:, 1]) / self.scale
+        across = np.rint(x).astype(np.int64).clip(0, 2 * self.columns - 1)
+        down = np.rint(y).astype(np.int64).clip(0, 4 * self.rows - 1)
+        np.bitwise_or.at(self._bits, (down // 4, across // 2), DOTS[down % 4, across % 2])
+        for row, column in set(zip((down // 4).tolist(), (across // 2).tolist(), strict=True)):
+            self._styles[row][column] = STYLES[ink]
+
+    def _cell(self, mark: Mark) -> tuple[int, int]:
+        column = int((mark.pose.x - self._bounds.x_min) / self.scale / 2 + 0.25)
+        row = int((self._bounds.y_max - mark.pose.y) / self.scale / 4 + 0.125)
+        return min(max(row, 0), self.rows - 1), min(max(column, 0), self.columns - 1)
+
+    def _put(self, row: int, column: int, letter: str, style: str) -> None:
+        self._letters[row, column] = letter, style
+
+    def _name(self, mark: Mark) -> None:
+        """Write a name beside its sign, right or else left, if that hides no other sign."""
+        name = "".join(c for c in mark.name[:20] if c.isprintable() and cell_len(c) == 1)
+        row, column = self._cell(mark)
+        for first in (column + 1, column - len(name)):
+            cells = [(row, at) for at in range(first, first + len(name))]
+            inside = first >= 0 and first + len(name) <= self.columns
+            if inside and not any(cell in self._letters for cell in cells):
+                for cell, letter in zip(cells, name, strict=True):
+                    self._put(*cell, letter, STYLES[mark.ink])
+                return
+
+
+def _sign(mark: Mark) -> str:
+    if mark.ink is Ink.HOME:
+        return ARROWS[round(mark.pose.theta / (pi / 4)) % 8]
+    return SIGNS[mark.ink]
+
+
+def legend(bounds: Bounds, drawing: Drawing) -> Text:
+    """Return what the colours and signs on the drawing mean, and its corners."""
+    text = Text()
+    used = {mark.ink for mark in drawing.marks}
+    used |= {ink for ink, segments in drawing.lines.items() if len(segments)}
+    for ink in Ink:
+        if ink in used and ink is not Ink.WALL:
+            sign = "→" if ink is Ink.HOME else SIGNS.get(ink, "⣿")
+            text.append(f"{sign} {ink}  ", STYLES[ink])
+    corners = (
+        f"x {bounds.x_min:.1f} to {bounds.x_max:.1f}, y {bounds.y_min:.1f} to {bounds.y_max:.1f} m"
+    )
+    return text.append(corners, "dim")

@@ -1,0 +1,158 @@
+"""Reads, checks and converts maps and worlds by their names: what `pioneer3 map` does."""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from pioneer3.errors import ConfigError
+from pioneer3.models import load_model
+from pioneer3.sim.maps import LineMap, write_aria_map, write_map_server
+from pioneer3.sim.maps.text import write_bytes
+from pioneer3.sim.worldfile import WorldFile, load_world, write_world
+from pioneer3.sim.worldfile.check import check_world
+from pioneer3.sim.worldfile.drawing import Drawing, draw
+from pioneer3.sim.worldfile.picture import to_picture, to_svg
+from pioneer3.sim.worldfile.remark import Level, Remark
+
+FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapInfo:
+    """A map or world, and what is in it.
+
+    Attributes:
+        name: What to call it.
+        drawing: What there is to draw.
+        size: Along x and y [m], of the walls.
+        walls: How many.
+        wall_length: All together [m].
+        counts: How many objects there are of each kind, robots, boxes and people among them.
+    """
+
+    name: str
+    drawing: Drawing
+    size: tuple[float, float]
+    walls: int
+    wall_length: float
+    counts: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """What a conversion has written, and what the new format has no room for."""
+
+    files: tuple[Path, ...]
+    left_out: tuple[str, ...] = ()
+
+
+def look(name_or_path: str) -> MapInfo:
+    """Read a shipped map, a map file or a world.
+
+    Raises:
+        ConfigError: It cannot be read.
+    """
+    world = load_world(name_or_path)
+    line_map = world.line_map()
+    bounds, walls = line_map.bounds, line_map.walls
+    lengths = np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1])
+    return MapInfo(
+        name=world.name,
+        drawing=draw(world, line_map),
+        size=(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min),
+        walls=len(walls),
+        wall_length=float(lengths.sum()),
+        counts=_counts(world, line_map),
+    )
+
+
+def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
+    counts = Counter(item.kind for item in line_map.objects)
+    found = {"robot": len(world.robots), "movable box": len(world.movable)}
+    found["person"] = len(world.people)
+    return dict(counts) | {kind: count for kind, count in found.items() if count}
+
+
+def check(name_or_path: str, robot: str) -> tuple[tuple[Remark, ...], int]:
+    """Return what is wrong with a map, and the exit code: 0 nothing, 1 warnings, 2 errors.
+
+    Raises:
+        ConfigError: There is no such robot model.
+    """
+    remarks = check_world(name_or_path, load_model(robot))
+    if any(remark.level is Level.ERROR for remark in remarks):
+        return remarks, 2
+    return remarks, 1 if remarks else 0
+
+
+def convert(source: str, target: Path, *, resolution: float, force: bool) -> Converted:
+    """Write a map or world in the format that the ending of `target` names.
+
+    Args:
+        source: A shipped map, a map file or a world.
+        target: Where to; `.map`, `.yaml`, `.toml`, `.svg` or `.png`.
+        resolution: Side of a pixel of a map_server picture [m].
+        force: Write over files that are there.
+
+    Raises:
+        ConfigError: The source cannot be read, the ending is unknown, or the target is there.
+    """
+    ending = target.suffix.lower().replace(".yml", ".yaml")
+    if ending not in FORMATS:
+        raise ConfigError(f"{_shown(target)}: {_unknown(ending)}")
+    world = load_world(source)
+    line_map = world.line_map()
+    written = (target, target.with_suffix(".pgm")) if ending == ".yaml" else (target,)
+    _make_room(source, world, written, force=force)
+    match ending:
+        case ".map":
+            # a box of an ARIA map may be moved: MobileSim lets people drag it
+            boxes = tuple(replace(box, movable=False) for box in world.boxes)
+            write_aria_map(replace(world, boxes=boxes).line_map(), target)
+        case ".yaml":
+            write_map_server(line_map, target, resolution)
+        case ".toml":
+            write_world(world, target)
+        case ".svg":
+            write_bytes(target, to_svg(draw(world, line_map)).encode())
+        case ".png":
+            write_bytes(target, to_picture(draw(world, line_map)))
+    return Converted(written, _left_out(world, line_map, ending))
+
+
+def _make_room(source: str, world: WorldFile, targets: tuple[Path, ...], *, force: bool) -> None:
+    """Refuse to write over what is read, and without `force` over anything."""
+    read = {Path(source), world.map} if isinstance(world.map, Path) else {Path(source)}
+    for target in targets:
+        try:
+            there = target.exists()
+            same = there and any(item.exists() and target.samefile(item) for item in read)
+        except (OSError, ValueError):
+            continue  # writing says why
+        if same:
+            raise ConfigError(f"{_shown(target)}: is what is read; choose another name")
+        if there and not force:
+            raise ConfigError(f"{_shown(target)}: is there already; --force writes over it")
+
+
+def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ...]:
+    """Return what a format cannot hold, in words."""
+    counts = {"robots": len(world.robots), "people": len(world.people)}
+    if ending == ".yaml":
+        counts |= {"movable boxes": len(world.movable), "objects": len(line_map.objects)}
+    if ending not in {".map", ".yaml"}:
+        return ()
+    return tuple(f"{count} {what}" for what, count in counts.items() if count)
+
+
+def _unknown(ending: str) -> str:
+    close = get_close_matches(ending, FORMATS, n=1)
+    hint = f"did you mean {close[0]}?" if close else f"expected {', '.join(FORMATS)}"
+    return f"unknown format {ending!a}, {hint}"
+
+
+def _shown(path: Path) -> str:
+    return str(path) if str(path).isprintable() else ascii(str(path))

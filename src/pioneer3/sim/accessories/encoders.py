@@ -1,0 +1,73 @@
+"""Encoders: counts of what the wheels rolled (arcos.md 5.2)."""
+
+from collections.abc import Sequence
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import Encoders as EncoderReport
+from pioneer3.arcos.reports import Report
+from pioneer3.sim.accessories.base import Asked, Carrier, Inputs
+
+TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
+"""Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (arcos.md 5.1)."""
+
+
+class Encoders:
+    """Two counters of 32 bits that run from power-on; SETO does not reset them.
+
+    Attributes:
+        left: Rolled by the left wheel since power-on [m].
+        right: By the right one [m].
+    """
+
+    def __init__(self, body: Carrier) -> None:
+        self.left = self.right = 0.0
+        self._body = body
+        self._ticks = TICKS_PER_METRE[body.model.drive]
+        self._asked = Asked()
+        self._time: float | None = None
+        self._left_speed = self._right_speed = 0.0
+
+    def tick(self, now: float) -> None:
+        """Add what the wheels rolled since the last call, as a trapezoid of their speeds."""
+        drive = self._body.drive
+        half = drive.angular.velocity * self._body.model.wheel_base / 2
+        left, right = drive.linear.velocity - half, drive.linear.velocity + half
+        if self._time is not None and now > self._time:
+            dt = now - self._time
+            self.roll((self._left_speed + left) / 2 * dt, (self._right_speed + right) / 2 * dt)
+        self._time, self._left_speed, self._right_speed = now, left, right
+
+    def roll(self, left: float, right: float) -> None:
+        """Turn the wheels by these ways [m]."""
+        self.left += left
+        self.right += right
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Take requests for reports."""
+        match command:
+            case commands.RequestEncoders(how):
+                self._asked.ask(how)
+                return True
+        return False
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the counts when they are due."""
+        if not self._asked.due(cycle=cycle):
+            return ()
+        self.tick(now)
+        left, right = (_s32(way * self._ticks) for way in (self.left, self.right))
+        return (EncoderReport(left_counts=left, right_counts=right),)
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Nothing of this is in the standard report."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more reports; the counters run on."""
+        self._asked = Asked()
+
+
+def _s32(count: float) -> int:
+    """Return what a signed counter of 32 bits shows."""
+    return (round(count) + (1 << 31)) % (1 << 32) - (1 << 31)

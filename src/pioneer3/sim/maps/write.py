@@ -1,0 +1,151 @@
+"""Writes maps: ARIA's `.map`, and YAML with a picture for ROS's map_server."""
+
+from collections.abc import Iterator
+from math import cos, degrees, sin
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.errors import ConfigError
+from pioneer3.sim.maps.cairns import STANDARD_LINES, STANDARD_SOLIDS
+from pioneer3.sim.maps.image import MOST_PIXELS
+from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, solid_walls
+from pioneer3.sim.maps.pgm import to_pgm
+from pioneer3.sim.maps.raster import EDGE, shape_of, touched
+from pioneer3.sim.maps.text import write_bytes
+from pioneer3.units import MM
+
+RESOLUTION = 0.05
+"""Of pictures unless told [m]: what ROS's own map saver usually gets."""
+OCCUPIED, FREE = 0, 254
+"""Shades that map_saver writes."""
+KNOWN = frozenset(
+    {"Goal", "GoalWithHeading", "Dock", "RobotHome", "ForbiddenLine", "ForbiddenArea"}
+)
+"""Types that need no MapInfo."""
+
+
+def write_aria_map(line_map: LineMap, path: Path) -> None:
+    """Write an ARIA map; coordinates are rounded to whole millimetres, as ARIA reads them.
+
+    Scanned points and pictures become LINES. Reading it back gives walls within half a millimetre,
+    and the same objects.
+
+    Raises:
+        ConfigError: The file cannot be written.
+    """
+    write_bytes(path, "".join(f"{line}\n" for line in _aria_lines(line_map)).encode())
+
+
+def _aria_lines(line_map: LineMap) -> Iterator[str]:
+    walls_mm = np.rint(_drawn(line_map) / MM).astype(np.int64)
+    yield "2D-Map"
+    if len(walls_mm):
+        x_mm, y_mm = walls_mm[:, ::2], walls_mm[:, 1::2]
+        yield f"LineMinPos: {x_mm.min()} {y_mm.min()}"
+        yield f"LineMaxPos: {x_mm.max()} {y_mm.max()}"
+    yield f"NumLines: {len(walls_mm)}"
+    yield from dict.fromkeys(filter(None, map(_info, line_map.objects)))
+    yield from map(_cairn, line_map.objects)
+    yield "LINES"
+    for row in walls_mm.tolist():
+        yield " ".join(map(str, row))
+    # ARIA reads on until it has found this heading
+    yield "DATA"
+
+
+def _drawn(line_map: LineMap) -> NDArray[np.float64]:
+    """Return the walls that are not those of a solid object, which stands for itself."""
+    solid = {tuple(side) for side in solid_walls(line_map.objects).tolist()}
+    kept = [tuple(wall) not in solid for wall in line_map.walls.tolist()]
+    drawn: NDArray[np.float64] = line_map.walls[np.array(kept, dtype=np.bool_)]
+    return drawn
+
+
+def _info(item: MapObject) -> str:
+    """Return the MapInfo that an object's type needs to be read as it is, or nothing."""
+    name = _quoted(f"Name={item.kind}")
+    if len(item.outline) == 2:
+        if item.kind in STANDARD_LINES:
+            return ""
+        return f"MapInfo: BoundaryType {name}" + (" Sim.LaserReflect=2" if item.solid else "")
+    if item.outline:
+        if item.kind in KNOWN | STANDARD_SOLIDS:
+            return ""
+        return f"MapInfo: SectorType {name}" + (" Sim.Obstacle=yes" if item.solid else "")
+    return "" if item.kind in KNOWN else f"MapInfo: LocationType {name}"
+
+
+def _cairn(item: MapObject) -> str:
+    pose = item.pose
+    x_mm, y_mm = round(pose.x / MM), round(pose.y / MM)
+    theta_deg = round(degrees(pose.theta), 9)
+    fields = f"{_quoted(item.kind)} {x_mm} {y_mm} {theta_deg:.9g}"
+    corners = " ".join(str(round(number / MM)) for number in _corners(item))
+    name = item.name.replace('"', "'")
+    printable = "".join(c if c.isprintable() else " " for c in name)
+    return f'Cairn: {fields} "" ICON "{printable}" {corners}'.rstrip()
+
+
+def _corners(item: MapObject) -> Iterator[float]:
+    """Yield the four numbers of a line or, turned back, of an area [m]; of a place none."""
+    is_line = len(item.outline) == 2
+    turned = 0.0 if is_line else -item.pose.theta
+    c, s = cos(turned), sin(turned)
+    # the ends of a line; of an area the first corner and the opposite one
+    for x, y in item.outline if is_line else item.outline[:3:2]:
+        yield c * x - s * y
+        yield s * x + c * y
+
+
+def _quoted(word: str) -> str:
+    word = "".join(c if c.isprintable() else " " for c in word.replace('"', "'"))
+    return word if word and " " not in word else f'"{word}"'
+
+
+def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTION) -> Path:
+    """Write a YAML file, and beside it a PGM picture of the walls; return the picture's path.
+
+    Walls become black pixels, all else is free: which side of a wall is unknown, lines don't
+    say. Objects are lost, map_server has none. Reading it back gives outlines that lie within
+    a pixel's diagonal of the walls.
+
+    Args:
+        line_map: The map.
+        path: The YAML file.
+        resolution: Side of a pixel [m].
+
+    Raises:
+        ConfigError: The picture would be too large, or a file cannot be written.
+    """
+    image = path.with_suffix(".pgm")
+    bounds = framed(line_map.bounds, resolution)
+    height, width = shape_of(bounds, resolution)
+    if height * width > MOST_PIXELS:
+        raise ConfigError(
+            f"{path}: resolution: {resolution:g} m makes {width} x {height} pixels, more than "
+            f"{MOST_PIXELS / 1e6:.0f} million; take larger ones"
+        )
+    occupied = touched(line_map.walls, bounds, resolution)[::-1]
+    write_bytes(image, to_pgm(np.where(occupied, OCCUPIED, FREE).astype(np.uint8)))
+    text = (
+        f"image: {_yaml(image.name)}\n"
+        f"resolution: {resolution:.9g}\n"
+        f"origin: [{bounds.x_min:.9g}, {bounds.y_min:.9g}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    write_bytes(path, text.encode())
+    return image
+
+
+def framed(bounds: Bounds, cell: float) -> Bounds:
+    """Return `bounds` with a free cell all around, grown to whole cells."""
+    low_x, low_y = (np.floor(low / cell + EDGE) - 1 for low in bounds[:2])
+    high_x, high_y = (np.floor(high / cell + EDGE) + 2 for high in bounds[2:])
+    return Bounds(*(float(round(edge * cell, 9)) for edge in (low_x, low_y, high_x, high_y)))
+
+
+def _yaml(name: str) -> str:
+    plain = name.replace("_", "").replace(".", "").isalnum()
+    return name if plain else "'" + name.replace("'", "''") + "'"

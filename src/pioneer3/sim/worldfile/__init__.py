@@ -1,0 +1,22 @@
+"""Worlds in TOML: a map, and what stands, drives and walks in it."""
+
+from pioneer3.sim.worldfile.parse import load_world, parse_world, read_world
+from pioneer3.sim.worldfile.person import Person, outlines_at
+from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Start, Wall, WorldFile
+from pioneer3.sim.worldfile.write import to_toml, write_world
+
+__all__ = [
+    "Box",
+    "Person",
+    "Place",
+    "RobotSpec",
+    "Start",
+    "Wall",
+    "WorldFile",
+    "load_world",
+    "outlines_at",
+    "parse_world",
+    "read_world",
+    "to_toml",
+    "write_world",
+]

@@ -1,0 +1,181 @@
+"""Reads world files: TOML with a `[world]`, and tables of robots, boxes, walls, places, people."""
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps.read import is_world
+from pioneer3.sim.maps.shipped import shipped_maps
+from pioneer3.sim.maps.text import decoded, read_bytes, shown, wrong
+from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
+from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Start, Wall, WorldFile
+from pioneer3.sim.worldfile.table import FARTHEST, Source, Table
+
+LARGEST_WORLD = 1 << 20
+"""Larger files are not worlds [bytes]; tomllib takes seconds for what is much larger."""
+LARGEST_SEED = 2**63 - 1
+
+PLACES = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
+"""Tables of places, and ARIA's type of each; a goal with a heading is a GoalWithHeading."""
+TABLES = ("world", "robot", "box", "wall", *PLACES, "person")
+_STARTS = ("random", "outside", "home")
+_MODEL_FILES = (".toml", ".p")
+
+
+def load_world(name_or_path: str | Path) -> WorldFile:
+    """Return a world file as it is; a map, shipped or in a file, as a world of its own.
+
+    Raises:
+        ConfigError: Neither a shipped name nor a readable file.
+    """
+    path = Path(name_or_path)
+    if is_world(path):
+        return read_world(path)
+    name = str(name_or_path)
+    stem = name.removesuffix(".map")
+    try:
+        is_shipped = name in shipped_maps() or (stem in shipped_maps() and not path.exists())
+    except OSError:
+        is_shipped = False
+    if is_shipped or name == "empty":
+        return WorldFile(name=stem, map=stem)
+    try:
+        if path.suffix or path.exists():
+            return WorldFile(name=path.stem, map=path)
+    except (OSError, ValueError):
+        pass
+    listed = ", ".join((*shipped_maps(), "empty"))
+    raise ConfigError(f"map {shown(name)}: no such file, and none ships so; there is {listed}")
+
+
+def read_world(path: Path) -> WorldFile:
+    """Read a world file; the map it names is read by :meth:`WorldFile.line_map`.
+
+    Raises:
+        ConfigError: It cannot be read, or is wrong; names file, line and field.
+    """
+    return parse_world(path, decoded(read_bytes(path, LARGEST_WORLD)))
+
+
+def parse_world(path: Path, text: str) -> WorldFile:
+    """Read the text of a world file; paths in it count from the file's folder.
+
+    Raises:
+        ConfigError: It is wrong; names file, line and field.
+    """
+    name = str(path) if str(path).isprintable() else ascii(str(path))
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        problem = " ".join(str(error).split())
+        problem = problem if problem.isprintable() else ascii(problem)
+        raise wrong(path, f" not valid TOML: {problem}") from None
+    top = Table(Source(name, text), "", data)
+    top.only(TABLES)
+    world = top.table("world")
+    if world is None:
+        raise wrong(path, " world: missing; a world starts with [world]")
+    world.only(("name", "map", "seed"))
+    robots = tuple(_robot(table, path) for table in top.tables("robot"))
+    _refuse_twins(top, robots)
+    return WorldFile(
+        name=world.string("name", path.stem),
+        map=_map(world, path),
+        seed=world.whole("seed", 0, LARGEST_SEED),
+        robots=robots,
+        boxes=tuple(map(_box, top.tables("box"))),
+        walls=tuple(map(_wall, top.tables("wall"))),
+        places=tuple(_places(top)),
+        people=tuple(map(_person, top.tables("person"))),
+    )
+
+
+def _map(world: Table, path: Path) -> str | Path:
+    name = world.string("map", "empty")
+    if name == "empty" or name in shipped_maps():
+        return name
+    if is_world(Path(name)):
+        raise world.wrong("map", f"{shown(name)} is a world too; give a .map or .yaml file")
+    found = path.parent / name
+    try:
+        if found.is_file():
+            return found
+    except (OSError, ValueError):
+        pass
+    ships = ", ".join((*shipped_maps(), "empty"))
+    raise world.wrong("map", f"no such file: {shown(name)}, seen from here; there ships {ships}")
+
+
+def _robot(table: Table, path: Path) -> RobotSpec:
+    table.only(("model", "name", "start", "port"))
+    model = table.string("model", RobotSpec().model)
+    if Path(model).suffix.lower() in _MODEL_FILES:
+        model = str(path.parent / model)
+    return RobotSpec(
+        model=model,
+        name=table.string("name", ""),
+        start=_start(table),
+        port=table.whole("port", 1, 65535),
+    )
+
+
+def _start(table: Table) -> Start:
+    start = table.data.get("start", "home")
+    if isinstance(start, dict):
+        place = Table(table.source, f"{table.place}.start", start)
+        place.only(("x", "y", "theta_deg"))
+        return place.pose()
+    match start:
+        case "random" | "outside" | "home":
+            return start
+    words = " or ".join(f'"{word}"' for word in _STARTS)
+    raise table.wrong("start", f"expected {{x, y, theta_deg}} or {words}")
+
+
+def _refuse_twins(top: Table, robots: tuple[RobotSpec, ...]) -> None:
+    for key in ("name", "port"):
+        seen: dict[object, int] = {}
+        for index, robot in enumerate(robots):
+            value = robot.name if key == "name" else robot.port
+            if value and value in seen:
+                problem = f"{value} is robot[{seen[value]}]'s already"
+                raise top.wrong(f"robot[{index}].{key}", problem)
+            seen[value] = index
+
+
+def _box(table: Table) -> Box:
+    table.only(("center", "size", "theta_deg", "movable", "name"))
+    return Box(
+        pose=Pose2(*table.pair("center", -FARTHEST, FARTHEST), table.angle("theta_deg")),
+        size=table.pair("size", 0.01, 1000.0),
+        movable=table.flag("movable", default=False),
+        name=table.string("name", ""),
+    )
+
+
+def _wall(table: Table) -> Wall:
+    table.only(("points", "closed"))
+    return Wall(points=table.points("points", 2), closed=table.flag("closed", default=False))
+
+
+def _places(top: Table) -> Iterator[Place]:
+    for key, kind in PLACES.items():
+        for table in top.tables(key):
+            table.only(("x", "y", "theta_deg", "name"))
+            heading = key == "goal" and "theta_deg" in table.data
+            exact = "GoalWithHeading" if heading else kind
+            yield Place(kind=exact, pose=table.pose(), name=table.string("name", ""))
+
+
+def _person(table: Table) -> Person:
+    table.only(("path", "speed", "radius", "loop", "pause", "name"))
+    return Person(
+        path=table.points("path", 1),
+        speed=table.number("speed", 0.01, 10.0, SPEED),
+        radius=table.number("radius", 0.05, 2.0, RADIUS),
+        loop=table.flag("loop", default=True),
+        pause=table.number("pause", 0.0, 3600.0, 0.0),
+        name=table.string("name", ""),
+    )

@@ -1,0 +1,104 @@
+"""People who walk: where one is, is a function of time alone."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import atan2, cos, hypot, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+
+Float = NDArray[np.float64]
+Point = tuple[float, float]
+
+RADIUS = 0.25
+"""Of a standing person, arms at the sides [m]."""
+SPEED = 1.0
+"""Unhurried [m/s]."""
+CORNERS = 8
+
+
+class _Leg(NamedTuple):
+    """Standing for the pause, then walking straight; times since the round began [s]."""
+
+    start: Pose2
+    leaves: float
+    ends: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Person:
+    """Somebody who walks along a path at constant speed, for ever, through everything.
+
+    Attributes:
+        path: Points `(x, y)` [m]; one is enough for somebody who stands.
+        speed: [m/s].
+        radius: Of the circle that the outline is drawn around [m].
+        loop: From the last point straight to the first; else back the way they came.
+        pause: Standing at each point before going on [s].
+        name: What to call them on screen.
+    """
+
+    path: tuple[Point, ...]
+    speed: float = SPEED
+    radius: float = RADIUS
+    loop: bool = True
+    pause: float = 0.0
+    name: str = ""
+    _legs: tuple[_Leg, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Work out the timetable of a round."""
+        object.__setattr__(self, "_legs", tuple(self._timetable()))
+
+    def pose_at(self, time: float) -> Pose2:
+        """Return where they are `time` [s] after the beginning, facing where they walk.
+
+        Who pauses already looks where they go next; they turn on the spot, at once.
+        """
+        if not self._legs:
+            return Pose2(*self.path[0])
+        within = time % self._legs[-1].ends
+        leg = next((leg for leg in self._legs if within < leg.ends), self._legs[-1])
+        walked = max(0.0, within - leg.leaves) * self.speed
+        return leg.start @ Pose2(walked)
+
+    def outline_at(self, time: float) -> Float:
+        """Return the octagon around them [m], shape (8, 4), for ray casting and collisions.
+
+        It is drawn around the circle: its sides touch it, its corners lie 8 % further out.
+        """
+        pose = self.pose_at(time)
+        outline: Float = _octagon(self.radius) + np.array((pose.x, pose.y, pose.x, pose.y))
+        return outline
+
+    def _timetable(self) -> Iterator[_Leg]:
+        clock = 0.0
+        for start, end in pairwise(self._round()):
+            length = hypot(end[0] - start[0], end[1] - start[1])
+            heading = atan2(end[1] - start[1], end[0] - start[0])
+            leaves = clock + self.pause
+            clock = leaves + length / self.speed
+            yield _Leg(Pose2(*start, heading), leaves, clock)
+
+    def _round(self) -> Sequence[Point]:
+        """Return the points of a round, back to the first; repeated ones left out."""
+        back = self.path[:1] if self.loop else self.path[-2::-1]
+        points = self.path + back
+        return [p for p, before in zip(points, (None, *points), strict=False) if p != before]
+
+
+def outlines_at(people: Iterable[Person], time: float) -> Float:
+    """Return the outlines of all `people` at `time` [s], shape (8 P, 4) [m]."""
+    return np.concatenate([np.empty((0, 4)), *(person.outline_at(time) for person in people)])
+
+
+def _octagon(radius: float) -> Float:
+    reach = radius / cos(pi / CORNERS)
+    angles = [(2 * k + 1) * pi / CORNERS for k in range(CORNERS)]
+    corners = [(reach * cos(angle), reach * sin(angle)) for angle in angles]
+    after = corners[1:] + corners[:1]
+    return np.array([(*a, *b) for a, b in zip(corners, after, strict=True)])

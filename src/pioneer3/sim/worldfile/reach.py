@@ -1,0 +1,82 @@
+"""Where can a robot get to? A grid flood over the free floor."""
+
+from math import ceil, floor, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.maps.line_map import Bounds
+from pioneer3.sim.maps.raster import samples
+
+Float = NDArray[np.float64]
+
+CELL = 0.1
+"""Side of a cell [m]; larger in huge maps."""
+MOST_CELLS = 400_000
+MARGIN = 1.0
+"""Of free floor around the map [m]: what has no outer walls may be driven around."""
+
+
+class Floor:
+    """The cells of a map that a disc can stand on.
+
+    Args:
+        walls: Segments [m], shape (W, 4).
+        bounds: Of all places to ask for [m].
+        radius: Of the disc [m]. It counts as half a cell less, so that no gap is missed by
+            rounding, but never so little that it slips through walls.
+    """
+
+    def __init__(self, walls: Float, bounds: Bounds, radius: float) -> None:
+        self._low = np.array([bounds.x_min - MARGIN, bounds.y_min - MARGIN])
+        extent = np.array([bounds.x_max + MARGIN, bounds.y_max + MARGIN]) - self._low
+        self.cell = max(CELL, sqrt(float(extent.prod()) / MOST_CELLS), float(extent.max()) / 1e5)
+        self._shape = (ceil(extent[1] / self.cell) + 1, ceil(extent[0] / self.cell) + 1)
+        self._free = self._clear(walls, max(radius - self.cell / 2, 0.8 * self.cell))
+
+    def reached_from(self, starts: list[tuple[float, float]]) -> NDArray[np.bool_]:
+        """Return the cells that can be reached from any of `starts` [m], shape (H, W)."""
+        width = self._shape[1]
+        free = bytearray(np.pad(self._free, ((1, 1), (0, 1))).astype(np.uint8).tobytes())
+        # one blocked column at the right and a blocked row above and below: no cell wraps around
+        stride = width + 1
+        todo = [(row + 1) * stride + column for row, column in map(self.cell_of, starts)]
+        seen = np.zeros(len(free), dtype=np.bool_)
+        found = bytearray(len(free))
+        while todo:
+            at = todo.pop()
+            if free[at]:
+                free[at] = 0
+                found[at] = 1
+                todo += (at - 1, at + 1, at - stride, at + stride)
+        seen[:] = np.frombuffer(found, dtype=np.uint8)
+        return seen.reshape(-1, stride)[1:-1, :-1]
+
+    def is_free(self, x: float, y: float) -> bool:
+        """Whether the disc can stand at (`x`, `y`) [m]."""
+        return bool(self._free[self.cell_of((x, y))])
+
+    def cell_of(self, point: tuple[float, float]) -> tuple[int, int]:
+        """Return row and column of a point [m], of the nearest cell for those outside."""
+        column = floor((point[0] - self._low[0]) / self.cell)
+        row = floor((point[1] - self._low[1]) / self.cell)
+        return min(max(row, 0), self._shape[0] - 1), min(max(column, 0), self._shape[1] - 1)
+
+    def _clear(self, walls: Float, radius: float) -> NDArray[np.bool_]:
+        """Return the cells whose middle is further than `radius` [m] from all walls."""
+        marked = np.zeros(self._shape, dtype=np.bool_)
+        columns, rows = (
+            np.floor((samples(walls, self.cell / 2) - self._low) / self.cell).astype(np.int64).T
+        )
+        inside = (columns >= 0) & (columns < self._shape[1]) & (rows >= 0) & (rows < self._shape[0])
+        marked[rows[inside], columns[inside]] = True
+        reach = floor(radius / self.cell)
+        padded = np.pad(marked, reach)
+        blocked = marked.copy()
+        height, width = self._shape
+        for dy in range(-reach, reach + 1):
+            for dx in range(-reach, reach + 1):
+                if (dx * dx + dy * dy) * self.cell**2 <= radius**2:
+                    y, x = reach + dy, reach + dx
+                    blocked |= padded[y : y + height, x : x + width]
+        return ~blocked

@@ -1,0 +1,160 @@
+"""What a world file says: map, robots, boxes, walls, places, people; frozen, in SI."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, sin
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps.line_map import LineMap, MapObject, empty_map, solid_walls
+from pioneer3.sim.maps.read import read_plan
+from pioneer3.sim.maps.shipped import shipped_map
+from pioneer3.sim.worldfile.person import Person, Point
+
+Float = NDArray[np.float64]
+Start = Pose2 | Literal["random", "outside", "home"]
+"""A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
+
+BOX_KIND = "Sim.BoxObstacle"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotSpec:
+    """A robot of a world.
+
+    Attributes:
+        model: A model's name, or the path of its file.
+        name: What it calls itself; empty for the model's own.
+        start: Where it stands at the beginning.
+        port: TCP port; `None` for the next free one.
+    """
+
+    model: str = "p3at-sh"
+    name: str = ""
+    start: Start = "home"
+    port: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A box on the floor.
+
+    Attributes:
+        pose: Its middle.
+        size: Length along its x axis, width along its y axis [m].
+        movable: May be pushed around by people and programs, so it is no wall of the map.
+        name: What to call it on screen.
+    """
+
+    pose: Pose2
+    size: tuple[float, float]
+    movable: bool = False
+    name: str = ""
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """The four corners, in order [m]."""
+        c, s = cos(self.pose.theta), sin(self.pose.theta)
+        length, width = self.size[0] / 2, self.size[1] / 2
+        around = ((-length, -width), (length, -width), (length, width), (-length, width))
+        return tuple((self.pose.x + c * x - s * y, self.pose.y + s * x + c * y) for x, y in around)
+
+    @property
+    def outline(self) -> Float:
+        """The four sides [m], shape (4, 4)."""
+        return solid_walls([self.as_object()])
+
+    def as_object(self) -> MapObject:
+        """Return it as an object of a map, solid."""
+        return MapObject(
+            kind=BOX_KIND, name=self.name, pose=self.pose, outline=self.corners, solid=True
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wall:
+    """A wall along points `(x, y)` [m]; `closed` leads back to the first."""
+
+    points: tuple[Point, ...]
+    closed: bool = False
+
+    @property
+    def segments(self) -> Float:
+        """Its segments [m], shape (S, 4)."""
+        corners = self.points + (self.points[:1] if self.closed else ())
+        return np.array([(*a, *b) for a, b in pairwise(corners)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """A named pose: `kind` is ARIA's type, such as Goal, GoalWithHeading, Dock or RobotHome."""
+
+    kind: str
+    pose: Pose2
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorldFile:
+    """A map and what stands, drives and walks in it.
+
+    Attributes:
+        name: What to call it on screen.
+        map: A shipped map's name, `empty`, or the path of a map file.
+        seed: Of everything random; `None` for another one each time.
+        robots: In file order.
+        boxes: In file order; only the fixed ones become walls.
+        walls: In addition to the map's.
+        places: In addition to the map's.
+        people: In file order.
+    """
+
+    name: str
+    map: str | Path = "empty"
+    seed: int | None = None
+    robots: tuple[RobotSpec, ...] = ()
+    boxes: tuple[Box, ...] = ()
+    walls: tuple[Wall, ...] = ()
+    places: tuple[Place, ...] = ()
+    people: tuple[Person, ...] = ()
+
+    def base_map(self) -> LineMap:
+        """Return the map that the world builds on.
+
+        Raises:
+            ConfigError: It cannot be read.
+        """
+        if self.map == "empty":
+            return empty_map()
+        return (
+            read_plan(self.map).line_map() if isinstance(self.map, Path) else shipped_map(self.map)
+        )
+
+    def line_map(self) -> LineMap:
+        """Return all that stands still: the map, walls, fixed boxes, homes and places.
+
+        Movable boxes and people are left out: they are :attr:`boxes` and :attr:`people`.
+
+        Raises:
+            ConfigError: The map cannot be read.
+        """
+        base = self.base_map()
+        fixed = tuple(box.as_object() for box in self.boxes if not box.movable)
+        places = tuple(MapObject(kind=p.kind, name=p.name, pose=p.pose) for p in self.places)
+        walls = [base.walls, *(wall.segments for wall in self.walls), solid_walls(fixed)]
+        homes = tuple(place.pose for place in self.places if place.kind == "RobotHome")
+        return LineMap(
+            name=self.name,
+            walls=np.concatenate(walls),
+            homes=homes + base.homes,
+            objects=base.objects + places + fixed,
+        )
+
+    @property
+    def movable(self) -> tuple[Box, ...]:
+        """The boxes that are no walls."""
+        return tuple(box for box in self.boxes if box.movable)

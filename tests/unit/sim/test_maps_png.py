@@ -1,0 +1,127 @@
+"""PNG pictures of every colour type, depth and filter; damaged ones are refused."""
+
+import zlib
+from pathlib import Path
+from struct import pack
+
+import numpy as np
+import pytest
+
+from pioneer3.errors import ConfigError
+from pioneer3.sim.maps.png import SIGNATURE, parse_png, to_png
+
+HERE = Path("m.png")
+SIZES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
+
+
+def chunk(name: bytes, data: bytes) -> bytes:
+    return pack(">I", len(data)) + name + data + pack(">I", zlib.crc32(name + data))
+
+
+def png(
+    header: tuple[int, int, int, int], rows: bytes, *, palette: bytes = b"", interlace: int = 0
+) -> bytes:
+    parts = [chunk(b"IHDR", pack(">IIBBBBB", *header, 0, 0, interlace))]
+    parts += [chunk(b"PLTE", palette)] if palette else []
+    half = len(packed := zlib.compress(rows)) // 2
+    parts += [chunk(b"IDAT", packed[:half]), chunk(b"IDAT", packed[half:]), chunk(b"IEND", b"")]
+    return SIGNATURE + b"".join(parts)
+
+
+def filtered(rows: list[bytes], kinds: list[int], step: int) -> bytes:
+    """Apply filters as the standard words them, byte by byte."""
+    out, above = b"", bytes(len(rows[0]))
+    for row, kind in zip(rows, kinds, strict=True):
+        coded = bytearray([kind])
+        for at, value in enumerate(row):
+            a, c = (row[at - step], above[at - step]) if at >= step else (0, 0)
+            b = above[at]
+            p = a + b - c
+            nearest = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+            coded.append((value - (0, a, b, (a + b) // 2, nearest)[kind]) % 256)
+        out, above = out + bytes(coded), row
+    return out
+
+
+@pytest.mark.parametrize("colour", [0, 2, 4, 6])
+@pytest.mark.parametrize("kinds", [[0] * 5, [1] * 5, [2] * 5, [3] * 5, [4] * 5, [4, 1, 3, 2, 0]])
+def test_all_filters_of_all_colours_are_undone(colour: int, kinds: list[int]) -> None:
+    step = SIZES[colour]
+    pixels = np.random.default_rng(1).integers(0, 256, (5, 7, step)).astype(np.uint8)
+    rows = filtered([row.tobytes() for row in pixels], kinds, step)
+    image = parse_png(HERE, png((7, 5, 8, colour), rows))
+    colours = pixels[:, :, : 1 if colour in (0, 4) else 3]
+    np.testing.assert_allclose(image.shades, colours.mean(axis=2), atol=0.5)
+    if colour in (4, 6):
+        assert image.alpha is not None
+        np.testing.assert_array_equal(image.alpha, pixels[:, :, -1])
+    else:
+        assert image.alpha is None
+
+
+@pytest.mark.parametrize(
+    ("depth", "row", "shades"),
+    [
+        (1, [0b10100000], [255, 0, 255]),
+        (2, [0b00011000], [0, 85, 170]),
+        (4, [0x0F, 0x10], [0, 255, 17]),
+        (16, [0, 9, 255, 9, 128, 9], [0, 255, 128]),
+    ],
+)
+def test_other_depths_of_gray_are_scaled(depth: int, row: list[int], shades: list[int]) -> None:
+    image = parse_png(HERE, png((3, 1, depth, 0), bytes([0, *row])))
+    assert image.shades.tolist() == [shades]
+
+
+def test_a_palette_gives_colours() -> None:
+    palette = bytes([0, 0, 0, 255, 255, 255, 30, 60, 90])
+    image = parse_png(HERE, png((4, 1, 2, 3), bytes([0, 0b00011000]), palette=palette))
+    assert image.shades.tolist() == [[0, 255, 60, 0]]
+
+
+def test_what_we_write_we_read() -> None:
+    pixels = np.random.default_rng(2).integers(0, 256, (4, 6, 3)).astype(np.uint8)
+    image = parse_png(HERE, to_png(pixels))
+    np.testing.assert_allclose(image.shades, pixels.mean(axis=2), atol=0.5)
+
+
+GRAY = png((2, 2, 8, 0), bytes(6))
+
+
+@pytest.mark.parametrize(
+    ("raw", "complaint"),
+    [
+        (SIGNATURE, "IEND: missing"),
+        (GRAY[:-12], "IEND: missing"),
+        (GRAY[:-20] + b"x" + GRAY[-19:], "damaged or cut off"),
+        (SIGNATURE + chunk(b"IEND", b""), "IHDR: a PNG starts with its size"),
+        (png((2, 2, 8, 0), bytes(6), interlace=1), "IHDR: interlaced; save it without"),
+        (png((2, 2, 8, 5), bytes(6)), "IHDR: colour type 5 with 8 bits does not exist"),
+        (png((2, 2, 3, 0), bytes(6)), "IHDR: colour type 0 with 3 bits does not exist"),
+        (png((100000, 100000, 8, 0), b""), "size: 100000 x 100000 pixels are more than"),
+        (png((0, 2, 8, 0), b""), "size: 0 x 2 pixels is no picture"),
+        (png((2, 2, 8, 0), bytes(5)), "IDAT: 5 of 6 bytes are there"),
+        (png((2, 2, 8, 0), b"\x05\0\0\0\0\0"), "IDAT: unknown filter 5"),
+        (png((2, 2, 8, 3), bytes(6)), "PLTE: missing"),
+        (png((2, 2, 8, 3), b"\0\0\1\0\0\0", palette=b"abc"), "PLTE: has no colour 1"),
+        (
+            SIGNATURE
+            + chunk(b"IHDR", pack(">IIBBBBB", 2, 2, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", b"junk")
+            + chunk(b"IEND", b""),
+            "IDAT: damaged",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_picture(raw: bytes, complaint: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_png(HERE, raw)
+    assert complaint in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def test_a_bomb_unpacks_no_further_than_the_size_it_claims() -> None:
+    # 100 MB of zeros behind a picture of 2 x 2
+    bomb = png((2, 2, 8, 0), bytes(100_000_000))
+    assert len(bomb) < 120_000
+    assert parse_png(HERE, bomb).shades.shape == (2, 2)

@@ -1,0 +1,124 @@
+"""A check says all that is wrong with a map, and where."""
+
+from pathlib import Path
+
+import pytest
+
+from pioneer3.models import load_model
+from pioneer3.sim.worldfile.check import check_world
+
+MODEL = load_model("p3at-sh")
+HOME = 'Cairn: RobotHome 2000 2000 0 "" ICON "H"\n'
+ROOM = "LINES\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n"
+
+
+def said(path: Path | str) -> list[tuple[str, int | None, str]]:
+    return [(str(r.level), r.line, r.text) for r in check_world(path, MODEL)]
+
+
+def check(folder: Path, text: str, name: str = "m.map") -> list[tuple[str, int | None, str]]:
+    path = folder / name
+    path.write_text(text)
+    return said(path)
+
+
+def test_a_good_map_is_fine(tmp_path: Path) -> None:
+    assert said("office") == []
+    assert check(tmp_path, f"2D-Map\nNumLines: 4\n{HOME}{ROOM}") == []
+
+
+@pytest.mark.parametrize(
+    ("text", "remark"),
+    [
+        (f"2D-Map\nNumLines: 5\n{HOME}{ROOM}", (2, "NumLines says '5', there are 4")),
+        (f"2D-Map\nLineMaxPos: 4000 x\n{HOME}{ROOM}", (2, "it is 4000 4000")),
+        (f"2D-Map\n{HOME}{ROOM}5 5 5 5\n", (8, "a line without length at 5 5")),
+        (f"2D-Map\n{HOME}{ROOM}4000 0 0 0\n", (8, "the same line as on line 4")),
+        (f"2D-Map\n{HOME.replace('2000', '0')}{ROOM}", (2, "stands in a wall")),
+        (f"2D-Map\n{HOME.replace('2000', '380')}{ROOM}", (2, "is 0.38 m from a wall: p3at-sh")),
+        (f"2D-Map\n{HOME.replace('2000', '9000')}{ROOM}", (2, "is outside the walls")),
+        (f"2D-Map\n{ROOM}", (None, "there is no RobotHome")),
+        (f"2D-Map\n{HOME}", (None, "there is no wall")),
+        (
+            f'2D-Map\n{HOME}Cairn: Goal 7000 2000 0 "" ICON "far"\n{ROOM}',
+            (3, 'Goal "far" cannot be reached from any home'),
+        ),
+        (
+            f'2D-Map\n{HOME}Cairn: Goal 3000 3900 0 "" ICON ""\n{ROOM}',
+            (3, "Goal at 3.00 3.90 is too near to a wall"),
+        ),
+        (
+            f'2D-Map\n{HOME}Cairn: Goal 3000 2000 0 "" ICON "g"\n'
+            f'Cairn: ForbiddenLine 0 0 0 "" ICON "" 2600 0 2600 4000\n{ROOM}',
+            (3, 'Goal "g" cannot be reached'),
+        ),
+    ],
+)
+def test_each_kind_of_warning(tmp_path: Path, text: str, remark: tuple[int | None, str]) -> None:
+    ((level, line, words),) = check(tmp_path, text)
+    assert (level, line) == ("warning", remark[0])
+    assert remark[1] in words
+
+
+def test_all_errors_are_listed_with_their_lines(tmp_path: Path) -> None:
+    remarks = check(tmp_path, f"2D-Map\nCairn: Goal\n{HOME}{ROOM}1 2 3\n0 0 0 zz\n")
+    assert [(level, line) for level, line, _ in remarks] == [
+        ("error", 2),
+        ("error", 9),
+        ("error", 10),
+    ]
+
+
+def test_many_of_a_kind_are_counted(tmp_path: Path) -> None:
+    remarks = check(tmp_path, f"2D-Map\n{HOME}{ROOM}" + "5 5 5 5\n" * 30)
+    texts = [text for _, _, text in remarks]
+    assert "and 20 more lines without length" in texts
+    assert "and 19 more doubled lines" in texts
+
+
+@pytest.mark.parametrize("content", ["", "hello", "2D-Map\nResolution: x\nDATA\n1 1\n"])
+def test_no_map_is_one_error(tmp_path: Path, content: str) -> None:
+    assert [level for level, _, _ in check(tmp_path, content)] == ["error"]
+
+
+def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
+    ((level, _, text),) = said(tmp_path / "nope.map")
+    assert level == "error"
+    assert "No such file" in text
+
+
+def test_misspelled_keys_of_map_server_are_warnings(tmp_path: Path) -> None:
+    (tmp_path / "m.pgm").write_bytes(b"P5 1 1 255\n\0")
+    yaml = "image: m.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegat: 1\n"
+    remarks = check(tmp_path, yaml, "m.yaml")
+    assert ("warning", 4, "negat: unknown key, skipped, did you mean negate?") in remarks
+
+
+def test_robots_of_a_world_are_checked(tmp_path: Path) -> None:
+    world = (
+        '[world]\nmap = "office"\n[[robot]]\nmodel = "p3zz"\n'
+        "[[robot]]\nstart = { x = 0, y = 0 }\n"
+        '[[robot]]\nstart = "random"\n[[goal]]\nx = 50\ny = 50\nname = "away"'
+    )
+    remarks = check(tmp_path, world, "w.toml")
+    assert [level for level, _, _ in remarks] == ["error", "warning", "warning"]
+    assert "robot[0].model: 'p3zz'" in remarks[0][2]
+    texts = " ".join(text for _, _, text in remarks)
+    assert "robot[1].start stands in a wall" in texts
+    assert 'Goal "away" cannot be reached' in texts
+
+
+SHARED = Path("/work/shared/maps")
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="no maps beside this tree")
+@pytest.mark.parametrize(
+    ("name", "count"), [("triangle", 0), ("office", 0), ("AMROffice", 4), ("columbia", 2)]
+)
+def test_known_maps(name: str, count: int) -> None:
+    remarks = said(SHARED / f"{name}.map")
+    assert len(remarks) == count
+    assert all(level == "warning" for level, _, _ in remarks)
+    if name == "columbia":
+        assert "Inside Forbidden Area" in remarks[0][2]
+        assert "Impossible Goal" in remarks[1][2]
