@@ -167,8 +167,8 @@ def touch_in_front(robot: SimulatedRobot) -> None:
     """Make every report say that the middle front bumper touches."""
     say = robot.firmware.information
 
-    def information() -> Sip:
-        sip = say()
+    def information(now: float) -> Sip:
+        sip = say(now)
         changed = {name: getattr(sip, name) for name in Sip.__dataclass_fields__ if name != "ID"}
         return Sip(**{**changed, "right_stall_front_bumpers": 1 << 3})
 

@@ -12,6 +12,7 @@ from pioneer3.cli.doctor import doctor
 from pioneer3.cli.drive import drive
 from pioneer3.cli.find_port import find_port
 from pioneer3.cli.info import info
+from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.run import run
 from pioneer3.cli.sim import sim
@@ -46,7 +47,7 @@ app = App(
     help_format="plaintext",
     version=__version__,
 )
-for command in (run, sim, drive, info, monitor, doctor, find_port):
+for command in (run, sim, map_app, drive, info, monitor, doctor, find_port):
     app.command(command)
 
 

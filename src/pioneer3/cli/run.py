@@ -29,7 +29,7 @@ def run(
     Args:
         port: The robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE.
         baud: Serial speed to try first.
-        map_: A shipped map (office) or an ARIA .map file.
+        map_: A shipped map (office), an ARIA .map, a map_server .yaml or a world .toml file.
         robot: Simulated model, such as p3dx-sh; with --port: used whatever the robot says it is.
         sim_port: TCP port of the simulator; 0 takes a free one.
         web_port: TCP port of the page; 0 takes a free one.

@@ -23,7 +23,7 @@ def sim(
     Example: pioneer3 sim --map lab.map --robot p3dx-sh -p 8102
 
     Args:
-        map_: A shipped map (office) or an ARIA .map file.
+        map_: A shipped map (office), an ARIA .map, a map_server .yaml or a world .toml file.
         robot: A model (p3at, p3at-sh, p3dx, p3dx-sh, amigo-sh, peoplebot-sh), .toml or .p file.
         port: TCP port on 127.0.0.1; 0 takes a free one.
         verbose: Tell who connects and leaves.

@@ -1,6 +1,7 @@
 """What the simulated robot says of itself: the answer to CONFIG (arcos.md 5.1)."""
 
 from pioneer3.arcos.reports import Config
+from pioneer3.sim.accessories import Equipment
 from pioneer3.sim.body import Body
 from pioneer3.state import Identity
 from pioneer3.units import MM, MS, degrees
@@ -13,7 +14,14 @@ TOP_ACCELERATION_MM, TOP_TURN_ACCELERATION_DEG = 2000, 300
 LOW_BATTERY_DECIVOLTS, SHUTDOWN_DECIVOLTS = 115, 110
 
 
-def configuration(identity: Identity, body: Body, *, cycle: float, watchdog: float) -> Config:
+def configuration(
+    identity: Identity,
+    body: Body,
+    equipment: Equipment,
+    *,
+    cycle: float,
+    watchdog: float,
+) -> Config:
     """Return CONFIG for `body`; SIPs come every `cycle` [s], the `watchdog` bites after that [s].
 
     The current limits are those in force, so that a host that set them reads them back. Fields that
@@ -34,7 +42,7 @@ def configuration(identity: Identity, body: Body, *, cycle: float, watchdog: flo
         sip_cycle_ms=_whole(cycle / MS),
         host_baud_code=0,
         aux1_baud_code=0,
-        has_gripper=0,
+        has_gripper=int(equipment.gripper),
         has_front_sonar=int(bool(model.sonars)),
         has_rear_sonar=int(len(model.sonars) > 8),
         low_battery_decivolts=LOW_BATTERY_DECIVOLTS,
@@ -62,7 +70,7 @@ def configuration(identity: Identity, body: Body, *, cycle: float, watchdog: flo
         charger=0,
         sonar_cycle_ms=40,
         autobaud=0,
-        gyro_type=0,
+        gyro_type=equipment.gyro_type,
         drift_factor_8192nds=0,
         aux2_baud_code=0,
         aux3_baud_code=0,

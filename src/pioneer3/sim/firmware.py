@@ -7,7 +7,7 @@ emulator is wrong (arcos.md 9, 13), this follows the real firmware.
 from math import degrees
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, Request
+from pioneer3.arcos.commands import Command
 from pioneer3.arcos.device import (
     Commanded,
     Device,
@@ -18,6 +18,7 @@ from pioneer3.arcos.device import (
     WatchdogFed,
 )
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.sim.accessories import Accessories, Equipment
 from pioneer3.sim.body import Body
 from pioneer3.sim.configuration import configuration
 from pioneer3.sim.motion import Axis
@@ -31,8 +32,6 @@ CYCLE = 0.1
 NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (arcos.md 2.6)."""
 NO_TEMPERATURE = -128
-TICKS_PER_METRE = 138_000
-"""As quoted of a P3-AT (arcos.md 5.1)."""
 MOST_READINGS = 32
 MOTION = (
     commands.Vel,
@@ -54,15 +53,21 @@ ALL_SONARS = (
 class Firmware:
     """One robot's controller: feed it bytes and time, send :attr:`device`'s outgoing bytes."""
 
-    def __init__(self, world: World, body: Body, name: str = NAME, watchdog: float = 2.0) -> None:
+    def __init__(
+        self,
+        world: World,
+        body: Body,
+        name: str = NAME,
+        watchdog: float = 2.0,
+        equipment: Equipment | None = None,
+    ) -> None:
         self.body = body
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
         self.device = Device(self.identity, watchdog)
         self._world = world
         self._watchdog = watchdog
         self._scanner = Scanner(world, body)
-        self._io = self._encoders = False
-        self._digital_out = 0xFF
+        self.accessories = Accessories(body, equipment)
         self._next_report = 0.0
 
     def receive(self, data: bytes, now: float) -> None:
@@ -79,23 +84,28 @@ class Firmware:
         """Look at the clock: the watchdog, and the reports that are due."""
         for event in self.device.tick(now):
             self._handle(event, now)
+        self.accessories.tick(now)
+        if self.device.is_open:
+            self._send(now, cycle=False)
         if not self.device.is_open or now < self._next_report - 1e-6:
             return
         late = now - self._next_report > CYCLE
         self._next_report = now + CYCLE if late else self._next_report + CYCLE
-        self.device.send(self.information())
-        if self._io:
-            self.device.send(self._io_report())
-        if self._encoders:
-            self.device.send(self._encoder_report())
+        self._send(now, cycle=True)
+        self.device.send(self.information(now))
         for report in self._scanner.reports():
             self.device.send(report)
 
-    def information(self) -> reports.Sip:
+    def _send(self, now: float, *, cycle: bool) -> None:
+        for report in self.accessories.reports(now, cycle=cycle):
+            self.device.send(report)
+
+    def information(self, now: float) -> reports.Sip:
         """Return the standard information packet for this moment."""
         body, model = self.body, self.body.model
         v, w = body.drive.linear.velocity, body.drive.angular.velocity
         half = w * model.wheel_base / 2
+        inputs = self.accessories.inputs(now)
         decivolts = round(body.battery.voltage / DECIVOLT)
         flags = reports.SipFlag(0)
         if body.drive.powered:
@@ -115,14 +125,14 @@ class Firmware:
             left_stall_rear_bumpers=int(body.stalled),
             right_stall_front_bumpers=int(body.stalled),
             control_raw=round(body.robot_in_odom.theta / HEADING_UNIT),
-            flags=flags,
-            compass_raw=0,
+            flags=flags | inputs.flags,
+            compass_raw=inputs.compass_raw,
             sonar=self._sonar_readings(),
-            analog_port=0,
-            gripper_state=0,
-            analog=0,
-            digital_in=0xFF,
-            digital_out=self._digital_out,
+            analog_port=inputs.analog_port,
+            gripper_state=inputs.gripper_state,
+            analog=inputs.analog,
+            digital_in=inputs.digital_in,
+            digital_out=inputs.digital_out,
             battery_decivolts_wide=decivolts,
             charge_state=0,
             turn_rate_decidegrees=round(degrees(w) * 10),
@@ -152,33 +162,34 @@ class Firmware:
             case SessionClosed():
                 self.body.session_ended()
                 self._scanner.off()
-                self._io = self._encoders = False
+                self.accessories.hang_up()
             case Commanded(command):
-                self._obey(command)
+                self._obey(command, now)
             case WatchdogBit():
                 self.body.drive.held = True
             case WatchdogFed():
                 self.body.drive.held = False
 
-    def _obey(self, command: Command) -> None:
+    def _obey(self, command: Command, now: float) -> None:
         """Carry out one command; what this robot does not have is ignored, as by the real one."""
-        if self._scanner.obey(command) or self._move(command) or self._set_up(command):
+        if not self.accessories.claims(command) and self._scanner.obey(command):
+            return
+        if self._move(command) or self._set_up(command):
+            return
+        if self.accessories.obey(command, now):
+            self._send(now, cycle=False)
             return
         match command:
             case commands.RequestConfig():
                 self.device.send(
-                    configuration(self.identity, self.body, cycle=CYCLE, watchdog=self._watchdog)
+                    configuration(
+                        self.identity,
+                        self.body,
+                        self.accessories.equipment,
+                        cycle=CYCLE,
+                        watchdog=self._watchdog,
+                    )
                 )
-            case commands.IoRequest(request):
-                self._io = request is Request.STREAM
-                if request is Request.ONCE:
-                    self.device.send(self._io_report())
-            case commands.RequestEncoders(request):
-                self._encoders = request is Request.STREAM
-                if request is Request.ONCE:
-                    self.device.send(self._encoder_report())
-            case commands.DigOut(mask, values):
-                self._digital_out = self._digital_out & ~mask | values & mask
             case commands.BatTest(voltage):
                 self.body.battery.fixed = voltage or None
             case commands.SimSetPose(x, y, heading):
@@ -240,24 +251,6 @@ class Firmware:
             case _:
                 return False
         return True
-
-    def _io_report(self) -> reports.Io:
-        return reports.Io(
-            digital_in=(0xFF, 0, 0, 0), digital_out=(self._digital_out,), analog_raw=(0,) * 8
-        )
-
-    def _encoder_report(self) -> reports.Encoders:
-        here, model = self.body.robot_in_odom, self.body.model
-        turned = here.theta * model.wheel_base / 2
-        return reports.Encoders(
-            left_counts=_s32((here.x - turned) * TICKS_PER_METRE),
-            right_counts=_s32((here.x + turned) * TICKS_PER_METRE),
-        )
-
-
-def _s32(value: float) -> int:
-    """Count as a counter of 32 bits does."""
-    return (round(value) + (1 << 31)) % (1 << 32) - (1 << 31)
 
 
 def _set_ramp(axis: Axis, acceleration: float) -> None:

@@ -111,7 +111,7 @@ def test_at_rest_the_report_has_the_other_number(bench: Bench) -> None:
 
 def test_odometry_counts_in_fifteen_bits(bench: Bench) -> None:
     bench.body.reset_odometry(Pose2(-0.5, 40.0, 0.0))
-    sip = bench.firmware.information()
+    sip = bench.firmware.information(bench.now)
     unit = bench.body.model.distance_factor
     assert sip.x_raw == round(-0.5 / unit) % 32768
     assert sip.y_raw == round(40.0 / unit) % 32768
@@ -300,7 +300,7 @@ def test_extra_reports_come_once_or_with_every_cycle(
 
 
 def test_encoders_count_beyond_what_their_field_holds(bench: Bench) -> None:
-    bench.body.reset_odometry(Pose2(20_000.0, 0.0, 0.0))
+    bench.firmware.accessories.encoders.roll(20_000.0, 20_000.0)
     bench.say(commands.RequestEncoders(Request.ONCE))
     encoders = bench.hear()[0]
     assert isinstance(encoders, reports.Encoders)
