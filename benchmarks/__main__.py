@@ -1,10 +1,15 @@
-"""Runs every benchmark, or those named on the command line: latency, start, codec."""
+"""Runs every benchmark, or those named on the command line: latency, start, codec, kernels."""
 
 import sys
 
-from benchmarks import bench_codec, bench_latency, bench_start
+from benchmarks import bench_codec, bench_kernels, bench_latency, bench_start
 
-BENCHMARKS = {"latency": bench_latency, "start": bench_start, "codec": bench_codec}
+BENCHMARKS = {
+    "latency": bench_latency,
+    "start": bench_start,
+    "codec": bench_codec,
+    "kernels": bench_kernels,
+}
 
 
 def main() -> int:
