@@ -29,7 +29,7 @@ from pioneer3.sim.maps import shipped_map
 
 Float = NDArray[np.float64]
 
-AMR_OFFICE = Path("/work/shared/maps/AMROffice.map")
+AMR_OFFICE = Path(__file__).parents[2] / "shared/maps/AMROffice.map"
 MODEL = load_model("p3dx-sh")
 SONAR_LIMIT, LASER_LIMIT, BEAMS = 5.0, 8.0, 181
 MANY_RAYS = 20_000

@@ -27,7 +27,7 @@ from pioneer3.sim.raycast import cast_reference
 
 Float = NDArray[np.float64]
 
-MAPS = Path("/work/shared/maps")
+MAPS = Path(__file__).parents[3] / "shared/maps"
 NAMES = [
     "numpy",
     pytest.param("numba", marks=pytest.mark.skipif(not find_spec("numba"), reason="no numba")),

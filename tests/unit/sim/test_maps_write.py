@@ -20,7 +20,7 @@ from pioneer3.sim.maps import (
 from pioneer3.sim.maps.distance import distances
 from pioneer3.sim.maps.raster import samples
 
-SHARED = Path("/work/shared/maps")
+SHARED = Path(__file__).parents[4] / "shared/maps"
 shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no maps beside this tree")
 
 
