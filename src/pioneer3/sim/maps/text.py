@@ -53,15 +53,6 @@ def shown(text: str) -> str:
     return ascii(text if len(text) <= 40 else text[:37] + "...")
 
 
-def read_lines(path: Path) -> Iterator[Line]:
-    """Yield the lines that say something: no blank lines, no comments (`#` or `;` first).
-
-    Raises:
-        ConfigError: The file is missing, not a regular file, unreadable or too large.
-    """
-    return lines_of(path, decoded(read_bytes(path)))
-
-
 def lines_of(path: Path, text: str) -> Iterator[Line]:
     """Yield the lines of `text` that say something; `path` is for messages."""
     for number, line in numbered(text):
