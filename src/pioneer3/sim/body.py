@@ -1,6 +1,7 @@
 """One simulated robot: its drive, where it is, where it believes it is, its energy."""
 
 from dataclasses import dataclass
+from math import copysign, hypot
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
@@ -36,6 +37,11 @@ class Battery:
         self.energy = max(0.0, self.energy - (IDLE_POWER + DRIVE_POWER * abs(speed)) * dt)
 
     @property
+    def charge(self) -> float:
+        """Share of the capacity that is left, 0 to 1."""
+        return self.energy / CAPACITY
+
+    @property
     def voltage(self) -> float:
         """Terminal voltage [V]."""
         if self.fixed is not None:
@@ -43,6 +49,8 @@ class Battery:
         return EMPTY + (FULL - EMPTY) * self.energy / CAPACITY
 
 
+AMBIENT = 22.0
+"""In the lab [degC]."""
 USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
 """Current limits of a robot as delivered (arcos.md 5.1) [m/s, rad/s]; a host may raise them."""
 
@@ -58,6 +66,11 @@ class Body:
         stalled: The drive pushes and nothing moves.
         stop_button: The red button is pressed; the motors have no power.
         sonar_on: The transducers fire.
+        front_bumpers: The pressed ones, bit 1 is the left-most segment (arcos.md 4.7).
+        rear_bumpers: The same behind, bit 1 is the right-most.
+        wheel_travel: What left and right wheel have rolled since power-on [m].
+        motor_temperature: [degC].
+        charging: It stands in a dock.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
@@ -66,6 +79,10 @@ class Body:
         self.robot_in_odom = ORIGIN
         self.stalled = False
         self.sonar_on = True
+        self.front_bumpers = self.rear_bumpers = 0
+        self.wheel_travel = 0.0, 0.0
+        self.motor_temperature = AMBIENT
+        self.charging = False
         self.battery = Battery()
         self._stop_button = False
         self.drive = self._delivered_drive()
@@ -97,6 +114,10 @@ class Body:
         """Move by `motion`, given in the robot's frame; the wheels roll along."""
         self.robot_in_world = self.robot_in_world @ motion
         self.robot_in_odom = self.robot_in_odom @ motion
+        way = copysign(hypot(motion.x, motion.y), motion.x)
+        half = motion.theta * self.model.wheel_base / 2
+        left, right = self.wheel_travel
+        self.wheel_travel = left + way - half, right + way + half
 
     def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
         """Make the wheels believe in `pose`."""
