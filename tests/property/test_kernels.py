@@ -70,7 +70,7 @@ def kernels(request: pytest.FixtureRequest) -> Kernels:
 
 def scene_of(kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]]) -> Scene:
     state = np.array(bodies, dtype=float).reshape(-1, 6).T
-    robots = Robots(*state[3:])
+    robots = Robots(*state[3:6])
     robots.state[:3] = state[:3]
     kernels.place(robots)
     return Scene(build_grid(walls), robots)
@@ -119,7 +119,7 @@ def check_fan(kernels: Kernels, scene: Scene, fan: tuple[float, float, int], lim
 def check_blocked(kernels: Kernels, scene: Scene, poses: Float) -> None:
     found = kernels.blocked(scene.grid, scene.robots, poses)
     for n in range(len(scene.robots)):
-        front, rear, half = scene.robots.state[3:, n].tolist()
+        front, rear, half = scene.robots.state[3:6, n].tolist()
         pose = Pose2(*poses[:, n].tolist())
         assert found[n] == footprint_hits(pose, front, rear, half, scene.around(n))
 

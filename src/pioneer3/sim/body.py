@@ -1,40 +1,72 @@
-"""One simulated robot: its drive, where it is, where it believes it is, its energy."""
+"""One simulated robot: where it is, where it believes it is, its drive, its energy.
 
-from dataclasses import dataclass
-from math import copysign, hypot
+A body is a view of one robot's numbers; a world keeps those of all its robots side by side.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
-from pioneer3.sim.motion import Axis, Drive
+from pioneer3.sim.kernels import Drives, Robots
+from pioneer3.sim.kernels.drives import (
+    ACCELERATION,
+    BASE,
+    CAPACITY,
+    DECELERATION,
+    DRIVE_POWER,
+    ENERGY,
+    HEAT,
+    LEFT,
+    ODOM_THETA,
+    ODOM_X,
+    ODOM_Y,
+    RIGHT,
+    STALLED,
+    SUPPLY,
+    TOP,
+    TOUCHED,
+)
+from pioneer3.sim.motion import Drive
 from pioneer3.units import DEGREE
 
 FULL = 13.0
 """Voltage of three charged lead-acid batteries at rest [V]."""
 EMPTY = 11.0
 """Where the firmware shuts down [V] (user-needs 1.9)."""
-CAPACITY = 252.0 * 3600
-"""Three batteries of 12 V and 7 Ah [J]."""
-IDLE_POWER = 15.0
-"""Controller and sonar [W]."""
-DRIVE_POWER = 40.0
-"""Motors at 1 m/s [W]."""
+RESISTANCE = 0.1
+"""Of the batteries and their wires [ohm]: driving costs some voltage."""
+NOMINAL = 12.0
+"""[V]."""
+AMBIENT = 22.0
+"""In the lab [degC]."""
+USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
+"""Current limits of a robot as delivered (arcos.md 5.1) [m/s, rad/s]; a host may raise them."""
+
+Bumpers = tuple[int, int]
+"""Pressed segments in front and behind, as bits (arcos.md 4.7)."""
 
 
-@dataclass(slots=True)
 class Battery:
     """Energy left, and the voltage that goes with it: a straight line from full to empty.
 
     Attributes:
-        energy: [J].
         fixed: Voltage set by a test, or `None` [V].
     """
 
-    energy: float = CAPACITY
-    fixed: float | None = None
+    def __init__(self, body: "Body") -> None:
+        self.fixed: float | None = None
+        self._body = body
 
-    def drain(self, speed: float, dt: float) -> None:
-        """Use what `dt` [s] of driving at `speed` [m/s] takes."""
-        self.energy = max(0.0, self.energy - (IDLE_POWER + DRIVE_POWER * abs(speed)) * dt)
+    @property
+    def energy(self) -> float:
+        """What is left [J]."""
+        return self._body.wheel(ENERGY)
+
+    @energy.setter
+    def energy(self, joules: float) -> None:
+        self._body.set_wheel(ENERGY, min(max(joules, 0.0), CAPACITY))
 
     @property
     def charge(self) -> float:
@@ -43,16 +75,11 @@ class Battery:
 
     @property
     def voltage(self) -> float:
-        """Terminal voltage [V]."""
+        """Terminal voltage, lower while the motors draw current [V]."""
         if self.fixed is not None:
             return self.fixed
-        return EMPTY + (FULL - EMPTY) * self.energy / CAPACITY
-
-
-AMBIENT = 22.0
-"""In the lab [degC]."""
-USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
-"""Current limits of a robot as delivered (arcos.md 5.1) [m/s, rad/s]; a host may raise them."""
+        current = DRIVE_POWER * abs(self._body.drive.linear.velocity) / NOMINAL
+        return EMPTY + (FULL - EMPTY) * self.charge - RESISTANCE * current
 
 
 class Body:
@@ -61,35 +88,104 @@ class Body:
     Attributes:
         model: Its sizes and limits.
         home: Where it starts, and :meth:`reset` brings it back [m, rad].
-        robot_in_world: The truth [m, rad].
-        robot_in_odom: What its wheels say [m, rad].
-        stalled: The drive pushes and nothing moves.
-        stop_button: The red button is pressed; the motors have no power.
+        drive: What moves it.
         sonar_on: The transducers fire.
-        front_bumpers: The pressed ones, bit 1 is the left-most segment (arcos.md 4.7).
-        rear_bumpers: The same behind, bit 1 is the right-most.
-        wheel_travel: What left and right wheel have rolled since power-on [m].
-        motor_temperature: [degC].
-        charging: It stands in a dock.
+        battery: What drives it.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
         self.model = model
-        self.home = self.robot_in_world = home
-        self.robot_in_odom = ORIGIN
-        self.stalled = False
+        self.home = home
         self.sonar_on = True
-        self.front_bumpers = self.rear_bumpers = 0
-        self.wheel_travel = 0.0, 0.0
-        self.motor_temperature = AMBIENT
-        self.charging = False
-        self.battery = Battery()
         self._stop_button = False
-        self.drive = self._delivered_drive()
+        self._bumpers: Callable[[], Bumpers] = lambda: (0, 0)
+        drives = Drives.at_rest(1)
+        drives.wheels[BASE] = model.wheel_base
+        self.bind(drives, outline_of(model), 0)
+        self.battery = Battery(self)
+        self.robot_in_world = home
+        self._as_delivered()
+
+    def bind(
+        self,
+        drives: Drives,
+        outlines: Robots,
+        number: int,
+        bumpers: Callable[[], Bumpers] = lambda: (0, 0),
+    ) -> None:
+        """Be a view of these numbers from now on; they hold what this robot is like already."""
+        self.drives, self.outlines, self.number = drives, outlines, number
+        self.drive = Drive(drives, number)
+        self._bumpers = bumpers
+
+    @property
+    def robot_in_world(self) -> Pose2:
+        """The truth [m, rad]."""
+        poses, n = self.outlines.state, self.number
+        return Pose2(poses.item(0, n), poses.item(1, n), poses.item(2, n))
+
+    @robot_in_world.setter
+    def robot_in_world(self, pose: Pose2) -> None:
+        self.outlines.poses[:, self.number] = pose.x, pose.y, pose.theta
+        self.outlines.stale = True
+        self.drives.free[:] = 0.0
+
+    @property
+    def robot_in_odom(self) -> Pose2:
+        """What its wheels say [m, rad]."""
+        return Pose2(self.wheel(ODOM_X), self.wheel(ODOM_Y), self.wheel(ODOM_THETA))
+
+    def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
+        """Make the wheels believe in `pose`."""
+        self.drives.wheels[ODOM_X : ODOM_THETA + 1, self.number] = pose.x, pose.y, pose.theta
+
+    @property
+    def wheel_travel(self) -> tuple[float, float]:
+        """What the left and the right wheel have rolled since power-on [m]."""
+        return self.wheel(LEFT), self.wheel(RIGHT)
+
+    @property
+    def stalled(self) -> bool:
+        """Whether the drive pushes and nothing moves."""
+        return bool(self.drives.flags.item(STALLED, self.number))
+
+    @property
+    def front_bumpers(self) -> int:
+        """The pressed ones, bit 1 is the left-most segment (arcos.md 4.7)."""
+        return self._pressed[0]
+
+    @property
+    def rear_bumpers(self) -> int:
+        """The pressed ones, bit 1 is the right-most segment (arcos.md 4.7)."""
+        return self._pressed[1]
+
+    @property
+    def _pressed(self) -> Bumpers:
+        return self._bumpers() if self.drives.flags.item(TOUCHED, self.number) else (0, 0)
+
+    @property
+    def motor_temperature(self) -> float:
+        """[degC]."""
+        return AMBIENT + self.wheel(HEAT)
+
+    @property
+    def charging(self) -> bool:
+        """Whether it stands in a dock."""
+        return self.wheel(SUPPLY) > 0
+
+    @property
+    def ghost(self) -> bool:
+        """Whether it is neither seen nor touched."""
+        return bool(self.outlines.hidden[self.number])
+
+    @ghost.setter
+    def ghost(self, hidden: bool) -> None:
+        self.outlines.hidden[self.number] = hidden
+        self.robot_in_world = self.robot_in_world
 
     @property
     def stop_button(self) -> bool:
-        """Whether the red button is pressed."""
+        """Whether the red button is pressed; the motors then have no power."""
         return self._stop_button
 
     @stop_button.setter
@@ -110,39 +206,43 @@ class Body:
         """Turn by `angle` [rad] on top of what the drive has in its ramp."""
         self.drive.angular.travel(angle)
 
-    def advance(self, motion: Pose2) -> None:
-        """Move by `motion`, given in the robot's frame; the wheels roll along."""
-        self.robot_in_world = self.robot_in_world @ motion
-        self.robot_in_odom = self.robot_in_odom @ motion
-        way = copysign(hypot(motion.x, motion.y), motion.x)
-        half = motion.theta * self.model.wheel_base / 2
-        left, right = self.wheel_travel
-        self.wheel_travel = left + way - half, right + way + half
-
-    def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
-        """Make the wheels believe in `pose`."""
-        self.robot_in_odom = pose
-
     def reset(self) -> None:
         """Back to the start, at rest."""
-        self.robot_in_world, self.robot_in_odom = self.home, ORIGIN
+        self.robot_in_world = self.home
+        self.reset_odometry()
         self.drive.stop()
         self.drive.halt()
 
     def session_ended(self) -> None:
         """What the firmware does when nobody is connected: it forgets what the host has set."""
-        velocities = self.drive.linear.velocity, self.drive.angular.velocity
-        self.drive = self._delivered_drive()
-        self.drive.linear.velocity, self.drive.angular.velocity = velocities
+        self._as_delivered()
         self.reset_odometry()
 
-    def _delivered_drive(self) -> Drive:
-        model = self.model
-        return Drive(
-            linear=Axis(model.acceleration, model.deceleration, min(model.max_speed, USUAL_SPEED)),
-            angular=Axis(
-                model.turn_acceleration,
-                model.turn_deceleration,
-                min(model.max_turn_rate, USUAL_TURN_RATE),
-            ),
+    def wheel(self, row: int) -> float:
+        """Return one of the numbers of `Drives.wheels`."""
+        return self.drives.wheels.item(row, self.number)
+
+    def set_wheel(self, row: int, value: float) -> None:
+        """Set one of the numbers of `Drives.wheels`."""
+        self.drives.wheels[row, self.number] = value
+
+    def _as_delivered(self) -> None:
+        """Motors off, nothing wanted, limits of the factory; the wheels roll on as they do."""
+        model, axes, n = self.model, self.drives.axes, self.number
+        axes[ACCELERATION, :, n] = model.acceleration, model.turn_acceleration
+        axes[DECELERATION, :, n] = model.deceleration, model.turn_deceleration
+        axes[TOP, :, n] = (
+            min(model.max_speed, USUAL_SPEED),
+            min(model.max_turn_rate, USUAL_TURN_RATE),
         )
+        self.drive.power(on=False)
+        self.drive.held = False
+
+
+def outline_of(*models: RobotModel) -> Robots:
+    """Return the outlines of robots, all at the origin."""
+    return Robots(
+        np.array([model.length_front for model in models]),
+        np.array([model.length_rear for model in models]),
+        np.array([model.width / 2 for model in models]),
+    )

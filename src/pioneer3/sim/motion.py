@@ -1,109 +1,121 @@
-"""How a differential drive answers its commands: ramps, trapezoids, arcs. Knows no walls."""
+"""A robot's drive as the firmware sees it: two axes and the motors' power.
 
-from dataclasses import dataclass
-from math import copysign, sqrt
+What it does with what it is told is computed by the kernels (`kernels/drives.py`).
+"""
 
-from pioneer3.geometry import Pose2, arc
+from math import isnan, nan
 
-SUBSTEP = 0.02
-"""Longest piece of a step along which the path is taken as one arc [s]."""
-ARRIVED = 1e-4
-"""A distance with less than this left to go is done [m or rad]."""
-HARDEST = 4.0
-"""Deceleration of wheels that brake with all they have [m/s^2]."""
-HARDEST_TURN = 16.0
-"""The same, turning [rad/s^2]."""
+from pioneer3.sim.kernels.drives import (
+    ACCELERATION,
+    ANGULAR,
+    BRAKING,
+    DECELERATION,
+    HELD,
+    LINEAR,
+    POWERED,
+    REMAINING,
+    TARGET,
+    TOP,
+    VELOCITY,
+    Drives,
+)
 
 
-@dataclass(slots=True)
 class Axis:
-    """One velocity with its ramp: metres or radians alike.
+    """One velocity with its ramp, metres or radians alike: a view of one robot's numbers."""
 
-    Attributes:
-        acceleration: Away from zero [1/s^2], positive.
-        deceleration: Towards zero [1/s^2], positive.
-        top: Highest speed [1/s].
-        velocity: Now [1/s].
-        target: Wanted [1/s].
-        remaining: Way left of a commanded distance, or `None` in velocity mode.
-    """
+    def __init__(self, drives: Drives, axis: int, number: int) -> None:
+        self._axes, self._axis, self._number = drives.axes, axis, number
 
-    acceleration: float
-    deceleration: float
-    top: float
-    velocity: float = 0.0
-    target: float = 0.0
-    remaining: float | None = None
+    @property
+    def velocity(self) -> float:
+        """Now [1/s]."""
+        return self._get(VELOCITY)
+
+    @velocity.setter
+    def velocity(self, value: float) -> None:
+        self._set(VELOCITY, value)
+
+    @property
+    def acceleration(self) -> float:
+        """Away from zero [1/s^2], positive; 0 means at once."""
+        return self._get(ACCELERATION)
+
+    @acceleration.setter
+    def acceleration(self, value: float) -> None:
+        self._set(ACCELERATION, value)
+
+    @property
+    def deceleration(self) -> float:
+        """Towards zero [1/s^2], positive; 0 means at once."""
+        return self._get(DECELERATION)
+
+    @deceleration.setter
+    def deceleration(self, value: float) -> None:
+        self._set(DECELERATION, value)
+
+    @property
+    def top(self) -> float:
+        """Highest speed [1/s]."""
+        return self._get(TOP)
+
+    @top.setter
+    def top(self, value: float) -> None:
+        self._set(TOP, value)
+
+    @property
+    def target(self) -> float:
+        """Velocity wanted [1/s]."""
+        return self._get(TARGET)
+
+    @property
+    def remaining(self) -> float | None:
+        """Way left of a commanded distance, or `None` where a velocity is wanted."""
+        left = self._get(REMAINING)
+        return None if isnan(left) else left
 
     def go(self, velocity: float) -> None:
         """Hold `velocity`, at most :attr:`top`."""
-        self.target, self.remaining = velocity, None
+        self._set(TARGET, velocity)
+        self._set(REMAINING, nan)
 
     def travel(self, distance: float) -> None:
         """Cover `distance` and stand: a trapezoid."""
-        self.target, self.remaining = 0.0, distance
+        self._set(TARGET, 0.0)
+        self._set(REMAINING, distance)
 
-    def step(self, dt: float, *, held: bool = False, deceleration: float | None = None) -> float:
-        """Advance by `dt` [s]; return the way covered.
+    def _get(self, row: int) -> float:
+        return self._axes.item(row, self._axis, self._number)
 
-        Args:
-            dt: [s].
-            held: Brake to a stand without forgetting what was commanded.
-            deceleration: In place of the own one.
-        """
-        brake = deceleration or self.deceleration
-        if self.remaining is None or held:
-            return self._ramp(0.0 if held else self._clip(self.target), brake, dt)
-        left = abs(self.remaining)
-        speed = min(self.top, sqrt(2 * brake * max(0.0, left - abs(self.velocity) * dt / 2)))
-        way = self._ramp(copysign(speed, self.remaining), brake, dt)
-        after = copysign(1.0, self.remaining) * (self.remaining - way)
-        if after > ARRIVED:
-            self.remaining -= way
-            return way
-        way = self.remaining
-        self.go(0.0)
-        self.velocity = 0.0
-        return way
-
-    def _clip(self, velocity: float) -> float:
-        return max(-self.top, min(self.top, velocity))
-
-    def _ramp(self, goal: float, brake: float, dt: float) -> float:
-        """Approach `goal`: towards zero with `brake`, away from it with the acceleration."""
-        way = 0.0
-        while dt > 0:
-            v = self.velocity
-            if v * goal < 0 or abs(goal) < abs(v):
-                end, rate = (0.0 if v * goal < 0 else goal), brake
-            else:
-                end, rate = goal, self.acceleration
-            time = min(dt, abs(end - v) / rate) if rate > 0 else 0.0
-            if end == v or time == 0.0:
-                self.velocity = end
-                return way + end * dt if end == goal else way
-            new = end if time < dt else v + copysign(rate * time, end - v)
-            way += (v + new) / 2 * time
-            self.velocity = new
-            dt -= time
-        return way
+    def _set(self, row: int, value: float) -> None:
+        self._axes[row, self._axis, self._number] = value
 
 
-@dataclass(slots=True)
 class Drive:
-    """Two axes and the motors' power.
+    """Two axes and the motors' power: a view of one robot's numbers."""
 
-    Attributes:
-        powered: Motors on. Without power commands are ignored, and the wheels brake.
-        held: The watchdog holds the robot; the commands are kept.
-        braking: An emergency stop is under way; commands are ignored until the robot stands.
-    """
+    def __init__(self, drives: Drives, number: int) -> None:
+        self.linear, self.angular = Axis(drives, LINEAR, number), Axis(drives, ANGULAR, number)
+        self._flags, self._number = drives.flags, number
 
-    linear: Axis
-    angular: Axis
-    powered: bool = False
-    held: bool = False
-    braking: bool = False
+    @property
+    def powered(self) -> bool:
+        """Motors on. Without power commands are ignored, and the wheels brake."""
+        return bool(self._flags.item(POWERED, self._number))
+
+    @property
+    def held(self) -> bool:
+        """The watchdog holds the robot; the commands are kept."""
+        return bool(self._flags.item(HELD, self._number))
+
+    @held.setter
+    def held(self, value: bool) -> None:
+        self._flags[HELD, self._number] = value
+
+    @property
+    def braking(self) -> bool:
+        """An emergency stop is under way; commands are ignored until the robot stands."""
+        return bool(self._flags.item(BRAKING, self._number))
 
     @property
     def obeys(self) -> bool:
@@ -118,11 +130,12 @@ class Drive:
     def emergency_stop(self) -> None:
         """Brake as hard as the wheels can."""
         self.stop()
-        self.braking = any((self.linear.velocity, self.angular.velocity))
+        moving = any((self.linear.velocity, self.angular.velocity))
+        self._flags[BRAKING, self._number] = moving
 
     def power(self, *, on: bool) -> None:
         """Switch the motors."""
-        self.powered = on
+        self._flags[POWERED, self._number] = on
         if not on:
             self.stop()
 
@@ -130,15 +143,6 @@ class Drive:
         """Stand at once: something is in the way."""
         for axis in (self.linear, self.angular):
             axis.velocity = 0.0
-
-    def step(self, dt: float) -> Pose2:
-        """Advance by `dt` <= :data:`SUBSTEP` [s]; return the motion in the robot's frame."""
-        hard = self.braking or not self.powered
-        distance = self.linear.step(dt, held=self.held, deceleration=HARDEST if hard else None)
-        angle = self.angular.step(dt, held=self.held, deceleration=HARDEST_TURN if hard else None)
-        if self.braking and self.linear.velocity == self.angular.velocity == 0.0:
-            self.braking = False
-        return arc(distance / dt, angle / dt, dt)
 
     @property
     def moves(self) -> bool:

@@ -1,15 +1,22 @@
-"""The simulated world: walls, robots, time. `step(dt)` and nothing else moves it."""
+"""The simulated world: walls, robots, obstacles, time. `step(dt)` and nothing else lets time pass.
+
+A world keeps its robots' numbers side by side in arrays, so that a step costs little for one robot
+and little more for a thousand. A :class:`~pioneer3.sim.body.Body` is a view of one of them.
+"""
 
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
-from math import ceil
+from functools import lru_cache, partial
+from math import ceil, hypot, radians
 
 import numpy as np
+from numpy.random import Generator, SeedSequence, default_rng
 from numpy.typing import NDArray
 
-from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.sim.body import Body
+from pioneer3.geometry import Pose2
+from pioneer3.sim.body import Body, outline_of
+from pioneer3.sim.contact import REACH, pressed_segments
 from pioneer3.sim.kernels import (
+    Drives,
     Fan,
     Kernels,
     Robots,
@@ -18,17 +25,22 @@ from pioneer3.sim.kernels import (
     load_kernels,
     sonar_mounts,
 )
+from pioneer3.sim.kernels.drives import LONGEST, SUPPLY
 from pioneer3.sim.maps import LineMap, empty_map
-from pioneer3.sim.motion import SUBSTEP
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_MIN, SONAR_RANGE
+from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
-Bool = NDArray[np.bool_]
+Int32 = NDArray[np.int32]
 
-BISECTIONS = 6
-"""How finely the free part of a blocked motion is sought: to 1/64 of it."""
-NEGLIGIBLE = 1e-4
-"""A blocked motion shorter than this [m and rad] is not taken at all."""
+NOISE_STEPS = 64
+"""Random numbers are drawn for so many steps at once."""
+CHARGE_POWER = 60.0
+"""Of a charging station [W]."""
+DOCKED, DOCKED_ANGLE = 0.15, radians(20)
+"""A robot this close to the pose of a dock is charged [m, rad]."""
 
 
 class World:
@@ -36,13 +48,22 @@ class World:
 
     Args:
         line_map: What stands still; `None` is an empty plane.
-        robots: What moves.
-        kernels: Cast the rays and test the footprints; numpy's if not given.
+        robots: What drives.
+        kernels: Move robots and cast rays; numpy's if not given.
+        seed: Of everything random; the same seed and the same steps give the same world to the
+            last bit. `None` takes another one each time.
+        realism: How wrong wheels and sensors are; not at all if not given.
 
     Attributes:
         map: What stands still.
-        robots: What moves.
+        robots: What drives, in the order of the arrays.
+        obstacles: What else may move.
         time: Since the beginning [s].
+        realism: How wrong wheels and sensors are.
+        kernels: May be replaced at any time, as when numba has been compiled.
+        drives: Of the robots, as arrays; (.., N).
+        outlines: Poses and sizes of the N robots, then of the obstacles, as arrays. Who writes
+            poses into it sets its `stale`.
     """
 
     def __init__(
@@ -50,160 +71,215 @@ class World:
         line_map: LineMap | None = None,
         robots: Iterable[Body] = (),
         kernels: Kernels | None = None,
+        *,
+        seed: int | None = 0,
+        realism: Realism | None = None,
     ) -> None:
-        self.map = line_map or empty_map()
-        self.robots = tuple(robots)
+        self.kernels = kernels or load_kernels("numpy")
+        self.realism = realism or Realism.ideal()
         self.time = 0.0
-        self._kernels = kernels or load_kernels("numpy")
-        self._grid = build_grid(self.map.walls)
-        models = [body.model for body in self.robots]
-        self._placed = Robots(
-            np.array([model.length_front for model in models]),
-            np.array([model.length_rear for model in models]),
-            np.array([model.width / 2 for model in models]),
-        )
-        types = {model.sonars: number for number, model in enumerate(models)}
-        kinds = {sonars: number for number, sonars in enumerate(types)}
-        self._mounts = sonar_mounts(
-            [np.array([(m.x, m.y, m.theta) for m in sonars]).reshape(-1, 3) for sonars in kinds],
-            [kinds[model.sonars] for model in models],
-        )
-        self._sonar: tuple[bytes, Float] = (b"", np.empty((0, 0)))
+        self.robots: tuple[Body, ...] = ()
+        self.obstacles: tuple[Obstacle, ...] = ()
+        self._seeds = SeedSequence(seed)
+        self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
+        self._noise = np.empty((0, 3, 0))
+        self._noise_at = 0
+        self.change_map(line_map or empty_map())
+        self._rearrange((*robots,), ())
 
     def step(self, dt: float) -> None:
-        """Let `dt` [s] pass. Same steps, same result, to the last bit."""
-        pieces = max(1, ceil(dt / SUBSTEP - 1e-9))
+        """Let `dt` [s] pass."""
+        pieces = max(1, ceil(dt / LONGEST - 1e-9))
         for _ in range(pieces):
-            self._move(dt / pieces)
+            self._step(dt / pieces)
         self.time += dt
 
     def sonar(self, body: Body) -> Float:
         """Return the ranges that `body`'s transducers measure now [m], shape (M,)."""
-        self._place(self._poses())
-        where = self._placed.poses.tobytes()
-        if where != self._sonar[0]:
-            measured = self._kernels.sonar(self._grid, self._placed, self._mounts, SONAR_RANGE)
-            self._sonar = where, np.clip(measured, SONAR_MIN, SONAR_RANGE)
-        ranges: Float = self._sonar[1][self._index(body), : len(body.model.sonars)]
-        return ranges
+        owner = np.array([body.number], dtype=np.int32)
+        ranges = self._heard(owner, self._own[body])
+        first: Float = ranges[0, : len(body.model.sonars)]
+        return first
+
+    def sonars(self) -> Float:
+        """Return what all robots' transducers measure now [m], shape (N, M).
+
+        M is the number of transducers of the robot that has most; others' last columns read the
+        longest range.
+        """
+        return self._heard(None, self._rng)
 
     def laser(self, body: Body, mount: Pose2, start: float, step: float, count: int) -> Float:
         """Return the ranges [m], shape (count,), of a laser at `mount` on `body`.
 
         Beams lie `step` [rad] apart, counter-clockwise from `start`, from straight ahead of it.
         """
-        self._place(self._poses())
-        owner = np.array([self._index(body)], dtype=np.int32)
-        fan = _fan(mount, start, step, count)
-        ranges = self._kernels.cast_fans(self._grid, self._placed, fan, LASER_RANGE, owners=owner)
+        owner = np.array([body.number], dtype=np.int32)
+        ranges = self._seen(_fan(mount, start, step, count), LASER_RANGE, owner, self._own[body])
         first: Float = ranges[0]
         return first
 
+    def lasers(self, fan: Fan, limit: float = LASER_RANGE) -> Float:
+        """Return what a laser on every robot measures now [m], shape (N, beams)."""
+        return self._seen(fan, limit, self._everyone, self._rng)
+
     def is_free(self, body: Body, pose: Pose2) -> bool:
         """Whether `body` would touch nothing at `pose`."""
-        poses = self._poses()
-        self._place(poses)
-        proposed = poses.copy()
-        proposed[:, self._index(body)] = pose.x, pose.y, pose.theta
-        return not self._blocked(proposed)[self._index(body)]
+        self._place()
+        proposed = self.outlines.poses.copy()
+        proposed[:, body.number] = pose.x, pose.y, pose.theta
+        hits = self.kernels.blocked(self._grid, self.outlines, proposed)
+        return not hits[body.number]
 
-    def _move(self, dt: float) -> None:
-        """Let every robot that moves go as far as it can."""
-        wishes = [_wish(body, dt) for body in self.robots]
-        if not any(wishes):
-            return
-        before = self._poses()
-        self._place(before)
-        taken = self._free_parts(wishes)
-        if len(self.robots) > 1:
-            self._take_back_collisions(before, taken)
-        for body, wish, motion in zip(self.robots, wishes, taken, strict=True):
-            if wish is not None and motion is not None:
-                body.advance(motion)
-                body.stalled = motion is not wish
-                if body.stalled:
-                    body.drive.halt()
+    def add(self, body: Body) -> None:
+        """Put one more robot into the world, after the others."""
+        self._rearrange((*self.robots, body), self.obstacles)
 
-    def _free_parts(self, wishes: Sequence[Pose2 | None]) -> list[Pose2 | None]:
-        """Return as much of each wish as touches nothing; the very same object if all of it."""
-        blocked = self._blocked(self._reached(wishes)).tolist()
-        best = [
-            ORIGIN if stuck and wish else wish for stuck, wish in zip(blocked, wishes, strict=True)
-        ]
-        tried = [
-            wish if stuck and wish and _is_worth_a_search(wish) else None
-            for stuck, wish in zip(blocked, wishes, strict=True)
-        ]
-        low, high = [0.0] * len(tried), [1.0] * len(tried)
-        for _ in range(BISECTIONS if any(tried) else 0):
-            shares = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
-            parts = [w and _share(w, s) for w, s in zip(tried, shares, strict=True)]
-            for i, stuck in enumerate(self._blocked(self._reached(parts)).tolist()):
-                if parts[i] is not None and not stuck:
-                    low[i], best[i] = shares[i], parts[i]
-                else:
-                    high[i] = shares[i]
-        return best
+    def remove(self, body: Body) -> None:
+        """Take a robot away; it goes on alone, in no world."""
+        robots = tuple(other for other in self.robots if other is not body)
+        self._rearrange(robots, self.obstacles)
+        outlines = outline_of(body.model)
+        outlines.state[:, 0] = body.outlines.state[:, body.number]
+        body.bind(body.drives.only(slice(body.number, body.number + 1)), outlines, 0)
+        del self._own[body]
 
-    def _take_back_collisions(self, before: Float, taken: list[Pose2 | None]) -> None:
-        """Undo motions that would leave two robots in each other, until none does."""
-        while True:
-            after = self._reached(taken)
-            self._place(after)
-            stuck = self._blocked(after).tolist()
-            back = [
-                i for i, motion in enumerate(taken) if stuck[i] and motion not in {None, ORIGIN}
-            ]
-            self._place(before)
-            if not back:
-                return
-            for i in back:
-                taken[i] = Pose2()
+    def add_obstacle(self, kind: Box | Person) -> Obstacle:
+        """Put a box or a person into the world."""
+        obstacle = Obstacle(kind)
+        self._rearrange(self.robots, (*self.obstacles, obstacle))
+        return obstacle
 
-    def _reached(self, motions: Sequence[Pose2 | None]) -> Float:
-        """Return the poses after `motions`, each given in its robot's frame, shape (3, N)."""
-        poses = [
-            body.robot_in_world if motion is None else body.robot_in_world @ motion
-            for body, motion in zip(self.robots, motions, strict=True)
-        ]
-        return _as_array(poses)
+    def remove_obstacle(self, obstacle: Obstacle) -> None:
+        """Take an obstacle away."""
+        self._rearrange(self.robots, tuple(o for o in self.obstacles if o is not obstacle))
 
-    def _poses(self) -> Float:
-        return _as_array([body.robot_in_world for body in self.robots])
+    def move_obstacle(self, obstacle: Obstacle, pose: Pose2) -> None:
+        """Put an obstacle somewhere else; a person goes on walking from there."""
+        obstacle.move(pose)
+        self._show(obstacle)
 
-    def _place(self, poses: Float) -> None:
-        if not np.array_equal(self._placed.poses, poses) or not self._placed.box[2] >= 0:
-            self._placed.poses[:] = poses
-            self._kernels.place(self._placed)
+    def change_map(self, line_map: LineMap) -> None:
+        """Replace what stands still; robots and obstacles stay where they are."""
+        self.map = line_map
+        self._grid = build_grid(line_map.walls)
+        docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
+        self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
+        for body in self.robots:
+            body.drives.free[:] = 0.0
 
-    def _blocked(self, poses: Float) -> Bool:
-        return self._kernels.blocked(self._grid, self._placed, poses)
+    def _step(self, dt: float) -> None:
+        """Let at most `LONGEST` pass."""
+        if self.outlines.stale:
+            self._place()
+        noise = self._next_noise() if self._noisy else None
+        self.kernels.step(self._grid, self.outlines, self.drives, dt, noise)
+        if self.obstacles:
+            self._walk(dt)
+        if len(self._docks):
+            self._charge()
 
-    def _index(self, body: Body) -> int:
-        return next(i for i, other in enumerate(self.robots) if other is body)
+    def _walk(self, dt: float) -> None:
+        """Let people walk."""
+        bodies = self.outlines.state[:6, : len(self.robots)]
+        for obstacle in self.obstacles:
+            if obstacle.walk(dt, bodies):
+                self._show(obstacle)
+
+    def _show(self, obstacle: Obstacle) -> None:
+        n, pose = len(self.robots) + self.obstacles.index(obstacle), obstacle.pose
+        way = hypot(pose.x - self.outlines.x[n], pose.y - self.outlines.y[n])
+        self.outlines.poses[:, n] = pose.x, pose.y, pose.theta
+        self.outlines.stale = True
+        self.drives.free -= way
+
+    def _charge(self) -> None:
+        """Supply who stands in a dock."""
+        x, y, theta = self.outlines.poses[:, : len(self.robots), None]
+        off = np.hypot(x - self._docks[:, 0], y - self._docks[:, 1])
+        turned = np.cos(theta - self._docks[:, 2]) < np.cos(DOCKED_ANGLE)
+        docked = ((off < DOCKED) & ~turned).any(axis=1)
+        self.drives.wheels[SUPPLY] = np.where(docked, CHARGE_POWER, 0.0)
+
+    def _heard(self, owners: Int32 | None, rng: Generator) -> Float:
+        self._place()
+        sonar = self.realism.sonar
+        ranges = self.kernels.sonar(
+            self._grid,
+            self.outlines,
+            self._mounts,
+            SONAR_RANGE,
+            steep=sonar.steep,
+            owners=owners,
+        )
+        return sonar.spoil(ranges, SONAR_RANGE, rng).clip(SONAR_MIN, SONAR_RANGE)
+
+    def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
+        self._place()
+        ranges = self.kernels.cast_fans(self._grid, self.outlines, fan, limit, owners=owners)
+        sigma = self.realism.laser_noise
+        if not sigma:
+            return ranges
+        noisy = ranges + sigma * rng.standard_normal(ranges.shape)
+        return np.where(ranges < limit, noisy.clip(0.0, limit), limit)
+
+    def _place(self) -> None:
+        if self.outlines.stale:
+            self.kernels.place(self.outlines)
+            self.outlines.stale = False
+
+    def _next_noise(self) -> Float:
+        if self._noise_at == len(self._noise):
+            self._noise = self._rng.standard_normal((NOISE_STEPS, 3, len(self.robots)))
+            self._noise_at = 0
+        self._noise_at += 1
+        row: Float = self._noise[self._noise_at - 1]
+        return row
+
+    def _bumpers(self, body: Body) -> tuple[int, int]:
+        """Return what presses the bumpers of `body`."""
+        self._place()
+        x, y, theta = self.outlines.poses[:, body.number].tolist()
+        reach = hypot(max(body.model.length_front, body.model.length_rear), body.model.width / 2)
+        reach += REACH
+        others = np.delete(self.outlines.outlines, body.number, axis=0).reshape(-1, 4)
+        around = np.concatenate([self._grid.around(x, y, reach), others])
+        return pressed_segments(body.model, Pose2(x, y, theta), around)
+
+    def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
+        """Lay out the arrays anew; everything keeps its state."""
+        models = [body.model for body in robots]
+        sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]
+        sizes += [obstacle.sizes for obstacle in obstacles]
+        self.outlines = Robots(*np.array(sizes).reshape(-1, 4).T)
+        drives = Drives.at_rest(0)
+        for number, body in enumerate(robots):
+            drives = drives.joined(body.drives.only(slice(body.number, body.number + 1)))
+            self.outlines.state[:, number] = body.outlines.state[:, body.number]
+        for number, obstacle in enumerate(obstacles, len(robots)):
+            pose = obstacle.pose
+            self.outlines.poses[:, number] = pose.x, pose.y, pose.theta
+        self.drives, self.obstacles = drives, tuple(obstacles)
+        for number, body in enumerate(robots):
+            if body not in self._own:
+                self._own[body] = default_rng(self._seeds.spawn(1)[0])
+                column = self.realism.odometry.column(body.model, self._own[body])
+                drives.errors[:, number] = column
+            body.bind(drives, self.outlines, number, partial(self._bumpers, body))
+        self.robots = robots
+        drives.free[:] = 0.0
+        self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
+        self._everyone = self.outlines.everyone[: len(robots)]
+        types = {model.sonars: None for model in models}
+        kinds = {sonars: number for number, sonars in enumerate(types)}
+        self._mounts = sonar_mounts(
+            [np.array([(m.x, m.y, m.theta) for m in sonars]).reshape(-1, 3) for sonars in kinds],
+            [kinds[model.sonars] for model in models],
+            rays=self.realism.sonar.rays,
+            width=self.realism.sonar.width,
+        )
 
 
-def _wish(body: Body, dt: float) -> Pose2 | None:
-    """Return where the drive wants to go within `dt` [s], in the robot's frame; `None`: nowhere."""
-    body.battery.drain(body.drive.linear.velocity, dt)
-    if not body.drive.moves:
-        body.stalled = False
-        return None
-    return body.drive.step(dt)
-
-
-def _share(motion: Pose2, share: float) -> Pose2:
-    return Pose2(motion.x * share, motion.y * share, motion.theta * share)
-
-
-def _is_worth_a_search(motion: Pose2) -> bool:
-    return max(abs(motion.x), abs(motion.y), abs(motion.theta)) > NEGLIGIBLE
-
-
-def _as_array(poses: Sequence[Pose2]) -> Float:
-    return np.array([(p.x, p.y, p.theta) for p in poses]).reshape(-1, 3).T.copy()
-
-
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=64)
 def _fan(mount: Pose2, start: float, step: float, count: int) -> Fan:
     return laser_fan((mount.x, mount.y, mount.theta), start, step, count)

@@ -67,7 +67,7 @@ def test_given_buffers_are_filled_and_returned(kernels: Kernels) -> None:
     mounts, fan = sonar_mounts([AHEAD], [0]), laser_fan((0, 0, 0), -1.0, 1.0, 3)
     heard, seen, hits = np.empty((1, 1)), np.empty((1, 3)), np.ones(1, dtype=np.bool_)
     ranges = np.empty(1)
-    assert kernels.sonar(grid, robots, mounts, 9.0, heard) is heard
+    assert kernels.sonar(grid, robots, mounts, 9.0, out=heard) is heard
     assert kernels.cast_fans(grid, robots, fan, 9.0, out=seen) is seen
     assert kernels.blocked(grid, robots, robots.poses, hits) is hits
     one = np.zeros((1, 2)), np.zeros(1)

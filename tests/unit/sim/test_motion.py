@@ -1,158 +1,212 @@
 """Ramps, trapezoids and arcs, each number derived by hand."""
 
+from dataclasses import replace
+from importlib.util import find_spec
 from math import pi
 
 import pytest
 
-from pioneer3.sim.motion import HARDEST, SUBSTEP, Axis, Drive
+from pioneer3.geometry import wrap
+from pioneer3.models import load_model
+from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import Kernels, load_kernels
+from pioneer3.sim.kernels.drives import HARDEST, SUBSTEP
+from pioneer3.sim.world import World
+
+MODEL = replace(
+    load_model("p3dx-sh"),
+    acceleration=0.5,
+    deceleration=1.0,
+    max_speed=1.0,
+    turn_acceleration=2.0,
+    turn_deceleration=2.0,
+    max_turn_rate=2.0,
+)
+NO_NUMBA = pytest.mark.skipif(not find_spec("numba"), reason="extra `fast` not installed")
 
 
-def axis(velocity: float = 0.0) -> Axis:
-    return Axis(acceleration=0.5, deceleration=1.0, top=1.0, velocity=velocity)
+@pytest.fixture(params=["numpy", pytest.param("numba", marks=NO_NUMBA)], scope="module")
+def kernels(request: pytest.FixtureRequest) -> Kernels:
+    return load_kernels(request.param)
 
 
-def run(moved: Axis, seconds: float, dt: float = SUBSTEP, *, held: bool = False) -> float:
-    """Let time pass; return the way covered."""
-    return sum(moved.step(dt, held=held) for _ in range(round(seconds / dt)))
+class Bench:
+    """A robot on an empty plane."""
+
+    def __init__(self, kernels: Kernels, speed: float = 0.0) -> None:
+        self.body = Body(MODEL)
+        self.world = World(None, [self.body], kernels)
+        self.drive, self.axis = self.body.drive, self.body.drive.linear
+        self.drive.power(on=True)
+        self.axis.top = 1.0
+        self.drive.angular.top = 2.0
+        self.axis.velocity = speed
+
+    def run(self, seconds: float, dt: float = SUBSTEP) -> float:
+        """Let time pass; return the way covered."""
+        before = self.body.robot_in_odom.x
+        for _ in range(round(seconds / dt)):
+            self.world.step(dt)
+        return self.body.robot_in_odom.x - before
 
 
-def test_speeding_up_follows_the_acceleration() -> None:
-    moved = axis()
-    moved.go(0.4)
-    assert run(moved, 0.5) == pytest.approx(0.5 * 0.5 * 0.5**2)  # a t^2 / 2
-    assert moved.velocity == pytest.approx(0.25)
-    run(moved, 0.5)
-    assert moved.velocity == 0.4
+def test_speeding_up_follows_the_acceleration(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.axis.go(0.4)
+    assert bench.run(0.5) == pytest.approx(0.5 * 0.5 * 0.5**2)  # a t^2 / 2
+    assert bench.axis.velocity == pytest.approx(0.25)
+    bench.run(0.5)
+    assert bench.axis.velocity == 0.4
 
 
-def test_slowing_down_follows_the_deceleration() -> None:
-    moved = axis(0.8)
-    moved.go(0.0)
-    assert run(moved, 1.0) == pytest.approx(0.8**2 / 2 / 1.0)  # v^2 / 2a
-    assert moved.velocity == 0.0
+def test_slowing_down_follows_the_deceleration(kernels: Kernels) -> None:
+    bench = Bench(kernels, 0.8)
+    bench.axis.go(0.0)
+    assert bench.run(1.0) == pytest.approx(0.8**2 / 2 / 1.0)  # v^2 / 2a
+    assert bench.axis.velocity == 0.0
 
 
-def test_turning_round_passes_through_zero_with_both_ramps() -> None:
-    moved = axis(0.5)
-    moved.go(-0.5)
-    way = run(moved, 0.5 / 1.0 + 0.5 / 0.5)
+def test_turning_round_passes_through_zero_with_both_ramps(kernels: Kernels) -> None:
+    bench = Bench(kernels, 0.5)
+    bench.axis.go(-0.5)
+    way = bench.run(0.5 / 1.0 + 0.5 / 0.5)
     assert way == pytest.approx(0.5**2 / 2 / 1.0 - 0.5**2 / 2 / 0.5)
-    assert moved.velocity == pytest.approx(-0.5)
+    assert bench.axis.velocity == pytest.approx(-0.5)
 
 
-def test_no_command_goes_beyond_the_top_speed() -> None:
-    moved = axis()
-    moved.go(99.0)
-    run(moved, 5)
-    assert moved.velocity == 1.0
-    moved.go(-99.0)
-    run(moved, 5)
-    assert moved.velocity == -1.0
+def test_no_command_goes_beyond_the_top_speed(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.axis.go(99.0)
+    bench.run(5)
+    assert bench.axis.velocity == 1.0
+    bench.axis.go(-99.0)
+    bench.run(5)
+    assert bench.axis.velocity == -1.0
 
 
-@pytest.mark.parametrize("dt", [0.02, 0.01, 0.003])
-def test_the_length_of_a_step_does_not_change_a_ramp(dt: float) -> None:
-    moved = axis()
-    moved.go(0.3)
-    assert run(moved, 1.2, dt) == pytest.approx(0.3**2 / 2 / 0.5 + 0.3 * 0.6, rel=1e-9)
+@pytest.mark.parametrize("dt", [0.1, 0.02, 0.01, 0.003])
+def test_the_length_of_a_step_does_not_change_a_ramp(kernels: Kernels, dt: float) -> None:
+    bench = Bench(kernels)
+    bench.axis.go(0.3)
+    assert bench.run(1.2, dt) == pytest.approx(0.3**2 / 2 / 0.5 + 0.3 * 0.6, rel=1e-9)
 
 
+def test_without_a_ramp_the_speed_is_there_at_once(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.axis.acceleration = bench.axis.deceleration = 0.0
+    bench.axis.go(0.3)
+    assert bench.run(1.0) == pytest.approx(0.3)
+    bench.axis.go(-0.3)
+    assert bench.run(1.0) == pytest.approx(-0.3)
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.02])
 @pytest.mark.parametrize("distance", [1.0, -1.0, 0.05, 3.0])
-def test_a_distance_is_covered_exactly_and_ends_at_rest(distance: float) -> None:
-    moved = axis()
-    moved.travel(distance)
-    assert run(moved, 20) == pytest.approx(distance, abs=1e-9)
-    assert moved.velocity == 0.0
-    assert moved.remaining is None
+def test_a_distance_is_covered_exactly_and_ends_at_rest(
+    kernels: Kernels, distance: float, dt: float
+) -> None:
+    bench = Bench(kernels)
+    bench.axis.travel(distance)
+    assert bench.run(20, dt) == pytest.approx(distance, abs=1e-9)
+    assert bench.axis.velocity == 0.0
+    assert bench.axis.remaining is None
 
 
-def test_a_short_distance_is_a_triangle_a_long_one_a_trapezoid() -> None:
-    moved, fastest = axis(), []
+def test_a_short_distance_is_a_triangle_a_long_one_a_trapezoid(kernels: Kernels) -> None:
+    bench, fastest = Bench(kernels), []
     for distance in (0.3, 5.0):
-        moved.travel(distance)
+        bench.axis.travel(distance)
         speeds = [0.0]
-        while moved.remaining is not None:
-            moved.step(SUBSTEP)
-            speeds.append(moved.velocity)
+        while bench.axis.remaining is not None:
+            bench.world.step(SUBSTEP)
+            speeds.append(bench.axis.velocity)
         fastest.append(max(speeds))
     # v^2 (1/2a + 1/2d) = s
     assert fastest[0] == pytest.approx((0.3 / (1 / 1.0 + 1 / 2.0)) ** 0.5, rel=0.03)
     assert fastest[1] == pytest.approx(1.0)
 
 
-def test_a_velocity_ends_a_distance() -> None:
-    moved = axis()
-    moved.travel(5.0)
-    run(moved, 1)
-    moved.go(0.0)
-    run(moved, 2)
-    assert moved.velocity == 0.0
-    assert moved.remaining is None
+def test_a_velocity_ends_a_distance(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.axis.travel(5.0)
+    bench.run(1)
+    bench.axis.go(0.0)
+    bench.run(2)
+    assert bench.axis.velocity == 0.0
+    assert bench.axis.remaining is None
 
 
 @pytest.mark.parametrize("distance", [None, 2.0])
-def test_held_it_brakes_and_remembers(distance: float | None) -> None:
-    moved = axis()
+def test_held_it_brakes_and_remembers(kernels: Kernels, distance: float | None) -> None:
+    bench = Bench(kernels)
     if distance is None:
-        moved.go(0.5)
+        bench.axis.go(0.5)
     else:
-        moved.travel(distance)
-    run(moved, 1)
-    run(moved, 2, held=True)
-    assert moved.velocity == 0.0
-    run(moved, 1)
-    assert moved.velocity == pytest.approx(0.5)
+        bench.axis.travel(distance)
+    bench.run(1)
+    bench.drive.held = True
+    bench.run(2)
+    assert bench.axis.velocity == 0.0
+    bench.drive.held = False
+    bench.run(1)
+    assert bench.axis.velocity == pytest.approx(0.5)
 
 
-def drive() -> Drive:
-    moved = Drive(linear=axis(), angular=Axis(2.0, 2.0, 2.0))
-    moved.power(on=True)
-    return moved
+def test_a_full_turn_on_the_spot_goes_nowhere(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.drive.angular.travel(2 * pi)
+    turned = 0.0
+    for _ in range(500):
+        before = bench.body.robot_in_world.theta
+        bench.world.step(SUBSTEP)
+        turned += wrap(bench.body.robot_in_world.theta - before)
+    assert turned == pytest.approx(2 * pi)
+    assert (bench.body.robot_in_world.x, bench.body.robot_in_world.y) == (0, 0)
+    half = pi * MODEL.wheel_base
+    assert bench.body.wheel_travel == pytest.approx((-half, half))
 
 
-def test_a_full_turn_on_the_spot_goes_nowhere() -> None:
-    moved = drive()
-    moved.angular.travel(2 * pi)
-    steps = [moved.step(SUBSTEP) for _ in range(500)]
-    assert sum(step.theta for step in steps) == pytest.approx(2 * pi)
-    assert all(step.x == step.y == 0 for step in steps)
+def test_without_power_it_obeys_nothing_and_the_wheels_brake_hard(kernels: Kernels) -> None:
+    bench = Bench(kernels, 1.0)
+    bench.drive.power(on=False)
+    assert not bench.drive.obeys
+    bench.run(1.0 / HARDEST + SUBSTEP)
+    assert bench.axis.velocity == 0.0
 
 
-def test_without_power_it_obeys_nothing_and_the_wheels_brake_hard() -> None:
-    moved = drive()
-    moved.linear.velocity = 1.0
-    moved.power(on=False)
-    assert not moved.obeys
-    for _ in range(round(1.0 / HARDEST / SUBSTEP) + 1):
-        moved.step(SUBSTEP)
-    assert moved.linear.velocity == 0.0
+def test_an_emergency_stop_brakes_hard_and_obeys_again_once_it_stands(kernels: Kernels) -> None:
+    bench = Bench(kernels, 1.0)
+    bench.drive.emergency_stop()
+    assert not bench.drive.obeys
+    assert bench.run(0.4) == pytest.approx(1.0 / 2 / HARDEST)
+    assert bench.drive.obeys
 
 
-def test_an_emergency_stop_brakes_hard_and_obeys_again_once_it_stands() -> None:
-    moved = drive()
-    moved.linear.velocity = 1.0
-    moved.emergency_stop()
-    assert not moved.obeys
-    way = sum(moved.step(SUBSTEP).x for _ in range(20))
-    assert way == pytest.approx(1.0 / 2 / HARDEST)
-    assert moved.obeys
+def test_an_emergency_stop_at_rest_leaves_it_obedient(kernels: Kernels) -> None:
+    bench = Bench(kernels)
+    bench.drive.emergency_stop()
+    assert not bench.drive.moves
+    assert bench.drive.obeys
 
 
-def test_an_emergency_stop_at_rest_leaves_it_obedient() -> None:
-    moved = drive()
-    moved.emergency_stop()
-    assert not moved.moves
-    assert moved.obeys
+def test_it_moves_while_anything_turns_or_is_about_to(kernels: Kernels) -> None:
+    drive = Bench(kernels).drive
+    assert not drive.moves
+    drive.angular.go(0.1)
+    assert drive.moves
+    drive.power(on=False)
+    assert not drive.moves
+    drive.linear.velocity = 0.1
+    assert drive.moves
+    drive.halt()
+    assert not drive.moves
 
 
-def test_it_moves_while_anything_turns_or_is_about_to() -> None:
-    moved = drive()
-    assert not moved.moves
-    moved.angular.go(0.1)
-    assert moved.moves
-    moved.power(on=False)
-    assert not moved.moves
-    moved.linear.velocity = 0.1
-    assert moved.moves
-    moved.halt()
-    assert not moved.moves
+def test_an_arc_ends_where_geometry_says(kernels: Kernels) -> None:
+    bench = Bench(kernels, 0.5)
+    bench.axis.go(0.5)
+    bench.drive.angular.velocity = 0.5
+    bench.drive.angular.go(0.5)
+    bench.run(pi, 0.1 * pi / 3.1)  # a quarter of a circle of 1 m
+    pose = bench.body.robot_in_world
+    assert (pose.x, pose.y, pose.theta) == pytest.approx((1.0, 1.0, pi / 2), abs=0.02)

@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
@@ -56,12 +57,31 @@ class Kernels(Protocol):
         ...
 
     def sonar(
-        self, grid: Grid, robots: Robots, mounts: Mounts, limit: float, out: Float | None = None
+        self,
+        grid: Grid,
+        robots: Robots,
+        mounts: Mounts,
+        limit: float,
+        *,
+        steep: float = 0.0,
+        owners: Int32 | None = None,
+        out: Float | None = None,
     ) -> Float:
-        """Return the range per robot and transducer [m], shape (N, mounts.most).
+        """Return the range per robot and transducer [m], shape (F, mounts.most).
 
-        The nearest of a transducer's rays counts. No robot sees itself. Columns that a robot's
-        type does not have read `limit`.
+        The nearest of a transducer's rays that echoes counts. No robot hears itself. Columns that
+        a robot's type does not have read `limit`.
+
+        Args:
+            grid: The walls.
+            robots: Heard where they were placed.
+            mounts: The transducers of the robots, which may be the first few of `robots`.
+            limit: Longest range [m].
+            steep: Sine of the smallest angle between a ray and a wall that sends it back; robots
+                and other things that move always do. What it meets first hides what is behind,
+                echo or not.
+            owners: The F robots that listen; `None` means all that `mounts` has.
+            out: For the ranges, shape (F, mounts.most).
         """
         ...
 
@@ -94,5 +114,24 @@ class Kernels(Protocol):
 
         Touching is free, as in :func:`pioneer3.sim.collision.footprint_hits`. The other robots
         count where they were placed, not where they propose to go.
+        """
+        ...
+
+    def step(
+        self, grid: Grid, robots: Robots, drives: Drives, dt: float, noise: Float | None = None
+    ) -> None:
+        """Let every drive run for `dt` [s], at most `LONGEST`, as far as nothing is in the way.
+
+        Robots move one after the other, so the earlier takes the room. One that something stops
+        goes as far as is free, stands, and has its flag `STALLED` set. Poses, drives and outlines
+        are those after the step.
+
+        Args:
+            grid: The walls.
+            robots: The robots, in the order of `drives`, then what else may be in the way.
+            drives: Of the robots.
+            dt: [s].
+            noise: Standard normal numbers, shape (3, N): for the way, for the turn, and for the
+                drift while driving; `None` without random errors.
         """
         ...

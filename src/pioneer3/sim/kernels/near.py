@@ -79,7 +79,7 @@ class NearWalls:
         walls = self._grid.cell_items[items].astype(np.int64)
         middle = (np.stack([column, row], axis=1) + 0.5) * self._grid.cell + self._grid.corner
         radius = self._reach + self._grid.cell * sqrt(0.5) + SLACK
-        near = _distances(middle[whose], self._grid.walls[walls]) <= radius
+        near = distances(middle[whose], self._grid.walls[walls]) <= radius
         whose, walls = whose[near], walls[near]
         counts = np.bincount(whose, minlength=len(cells))
         self._counts[cells] = counts
@@ -132,7 +132,7 @@ def near_robots(
     return points[near], others[near]
 
 
-def _distances(points: Float, walls: Float) -> Float:
+def distances(points: Float, walls: Float) -> Float:
     """Return the distance of each point (P, 2) to the wall (P, 4) beside it [m], shape (P,)."""
     start, extent = walls[:, :2] - points, walls[:, 2:] - walls[:, :2]
     squared = (extent**2).sum(axis=1)

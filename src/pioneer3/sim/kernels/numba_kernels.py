@@ -6,7 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels import compiled
+from pioneer3.sim.kernels.compiled import fans, motion, rays, table
+from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
@@ -20,6 +21,9 @@ WORTH_THREADS = 50
 
 WHOLE = (np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([0, 1], dtype=np.int32))
 """A transducer at the pose itself, pointing ahead."""
+
+
+NO_NOISE = np.empty((3, 0))
 
 
 class NumbaKernels:
@@ -36,7 +40,7 @@ class NumbaKernels:
         self._pool = ThreadPoolExecutor(threads, "kernels") if threads > 1 else None
 
     def place(self, robots: Robots) -> None:
-        compiled.place(robots.state, robots.arrays)
+        table.place(robots.state, robots.arrays)
 
     def cast_rays(
         self,
@@ -56,22 +60,33 @@ class NumbaKernels:
         walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
 
         def work(first: int, last: int) -> None:
-            compiled.sonar(first, last, limit, poses, owner, mounts, walls, others, rows)
+            rays.sonar(first, last, limit, 0.0, poses, owner, mounts, walls, others, rows)
 
         self._share(count, work)
         return ranges
 
     def sonar(
-        self, grid: Grid, robots: Robots, mounts: Mounts, limit: float, out: Float | None = None
+        self,
+        grid: Grid,
+        robots: Robots,
+        mounts: Mounts,
+        limit: float,
+        *,
+        steep: float = 0.0,
+        owners: Int32 | None = None,
+        out: Float | None = None,
     ) -> Float:
-        count = len(robots)
+        poses, table = robots.poses, mounts.arrays
+        if owners is None:
+            owners = robots.everyone[: len(mounts.kinds)]
+        else:
+            poses, table = poses[:, owners], (*table[:2], mounts.kinds[owners])
+        count = len(owners)
         ranges = np.empty((count, mounts.most)) if out is None else out
-        table, walls, others = mounts.arrays, grid.arrays, robots.arrays
+        walls, others = grid.arrays, robots.arrays
 
         def work(first: int, last: int) -> None:
-            compiled.sonar(
-                first, last, limit, robots.poses, robots.everyone, table, walls, others, ranges
-            )
+            rays.sonar(first, last, limit, steep, poses, owners, table, walls, others, ranges)
 
         self._share(count, work)
         return ranges
@@ -91,7 +106,7 @@ class NumbaKernels:
         walls, others, poses = grid.arrays, robots.arrays, robots.poses
 
         def work(first: int, last: int) -> None:
-            compiled.fans(
+            fans.fans(
                 first, last, limit, lasers, fan.frame, fan.headings, poses, walls, others, ranges
             )
 
@@ -103,10 +118,16 @@ class NumbaKernels:
         walls, others, state = grid.arrays, robots.arrays, robots.state
 
         def work(first: int, last: int) -> None:
-            compiled.blocked(first, last, poses, state, walls, others, hits)
+            motion.blocked(first, last, poses, state, walls, others, hits)
 
         self._share(len(robots), work)
         return hits
+
+    def step(
+        self, grid: Grid, robots: Robots, drives: Drives, dt: float, noise: Float | None = None
+    ) -> None:
+        errors = NO_NOISE if noise is None else noise
+        motion.step(dt, errors, drives.arrays, robots.state, grid.arrays, robots.arrays)
 
     def _share(self, count: int, work: Callable[[int, int], None]) -> None:
         """Call `work` on `count` rows, in parts if that pays."""

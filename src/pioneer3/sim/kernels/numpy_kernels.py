@@ -1,28 +1,42 @@
 """The kernels with numpy alone: always there; what a robot's small computer runs."""
 
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.collision import TOUCH as DEEP
+from pioneer3.sim.kernels.drives import FINER, NEGLIGIBLE, STALLED, TOUCHED, VELOCITY, Drives
 from pioneer3.sim.kernels.mounts import Fan, Mounts
-from pioneer3.sim.kernels.near import NearWalls, near_robots
+from pioneer3.sim.kernels.near import NearWalls, distances, near_robots
 from pioneer3.sim.kernels.numpy_fans import paint
+from pioneer3.sim.kernels.numpy_motion import live, reached, roll, wants_to_move, wishes, wrapped
+from pioneer3.sim.kernels.numpy_outlines import place, reach_into
 from pioneer3.sim.kernels.numpy_rays import Rays, march, meet_robots, sides
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
+from pioneer3.sim.raycast import TOUCH
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
 
-POINTS = [0, 1, 3, 4, 5, 6, 7, 8, 9, 10]
-"""Rows of shapes transposed: the middle, then the corners."""
+ROOM = 1.5
+"""How far a robot is looked after whether there is room [m]."""
 
 TOGETHER = 128
 """Robots worked on at a time: their arrays then fit a processor's cache."""
+
+
+class Ears(NamedTuple):
+    """Who listens with what: rays of one robot type, robots (F,), limit [m] and steepness."""
+
+    rays: Rays
+    owners: Int32
+    limit: float
+    steep: float
 
 
 class NumpyKernels:
@@ -35,15 +49,7 @@ class NumpyKernels:
         self._near: WeakKeyDictionary[Grid, dict[float, NearWalls]] = WeakKeyDictionary()
 
     def place(self, robots: Robots) -> None:
-        x, y, theta, front, rear, half = robots.state
-        c, s = np.cos(theta), np.sin(theta)
-        shapes = robots.shapes
-        shapes[:, 0], shapes[:, 1] = x + c * (front - rear) / 2, y + s * (front - rear) / 2
-        shapes[:, 2] = np.hypot((front + rear) / 2, half)
-        corners = ((front, half), (-rear, half), (-rear, -half), (front, -half))
-        for k, (ahead, left) in enumerate(corners):
-            shapes[:, 3 + 2 * k] = x + c * ahead - s * left
-            shapes[:, 4 + 2 * k] = y + s * ahead + c * left
+        place(robots)
 
     def cast_rays(
         self,
@@ -63,30 +69,48 @@ class NumpyKernels:
         return ranges
 
     def sonar(
-        self, grid: Grid, robots: Robots, mounts: Mounts, limit: float, out: Float | None = None
+        self,
+        grid: Grid,
+        robots: Robots,
+        mounts: Mounts,
+        limit: float,
+        *,
+        steep: float = 0.0,
+        owners: Int32 | None = None,
+        out: Float | None = None,
     ) -> Float:
-        ranges = np.empty((len(robots), mounts.most)) if out is None else out
+        who = robots.everyone[: len(mounts.kinds)] if owners is None else owners
+        ranges = np.empty((len(who), mounts.most)) if out is None else out
         ranges[:] = limit
         if mounts not in self._rays:
             tables = np.split(mounts.table, mounts.offsets[1:-1])
             self._rays[mounts] = [Rays(table) for table in tables]
+        kinds = mounts.kinds[who]
         for kind, rays in enumerate(self._rays[mounts]):
-            owners = np.flatnonzero(mounts.kinds == kind)
-            for first in range(0, len(owners) if rays.mounts else 0, TOGETHER):
-                some = owners[first : first + TOGETHER]
-                ranges[some, : rays.mounts] = self._sonar(grid, robots, rays, some, limit)
+            rows = np.flatnonzero(kinds == kind)
+            for first in range(0, len(rows) if rays.mounts else 0, TOGETHER):
+                some = rows[first : first + TOGETHER]
+                ears = Ears(rays, who[some], limit, steep)
+                ranges[some, : rays.mounts] = self._sonar(grid, robots, ears)
         return ranges
 
-    def _sonar(self, grid: Grid, robots: Robots, rays: Rays, owners: Int, limit: float) -> Float:
+    def _sonar(self, grid: Grid, robots: Robots, ears: Ears) -> Float:
         """Return the ranges of a few robots of one type, shape (owners, transducers)."""
+        rays, owners, limit, steep = ears
         ranges = np.full((len(owners), rays.count), limit)
+        echoes = ranges.copy() if steep > 0 else None
         reach, frames = limit + rays.reach, _frames(*robots.poses[:, owners])
-        rays.meet_walls(*self._walls(grid, frames, reach), ranges)
+        rays.meet_walls(*self._walls(grid, frames, reach), ranges, steep, echoes)
+        if echoes is not None:
+            # what sends nothing back still hides what is behind
+            lost, nearest = echoes > ranges + TOUCH, ranges.copy()
         beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
         if len(others):
             shapes = robots.shapes.T.take(others, axis=1)
-            radius, points = shapes[2], _from(frames, beside, shapes[POINTS])
-            rays.meet_robots(beside, radius, points, ranges)
+            points = _from(frames, beside, np.concatenate([shapes[:2], shapes[3:]]))
+            rays.meet_robots(beside, shapes[2], points, ranges)
+        if echoes is not None:
+            ranges[lost & (ranges >= nearest)] = limit
         shortest: Float = ranges.reshape(len(owners), rays.mounts, -1).min(axis=2)
         return shortest
 
@@ -116,19 +140,111 @@ class NumpyKernels:
         return np.minimum(ranges, limit, out=ranges)
 
     def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
-        front, rear, half = robots.state[3:]
-        reach = float(np.hypot(np.maximum(front, rear), half).max(initial=0.0))
-        whose, (ax, ay, bx, by) = self._seen(grid, robots, _frames(*poses), reach, robots.everyone)
-        length, width = (front + rear)[whose] / 2 - DEEP, half[whose] - DEEP
-        mx, my, hx, hy = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
-        mx -= (front - rear)[whose] / 2
-        meets = (
-            (abs(mx) <= length + abs(hx))
-            & (abs(my) <= width + abs(hy))
-            & (abs(hx * my - hy * mx) <= length * abs(hy) + width * abs(hx))
-        )
         hits = np.empty(len(robots), dtype=np.bool_) if out is None else out
-        hits[:] = np.bincount(whose[meets], minlength=len(robots)) > 0
+        if len(robots):
+            hits[:] = self._touch(grid, robots, robots.everyone, _frames(*poses), 0.0)
+        return hits
+
+    def step(
+        self, grid: Grid, robots: Robots, drives: Drives, dt: float, noise: Float | None = None
+    ) -> None:
+        live(drives, dt)
+        moves = wants_to_move(drives)
+        drives.flags[STALLED] = 0
+        drives.flags[TOUCHED, moves] = 0
+        if not moves.any():
+            return
+        wish = wishes(drives, dt, noise)
+        poses = robots.poses[:, : len(drives)]
+        before, after = poses.copy(), reached(poses, wish)
+        stuck = self._doubtful(grid, robots, drives, np.flatnonzero(moves), after)
+        poses[:] = after
+        if len(stuck):
+            poses[:, stuck] = before[:, stuck]
+        place(robots)
+        for n in stuck.tolist():
+            share = self._free_share(grid, robots, n, wish[:3, n])
+            drives.flags[[STALLED, TOUCHED], n] = share < 1
+            if share < 1:
+                wish[:, n] *= share
+                drives.axes[VELOCITY, :, n] = 0.0
+            poses[:, n] = reached(before[:, n : n + 1], wish[:, n : n + 1])[:, 0]
+            place(robots, slice(n, n + 1))
+        roll(drives, wish)
+        poses[2] = wrapped(poses[2])
+
+    def _doubtful(
+        self, grid: Grid, robots: Robots, drives: Drives, moving: Int, after: Float
+    ) -> Int:
+        """Return which robots something may be in the way of, ascending.
+
+        How much room a robot surely has is kept and used up step by step; only those that have
+        none left are looked at.
+        """
+        way = np.hypot(*(after[:2] - robots.poses[:2, : len(drives)]))
+        farthest = float(way.max())
+        drives.free -= way + farthest
+        who = moving[drives.free[moving] <= 0]
+        if len(who) == 0:
+            return who
+        x, y, theta = after[:, who]
+        front, rear, half = robots.state[3:6, who]
+        size = np.hypot(np.maximum(front, rear), half)
+        room = np.full(len(who), ROOM)
+        near = self._lists(grid, ROOM)
+        points, walls = near.of(x, y)
+        np.minimum.at(room, points, distances(np.stack([x, y], 1)[points], grid.walls[walls]))
+        beside, others = near_robots(robots, x, y, ROOM, who)
+        apart = np.hypot(robots.shapes[others, 0] - x[beside], robots.shapes[others, 1] - y[beside])
+        np.minimum.at(room, beside, apart - robots.shapes[others, 2] - farthest)
+        drives.free[who] = np.maximum(room - size, 0.0)
+        doubt = np.flatnonzero(room <= size)
+        if len(doubt) == 0:
+            return who[doubt]
+        frames, who = _frames(x[doubt], y[doubt], theta[doubt]), who[doubt]
+        spread = 2 * farthest
+        hits = self._touch(grid, robots, who, frames, spread)
+        return who[hits]
+
+    def _free_share(self, grid: Grid, robots: Robots, n: int, motion: Float) -> float:
+        """Return how much of its motion robot `n` can make, in steps of 1 / 1024."""
+        free, part = 0.0, 1.0
+        if not self._hits(grid, robots, n, motion[:, None])[0]:
+            return 1.0
+        if abs(motion).max() <= NEGLIGIBLE:
+            return 0.0
+        for _ in range(2):
+            part /= FINER
+            shares = free + part * np.arange(1, FINER)
+            hits = self._hits(grid, robots, n, motion[:, None] * shares)
+            free += part * (int(hits.argmax()) if hits.any() else FINER - 1)
+        return free
+
+    def _hits(self, grid: Grid, robots: Robots, n: int, motions: Float) -> Bool:
+        """Return whether robot `n` would stand on something after each of the motions (3, M)."""
+        count = motions.shape[1]
+        poses = reached(np.repeat(robots.poses[:, n : n + 1], count, axis=1), motions)
+        who = np.full(count, n, dtype=np.int32)
+        return self._touch(grid, robots, who, _frames(*poses), 0.0)
+
+    def _touch(
+        self, grid: Grid, robots: Robots, who: Int | Int32, frames: Float, spread: float
+    ) -> Bool:
+        """Return whether robots would stand on a wall, or on another that is up to `spread` off."""
+        front, rear, half = robots.state[3:6, who]
+        reach = float(np.hypot(np.maximum(front, rear), half).max())
+        middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
+        whose, ends = self._walls(grid, frames, reach)
+        meets = reach_into(ends, middle[whose], length[whose], width[whose])
+        hits: Bool = np.bincount(whose[meets], minlength=len(who)) > 0
+        beside, others = near_robots(robots, frames[0], frames[1], reach + spread, who)
+        if len(others):
+            corners = _from(frames, beside, robots.shapes.T[3:].take(others, axis=1))
+            whose = np.tile(beside, len(corners) // 2)
+            length, width = length + spread, width + spread
+            meets = reach_into(sides(corners), middle[whose], length[whose], width[whose])
+            hits |= np.bincount(whose[meets], minlength=len(who)) > 0
+        hits &= robots.hidden[who] == 0
         return hits
 
     def _seen(
@@ -140,7 +256,8 @@ class NumpyKernels:
         if len(others) == 0:
             return whose, seen
         corners = _from(frames, beside, robots.shapes.T[3:].take(others, axis=1))
-        return np.concatenate([whose, *[beside] * 4]), np.concatenate([seen, sides(corners)], 1)
+        whose = np.concatenate([whose, np.tile(beside, len(corners) // 2)])
+        return whose, np.concatenate([seen, sides(corners)], axis=1)
 
     def _walls(self, grid: Grid, frames: Float, reach: float) -> tuple[Int, Float]:
         """Return the walls within `reach` of each of the frames (4, F), and some more.
@@ -148,11 +265,15 @@ class NumpyKernels:
         Returns:
             Index of the frame, shape (P,), and ax, ay, bx, by seen from there [m], shape (4, P).
         """
+        near = self._lists(grid, reach)
+        points, walls = near.of(frames[0], frames[1])
+        return points, _from(frames, points, near.ends.take(walls, axis=1))
+
+    def _lists(self, grid: Grid, reach: float) -> NearWalls:
         lists = self._near.setdefault(grid, {})
         if reach not in lists:
             lists[reach] = NearWalls(grid, reach)
-        points, walls = lists[reach].of(frames[0], frames[1])
-        return points, _from(frames, points, lists[reach].ends.take(walls, axis=1))
+        return lists[reach]
 
 
 def _frames(x: Float, y: Float, theta: Float) -> Float:

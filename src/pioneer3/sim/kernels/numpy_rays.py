@@ -38,9 +38,10 @@ def measured(headings: Float, ends: Float) -> Float:
 
 
 def sides(corners: Float) -> Float:
-    """Return the sides of outlines given by corners, (8, P) to ends ax, ay, bx, by, (4, 4 P)."""
-    order = np.array([[6, 0, 2, 4], [7, 1, 3, 5], [0, 2, 4, 6], [1, 3, 5, 7]])
-    return corners.take(order, axis=0).reshape(4, -1)
+    """Return the sides of outlines given by C corners, (2 C, P) to ax, ay, bx, by, (4, C P)."""
+    x, y = corners[::2], corners[1::2]
+    ends = np.stack([np.roll(x, 1, axis=0), np.roll(y, 1, axis=0), x, y])
+    return ends.reshape(4, -1)
 
 
 class Rays:
@@ -66,13 +67,17 @@ class Rays:
         self._along = np.stack([dx, dy, -dx * x - dy * y], axis=1)
         self._block = PAIRS // max(1, self.count) + 1
 
-    def meet_walls(self, owners: Int, seen: Float, out: Float) -> None:
+    def meet_walls(
+        self, owners: Int, seen: Float, out: Float, steep: float = 0.0, heard: Float | None = None
+    ) -> None:
         """Shorten ranges by segments.
 
         Args:
             owners: Whose surroundings each segment belongs to, shape (P,).
             seen: Ends `ax, ay, bx, by` in the frame of that robot [m], shape (4, P).
             out: Ranges, contiguous [m], shape (robots, R).
+            steep: Sine of the smallest angle to a segment that sends a ray back.
+            heard: In addition, the ranges to segments that do, shape (robots, R).
         """
         points = np.ones((6, seen.shape[1]))
         points[:2], points[3:5] = seen[:2], seen[2:]
@@ -84,10 +89,14 @@ class Rays:
             product *= self._across @ some[3:]
             ray, wall = np.divmod(np.flatnonzero(product <= bound), some.shape[1])
             wall += first
-            self._measure(ray, owners[wall], seen.take(wall, axis=1), out)
+            ends = seen.take(wall, axis=1)
+            self._measure(ray, owners[wall], ends, out)
+            if heard is not None:
+                back = self._steepness(ray, ends) >= steep
+                self._measure(ray[back], owners[wall[back]], seen.take(wall[back], axis=1), heard)
 
     def meet_robots(self, owners: Int, radius: Float, seen: Float, out: Float) -> None:
-        """Shorten ranges by outlines of a `radius` (P,) [m], seen as middle and corners (10, P)."""
+        """Shorten ranges by outlines of a `radius` (P,) [m]: middle and corners (2 + 2 C, P)."""
         points = np.ones((3, len(owners)))
         points[:2] = seen[:2]
         radius = radius + TOUCH
@@ -97,7 +106,16 @@ class Rays:
         ray, robot = np.nonzero(meets)
         if len(ray):
             ends = sides(seen[2:].take(robot, axis=1))
-            self._measure(np.tile(ray, 4), np.tile(owners[robot], 4), ends, out)
+            corners = len(seen) // 2 - 1
+            self._measure(np.tile(ray, corners), np.tile(owners[robot], corners), ends, out)
+
+    def _steepness(self, ray: Int, ends: Float) -> Float:
+        """Return the sine of the angle between each ray and its segment."""
+        dx, dy = self._headings.take(ray, axis=1)
+        ex, ey = ends[2] - ends[0], ends[3] - ends[1]
+        with np.errstate(invalid="ignore"):
+            sine: Float = abs(dx * ey - dy * ex) / np.hypot(ex, ey)
+        return sine
 
     def _measure(self, ray: Int, owner: Int, ends: Float, out: Float) -> None:
         ends -= self._starts.take(ray, axis=1)
@@ -160,6 +178,9 @@ def meet_robots(
     dx, dy = headings[rays].T
     across = dx * offset[:, 1] - dy * offset[:, 0]
     close = abs(across) <= robots.shapes[others, 2] + TOUCH
-    rays, outlines = np.repeat(rays[close], 4), robots.outlines[others[close]].reshape(-1, 4)
+    rays, outlines = (
+        np.repeat(rays[close], robots.outlines.shape[1]),
+        robots.outlines[others[close]].reshape(-1, 4),
+    )
     which, met = meetings(origins[rays], headings[rays], outlines)
     np.minimum.at(out, rays[which], met)

@@ -1,4 +1,4 @@
-"""Many robots as arrays: poses, sizes, outlines, and the table of who is in which cell."""
+"""All that moves as arrays: poses, sizes, outlines, and the table of who is in which cell."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,10 @@ LEAST_SIDE = 4
 
 
 class Robots:
-    """N robots. Write into `x`, `y`, `theta`, then let `Kernels.place` bring the rest up to date.
+    """N robots, or other things that move: obstacles come after the robots.
+
+    Write into `x`, `y`, `theta`, then let `Kernels.place` bring the rest up to date. An outline is
+    a rectangle, or an octagon where its corners are cut off.
 
     A table says which robots are in which square cell. It repeats without end in both directions,
     so it needs no borders and robots may be anywhere; two far apart may share a place in it.
@@ -22,31 +25,40 @@ class Robots:
         front: From the pose to the front edge [m], shape (N,).
         rear: From the pose to the rear edge [m], positive, shape (N,).
         half_width: From the pose to either side [m], shape (N,).
+        cut: How much of each side a cut corner takes [m], shape (N,); without it 0.
 
     Attributes:
-        state: Rows x, y [m], theta [rad], front, rear, half width [m], shape (6, N); the six
-            attributes of these names are views of it.
+        state: Rows x, y [m], theta [rad], front, rear, half width, cut [m], and whether it is
+            hidden (1: neither seen nor touched), shape (8, N); the attributes of these names are
+            views of it.
         shapes: Middle x, y and radius of the circle around the outline, then its corners
-            x, y counter-clockwise from the front left [m], shape (N, 11).
+            x, y counter-clockwise from the front left [m], shape (N, 11), or (N, 19) where any
+            is cut.
         box: Least x, y, greatest x, y of their middles, largest radius [m], side of the table in
             cells, cells per metre, shape (7,).
         cell_start: Where the items of each place in the table start, shape (side * side + 1,).
         cell_items: The robots, sorted by the place of their middles, shape (N,).
         everyone: 0 to N - 1, shape (N,).
+        stale: Poses have changed and wait for `Kernels.place`; whoever sets them says so.
     """
 
-    def __init__(self, front: Float, rear: Float, half_width: Float) -> None:
-        self.state = np.zeros((6, len(front)))
-        self.state[3:] = front, rear, half_width
-        self.x, self.y, self.theta, self.front, self.rear, self.half_width = self.state
+    def __init__(
+        self, front: Float, rear: Float, half_width: Float, cut: Float | None = None
+    ) -> None:
+        self.state = np.zeros((8, len(front)))
+        self.state[3:6] = front, rear, half_width
+        self.state[6] = 0.0 if cut is None else cut
+        self.x, self.y, self.theta, self.front, self.rear, self.half_width = self.state[:6]
+        self.cut, self.hidden = self.state[6:]
         side = LEAST_SIDE
         while side * side < len(front):
             side *= 2
         radius = np.hypot((self.front + self.rear) / 2, self.half_width).max(initial=0.0)
         self.box = np.array([0.0, 0.0, 0.0, 0.0, radius, side, 1 / CELL])
-        self.shapes = np.zeros((len(front), 11))
+        self.shapes = np.zeros((len(front), 3 + 2 * (8 if self.cut.any() else 4)))
         self.cell_start = np.zeros(side * side + 1, dtype=np.int32)
         self.cell_items = np.zeros(len(front), dtype=np.int32)
+        self.stale = True
         self.everyone = np.arange(len(front), dtype=np.int32)
 
     def __len__(self) -> int:
@@ -64,6 +76,6 @@ class Robots:
 
     @property
     def outlines(self) -> Float:
-        """The four sides of each robot [m], shape (N, 4, 4), as they were placed."""
-        corners = self.shapes[:, 3:].reshape(-1, 4, 2)
+        """The four (or eight) sides of each robot [m], shape (N, 4, 4), as they were placed."""
+        corners = self.shapes[:, 3:].reshape(len(self), self.shapes.shape[1] // 2 - 1, 2)
         return np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2)

@@ -64,6 +64,19 @@ class Grid:
         """Left and bottom edge [m], shape (2,)."""
         return self.frame[:2]
 
+    def around(self, x: float, y: float, reach: float) -> Float:
+        """Return the walls near the square of 2 `reach` around a point [m], shape (P, 4)."""
+        columns, rows = self.shape
+        low = np.floor((np.array([x, y]) - reach - self.corner) / self.cell).astype(np.int64)
+        high = np.floor((np.array([x, y]) + reach - self.corner) / self.cell).astype(np.int64)
+        (west, south), (east, north) = low.clip(min=0), high.clip(max=(columns - 1, rows - 1))
+        starts = self.cell_start
+        found = [
+            self.pieces[starts[row * columns + west] : starts[row * columns + east + 1], :4]
+            for row in range(south, north + 1 if west <= east else south)
+        ]
+        return np.concatenate([np.empty((0, 4)), *found])
+
 
 def build_grid(walls: Float, cell: float = 1.0) -> Grid:
     """Sort `walls` (W, 4) [m], finite, into cells with sides of `cell` [m] or, if need be, more."""

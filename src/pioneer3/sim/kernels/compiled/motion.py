@@ -1,0 +1,331 @@
+# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
+"""Drives, and what stops them."""
+
+from math import ceil, copysign, cos, hypot, isnan, pi, sin, sqrt, tau
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.collision import TOUCH as DEEP
+from pioneer3.sim.kernels.compiled.table import Others, Walls, cells, neighbours, outline, place
+from pioneer3.sim.kernels.drives import (
+    ACCELERATION,
+    ANGULAR,
+    ARRIVED,
+    BASE,
+    BRAKING,
+    CAPACITY,
+    DECELERATION,
+    DRIFT_NOISE,
+    DRIVE_HEAT,
+    DRIVE_POWER,
+    ENERGY,
+    FINER,
+    HARDEST,
+    HARDEST_TURN,
+    HEAT,
+    HEAT_TIME,
+    HELD,
+    IDLE_POWER,
+    LEFT,
+    LINEAR,
+    NEGLIGIBLE,
+    ODOM_THETA,
+    ODOM_X,
+    ODOM_Y,
+    POWERED,
+    REMAINING,
+    RIGHT,
+    STALL_HEAT,
+    STALLED,
+    SUBSTEP,
+    SUPPLY,
+    TARGET,
+    TOP,
+    TOUCHED,
+    TURN_HEAT,
+    TURN_NOISE,
+    V_OF_V,
+    V_OF_W,
+    VELOCITY,
+    W_OF_V,
+    W_OF_W,
+    WAY_NOISE,
+)
+from pioneer3.sim.kernels.jit import compiled, inlined
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+Flags = NDArray[np.uint8]
+Int32 = NDArray[np.int32]
+
+Wheels = tuple[Float, Flags, Float, Float]
+"""Of Drives: axes, flags, wheels, errors."""
+
+
+@inlined
+def _ramp(
+    v: float, goal: float, acceleration: float, brake: float, dt: float
+) -> tuple[float, float]:
+    """Approach `goal`, towards zero with `brake`, away from it with `acceleration`.
+
+    Returns:
+        The velocity after `dt`, and the way.
+    """
+    way = 0.0
+    if v * goal < 0.0 or abs(goal) < abs(v):
+        end = 0.0 if v * goal < 0.0 else goal
+        time = min(dt, abs(end - v) / brake) if brake > 0.0 else 0.0
+        after = (
+            end if time < dt or brake * dt >= abs(end - v) else v + copysign(brake * dt, end - v)
+        )
+        way, v, dt = (v + after) / 2 * time, after, dt - time
+    if dt > 0.0 and v != goal and abs(goal) >= abs(v):
+        time = min(dt, abs(goal - v) / acceleration) if acceleration > 0.0 else 0.0
+        after = goal if time < dt else v + copysign(acceleration * time, goal - v)
+        way, v, dt = way + (v + after) / 2 * time, after, dt - time
+    return v, way + v * dt
+
+
+@compiled
+def _turn_axis(n: int, axis: int, axes: Float, held: bool, brake: float, dt: float) -> float:
+    """Let one axis of a drive run for `dt`; return its way."""
+    v: float = axes[VELOCITY, axis, n]
+    remaining: float = axes[REMAINING, axis, n]
+    top, acceleration = axes[TOP, axis, n], axes[ACCELERATION, axis, n]
+    if held or isnan(remaining):
+        goal = 0.0 if held else max(-top, min(top, axes[TARGET, axis, n]))
+        axes[VELOCITY, axis, n], way = _ramp(v, goal, acceleration, brake, dt)
+        return way
+    room = max(0.0, abs(remaining) - abs(v) * dt / 2)
+    goal = copysign(min(top, sqrt(2 * brake * room)), remaining)
+    axes[VELOCITY, axis, n], way = _ramp(v, goal, acceleration, brake, dt)
+    if copysign(1.0, remaining) * (remaining - way) > ARRIVED:
+        axes[REMAINING, axis, n] = remaining - way
+        return way
+    axes[TARGET, axis, n] = axes[VELOCITY, axis, n] = 0.0
+    axes[REMAINING, axis, n] = np.nan
+    return remaining
+
+
+@inlined
+def _wrapped(angle: float) -> float:
+    if angle > pi:
+        return angle - tau
+    return angle + tau if angle <= -pi else angle
+
+
+@inlined
+def _follow(
+    x: float, y: float, theta: float, way: float, turn: float
+) -> tuple[float, float, float]:
+    """Go on along an arc from a pose."""
+    half = turn / 2
+    chord = way * (sin(half) / half if abs(half) > 1e-6 else 1 - half * half / 6)
+    return x + chord * cos(theta + half), y + chord * sin(theta + half), theta + turn
+
+
+@inlined
+def _wants_to_move(n: int, axes: Float, flags: Flags) -> bool:
+    moving = axes[VELOCITY, LINEAR, n] != 0.0 or axes[VELOCITY, ANGULAR, n] != 0.0
+    wanted = axes[TARGET, LINEAR, n] != 0.0 or axes[TARGET, ANGULAR, n] != 0.0
+    left = not (isnan(axes[REMAINING, LINEAR, n]) and isnan(axes[REMAINING, ANGULAR, n]))
+    return moving or left or (wanted and flags[POWERED, n] != 0)
+
+
+@compiled
+def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
+    """Let a drive run, and fill `wish` with what that comes to.
+
+    Of `wish` 0 to 2 are the motion x, y, theta in the robot's frame, 3 to 5 what the wheels believe
+    it is, 6 and 7 way and turn of the wheels.
+    """
+    axes, flags, _, errors = drives
+    hard, held = flags[BRAKING, n] != 0 or flags[POWERED, n] == 0, flags[HELD, n] != 0
+    brake = HARDEST if hard else axes[DECELERATION, LINEAR, n]
+    turn_brake = HARDEST_TURN if hard else axes[DECELERATION, ANGULAR, n]
+    fine = not (isnan(axes[REMAINING, LINEAR, n]) and isnan(axes[REMAINING, ANGULAR, n]))
+    pieces = max(1, ceil(dt / SUBSTEP - 1e-9)) if fine else 1
+    x, y, theta, bx, by, believed, ways, turns = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for _ in range(pieces):
+        way = _turn_axis(n, LINEAR, axes, held, brake, dt / pieces)
+        turn = _turn_axis(n, ANGULAR, axes, held, turn_brake, dt / pieces)
+        bx, by, believed = _follow(bx, by, believed, way, turn)
+        true_way = errors[V_OF_V, n] * way + errors[V_OF_W, n] * turn
+        true_turn = errors[W_OF_V, n] * way + errors[W_OF_W, n] * turn
+        x, y, theta = _follow(x, y, theta, true_way, true_turn)
+        ways, turns = ways + way, turns + turn
+    if noise.shape[1] > 0:
+        root = sqrt(abs(ways))
+        slipped = errors[WAY_NOISE, n] * root * noise[0, n]
+        turned = errors[TURN_NOISE, n] * sqrt(abs(turns)) * noise[1, n]
+        turned += errors[DRIFT_NOISE, n] * root * noise[2, n]
+        x, y, theta = _follow(x, y, theta, slipped, turned)
+    wish[0], wish[1], wish[2], wish[3], wish[4], wish[5] = x, y, theta, bx, by, believed
+    wish[6], wish[7] = ways, turns
+    if flags[BRAKING, n] and axes[VELOCITY, LINEAR, n] == axes[VELOCITY, ANGULAR, n] == 0.0:
+        flags[BRAKING, n] = 0
+
+
+@compiled
+def _stands_on(
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    c: float,
+    s: float,
+    middle: float,
+    length: float,
+    width: float,
+) -> bool:
+    """Return whether a segment, relative to the pose, reaches into the rectangle; as the oracle."""
+    mx, my, hx, hy = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
+    mx, my = c * mx + s * my - middle, c * my - s * mx
+    hx, hy = c * hx + s * hy, c * hy - s * hx
+    return (
+        abs(mx) <= length + abs(hx)
+        and abs(my) <= width + abs(hy)
+        and abs(hx * my - hy * mx) <= length * abs(hy) + width * abs(hx)
+    )
+
+
+@compiled
+def _hits(
+    n: int,
+    px: float,
+    py: float,
+    theta: float,
+    astray: float,
+    state: Float,
+    walls: Walls,
+    others: Others,
+    found: Int32,
+) -> bool:
+    """Return whether robot `n` would stand on something at a pose.
+
+    The others may have moved by up to `astray` [m] since they were sorted into the table.
+    """
+    frame, starts, pieces = walls
+    shapes, columns, rows = others[1], int(frame[4]), int(frame[5])
+    if state[7, n] != 0.0:
+        return False
+    c, s, corners = cos(theta), sin(theta), shapes.shape[1]
+    front, rear, half = state[3, n], state[4, n], state[5, n]
+    middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
+    hit, reach = False, hypot(max(front, rear), half)
+    west, east = cells(px - reach, px + reach, frame[0], frame[3])
+    south, north = cells(py - reach, py + reach, frame[1], frame[3])
+    west, east = max(west, 0), min(east, columns - 1)
+    for row in range(max(south, 0), min(north, rows - 1) + 1 if west <= east else 0):
+        for k in range(starts[row * columns + west], starts[row * columns + east + 1]):
+            ax, ay = pieces[k, 0] - px, pieces[k, 1] - py
+            bx, by = pieces[k, 2] - px, pieces[k, 3] - py
+            hit |= _stands_on(ax, ay, bx, by, c, s, middle, length, width)
+    near = 0 if hit or len(shapes) < 2 else neighbours(px, py, reach + astray, n, others, found)
+    for i in range(near):
+        k = found[i]
+        ax, ay = shapes[k, corners - 2] - px, shapes[k, corners - 1] - py
+        for j in range(3, corners, 2):
+            bx, by = shapes[k, j] - px, shapes[k, j + 1] - py
+            hit |= _stands_on(ax, ay, bx, by, c, s, middle, length, width)
+            ax, ay = bx, by
+    return hit
+
+
+@compiled
+def blocked(
+    first: int, last: int, poses: Float, state: Float, walls: Walls, others: Others, out: Bool
+) -> None:
+    """Fill `out` from `first` to `last` with whether robots would stand on something."""
+    found = np.empty(len(others[1]) + 1, np.int32)
+    for n in range(first, last):
+        x, y, theta = poses[0, n], poses[1, n], poses[2, n]
+        out[n] = _hits(n, x, y, theta, 0.0, state, walls, others, found)
+
+
+@compiled
+def _free_share(
+    n: int,
+    wish: Float,
+    astray: float,
+    state: Float,
+    walls: Walls,
+    others: Others,
+    found: Int32,
+) -> float:
+    """Return how much of its motion robot `n` can make, in steps of 1 / FINER^2."""
+    x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
+    free, part = 0.0, 1.0
+    if max(abs(wish[0]), abs(wish[1]), abs(wish[2])) <= NEGLIGIBLE:
+        return free
+    for _ in range(2):
+        part /= FINER
+        begin = free
+        for k in range(1, FINER):
+            share = begin + part * k
+            dx, dy, theta = share * wish[0], share * wish[1], state[2, n] + share * wish[2]
+            px, py = x + c * dx - s * dy, y + s * dx + c * dy
+            if _hits(n, px, py, theta, astray, state, walls, others, found):
+                break
+            free = share
+    return free
+
+
+@compiled
+def _take(n: int, share: float, wish: Float, drives: Wheels, state: Float) -> None:
+    """Move a robot by a share of its wish, in the world and in its odometry."""
+    wheels = drives[2]
+    c, s = cos(state[2, n]), sin(state[2, n])
+    x, y = share * wish[0], share * wish[1]
+    state[0, n] += c * x - s * y
+    state[1, n] += s * x + c * y
+    state[2, n] = _wrapped(state[2, n] + share * wish[2])
+    c, s = cos(wheels[ODOM_THETA, n]), sin(wheels[ODOM_THETA, n])
+    x, y, turn = share * wish[3], share * wish[4], share * wish[7] * wheels[BASE, n] / 2
+    wheels[ODOM_X, n] += c * x - s * y
+    wheels[ODOM_Y, n] += s * x + c * y
+    wheels[ODOM_THETA, n] = _wrapped(wheels[ODOM_THETA, n] + share * wish[5])
+    wheels[LEFT, n] += share * wish[6] - turn
+    wheels[RIGHT, n] += share * wish[6] + turn
+
+
+@inlined
+def _live(n: int, dt: float, drives: Wheels) -> None:
+    """Use energy, and warm up or cool down."""
+    axes, flags, wheels, _ = drives
+    v, w = abs(axes[VELOCITY, LINEAR, n]), abs(axes[VELOCITY, ANGULAR, n])
+    power = wheels[SUPPLY, n] - IDLE_POWER - DRIVE_POWER * v
+    wheels[ENERGY, n] = min(max(wheels[ENERGY, n] + power * dt, 0.0), CAPACITY)
+    warm = DRIVE_HEAT * v + TURN_HEAT * w + STALL_HEAT * flags[STALLED, n]
+    wheels[HEAT, n] += (warm - wheels[HEAT, n]) * (dt / HEAT_TIME)
+
+
+@compiled
+def step(
+    dt: float, noise: Float, drives: Wheels, state: Float, walls: Walls, others: Others
+) -> None:
+    """Let every drive run for `dt`, robot by robot, as far as nothing is in the way."""
+    axes, flags, _, _ = drives
+    found, wish = np.empty(len(others[1]) + 1, np.int32), np.empty(8)
+    moved, astray = False, 0.0
+    for n in range(axes.shape[2]):
+        _live(n, dt, drives)
+        if not _wants_to_move(n, axes, flags):
+            flags[STALLED, n] = 0
+            continue
+        _wish(n, dt, noise, drives, wish)
+        x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
+        px, py = x + c * wish[0] - s * wish[1], y + s * wish[0] + c * wish[1]
+        share = 1.0
+        if _hits(n, px, py, state[2, n] + wish[2], astray, state, walls, others, found):
+            share = _free_share(n, wish, astray, state, walls, others, found)
+            axes[VELOCITY, LINEAR, n] = axes[VELOCITY, ANGULAR, n] = 0.0
+        flags[STALLED, n] = flags[TOUCHED, n] = share < 1.0
+        if share > 0.0:
+            _take(n, share, wish, drives, state)
+            outline(n, state, others[1])
+            astray = max(astray, hypot(wish[0], wish[1]) + abs(wish[2]) * others[1][n, 2])
+            moved = True
+    if moved:
+        place(state, others)

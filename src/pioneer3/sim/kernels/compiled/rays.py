@@ -1,0 +1,188 @@
+# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
+"""Sonar and single rays: from cell to cell through the grid."""
+
+from math import cos, floor, hypot, inf, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.kernels.compiled.table import FAR, Others, Walls, neighbours
+from pioneer3.sim.kernels.jit import compiled, inlined
+from pioneer3.sim.raycast import TOUCH
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+Int32 = NDArray[np.int32]
+
+
+EMPTY = 0.1
+"""Along the edges of a grid at least this much has no walls [cells]."""
+
+HUGE = 1e300
+"""Stands for the inverse of zero where infinity would make a NaN."""
+
+
+@compiled
+def meeting(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
+    """Return the range from the origin along a ray to a segment, or infinity; as the oracle."""
+    across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
+    if min(across0, across1) > TOUCH or max(across0, across1) < -TOUCH:
+        return inf
+    along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
+    if abs(across0) <= TOUCH:
+        across0 = 0.0
+    if abs(across1) <= TOUCH:
+        across1 = 0.0
+    if across0 == 0.0 and across1 == 0.0:
+        found = 0.0 if along0 * along1 <= 0.0 else min(along0, along1)
+    else:
+        found = along0 + (along1 - along0) * (across0 / (across0 - across1))
+    return max(found, 0.0) if found >= -TOUCH else inf
+
+
+@inlined
+def _entry(px: float, py: float, dx: float, dy: float, columns: int, rows: int) -> float:
+    """Return how far along a ray the grid begins, 0 from inside, infinity where it misses."""
+    begin, end = 0.0, inf
+    if dx != 0.0:
+        one, other = -px / dx, (columns - px) / dx
+        begin, end = max(begin, min(one, other)), min(end, max(one, other))
+    elif not 0.0 <= px <= columns:
+        begin = inf
+    if dy != 0.0:
+        one, other = -py / dy, (rows - py) / dy
+        begin, end = max(begin, min(one, other)), min(end, max(one, other))
+    elif not 0.0 <= py <= rows:
+        begin = inf
+    return begin if begin <= end else inf
+
+
+@inlined
+def _walk(
+    ox: float, oy: float, dx: float, dy: float, limit: float, steep: float, walls: Walls
+) -> tuple[float, float]:
+    """Walk along a ray, cell by cell, no further than the nearest wall.
+
+    Returns:
+        Range to the nearest wall, and to the nearest that sends an echo back: one that the ray
+        meets at an angle whose sine is at least `steep`.
+    """
+    frame, starts, pieces = walls
+    columns, rows, per_metre = int(frame[4]), int(frame[5]), frame[3]
+    px, py = (ox - frame[0]) * per_metre, (oy - frame[1]) * per_metre
+    best, heard, begin, end = limit, limit, 0.0, limit * per_metre
+    if not (0.0 <= px < columns and 0.0 <= py < rows):
+        begin = _entry(px, py, dx, dy, columns, rows)
+        px, py, end = px + begin * dx, py + begin * dy, end - begin
+    if begin < FAR and end >= 0.0:
+        column, row = min(max(floor(px), 0), columns - 1), min(max(floor(py), 0), rows - 1)
+        each_x, each_y = min(1.0 / abs(dx), HUGE), min(1.0 / abs(dy), HUGE)
+        next_x = (column + 1 - px if dx >= 0 else px - column) * each_x
+        next_y = (row + 1 - py if dy >= 0 else py - row) * each_y
+        end_x = (columns - px if dx >= 0 else px) * each_x
+        end_y = (rows - py if dy >= 0 else py) * each_y
+        # the grid is empty along its edges: whatever rounding does, the walk ends inside
+        end, leave = min(end, end_x - EMPTY, end_y - EMPTY), 0.0
+        sideways, upwards = (1 if dx >= 0 else -1), (columns if dy >= 0 else -columns)
+        place = row * columns + column
+        while leave <= end:
+            for k in range(starts[place], starts[place + 1]):
+                ax, ay = pieces[k, 0] - ox, pieces[k, 1] - oy
+                bx, by = pieces[k, 2] - ox, pieces[k, 3] - oy
+                across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
+                if min(across0, across1) <= TOUCH and max(across0, across1) >= -TOUCH:
+                    found = meeting(ax, ay, bx, by, dx, dy)
+                    best = min(best, found)
+                    end = min(end, best * per_metre - begin)
+                    if found < heard and (
+                        steep <= 0.0 or abs(across1 - across0) >= steep * hypot(bx - ax, by - ay)
+                    ):
+                        heard = found
+            leave = min(next_x, next_y)
+            goes_x = next_x < next_y
+            place += sideways if goes_x else upwards
+            next_x += each_x if goes_x else 0.0
+            next_y += 0.0 if goes_x else each_y
+    return best, heard
+
+
+@compiled
+def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float) -> None:
+    """Shorten the ranges of `count` rays where one of the robots `found` is nearer.
+
+    `rays` has the rows ox, oy, dx, dy, the range, and one for this function's own use.
+    """
+    corners = shapes.shape[1]
+    for j in range(near):
+        n = found[j]
+        x, y, radius, hits = shapes[n, 0], shapes[n, 1], shapes[n, 2] + TOUCH, 0
+        for k in range(count):
+            rx, ry = x - rays[0, k], y - rays[1, k]
+            along = rays[2, k] * rx + rays[3, k] * ry
+            across = abs(rays[2, k] * ry - rays[3, k] * rx)
+            apart = max(across, -along, along - rays[4, k]) - radius
+            rays[5, k] = apart
+            hits += apart <= 0.0
+        for k in range(count if hits else 0):
+            if rays[5, k] <= 0.0:
+                ox, oy, dx, dy = rays[0, k], rays[1, k], rays[2, k], rays[3, k]
+                ax, ay = shapes[n, corners - 2] - ox, shapes[n, corners - 1] - oy
+                for i in range(3, corners, 2):
+                    bx, by = shapes[n, i] - ox, shapes[n, i + 1] - oy
+                    rays[4, k] = min(rays[4, k], meeting(ax, ay, bx, by, dx, dy))
+                    ax, ay = bx, by
+
+
+@compiled
+def sonar(
+    first: int,
+    last: int,
+    limit: float,
+    steep: float,
+    poses: Float,
+    owners: Int32,
+    mounts: tuple[Float, Int32, Int32],
+    walls: Walls,
+    others: Others,
+    out: Float,
+) -> None:
+    """Fill rows `first` to `last` of `out` with what the transducers of `owners` hear.
+
+    That is the nearest of a transducer's rays that comes back. A wall met at a smaller angle than
+    that of `steep`, its sine, sends the ray elsewhere; a robot is never so smooth.
+    """
+    table, offsets, kinds = mounts
+    shapes, per_mount = others[1], (table.shape[1] - 2) // 2
+    rays, found = np.empty((8, out.shape[1] * per_mount)), np.empty(len(shapes) + 1, np.int32)
+    for n in range(first, last):
+        x, y, c, s = poses[0, n], poses[1, n], cos(poses[2, n]), sin(poses[2, n])
+        begin, count, reach = offsets[kinds[n]], 0, 0.0
+        for m in range(begin, offsets[kinds[n] + 1]):
+            mx, my = table[m, 0], table[m, 1]
+            ox, oy = x + c * mx - s * my, y + s * mx + c * my
+            nearest = limit
+            for k in range(2, 2 + 2 * per_mount, 2):
+                dx, dy = (
+                    c * table[m, k] - s * table[m, k + 1],
+                    s * table[m, k] + c * table[m, k + 1],
+                )
+                # beyond the nearest echo so far the transducer does not listen
+                best, heard = _walk(ox, oy, dx, dy, nearest, steep, walls)
+                echo = heard <= best + TOUCH
+                nearest = min(nearest, heard) if echo else nearest
+                rays[0, count], rays[1, count], rays[2, count], rays[3, count] = ox, oy, dx, dy
+                rays[4, count], rays[6, count] = best, best
+                rays[7, count] = best if echo else limit
+                reach = max(reach, best + abs(ox - x) + abs(oy - y))
+                count += 1
+        near = (
+            neighbours(x, y, reach, owners[n], others, found)
+            if len(shapes) > 1 or owners[n] < 0
+            else 0
+        )
+        if near > 0:
+            _see_robots(near, found, shapes, count, rays)
+        out[n, :] = limit
+        for k in range(count):
+            nearer = rays[4, k] if rays[4, k] < rays[6, k] else rays[7, k]
+            out[n, k // per_mount] = min(out[n, k // per_mount], nearer)

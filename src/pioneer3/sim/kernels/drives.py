@@ -1,0 +1,110 @@
+"""The drives of many robots as arrays, and the numbers that their motion goes by."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float = NDArray[np.float64]
+Flags = NDArray[np.uint8]
+
+LONGEST = 0.1
+"""The longest step [s]: no robot goes so far in it that it could pass a wall unnoticed."""
+SUBSTEP = 0.02
+"""How often the speed of a robot that covers a distance is worked out [s]."""
+ARRIVED = 1e-4
+"""A distance with less than this left to go is done [m or rad]."""
+HARDEST, HARDEST_TURN = 4.0, 16.0
+"""Deceleration of wheels that brake with all they have [m/s^2, rad/s^2]."""
+FINER = 32
+"""Times finer each time that the free part of a blocked motion is sought: to 1/1024 of it."""
+NEGLIGIBLE = 1e-4
+"""A blocked motion shorter than this [m and rad] is not taken at all."""
+
+CAPACITY = 252.0 * 3600
+"""Three batteries of 12 V and 7 Ah [J]."""
+IDLE_POWER = 15.0
+"""Controller and sonar [W]."""
+DRIVE_POWER = 40.0
+"""Motors at 1 m/s [W]."""
+
+DRIVE_HEAT, TURN_HEAT, STALL_HEAT = 25.0, 10.0, 60.0
+"""How far motors warm up in the long run, at 1 m/s, at 1 rad/s, pushing [K]."""
+HEAT_TIME = 600.0
+"""In which 63 % of that is reached [s]."""
+
+# rows of Drives.axes
+ACCELERATION, DECELERATION, TOP, VELOCITY, TARGET, REMAINING = range(6)
+LINEAR, ANGULAR = range(2)
+# rows of Drives.flags
+POWERED, HELD, BRAKING, STALLED, TOUCHED = range(5)
+# rows of Drives.wheels
+ODOM_X, ODOM_Y, ODOM_THETA, LEFT, RIGHT, BASE, ENERGY, SUPPLY, HEAT = range(9)
+# rows of Drives.errors
+V_OF_V, V_OF_W, W_OF_V, W_OF_W, WAY_NOISE, TURN_NOISE, DRIFT_NOISE = range(7)
+
+
+@dataclass(slots=True, eq=False)
+class Drives:
+    """N drives. Velocities and ways of the wheels are what the firmware sees: odometry.
+
+    Attributes:
+        axes: Of the linear and the angular velocity acceleration, deceleration [1/s^2], top,
+            velocity now, velocity wanted [1/s], and the way left of a commanded distance or NaN
+            where a velocity is wanted [m, rad]; shape (6, 2, N).
+        flags: Motors on; held by the watchdog; an emergency stop under way; pushing against
+            something; something stopped its latest motion; 0 or 1, shape (5, N).
+        wheels: Odometry x, y [m], theta [rad]; rolled by the left and the right wheel, wheel base
+            [m]; energy left [J]; power supplied from outside [W]; motors above ambient [K];
+            shape (9, N).
+        errors: What the wheels do not see. True speed per speed and per turn rate, true turn rate
+            per speed and per turn rate; then standard deviations of the way per root of way
+            [m^0.5], of the turn per root of turn [rad^0.5] and per root of way [rad/m^0.5];
+            shape (7, N).
+        free: How far each may surely go without touching anything [m], shape (N,); 0 if unknown.
+            Kept by kernels that look for collisions only now and then.
+    """
+
+    axes: Float
+    flags: Flags
+    wheels: Float
+    errors: Float
+    free: Float
+
+    def __len__(self) -> int:
+        return len(self.free)
+
+    @classmethod
+    def at_rest(cls, count: int) -> "Drives":
+        """Return drives without errors, limits still to be set."""
+        axes = np.zeros((6, 2, count))
+        axes[REMAINING] = np.nan
+        wheels = np.zeros((9, count))
+        wheels[ENERGY] = CAPACITY
+        errors = np.zeros((7, count))
+        errors[[V_OF_V, W_OF_W]] = 1.0
+        return cls(axes, np.zeros((5, count), np.uint8), wheels, errors, np.zeros(count))
+
+    def joined(self, other: "Drives") -> "Drives":
+        """Return these and the others, in this order."""
+        pairs = zip(self._parts, other._parts, strict=True)
+        return Drives(*(np.concatenate(pair, axis=-1) for pair in pairs))
+
+    def only(self, which: slice | NDArray[np.int64]) -> "Drives":
+        """Return copies of some."""
+        return Drives(*(np.ascontiguousarray(part[..., which]) for part in self._parts))
+
+    @property
+    def arrays(self) -> tuple[Float, Flags, Float, Float]:
+        """What kernels walk: axes, flags, wheels, errors."""
+        return self.axes, self.flags, self.wheels, self.errors
+
+    @property
+    def noisy(self) -> bool:
+        """Whether any drive has random errors."""
+        return bool(self.errors[WAY_NOISE:].any())
+
+    @property
+    def _parts(self) -> tuple[Any, ...]:
+        return *self.arrays, self.free

@@ -1,0 +1,92 @@
+"""What else is in a world and may move: boxes, and people on their paths."""
+
+from math import hypot, pi, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.worldfile import Box, Person
+
+Float = NDArray[np.float64]
+
+CUT = 1 - tan(pi / 8)
+"""What cutting the corners of a square takes of half its side, to make it a regular octagon."""
+POLITE = 0.15
+"""Nearer to a robot nobody walks on towards it [m]."""
+
+
+class Obstacle:
+    """A box or a person in a world.
+
+    Attributes:
+        kind: What it was made from.
+        pose: Where it is now.
+    """
+
+    def __init__(self, kind: Box | Person) -> None:
+        self.kind = kind
+        self._clock = 0.0
+        self._shift = (0.0, 0.0)
+        self.pose = kind.pose if isinstance(kind, Box) else kind.pose_at(0.0)
+
+    @property
+    def name(self) -> str:
+        """What to call it on screen."""
+        return self.kind.name
+
+    @property
+    def walks(self) -> bool:
+        """Whether it moves by itself."""
+        return isinstance(self.kind, Person) and len(set(self.kind.path)) > 1
+
+    @property
+    def sizes(self) -> tuple[float, float, float, float]:
+        """From the pose to the front, to the rear, to either side; cut off the corners [m]."""
+        if isinstance(self.kind, Box):
+            length, width = self.kind.size
+            return length / 2, length / 2, width / 2, 0.0
+        radius = self.kind.radius
+        return radius, radius, radius, radius * CUT
+
+    def move(self, pose: Pose2) -> None:
+        """Put it somewhere else; a person takes the whole path along."""
+        if isinstance(self.kind, Person):
+            path = self.kind.pose_at(self._clock)
+            self._shift = pose.x - path.x, pose.y - path.y
+        self.pose = pose
+
+    def walk(self, dt: float, bodies: Float) -> bool:
+        """Let `dt` [s] pass; who meets a robot waits until it is gone.
+
+        Args:
+            dt: [s].
+            bodies: Of the robots x, y [m], theta [rad], front, rear and half width [m], (6, N).
+
+        Returns:
+            Whether they moved.
+        """
+        person = self.kind
+        if not isinstance(person, Person) or not self.walks:
+            return False
+        ahead = person.pose_at(self._clock + dt)
+        pose = Pose2(ahead.x + self._shift[0], ahead.y + self._shift[1], ahead.theta)
+        if bodies.shape[1]:
+            before, after = _gaps(self.pose, bodies), _gaps(pose, bodies)
+            if ((after < person.radius + POLITE) & (after < before)).any():
+                return False
+        self._clock += dt
+        moved = hypot(pose.x - self.pose.x, pose.y - self.pose.y) > 0
+        self.pose = pose
+        return moved
+
+
+def _gaps(pose: Pose2, bodies: Float) -> Float:
+    """Return the distance [m] from a point to the rectangle of each robot, shape (N,)."""
+    x, y, theta, front, rear, half = bodies
+    c, s = np.cos(theta), np.sin(theta)
+    dx, dy = pose.x - x, pose.y - y
+    ahead = abs(c * dx + s * dy - (front - rear) / 2) - (front + rear) / 2
+    left = abs(c * dy - s * dx) - half
+    gaps: Float = np.hypot(ahead.clip(min=0), left.clip(min=0))
+    return gaps

@@ -1,0 +1,185 @@
+"""What makes a simulated robot as wrong as a real one; each part can be switched off.
+
+The numbers are of the size that calibrated robots and ordinary rooms show; where they come from is
+said beside them and in docs/explanation/realism.md.
+"""
+
+from dataclasses import dataclass, replace
+from math import isfinite, radians
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from pioneer3.errors import ConfigError
+from pioneer3.models import RobotModel
+
+Float = NDArray[np.float64]
+
+OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
+"""Where the odometry's error comes from.
+
+`none`: it is right. `constant`: the wheels are as wrong as configured. `random_init`: each robot is
+wrong in its own way, drawn once. `random_each_update`: nothing is systematic, every step adds a
+random error. `all`: the last two together. The names are MobileSim's (user-needs 6).
+"""
+
+MODES: tuple[str, ...] = get_args(OdometryMode)
+
+
+def _within(name: str, value: float, low: float, high: float) -> None:
+    if not (isfinite(value) and low <= value <= high):
+        raise ConfigError(f"{name}: {value} is not between {low:g} and {high:g}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OdometryErrors:
+    """What the wheels do not see (Borenstein and Feng, UMBmark, 1995).
+
+    Attributes:
+        mode: Which of these count.
+        wheel_ratio: Diameter of the right wheel over that of the left.
+        base_ratio: Distance of the wheels over what the controller takes it for.
+        scale: True way over measured way.
+        way_noise: Standard deviation of the way per root of way [m^0.5].
+        turn_noise: Of the turn per root of turn [rad^0.5].
+        drift_noise: Of the heading per root of way [rad/m^0.5].
+        slip: Share of a turn that the wheels of a skid-steered robot slip away.
+    """
+
+    mode: OdometryMode = "all"
+    wheel_ratio: float = 1.002
+    base_ratio: float = 1.01
+    scale: float = 1.005
+    way_noise: float = 0.004
+    turn_noise: float = 0.01
+    drift_noise: float = 0.008
+    slip: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Refuse what no robot does, naming the field."""
+        if self.mode not in MODES:
+            raise ConfigError(f"odometry mode: {self.mode!r} is none of {', '.join(MODES)}")
+        for name in ("wheel_ratio", "base_ratio", "scale"):
+            _within(name, getattr(self, name), 0.5, 2.0)
+        for name in ("way_noise", "turn_noise", "drift_noise"):
+            _within(name, getattr(self, name), 0.0, 1.0)
+        _within("slip", self.slip, 0.0, 0.9)
+
+    def column(self, model: RobotModel, rng: Generator) -> Float:
+        """Return a robot's column of `Drives.errors`, shape (7,)."""
+        systematic = {"constant": 1.0, "random_init": rng.uniform(-1, 1, 3)}
+        part = systematic.get(self.mode, 0.0)
+        if self.mode == "all":
+            part = systematic["random_init"]
+        wheel, base, scale = 1 + part * (
+            np.array([self.wheel_ratio, self.base_ratio, self.scale]) - 1
+        )
+        left, right = 2 * scale / (1 + wheel), 2 * scale * wheel / (1 + wheel)
+        grip = 1 - self.slip if model.drive == "skid" and self.mode != "none" else 1.0
+        width = model.wheel_base
+        column = np.array(
+            [
+                (right + left) / 2,
+                (right - left) * width / 4,
+                (right - left) / width / base * grip,
+                (right + left) / 2 / base * grip,
+                self.way_noise,
+                self.turn_noise,
+                self.drift_noise,
+            ]
+        )
+        if self.mode not in {"all", "random_each_update"}:
+            column[4:] = 0.0
+        return column
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SonarErrors:
+    """What a transducer hears, and what not.
+
+    Attributes:
+        rays: That make up its beam; the nearest echo counts.
+        width: Full angle of the beam [rad].
+        critical: From this angle between a ray and the wall's normal on, no echo comes back [rad].
+        noise: Standard deviation per metre of range, and at least `quantum`.
+        quantum: Ranges come in steps of this [m]; 0 for none.
+        drop_out: Chance that an echo is missed.
+        cross_talk: Chance that a transducer takes its neighbour's echo for its own.
+    """
+
+    rays: int = 5
+    width: float = radians(30)
+    critical: float = radians(40)
+    noise: float = 0.01
+    quantum: float = 0.001
+    drop_out: float = 0.005
+    cross_talk: float = 0.005
+
+    def __post_init__(self) -> None:
+        """Refuse what no transducer does, naming the field."""
+        if not 1 <= self.rays <= 99:
+            raise ConfigError(f"sonar rays: {self.rays}, but it takes 1 to 99")
+        _within("sonar width", self.width, 0.0, radians(120))
+        _within("sonar critical angle", self.critical, radians(1), radians(90))
+        for name in ("noise", "quantum", "drop_out", "cross_talk"):
+            _within(f"sonar {name}", getattr(self, name), 0.0, 1.0)
+
+    @property
+    def steep(self) -> float:
+        """Sine of the least angle between a ray and a wall that sends it back."""
+        return max(0.0, float(np.cos(self.critical)))
+
+    def spoil(self, ranges: Float, limit: float, rng: Generator) -> Float:
+        """Return what is heard in place of exact `ranges` (..., M), which end at `limit` [m]."""
+        heard = ranges
+        if self.cross_talk and ranges.shape[-1] > 1:
+            beside = np.roll(ranges, 1, axis=-1)
+            takes = (rng.random(ranges.shape) < self.cross_talk) & (beside < ranges)
+            heard = np.where(takes, beside, heard)
+        if self.noise:
+            heard = heard * (1 + self.noise * rng.standard_normal(ranges.shape))
+            heard = np.where(ranges < limit, heard, limit)
+        if self.quantum:
+            heard = np.rint(heard / self.quantum) * self.quantum
+        if self.drop_out:
+            heard = np.where(rng.random(ranges.shape) < self.drop_out, limit, heard)
+        return heard
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Realism:
+    """All of it.
+
+    Attributes:
+        odometry: Of the wheels.
+        sonar: Of the transducers.
+        laser_noise: Standard deviation of a range [m].
+    """
+
+    odometry: OdometryErrors = OdometryErrors()
+    sonar: SonarErrors = SonarErrors()
+    laser_noise: float = 0.005
+
+    def __post_init__(self) -> None:
+        """Refuse a laser that nobody would buy."""
+        _within("laser noise", self.laser_noise, 0.0, 1.0)
+
+    @classmethod
+    def ideal(cls) -> "Realism":
+        """Return a robot without any error: one exact ray per sonar, wheels that never slip."""
+        exact = SonarErrors(
+            rays=1,
+            width=0.0,
+            critical=radians(90),
+            noise=0.0,
+            quantum=0.0,
+            drop_out=0.0,
+            cross_talk=0.0,
+        )
+        return cls(odometry=OdometryErrors(mode="none", slip=0.0), sonar=exact, laser_noise=0.0)
+
+    def with_odometry(self, mode: OdometryMode) -> "Realism":
+        """Return the same with another source of odometry errors."""
+        return replace(self, odometry=replace(self.odometry, mode=mode))
