@@ -86,6 +86,11 @@ class Drives:
         errors[[V_OF_V, W_OF_W]] = 1.0
         return cls(axes, np.zeros((5, count), np.uint8), wheels, errors, np.zeros(count))
 
+    def go(self, speeds: Float, rates: Float) -> None:
+        """Let all powered robots hold speeds [m/s] and turn rates [rad/s], both (N,) or one."""
+        self.axes[TARGET, LINEAR], self.axes[TARGET, ANGULAR] = speeds, rates
+        self.axes[REMAINING] = np.nan
+
     def joined(self, other: "Drives") -> "Drives":
         """Return these and the others, in this order."""
         pairs = zip(self._parts, other._parts, strict=True)
