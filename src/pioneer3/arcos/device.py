@@ -18,6 +18,7 @@ Facts: arcos.md 1.3, 2.1, 2.4, 2.5, 2.7, 12.
 
 from dataclasses import dataclass
 from enum import Enum, auto
+from math import inf
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
@@ -72,13 +73,16 @@ class Device:
     Args:
         identity: What SYNC2 is answered with.
         watchdog: Silence of the host that stops the robot [s]; 0 switches it off.
+
+    Attributes:
+        watchdog: The same; may be changed at any time.
     """
 
     def __init__(self, identity: Identity, watchdog: float = 2.0) -> None:
         self.phase = Phase.WAITING
         self.reader = PacketReader()
+        self.watchdog = watchdog
         self._identity = identity
-        self._watchdog = watchdog
         self._heard_at = 0.0
         self._bitten = False
         self._outbox: list[bytes] = []
@@ -87,6 +91,12 @@ class Device:
     def is_open(self) -> bool:
         """Whether reports may be sent."""
         return self.phase is Phase.OPEN
+
+    @property
+    def due(self) -> float:
+        """When :meth:`tick` has something to do [s, monotonic]; `inf`: never."""
+        waits = self.is_open and self.watchdog > 0 and not self._bitten
+        return self._heard_at + self.watchdog if waits else inf
 
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Process bytes received at `now` [s, monotonic]; return what they mean."""
@@ -101,8 +111,7 @@ class Device:
 
     def tick(self, now: float) -> list[Event]:
         """Let the watchdog look at the clock."""
-        silent = now - self._heard_at >= self._watchdog > 0
-        if self.is_open and silent and not self._bitten:
+        if now >= self.due:
             self._bitten = True
             return [WatchdogBit()]
         return []
@@ -111,6 +120,11 @@ class Device:
         """Queue one report; without an open session it goes nowhere."""
         if self.is_open:
             self._outbox.append(encode(reports.to_payload(report)))
+
+    def send_frames(self, frames: bytes) -> None:
+        """Queue reports that are whole packets already; without an open session, likewise."""
+        if self.is_open:
+            self._outbox.append(frames)
 
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""

@@ -1,17 +1,17 @@
 """What the simulated robot says of itself: the answer to CONFIG (arcos.md 5.1)."""
 
 from pioneer3.arcos.reports import Config
-from pioneer3.sim.accessories import Equipment
-from pioneer3.sim.body import Body
+from pioneer3.sim.accessories.battery import LOW
+from pioneer3.sim.body import EMPTY, Body
+from pioneer3.sim.equipment import Equipment
 from pioneer3.state import Identity
-from pioneer3.units import MM, MS, degrees
+from pioneer3.units import DECIVOLT, MM, MS, degrees
 
 SERIAL_NUMBER = "SIM"
 """By this AriaCoda knows a simulator (arcos.md 13, row 12)."""
 MOST = 9999
 TOP_ACCELERATION_MM, TOP_TURN_ACCELERATION_DEG = 2000, 300
 """Of one real P3-AT (arcos.md 5.1)."""
-LOW_BATTERY_DECIVOLTS, SHUTDOWN_DECIVOLTS = 115, 110
 
 
 def configuration(
@@ -45,7 +45,7 @@ def configuration(
         has_gripper=int(equipment.gripper),
         has_front_sonar=int(bool(model.sonars)),
         has_rear_sonar=int(len(model.sonars) > 8),
-        low_battery_decivolts=LOW_BATTERY_DECIVOLTS,
+        low_battery_decivolts=_whole(LOW / DECIVOLT),
         rev_count_ticks=0,
         watchdog_ms=_whole(watchdog / MS),
         normal_motor_packets=0,
@@ -75,7 +75,7 @@ def configuration(
         aux2_baud_code=0,
         aux3_baud_code=0,
         ticks_per_mm=0,
-        shutdown_decivolts=SHUTDOWN_DECIVOLTS,
+        shutdown_decivolts=_whole(EMPTY / DECIVOLT),
         firmware_version="S.0",
         gyro_cw_raw=0,
         gyro_ccw_raw=0,

@@ -11,15 +11,17 @@ import numpy as np
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, Request, SimLaserMode
-from pioneer3.arcos.reports import LaserReading, Report, SimLaser, SimLaserExtended
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.body import Body
+from pioneer3.sim.sensors import LASER_RANGE
+from pioneer3.sim.sweep import NOTHING_MM, SweepFrames
 from pioneer3.sim.world import World
 from pioneer3.units import MM, degrees
 
-READINGS_PER_PACKET = 32
 MOST_READINGS = 4000
 OLD_SETUP = (36, 37, 38, 35)
+FIRST_LASER = (None, 0)
+"""How commands name the only laser that a simulated robot has."""
 
 
 class Scanner:
@@ -37,52 +39,44 @@ class Scanner:
         self._mode = SimLaserMode.OFF
         self._start, self._end, self._step = radians(-90), radians(90), radians(1)
         self._in_order = 0
+        self._sweep: SweepFrames | None = None
 
     def obey(self, command: Command) -> bool:
-        """Take a command that is meant for the laser; return whether it was."""
+        """Take a command that is meant for a laser; return whether it was."""
         if command.ID in OLD_SETUP or (
             isinstance(command, commands.Unknown) and command.number in OLD_SETUP
         ):
             return self._obey_old(command)
         match command:
-            case commands.SimLrfEnable(mode):
-                self._mode = mode
-            case commands.SimLrfSetFovStart(angle):
-                self._start = angle
-            case commands.SimLrfSetFovEnd(angle):
-                self._end = angle
-            case commands.SimLrfSetRes(step):
-                self._step = step or self._step
+            case commands.SimLrfEnable(mode, laser):
+                self._mode = mode if laser in FIRST_LASER else self._mode
+            case commands.SimLrfSetFovStart(angle, laser):
+                self._start = angle if laser in FIRST_LASER else self._start
+            case commands.SimLrfSetFovEnd(angle, laser):
+                self._end = angle if laser in FIRST_LASER else self._end
+            case commands.SimLrfSetRes(step, laser):
+                self._step = step or self._step if laser in FIRST_LASER else self._step
             case _:
                 return False
+        self._sweep = None
         return True
 
-    def reports(self) -> list[Report]:
-        """Return the packets of one sweep, none while the laser is off."""
+    def frames(self) -> bytes:
+        """Return the packets of one sweep as they go on the wire, none while the laser is off.
+
+        Nothing within :data:`LASER_RANGE` reads 0x7FFF, as hosts of the old simulator expect.
+        """
         if self._mode is SimLaserMode.OFF:
-            return []
+            return b""
         start, end = sorted((self._start, self._end))
         count = min(MOST_READINGS, round((end - start) / self._step) + 1)
+        if self._sweep is None:
+            self._sweep = SweepFrames(count, extended=self._mode is SimLaserMode.EXTENDED)
         metres = self._world.laser(self._body, self._mount, start, self._step, count)
-        ranges_mm: list[int] = np.rint(metres / MM).astype(int).tolist()
-        return [
-            self._packet(count, first, tuple(ranges_mm[first : first + READINGS_PER_PACKET]))
-            for first in range(0, count, READINGS_PER_PACKET)
-        ]
-
-    def _packet(self, total: int, first: int, part: tuple[int, ...]) -> Report:
-        if self._mode is SimLaserMode.EXTENDED:
-            readings = tuple(LaserReading(range_mm) for range_mm in part)
-            return SimLaserExtended(total=total, first=first, readings=readings, laser=0, flags=0)
+        ranges_mm = np.where(metres < LASER_RANGE, np.rint(metres / MM), NOTHING_MM)
         pose = self._body.robot_in_odom
-        return SimLaser(
-            x_mm=_s16(pose.x / MM),
-            y_mm=_s16(pose.y / MM),
-            heading_deg=round(degrees(pose.theta)),
-            total=total,
-            first=first,
-            ranges_mm=part,
-        )
+        where = round(pose.x / MM), round(pose.y / MM), round(degrees(pose.theta))
+        return self._sweep.fill([number & 0xFFFF for number in where], ranges_mm.astype(np.uint16))
 
     def _obey_old(self, command: Command) -> bool:
         payload = commands.to_payload(command)
@@ -91,8 +85,11 @@ class Scanner:
         gripper = number == 37 and command in {commands.GripperPacRequest(how) for how in Request}
         if not in_order and (gripper or self._mode is not SimLaserMode.OFF) and number != 35:
             return False
+        meaning = commands.from_payload(payload, simulator=True)
+        if isinstance(meaning, commands.Unknown):
+            return False
         self._in_order = (self._in_order + 1) % len(OLD_SETUP) if in_order else int(number == 36)
-        match commands.from_payload(payload, simulator=True):
+        match meaning:
             case commands.OldLaser(mode):
                 self._mode = mode
             case commands.OldLaserStart(angle):
@@ -101,8 +98,5 @@ class Scanner:
                 self._end = angle
             case commands.OldLaserStep(step):
                 self._step = step or self._step
+        self._sweep = None
         return True
-
-
-def _s16(value: float) -> int:
-    return (round(value) + 0x8000) % 0x10000 - 0x8000

@@ -6,61 +6,12 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, Request
-from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import Report
 from pioneer3.geometry import Pose2
-from pioneer3.models import load_model
-from pioneer3.sim.body import Body
-from pioneer3.sim.firmware import ALL_SONARS, Firmware
-from pioneer3.sim.maps import LineMap
-from pioneer3.sim.world import World
-from tests.support import frame, wall_at
-
-SYNCS = b"".join(encode(bytes([number])) for number in (0, 1, 2))
-ON = commands.Enable(on=True)
-
-
-class Bench:
-    """A robot whose host speaks and listens step by step."""
-
-    def __init__(self, line_map: LineMap | None = None, model: str = "p3at-sh") -> None:
-        self.body = Body(load_model(model))
-        self.world = World(line_map, [self.body])
-        self.firmware = Firmware(self.world, self.body)
-        self.now = 0.0
-        self.reader = PacketReader()
-
-    def say(self, *said: Command) -> None:
-        for command in said:
-            self.firmware.receive(frame(command), self.now)
-
-    def open(self) -> "Bench":
-        self.firmware.receive(SYNCS, self.now)
-        self.say(commands.Open())
-        return self
-
-    def wait(self, seconds: float, *, pulse: bool = True) -> list[Report]:
-        heard: list[Report] = []
-        for _ in range(round(seconds / 0.02)):
-            self.now += 0.02
-            self.world.step(0.02)
-            if pulse:
-                self.say(commands.Pulse())
-            self.firmware.tick(self.now)
-            heard += self.hear()
-        return heard
-
-    def hear(self) -> list[Report]:
-        payloads = self.reader.feed(self.firmware.device.outgoing(), self.now)
-        return [reports.from_payload(payload) for payload in payloads]
-
-    @property
-    def speed(self) -> float:
-        return self.body.drive.linear.velocity
-
-    @property
-    def turn_rate(self) -> float:
-        return self.body.drive.angular.velocity
+from pioneer3.sim.instruments import ALL_SONARS
+from pioneer3.sim.kernels.drives import LEFT
+from tests.support import wall_at
+from tests.unit.sim.bench import ON, SYNCS, Bench
 
 
 @pytest.fixture
@@ -98,9 +49,22 @@ def test_a_report_holds_what_the_robot_is_and_does(bench: Bench) -> None:
     assert sip.left_speed_raw * model.speed_factor == pytest.approx(0.3 - half, abs=0.001)
     assert sip.right_speed_raw * model.speed_factor == pytest.approx(0.3 + half, abs=0.001)
     assert sip.turn_rate_decidegrees == 200
-    assert sip.battery_decivolts == 130
+    assert sip.battery_decivolts == sip.battery_decivolts_wide
+    assert sip.battery_decivolts == round(bench.body.battery.voltage * 10)
     assert len(sip.sonar) == len(model.sonars)
-    assert sip.temperature_celsius == -128
+    assert sip.temperature_celsius == round(bench.body.motor_temperature)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.04, 0.06])
+def test_the_first_reaction_is_in_the_next_report(bench: Bench, late: float) -> None:
+    bench.say(ON)
+    bench.wait(0.1 + late)
+    bench.say(commands.Vel(0.3))
+    sip = bench.wait(0.1 - late)[-1]
+    assert isinstance(sip, reports.Sip)
+    assert sip.moving
+    assert sip.left_speed_raw > 0
+    assert sip.x_raw > 0 or late > 0
 
 
 def test_at_rest_the_report_has_the_other_number(bench: Bench) -> None:
@@ -300,7 +264,7 @@ def test_extra_reports_come_once_or_with_every_cycle(
 
 
 def test_encoders_count_beyond_what_their_field_holds(bench: Bench) -> None:
-    bench.firmware.accessories.encoders.roll(20_000.0, 20_000.0)
+    bench.body.set_wheel(LEFT, 20_000.0)
     bench.say(commands.RequestEncoders(Request.ONCE))
     encoders = bench.hear()[0]
     assert isinstance(encoders, reports.Encoders)

@@ -3,8 +3,8 @@
 ==============  ===========================================================================
 module          what
 ==============  ===========================================================================
-rack            all accessories of one robot, the only one that firmware talks to
-equipment       which ones a robot has
+rack            all accessories of one robot, the only one that firmware talks to; which those
+                are, `sim/equipment.py` says
 base            what an accessory is, and what it feels of the robot
 digital_io      digital and analog inputs and outputs
 encoders        counts of what the wheels rolled
@@ -21,11 +21,11 @@ courtesy        commands that are taken without effect
 """
 
 from pioneer3.sim.accessories.base import Carrier, Inputs
-from pioneer3.sim.accessories.equipment import Equipment
 from pioneer3.sim.accessories.gripper_motion import Thing
 from pioneer3.sim.accessories.joystick import Stick
 from pioneer3.sim.accessories.rack import Accessories
 from pioneer3.sim.accessories.table_ir import Table, TableSensor
+from pioneer3.sim.equipment import Equipment
 
 __all__ = [
     "Accessories",

@@ -1,6 +1,7 @@
 """Auxiliary serial ports of the controller, and what may hang on them (arcos.md 3.2, 5.5)."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import Protocol
 
 from pioneer3.arcos import commands
@@ -20,6 +21,10 @@ BUFFER = 256
 
 class SerialDevice(Protocol):
     """Something with a serial port, without the port."""
+
+    @property
+    def due(self) -> float:
+        """When it says something next [s]; `inf` when it is going to be silent."""
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the robot."""
@@ -45,6 +50,13 @@ class AuxPort:
         self._came_in = bytearray()
         self._wanted = 0
         self._ready: list[Report] = []
+
+    @property
+    def due(self) -> float:
+        """When what was asked for may be there [s]; `inf` when nobody waits for anything."""
+        if self._ready or 0 < self._wanted <= len(self._came_in):
+            return -inf
+        return self.device.due if self.device and self._wanted else inf
 
     def deliver(self, data: bytes) -> None:
         """Let `data` come in, as from a device."""

@@ -36,6 +36,10 @@ class Cells(Protocol):
 
     @property
     def voltage(self) -> float: ...
+    @property
+    def charge(self) -> float: ...
+    @property
+    def fixed(self) -> float | None: ...
 
 
 class Carrier(Protocol):
@@ -49,6 +53,8 @@ class Carrier(Protocol):
     def drive(self) -> Wheels: ...
     @property
     def battery(self) -> Cells: ...
+    @property
+    def wheel_travel(self) -> tuple[float, float]: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,8 +5,18 @@ from collections.abc import Sequence
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import BatteryInfo, Report, SmartBattery
-from pioneer3.sim.accessories.base import Asked, Carrier, Inputs
+from pioneer3.sim.accessories.base import Asked, Carrier, Cells, Inputs
 from pioneer3.sim.body import EMPTY, FULL
+
+LOW = 11.5
+"""The firmware complains from here on [V]; CONFIG tells it (arcos.md 5.1)."""
+
+
+def charge_percent(cells: Cells) -> int:
+    """Return what is left, 0 to 100; a voltage that a test has set decides, where there is one."""
+    fixed = cells.fixed
+    share = cells.charge if fixed is None else (fixed - EMPTY) / (FULL - EMPTY)
+    return max(0, min(100, round(100 * share)))
 
 
 class BatteryGauge:
@@ -28,8 +38,7 @@ class BatteryGauge:
         """Return the charge when it is due."""
         if not self._asked.due(cycle=cycle):
             return ()
-        share = (self._body.battery.voltage - EMPTY) / (FULL - EMPTY)
-        percent = max(0, min(100, round(100 * share)))
+        percent = charge_percent(self._body.battery)
         battery = SmartBattery(
             flags1=0,
             flags2=0,

@@ -1,7 +1,6 @@
 """Digital and analog inputs and outputs of the controller (arcos.md 3.2, 4.2, 5.3)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from math import isfinite
 
 from pioneer3.arcos import commands
@@ -89,12 +88,15 @@ class DigitalIo:
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
         """Show the first byte of inputs, the outputs and the selected analog port."""
-        return replace(
-            sip,
+        # in every report of every robot: by hand, as replace() takes three times as long
+        return Inputs(
             analog_port=self.selected,
+            gripper_state=sip.gripper_state,
             analog=round(self._volts[self.selected] / FULL_SCALE * SIP_STEPS),
             digital_in=self._levels() & 0xFF,
             digital_out=self.outputs,
+            compass_raw=sip.compass_raw,
+            flags=sip.flags,
         )
 
     def hang_up(self) -> None:

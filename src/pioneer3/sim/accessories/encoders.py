@@ -13,35 +13,12 @@ TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
 
 
 class Encoders:
-    """Two counters of 32 bits that run from power-on; SETO does not reset them.
-
-    Attributes:
-        left: Rolled by the left wheel since power-on [m].
-        right: By the right one [m].
-    """
+    """Two counters of 32 bits that run from power-on; SETO does not reset them."""
 
     def __init__(self, body: Carrier) -> None:
-        self.left = self.right = 0.0
         self._body = body
         self._ticks = TICKS_PER_METRE[body.model.drive]
         self._asked = Asked()
-        self._time: float | None = None
-        self._left_speed = self._right_speed = 0.0
-
-    def tick(self, now: float) -> None:
-        """Add what the wheels rolled since the last call, as a trapezoid of their speeds."""
-        drive = self._body.drive
-        half = drive.angular.velocity * self._body.model.wheel_base / 2
-        left, right = drive.linear.velocity - half, drive.linear.velocity + half
-        if self._time is not None and now > self._time:
-            dt = now - self._time
-            self.roll((self._left_speed + left) / 2 * dt, (self._right_speed + right) / 2 * dt)
-        self._time, self._left_speed, self._right_speed = now, left, right
-
-    def roll(self, left: float, right: float) -> None:
-        """Turn the wheels by these ways [m]."""
-        self.left += left
-        self.right += right
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
@@ -55,8 +32,7 @@ class Encoders:
         """Return the counts when they are due."""
         if not self._asked.due(cycle=cycle):
             return ()
-        self.tick(now)
-        left, right = (_s32(way * self._ticks) for way in (self.left, self.right))
+        left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
         return (EncoderReport(left_counts=left, right_counts=right),)
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
-from math import radians
+from math import inf, radians
 
 from numpy.random import Generator
 
@@ -53,6 +53,11 @@ class Gyro:
         self._time: float | None = None
         self._heading = 0.0
         self._turned, self._left = 0.0, PERIOD
+
+    @property
+    def due(self) -> float:
+        """When the next sample is [s]; `inf` while nobody wants any."""
+        return self._time + self._left if self._on and self._time is not None else inf
 
     def tick(self, now: float) -> None:
         """Feel how far the robot has turned since the last call; sample every 25 ms."""

@@ -1,6 +1,7 @@
 """All accessories of one robot."""
 
 from collections.abc import Sequence
+from math import inf
 
 from numpy.random import Generator, default_rng
 
@@ -14,11 +15,11 @@ from pioneer3.sim.accessories.compass import Compass
 from pioneer3.sim.accessories.courtesy import Courtesy
 from pioneer3.sim.accessories.digital_io import DigitalIo, nothing_low
 from pioneer3.sim.accessories.encoders import Encoders
-from pioneer3.sim.accessories.equipment import PORTS, Camera, Equipment
 from pioneer3.sim.accessories.gripper import Gripper, NoGripper
 from pioneer3.sim.accessories.gyro import Gyro
 from pioneer3.sim.accessories.joystick import Joystick
 from pioneer3.sim.accessories.table_ir import TableIr
+from pioneer3.sim.equipment import PORTS, Camera, Equipment
 
 
 class Accessories:
@@ -48,10 +49,16 @@ class Accessories:
         fixed: tuple[Accessory, ...] = (self.digital, self.encoders, self.battery, *self.aux)
         chosen = (self.gripper or NoGripper(), self.compass, self.gyro, self.joystick, Courtesy())
         self._all: tuple[Accessory, ...] = (*fixed, *(each for each in chosen if each))
+        shown = (self.gripper, self.compass, self.joystick)
+        self._shown: tuple[Accessory, ...] = (self.digital, *(each for each in shown if each))
+
+    @property
+    def due(self) -> float:
+        """When to :meth:`tick` and to look for :meth:`reports` between cycles [s], or `inf`."""
+        return min(self.gyro.due if self.gyro else inf, *(port.due for port in self.aux))
 
     def tick(self, now: float) -> None:
-        """Look at the robot at `now` [s], the oftener the better the encoders and the gyro."""
-        self.encoders.tick(now)
+        """Look at the robot at `now` [s], the oftener the better the gyro's samples."""
         if self.gyro:
             self.gyro.tick(now)
 
@@ -76,7 +83,7 @@ class Accessories:
     def inputs(self, now: float) -> Inputs:
         """Return what belongs into the standard report."""
         sip = NOTHING
-        for accessory in self._all:
+        for accessory in self._shown:
             sip = accessory.inputs(sip, now)
         return sip
 

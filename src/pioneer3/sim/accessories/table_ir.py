@@ -6,7 +6,7 @@ from enum import IntFlag
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.accessories.base import Carrier
-from pioneer3.sim.accessories.equipment import TableWiring
+from pioneer3.sim.equipment import TableWiring
 
 
 class TableSensor(IntFlag):

@@ -23,6 +23,8 @@ class FakeDrive:
 @dataclass
 class FakeBattery:
     voltage: float = 13.0
+    charge: float = 1.0
+    fixed: float | None = None
 
 
 @dataclass
@@ -31,6 +33,7 @@ class FakeCarrier:
     robot_in_world: Pose2 = ORIGIN
     drive: FakeDrive = field(default_factory=FakeDrive)
     battery: FakeBattery = field(default_factory=FakeBattery)
+    wheel_travel: tuple[float, float] = (0.0, 0.0)
 
 
 def cycles(accessory: Accessory, count: int, start: float = 0.0) -> list[Report]:

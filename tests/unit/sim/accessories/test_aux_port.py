@@ -1,3 +1,5 @@
+from math import inf
+
 import pytest
 
 from pioneer3.arcos import commands, reports
@@ -11,6 +13,10 @@ class Echo:
 
     def __init__(self) -> None:
         self.heard: list[tuple[float, bytes]] = []
+
+    @property
+    def due(self) -> float:
+        return min((when + 0.5 for when, _ in self.heard), default=inf)
 
     def receive(self, data: bytes, now: float) -> None:
         self.heard.append((now, data))
@@ -120,3 +126,22 @@ def test_the_end_of_the_session_forgets_everything() -> None:
     aux.hang_up()
     aux.deliver(b"xyz")
     assert list(answers(aux)) == []
+
+
+def test_it_is_due_when_the_device_says_what_somebody_waits_for() -> None:
+    aux = AuxPort(1, Echo())
+    aux.obey(commands.Tty2(b"abc"), 1.0)
+    assert aux.due == inf
+    aux.obey(commands.GetAux(3), 1.0)
+    assert aux.due == 1.5
+    assert list(answers(aux, aux.due)) == [reports.SerialAux(0xB0, b"abc")]
+    assert aux.due == inf
+
+
+def test_it_is_due_at_once_when_bytes_came_in_that_somebody_waits_for() -> None:
+    aux = AuxPort(1)
+    aux.obey(commands.GetAux(2), 0.0)
+    aux.deliver(b"a")
+    assert aux.due == inf
+    aux.deliver(b"b")
+    assert aux.due == -inf

@@ -143,10 +143,22 @@ def test_the_next_36_after_pressure_is_the_gripper_s() -> None:
     assert not rack.claims(value)
 
 
-@pytest.mark.parametrize(("voltage", "percent"), [(13.0, 100), (12.0, 50), (5.0, 0), (24.0, 100)])
-def test_the_gauge_follows_the_voltage(voltage: float, percent: int) -> None:
+@pytest.mark.parametrize(
+    ("charge", "fixed", "percent"),
+    [
+        (1.0, None, 100),
+        (0.305, None, 30),
+        (0.0, None, 0),
+        (1.0, 12.0, 50),
+        (1.0, 5.0, 0),
+        (0.5, 24.0, 100),
+    ],
+)
+def test_the_gauge_shows_the_charge_or_what_a_test_has_set(
+    charge: float, fixed: float | None, percent: int
+) -> None:
     carrier = FakeCarrier()
-    carrier.battery.voltage = voltage
+    carrier.battery.charge, carrier.battery.fixed = charge, fixed
     rack = Accessories(carrier)
     rack.obey(commands.RequestBatteryInfo(Request.ONCE), 0.0)
     (report,) = rack.reports(0.0, cycle=False)

@@ -31,3 +31,10 @@ def test_every_report_is_listed_once() -> None:
 def test_what_is_taken_silently_is_called_ignored() -> None:
     words = dict(rows("Commands"))
     assert {words[number] for number in TAKEN} == {"ignored"}
+
+
+def test_every_operation_of_the_simulator_is_listed() -> None:
+    section = PAGE.read_text().split("SIM_CTRL:\n")[1].split("\n## ")[0]
+    numbers = re.findall(r"^\| ([\d, ]+?) [a-z]", section, re.MULTILINE)
+    listed = [int(number) for row in numbers for number in row.split(", ")]
+    assert listed == [int(operation) for operation in commands.SimOperation]

@@ -8,7 +8,7 @@ the place of an old one without BUSY.
 """
 
 from collections.abc import Callable, Mapping
-from math import radians
+from math import inf, radians
 
 from pioneer3.sim.accessories.cameras.mechanism import Gaze, PanTiltZoom, Slew
 
@@ -65,6 +65,11 @@ class CanonVcc4:
     def gaze(self, now: float) -> Gaze:
         """Return where the camera looks."""
         return self._axes.gaze(now)
+
+    @property
+    def due(self) -> float:
+        """When it says something next [s]: at once, or never."""
+        return -inf if self._said else inf
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes; a new header starts a frame anew."""

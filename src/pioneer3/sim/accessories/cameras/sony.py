@@ -8,7 +8,7 @@ on their D30 mode: 0370 is 100 degrees to the right and 012C is 25 up, speed 1 t
 """
 
 from collections import deque
-from math import radians
+from math import inf, radians
 
 from pioneer3.sim.accessories.cameras.mechanism import Gaze, PanTiltZoom, Slew
 
@@ -48,6 +48,11 @@ class SonyEvi:
     def gaze(self, now: float) -> Gaze:
         """Return where the camera looks."""
         return self._axes.gaze(now)
+
+    @property
+    def due(self) -> float:
+        """When it says something next [s]; `inf` when it has said all."""
+        return min((when for when, _ in self._said), default=inf)
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes; what is too long for a packet is forgotten."""
