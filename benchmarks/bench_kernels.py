@@ -97,7 +97,7 @@ def speeds(kernels: Kernels, copies: int, count: int) -> tuple[float, float]:
     mounts = sonar_mounts([transducers], [0] * count)
     fan = laser_fan((0.02, 0.0, 0.0), -pi / 2, pi / (BEAMS - 1), BEAMS)
     heard, seen = np.empty((count, mounts.most)), np.empty((count, BEAMS))
-    rays = seconds(lambda: kernels.sonar(grid, robots, mounts, SONAR_LIMIT, heard))
+    rays = seconds(lambda: kernels.sonar(grid, robots, mounts, SONAR_LIMIT, out=heard))
     beams = seconds(lambda: kernels.cast_fans(grid, robots, fan, LASER_LIMIT, out=seen))
     return heard.size / rays, seen.size / beams
 

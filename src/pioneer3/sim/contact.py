@@ -1,5 +1,7 @@
 """Which bumper segments something touches (arcos.md 4.7)."""
 
+from math import pi
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,8 +14,6 @@ REACH = 0.01
 """A bumper is pressed by what is this close to the outline [m]."""
 ARC = np.radians(135.0)
 """That all segments of one bumper take together, seen from the robot's pose [rad]."""
-SAMPLES = np.linspace(0.0, 1.0, 9)
-"""Places along what touches that are looked at."""
 
 
 def pressed_segments(model: RobotModel, pose: Pose2, ends: Float) -> tuple[int, int]:
@@ -30,17 +30,17 @@ def pressed_segments(model: RobotModel, pose: Pose2, ends: Float) -> tuple[int, 
     x, y = inverse.x + c * x - s * y, inverse.y + s * x + c * y
     low = np.array([-model.length_rear - REACH, -model.width / 2 - REACH])
     high = np.array([model.length_front + REACH, model.width / 2 + REACH])
-    starts, ways = (
-        np.stack([x[:, 0], y[:, 0]], 1),
-        np.stack([x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]], 1),
-    )
+    starts = np.stack([x[:, 0], y[:, 0]], axis=1)
+    ways = np.stack([x[:, 1], y[:, 1]], axis=1) - starts
     first, last = _inside(starts, ways, low, high)
     touches = first <= last
-    shares = first[touches, None] + (last - first)[touches, None] * SAMPLES
-    points = starts[touches, None] + shares[..., None] * ways[touches, None]
-    bearings = np.arctan2(points[..., 1], points[..., 0]).ravel()
-    front = _bits(bearings, model.front_bumpers)
-    return front, _bits(np.angle(-np.exp(1j * bearings)), model.rear_bumpers)
+    one, other = (
+        (starts + share[:, None] * ways)[touches] @ np.array([1, 1j]) for share in (first, last)
+    )
+    turned = np.angle(other * one.conj())
+    middles, halves = np.angle(one) + turned / 2, abs(turned) / 2
+    front = _bits(middles, halves, model.front_bumpers)
+    return front, _bits(middles + pi, halves, model.rear_bumpers)
 
 
 def _inside(starts: Float, ways: Float, low: Float, high: Float) -> tuple[Float, Float]:
@@ -49,15 +49,21 @@ def _inside(starts: Float, ways: Float, low: Float, high: Float) -> tuple[Float,
         one, other = (low - starts) / ways, (high - starts) / ways
     still = ways == 0
     within = (low <= starts) & (starts <= high)
-    enter = np.where(still, np.where(within, 0.0, np.inf), np.minimum(one, other))
-    leave = np.where(still, np.where(within, 1.0, -np.inf), np.maximum(one, other))
-    return np.maximum(enter.max(axis=1), 0.0), np.minimum(leave.min(axis=1), 1.0)
+    enter = np.where(still, np.where(within, 0.0, np.inf), np.minimum(one, other)).max(axis=1)
+    leave = np.where(still, np.where(within, 1.0, -np.inf), np.maximum(one, other)).min(axis=1)
+    missed = enter > leave
+    return np.where(missed, 1.0, enter.clip(0.0)), np.where(missed, 0.0, leave.clip(max=1.0))
 
 
-def _bits(bearings: Float, segments: int) -> int:
-    """Return the segments at these bearings [rad]: from left to right, bit 1 first."""
-    if not segments or not len(bearings):
+def _bits(middles: Float, halves: Float, segments: int) -> int:
+    """Return the segments at these bearings, plus and minus `halves` [rad]; bit 1 is the left."""
+    if not segments:
         return 0
-    numbers = np.floor((ARC / 2 - bearings) / ARC * segments).astype(int)
-    hit = np.unique(numbers[(numbers >= 0) & (numbers < segments)])
-    return sum(2 << int(number) for number in hit)
+    middles = (middles + pi) % (2 * pi) - pi
+    edges = (ARC / 2 - middles + np.stack([-halves, halves])) / ARC * segments
+    first, last = np.floor(edges).astype(int).clip([[0]], [[segments], [segments - 1]]).tolist()
+    bits = 0
+    for one, other in zip(first, last, strict=True):
+        for number in range(one, other + 1):
+            bits |= 2 << number
+    return bits

@@ -5,7 +5,7 @@ said beside them and in docs/explanation/realism.md.
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite, radians
+from math import isfinite, pi, radians
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,8 +21,8 @@ OdometryMode = Literal["none", "constant", "random_init", "random_each_update", 
 """Where the odometry's error comes from.
 
 `none`: it is right. `constant`: the wheels are as wrong as configured. `random_init`: each robot is
-wrong in its own way, drawn once. `random_each_update`: nothing is systematic, every step adds a
-random error. `all`: the last two together. The names are MobileSim's (user-needs 6).
+wrong in its own way, drawn once. `random_each_update`: nothing is systematic, not even slip; every
+step adds a random error. `all`: the last two together. The names are MobileSim's (user-needs 6).
 """
 
 MODES: tuple[str, ...] = get_args(OdometryMode)
@@ -36,6 +36,9 @@ def _within(name: str, value: float, low: float, high: float) -> None:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OdometryErrors:
     """What the wheels do not see (Borenstein and Feng, UMBmark, 1995).
+
+    Where each robot is wrong in its own way, the three ratios are bounds: a robot has something
+    between one over it and it.
 
     Attributes:
         mode: Which of these count.
@@ -69,15 +72,11 @@ class OdometryErrors:
 
     def column(self, model: RobotModel, rng: Generator) -> Float:
         """Return a robot's column of `Drives.errors`, shape (7,)."""
-        systematic = {"constant": 1.0, "random_init": rng.uniform(-1, 1, 3)}
-        part = systematic.get(self.mode, 0.0)
-        if self.mode == "all":
-            part = systematic["random_init"]
-        wheel, base, scale = 1 + part * (
-            np.array([self.wheel_ratio, self.base_ratio, self.scale]) - 1
-        )
+        own = rng.uniform(-1, 1, 3)
+        part = {"constant": np.ones(3), "random_init": own, "all": own}.get(self.mode, np.zeros(3))
+        wheel, base, scale = np.array([self.wheel_ratio, self.base_ratio, self.scale]) ** part
         left, right = 2 * scale / (1 + wheel), 2 * scale * wheel / (1 + wheel)
-        grip = 1 - self.slip if model.drive == "skid" and self.mode != "none" else 1.0
+        grip = 1 - self.slip if model.drive == "skid" and part.any() else 1.0
         width = model.wheel_base
         column = np.array(
             [
@@ -99,20 +98,23 @@ class OdometryErrors:
 class SonarErrors:
     """What a transducer hears, and what not.
 
+    A flat wall is heard as far off the axis as half of `width` and `critical` together: 42 degrees
+    unless set otherwise, as Cao and Borenstein (2002) measured with Polaroid transducers.
+
     Attributes:
         rays: That make up its beam; the nearest echo counts.
         width: Full angle of the beam [rad].
         critical: From this angle between a ray and the wall's normal on, no echo comes back [rad].
-        noise: Standard deviation per metre of range, and at least `quantum`.
+        noise: Standard deviation of a range, as a share of it.
         quantum: Ranges come in steps of this [m]; 0 for none.
         drop_out: Chance that an echo is missed.
-        cross_talk: Chance that a transducer takes its neighbour's echo for its own.
+        cross_talk: Chance that a transducer takes the echo of the one beside it for its own.
     """
 
     rays: int = 5
     width: float = radians(30)
-    critical: float = radians(40)
-    noise: float = 0.01
+    critical: float = radians(27)
+    noise: float = 0.005
     quantum: float = 0.001
     drop_out: float = 0.005
     cross_talk: float = 0.005
@@ -125,26 +127,40 @@ class SonarErrors:
         _within("sonar critical angle", self.critical, radians(1), radians(90))
         for name in ("noise", "quantum", "drop_out", "cross_talk"):
             _within(f"sonar {name}", getattr(self, name), 0.0, 1.0)
+        _within("sonar drop_out and cross_talk together", self.drop_out + self.cross_talk, 0.0, 1.0)
 
     @property
     def steep(self) -> float:
         """Sine of the least angle between a ray and a wall that sends it back."""
-        return max(0.0, float(np.cos(self.critical)))
+        return float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0
 
     def spoil(self, ranges: Float, limit: float, rng: Generator) -> Float:
         """Return what is heard in place of exact `ranges` (..., M), which end at `limit` [m]."""
         heard = ranges
-        if self.cross_talk and ranges.shape[-1] > 1:
-            beside = np.roll(ranges, 1, axis=-1)
-            takes = (rng.random(ranges.shape) < self.cross_talk) & (beside < ranges)
-            heard = np.where(takes, beside, heard)
+        if self.cross_talk or self.drop_out:
+            heard = self._mistaken(ranges, limit, rng)
+        if not (self.noise or self.quantum):
+            return heard
+        silent = heard >= limit
         if self.noise:
             heard = heard * (1 + self.noise * rng.standard_normal(ranges.shape))
-            heard = np.where(ranges < limit, heard, limit)
         if self.quantum:
             heard = np.rint(heard / self.quantum) * self.quantum
-        if self.drop_out:
-            heard = np.where(rng.random(ranges.shape) < self.drop_out, limit, heard)
+        heard[silent] = limit
+        return heard
+
+    def _mistaken(self, ranges: Float, limit: float, rng: Generator) -> Float:
+        """Return `ranges`, here and there missed or taken from a neighbour."""
+        chance = rng.random(ranges.shape)
+        rare = (chance < self.cross_talk + self.drop_out).nonzero()
+        if not len(rare[0]):
+            return ranges
+        heard = ranges.copy()
+        *robot, transducer = rare
+        beside = abs(transducer - 1)  # the first is beside the second
+        own, other = ranges[rare], ranges[*robot, beside % ranges.shape[-1]]
+        missed = chance[rare] >= self.cross_talk
+        heard[rare] = np.where(missed, limit, np.minimum(own, other))
         return heard
 
 

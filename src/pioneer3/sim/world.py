@@ -84,11 +84,14 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
+        self._echoes: dict[int, Float] = {}
+        self._expected: list[int] = []
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
 
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass."""
+        self._expected = []
         pieces = max(1, ceil(dt / LONGEST - 1e-9))
         for _ in range(pieces):
             self._step(dt / pieces)
@@ -96,10 +99,17 @@ class World:
 
     def sonar(self, body: Body) -> Float:
         """Return the ranges that `body`'s transducers measure now [m], shape (M,)."""
-        owner = np.array([body.number], dtype=np.int32)
-        ranges = self._heard(owner, self._own[body])
-        first: Float = ranges[0, : len(body.model.sonars)]
-        return first
+        self._place()
+        if body.number not in self._echoes:
+            together = self._expected if body.number in self._expected else [body.number]
+            ranges = self._cast(np.array(together, dtype=np.int32))
+            self._echoes.update(zip(together, ranges, strict=True))
+        ranges = self._echoes[body.number][: len(body.model.sonars)]
+        return self._heard(ranges, self._own[body])
+
+    def expect(self, bodies: Iterable[Body]) -> None:
+        """Be told whose sonars are asked for until the next step: one cast then does for all."""
+        self._expected = [body.number for body in bodies]
 
     def sonars(self) -> Float:
         """Return what all robots' transducers measure now [m], shape (N, M).
@@ -107,7 +117,7 @@ class World:
         M is the number of transducers of the robot that has most; others' last columns read the
         longest range.
         """
-        return self._heard(None, self._rng)
+        return self._heard(self._cast(None), self._rng)
 
     def laser(self, body: Body, mount: Pose2, start: float, step: float, count: int) -> Float:
         """Return the ranges [m], shape (count,), of a laser at `mount` on `body`.
@@ -167,12 +177,14 @@ class World:
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.drives.free[:] = 0.0
+        self._echoes.clear()
 
     def _step(self, dt: float) -> None:
         """Let at most `LONGEST` pass."""
         if self.outlines.stale:
             self._place()
         noise = self._next_noise() if self._noisy else None
+        self._echoes.clear()
         self.kernels.step(self._grid, self.outlines, self.drives, dt, noise)
         if self.obstacles:
             self._walk(dt)
@@ -201,18 +213,23 @@ class World:
         docked = ((off < DOCKED) & ~turned).any(axis=1)
         self.drives.wheels[SUPPLY] = np.where(docked, CHARGE_POWER, 0.0)
 
-    def _heard(self, owners: Int32 | None, rng: Generator) -> Float:
+    def _cast(self, owners: Int32 | None) -> Float:
+        """Return exact ranges of all transducers of some robots or all, shape (F, M)."""
         self._place()
-        sonar = self.realism.sonar
-        ranges = self.kernels.sonar(
-            self._grid,
-            self.outlines,
-            self._mounts,
-            SONAR_RANGE,
-            steep=sonar.steep,
-            owners=owners,
+        steep = self.realism.sonar.steep
+        return self.kernels.sonar(
+            self._grid, self.outlines, self._mounts, SONAR_RANGE, steep=steep, owners=owners
         )
-        return sonar.spoil(ranges, SONAR_RANGE, rng).clip(SONAR_MIN, SONAR_RANGE)
+
+    def _heard(self, ranges: Float, rng: Generator) -> Float:
+        """Return what is heard in place of exact `ranges`, (M,) or (N, M)."""
+        heard = self.realism.sonar.spoil(ranges, SONAR_RANGE, rng)
+        heard = np.minimum(np.maximum(heard, SONAR_MIN), SONAR_RANGE)
+        counts = np.diff(self._mounts.offsets)
+        if ranges.ndim == 2 and (counts < self._mounts.most).any():
+            absent = np.arange(self._mounts.most) >= counts[self._mounts.kinds, None]
+            heard[absent] = SONAR_RANGE
+        return heard
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
         self._place()
@@ -225,6 +242,7 @@ class World:
 
     def _place(self) -> None:
         if self.outlines.stale:
+            self._echoes.clear()
             self.kernels.place(self.outlines)
             self.outlines.stale = False
 
@@ -242,8 +260,12 @@ class World:
         x, y, theta = self.outlines.poses[:, body.number].tolist()
         reach = hypot(max(body.model.length_front, body.model.length_rear), body.model.width / 2)
         reach += REACH
-        others = np.delete(self.outlines.outlines, body.number, axis=0).reshape(-1, 4)
-        around = np.concatenate([self._grid.around(x, y, reach), others])
+        middle_x, middle_y, radius = self.outlines.shapes[:, :3].T
+        near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
+        near[body.number] = False
+        corners = self.outlines.shapes[near, 3:].reshape(int(near.sum()), -1, 2)
+        sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
+        around = np.concatenate([self._grid.around(x, y, reach), sides])
         return pressed_segments(body.model, Pose2(x, y, theta), around)
 
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
@@ -267,6 +289,8 @@ class World:
                 drives.errors[:, number] = column
             body.bind(drives, self.outlines, number, partial(self._bumpers, body))
         self.robots = robots
+        self._echoes.clear()
+        self._expected = []
         drives.free[:] = 0.0
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]

@@ -21,21 +21,18 @@ class Mounts:
             rays there, shape (T, 2 + 2 k); one type after another.
         offsets: Where each type starts in the table, shape (types + 1,).
         kinds: Type of each robot, shape (N,).
+        most: Transducers of the type that has most: the width of the output.
     """
 
     table: Float
     offsets: Int32
     kinds: Int32
+    most: int
 
     @property
     def arrays(self) -> tuple[Float, Int32, Int32]:
         """What kernels walk: table, offsets, kinds."""
         return self.table, self.offsets, self.kinds
-
-    @property
-    def most(self) -> int:
-        """Transducers of the type that has most: the width of the output."""
-        return int(np.diff(self.offsets).max(initial=0))
 
 
 def sonar_mounts(
@@ -64,6 +61,7 @@ def sonar_mounts(
         table=np.ascontiguousarray(np.concatenate([mounts[:, :2], headings], axis=1)),
         offsets=np.cumsum([0, *map(len, types)], dtype=np.int32),
         kinds=np.array(kinds, dtype=np.int32),
+        most=max(map(len, types), default=0),
     )
 
 

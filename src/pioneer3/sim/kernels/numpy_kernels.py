@@ -142,7 +142,8 @@ class NumpyKernels:
     def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
         hits = np.empty(len(robots), dtype=np.bool_) if out is None else out
         if len(robots):
-            hits[:] = self._touch(grid, robots, robots.everyone, _frames(*poses), 0.0)
+            stands, meets = self._touch(grid, robots, robots.everyone, _frames(*poses), 0.0)
+            hits[:] = stands | meets
         return hits
 
     def step(
@@ -157,26 +158,27 @@ class NumpyKernels:
         wish = wishes(drives, dt, noise)
         poses = robots.poses[:, : len(drives)]
         before, after = poses.copy(), reached(poses, wish)
-        stuck = self._doubtful(grid, robots, drives, np.flatnonzero(moves), after)
+        alone, crowded = self._doubtful(grid, robots, drives, np.flatnonzero(moves), after)
         poses[:] = after
+        stuck = np.concatenate([alone, crowded])
         if len(stuck):
             poses[:, stuck] = before[:, stuck]
         place(robots)
-        for n in stuck.tolist():
-            share = self._free_share(grid, robots, n, wish[:3, n])
-            drives.flags[[STALLED, TOUCHED], n] = share < 1
-            if share < 1:
-                wish[:, n] *= share
-                drives.axes[VELOCITY, :, n] = 0.0
-            poses[:, n] = reached(before[:, n : n + 1], wish[:, n : n + 1])[:, 0]
-            place(robots, slice(n, n + 1))
+        # who meets nobody does not depend on the order
+        for who in [alone][: len(alone)] + list(crowded[:, None]):
+            shares = self._free_shares(grid, robots, who, wish[:3, who])
+            drives.flags[STALLED, who] = drives.flags[TOUCHED, who] = shares < 1
+            wish[:, who] *= shares
+            drives.axes[VELOCITY][:, who[shares < 1]] = 0.0
+            poses[:, who] = reached(before[:, who], wish[:, who])
+            place(robots, who)
         roll(drives, wish)
         poses[2] = wrapped(poses[2])
 
     def _doubtful(
         self, grid: Grid, robots: Robots, drives: Drives, moving: Int, after: Float
-    ) -> Int:
-        """Return which robots something may be in the way of, ascending.
+    ) -> tuple[Int, Int]:
+        """Return who stands in a wall after this step, and who may meet another; both ascending.
 
         How much room a robot surely has is kept and used up step by step; only those that have
         none left are looked at.
@@ -186,66 +188,68 @@ class NumpyKernels:
         drives.free -= way + farthest
         who = moving[drives.free[moving] <= 0]
         if len(who) == 0:
-            return who
+            return who, who
         x, y, theta = after[:, who]
         front, rear, half = robots.state[3:6, who]
         size = np.hypot(np.maximum(front, rear), half)
         room = np.full(len(who), ROOM)
-        near = self._lists(grid, ROOM)
-        points, walls = near.of(x, y)
+        points, walls = self._lists(grid, ROOM).of(x, y)
         np.minimum.at(room, points, distances(np.stack([x, y], 1)[points], grid.walls[walls]))
         beside, others = near_robots(robots, x, y, ROOM, who)
-        apart = np.hypot(robots.shapes[others, 0] - x[beside], robots.shapes[others, 1] - y[beside])
-        np.minimum.at(room, beside, apart - robots.shapes[others, 2] - farthest)
+        if len(others):
+            middles = robots.shapes[others]
+            apart = np.hypot(middles[:, 0] - x[beside], middles[:, 1] - y[beside])
+            np.minimum.at(room, beside, apart - middles[:, 2] - farthest)
         drives.free[who] = np.maximum(room - size, 0.0)
         doubt = np.flatnonzero(room <= size)
         if len(doubt) == 0:
-            return who[doubt]
-        frames, who = _frames(x[doubt], y[doubt], theta[doubt]), who[doubt]
-        spread = 2 * farthest
-        hits = self._touch(grid, robots, who, frames, spread)
-        return who[hits]
+            return who[doubt], who[doubt]
+        who = who[doubt]
+        frames = _frames(x[doubt], y[doubt], theta[doubt])
+        stands, meets = self._touch(grid, robots, who, frames, 2 * farthest)
+        return who[stands & ~meets], who[meets]
 
-    def _free_share(self, grid: Grid, robots: Robots, n: int, motion: Float) -> float:
-        """Return how much of its motion robot `n` can make, in steps of 1 / 1024."""
-        free, part = 0.0, 1.0
-        if not self._hits(grid, robots, n, motion[:, None])[0]:
-            return 1.0
-        if abs(motion).max() <= NEGLIGIBLE:
-            return 0.0
-        for _ in range(2):
+    def _free_shares(self, grid: Grid, robots: Robots, who: Int, motions: Float) -> Float:
+        """Return how much of their motions (3, F) robots can make, in steps of 1 / 1024, (F,)."""
+        shares = np.ones(len(who))
+        stuck = np.flatnonzero(self._hits(grid, robots, who, motions))
+        shares[stuck] = 0.0
+        part, stuck = 1.0, stuck[abs(motions[:, stuck]).max(axis=0) > NEGLIGIBLE]
+        for _ in range(2 if len(stuck) else 0):
             part /= FINER
-            shares = free + part * np.arange(1, FINER)
-            hits = self._hits(grid, robots, n, motion[:, None] * shares)
-            free += part * (int(hits.argmax()) if hits.any() else FINER - 1)
-        return free
+            tried = shares[stuck, None] + part * np.arange(1, FINER)
+            moved = motions[:, stuck].repeat(FINER - 1, axis=1) * tried.ravel()
+            hits = self._hits(grid, robots, who[stuck].repeat(FINER - 1), moved)
+            hits = hits.reshape(len(stuck), FINER - 1)
+            first = np.where(hits.any(axis=1), hits.argmax(axis=1), FINER - 1)
+            shares[stuck] += part * first
+        return shares
 
-    def _hits(self, grid: Grid, robots: Robots, n: int, motions: Float) -> Bool:
-        """Return whether robot `n` would stand on something after each of the motions (3, M)."""
-        count = motions.shape[1]
-        poses = reached(np.repeat(robots.poses[:, n : n + 1], count, axis=1), motions)
-        who = np.full(count, n, dtype=np.int32)
-        return self._touch(grid, robots, who, _frames(*poses), 0.0)
+    def _hits(self, grid: Grid, robots: Robots, who: Int, motions: Float) -> Bool:
+        """Return whether robots would stand on something after their motions (3, F)."""
+        poses = reached(robots.poses[:, who], motions)
+        stands, meets = self._touch(grid, robots, who, _frames(*poses), 0.0)
+        return stands | meets
 
     def _touch(
         self, grid: Grid, robots: Robots, who: Int | Int32, frames: Float, spread: float
-    ) -> Bool:
+    ) -> tuple[Bool, Bool]:
         """Return whether robots would stand on a wall, or on another that is up to `spread` off."""
         front, rear, half = robots.state[3:6, who]
         reach = float(np.hypot(np.maximum(front, rear), half).max())
         middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
         whose, ends = self._walls(grid, frames, reach)
-        meets = reach_into(ends, middle[whose], length[whose], width[whose])
-        hits: Bool = np.bincount(whose[meets], minlength=len(who)) > 0
+        into = reach_into(ends, middle[whose], length[whose], width[whose])
+        solid = robots.hidden[who] == 0
+        stands: Bool = solid & (np.bincount(whose[into], minlength=len(who)) > 0)
         beside, others = near_robots(robots, frames[0], frames[1], reach + spread, who)
-        if len(others):
-            corners = _from(frames, beside, robots.shapes.T[3:].take(others, axis=1))
-            whose = np.tile(beside, len(corners) // 2)
-            length, width = length + spread, width + spread
-            meets = reach_into(sides(corners), middle[whose], length[whose], width[whose])
-            hits |= np.bincount(whose[meets], minlength=len(who)) > 0
-        hits &= robots.hidden[who] == 0
-        return hits
+        if len(others) == 0:
+            return stands, np.zeros_like(stands)
+        corners = _from(frames, beside, robots.shapes.T[3:].take(others, axis=1))
+        whose = np.tile(beside, len(corners) // 2)
+        length, width = length + spread, width + spread
+        into = reach_into(sides(corners), middle[whose], length[whose], width[whose])
+        return stands, solid & (np.bincount(whose[into], minlength=len(who)) > 0)
 
     def _seen(
         self, grid: Grid, robots: Robots, frames: Float, reach: float, owners: Int32

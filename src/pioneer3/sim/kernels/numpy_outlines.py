@@ -7,7 +7,9 @@ from pioneer3.sim.kernels.robots import Robots
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
+Int = NDArray[np.int64]
 
+EVERYONE = slice(None)
 NOWHERE = 1e8
 """Where hidden robots are placed [m]."""
 
@@ -16,15 +18,15 @@ LEFT = np.array([1, 1, -1, -1])
 """Signs of the corners, counter-clockwise from the front left."""
 
 
-def place(robots: Robots, which: slice = slice(None)) -> None:
+def place(robots: Robots, which: slice | Int = EVERYONE) -> None:
     """Bring middles, radii and corners of all or some up to date with the poses."""
     x, y, theta, front, rear, half, cut, hidden = robots.state[:, which]
     if hidden.any():
         x, y = np.where(hidden, NOWHERE, x), np.where(hidden, NOWHERE, y)
     c, s = np.cos(theta), np.sin(theta)
-    shapes, middle = robots.shapes[which], (front - rear) / 2
-    shapes[:, 0], shapes[:, 1] = x + c * middle, y + s * middle
-    shapes[:, 2] = np.hypot((front + rear) / 2, half)
+    shapes, middle = robots.shapes, (front - rear) / 2
+    shapes[which, 0], shapes[which, 1] = x + c * middle, y + s * middle
+    shapes[which, 2] = np.hypot((front + rear) / 2, half)
     ahead, left = np.stack([front, -rear, -rear, front]), np.multiply.outer(LEFT, half)
     if shapes.shape[1] > 11:
         # a cut corner is two: counter-clockwise the side that is walked along comes first
@@ -35,8 +37,8 @@ def place(robots: Robots, which: slice = slice(None)) -> None:
                 left[k] -= LEFT[quarter] * cut
             else:
                 ahead[k] -= AHEAD[quarter] * cut
-    shapes[:, 3::2] = (x + c * ahead - s * left).T
-    shapes[:, 4::2] = (y + s * ahead + c * left).T
+    shapes[which, 3::2] = (x + c * ahead - s * left).T
+    shapes[which, 4::2] = (y + s * ahead + c * left).T
 
 
 def reach_into(ends: Float, middle: Float, length: Float, width: Float) -> Bool:

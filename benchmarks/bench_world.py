@@ -1,0 +1,164 @@
+"""Real-time factors of whole worlds: wandering robots that see each other, at 10 Hz."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from math import pi
+from statistics import median
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.bench_kernels import BEAMS, LASER_LIMIT, MODEL, office
+from benchmarks.table import Row
+from pioneer3.geometry import Pose2
+from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels
+from pioneer3.sim.kernels.drives import STALLED
+from pioneer3.sim.maps import LineMap
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.world import World
+
+Float = NDArray[np.float64]
+Flags = NDArray[np.uint8]
+Control = Callable[[Float, Flags, Float, Float, Float], Any]
+
+STEP = 0.1
+COUNTS = (1, 10, 100, 1000)
+BARS = {
+    ("numba", False): (6000, 4000, 450, 40),
+    ("numba", True): (5000, 1000, 100, 8),
+    ("numpy", False): (500, 500, 50, 4),
+    ("numpy", True): (400, 200, 15, 1.5),
+}
+"""Times real time with 16 sonars, then also with 181 beams."""
+NEAR, TOO_NEAR = 1.0, 0.5
+"""Wandering robots slow down and turn where an echo is nearer, turn on the spot here [m]."""
+CRUISE, SLOW, RATE = 0.4, 0.1, 1.0
+ROOMY = 0.6
+"""Nothing is nearer than this to a robot at the beginning [m]."""
+BACKING = 20
+"""Steps of backing off after a collision."""
+LEFT, RIGHT = slice(1, 4), slice(4, 7)
+"""The sonars that look half left and half right."""
+
+
+def wander(echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: Float) -> None:
+    """Drive on, turn away from what is near, back off from what was hit, as compiled code does."""
+    for n in range(len(echoes)):
+        left = right = 9.0
+        for k in range(1, 4):
+            left, right = min(left, echoes[n, k]), min(right, echoes[n, k + 3])
+        nearest = min(left, right)
+        speeds[n] = CRUISE if nearest > NEAR else (SLOW if nearest > TOO_NEAR else 0.0)
+        rates[n] = (-RATE if left < right else RATE) if nearest < NEAR else 0.0
+        backing[n] = BACKING if stalled[n] else max(backing[n] - 1, 0)
+        if backing[n] > 0:
+            speeds[n], rates[n] = -SLOW, RATE / 2 if backing[n] < BACKING / 2 else 0.0
+
+
+def wander_in_arrays(
+    echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: Float
+) -> None:
+    """Do the same with numpy."""
+    left, right = echoes[:, LEFT].min(axis=1), echoes[:, RIGHT].min(axis=1)
+    nearest = np.minimum(left, right)
+    speeds[:] = np.where(nearest > NEAR, CRUISE, np.where(nearest > TOO_NEAR, SLOW, 0.0))
+    rates[:] = np.where(nearest < NEAR, np.where(left < right, -RATE, RATE), 0.0)
+    backing[:] = np.where(stalled, BACKING, np.maximum(backing - 1, 0))
+    back = backing > 0
+    speeds[back] = -SLOW
+    rates[back] = np.where(backing[back] < BACKING / 2, RATE / 2, 0.0)
+
+
+def crowded(
+    kernels: Kernels, count: int, copies: int, realism: Realism | None = None, seed: int = 1
+) -> World:
+    """Return a world with so many robots at random free places of an office."""
+    walls = office(copies)
+    random = np.random.default_rng(seed)
+    points = walls.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    world = World(
+        LineMap(name="office", walls=walls),
+        [Body(MODEL) for _ in range(count)],
+        kernels,
+        realism=realism,
+    )
+    lost = np.ones(count, dtype=np.bool_)
+    world.outlines.theta[:] = random.uniform(-pi, pi, count)
+    while lost.any():
+        places = random.uniform(low, high, (int(lost.sum()), 2)).T
+        for n, x, y in zip(np.flatnonzero(lost).tolist(), *places, strict=True):
+            world.robots[n].robot_in_world = Pose2(x, y, float(world.outlines.theta[n]))
+        lost = world.sonars().min(axis=1) < ROOMY
+    for body in world.robots:
+        body.enable_motors(on=True)
+    return world
+
+
+def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6) -> float:
+    """Return how many times faster than real time the robots wander."""
+    fan = laser_fan((0.02, 0.0, 0.0), -pi / 2, pi / (BEAMS - 1), BEAMS)
+    count = len(world.robots)
+    speeds, rates, backing = np.zeros(count), np.zeros(count), np.zeros(count)
+    stalled = world.drives.flags[STALLED]
+
+    def turn() -> None:
+        world.step(STEP)
+        control(world.sonars(), stalled, backing, speeds, rates)
+        world.drives.go(speeds, rates)
+        if laser:
+            world.lasers(fan, LASER_LIMIT)
+
+    for _ in range(20):
+        turn()
+    factors = []
+    for _ in range(7):
+        steps, begin = 0, time.perf_counter()
+        while time.perf_counter() - begin < seconds / 7:
+            for _ in range(max(1, 200 // count)):
+                turn()
+                steps += 1
+        factors.append(steps * STEP / (time.perf_counter() - begin))
+    return median(factors)
+
+
+def controls(name: str) -> Control:
+    """Return the wander that suits the kernels."""
+    if name == "numpy":
+        return wander_in_arrays
+    import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: PLC0415
+
+    compile_: Any = numba.njit
+    compiled: Control = compile_(wander)
+    return compiled
+
+
+def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
+    """Measure one implementation."""
+    control, threads = controls(name), min(2, os.cpu_count() or 1)
+    kernels = load_kernels(name, threads=threads)
+    for laser in (False, True):
+        for count, bar in zip(COUNTS, BARS[name, laser], strict=True):
+            world = crowded(kernels, count, 16 if count == 1000 else 1)
+            what = "sonars and 181 beams" if laser else "16 sonars"
+            measured = factor(world, control, laser=laser)
+            yield Row(f"{name}: {count} robots, {what}", measured, "x", bar, True)
+    for count in COUNTS:
+        copies = 16 if count == 1000 else 1
+        plain = factor(crowded(kernels, count, copies), control, laser=False)
+        real = factor(crowded(kernels, count, copies, Realism()), control, laser=False)
+        yield Row(f"{name}: {count} robots, realism costs", plain / real, "times", 3)
+    few = factor(crowded(kernels, 10, 1), control, laser=True)
+    many = factor(crowded(kernels, 1000, 100), control, laser=True)
+    yield Row(f"{name}: a robot among 1000 as against 10", few / many / 100, "times", 1.5)
+
+
+def rows() -> Iterator[Row]:
+    """Measure everything of this file."""
+    if find_spec("numba"):
+        yield from rows_of("numba")
+    yield from rows_of("numpy")
