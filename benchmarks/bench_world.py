@@ -93,7 +93,7 @@ def crowded(
         places = random.uniform(low, high, (int(lost.sum()), 2)).T
         for n, x, y in zip(np.flatnonzero(lost).tolist(), *places, strict=True):
             world.robots[n].robot_in_world = Pose2(x, y, float(world.outlines.theta[n]))
-        lost = world.sonars().min(axis=1) < ROOMY
+        lost &= world.sonars().min(axis=1) < ROOMY
     for body in world.robots:
         body.enable_motors(on=True)
     return world
