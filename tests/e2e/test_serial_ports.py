@@ -14,7 +14,7 @@ from pioneer3.links.stream import StreamLink
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server import RobotPort
+from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 from tests.support import hold, until
 
@@ -44,10 +44,10 @@ class Board:
             return data
 
         self.pty.link.read = noted  # type: ignore[method-assign]
-        self.port = RobotPort(self.firmware)
+        simulation = Simulation(self.world, [self.firmware])
         self.tasks = [
-            asyncio.ensure_future(self.port.serve(self.pty.link)),
-            asyncio.ensure_future(self._live()),
+            asyncio.ensure_future(simulation.ports[0].serve(self.pty.link)),
+            asyncio.ensure_future(simulation.run()),
         ]
 
     async def unplug(self) -> None:
@@ -55,12 +55,6 @@ class Board:
         for task in self.tasks:
             task.cancel()
         await asyncio.gather(*self.tasks, return_exceptions=True)
-
-    async def _live(self) -> None:
-        while True:
-            self.world.step(0.02)
-            await self.port.tick()
-            await asyncio.sleep(0.02)
 
 
 async def test_a_port_pulled_out_and_put_back_is_found_again(tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server import RobotPort, Simulation
+from pioneer3.sim.pace import Pace
+from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 from tests.support import frame, hold
 
@@ -32,10 +33,11 @@ def robots(count: int = 1) -> tuple[World, list[Firmware]]:
 class Station:
     """A robot's port in virtual time."""
 
-    def __init__(self) -> None:
+    def __init__(self, pace: Pace | None = None) -> None:
         self.world, (self.firmware,) = robots()
-        self.port = RobotPort(self.firmware)
-        self.tasks: list[asyncio.Task[None]] = [asyncio.ensure_future(self._live())]
+        self.simulation = Simulation(self.world, [self.firmware], pace=pace)
+        (self.port,) = self.simulation.ports
+        self.tasks: list[asyncio.Task[None]] = [asyncio.ensure_future(self.simulation.run())]
 
     def plug_in(self) -> MemoryLink:
         """Return a new client's end."""
@@ -46,12 +48,6 @@ class Station:
     async def open(self) -> MemoryLink:
         """Return a new client's end, as an opener does."""
         return self.plug_in()
-
-    async def _live(self) -> None:
-        while True:
-            self.world.step(0.02)
-            await self.port.tick()
-            await asyncio.sleep(0.02)
 
     async def close(self) -> None:
         for task in self.tasks:

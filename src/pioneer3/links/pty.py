@@ -3,10 +3,40 @@
 import asyncio
 import os
 import tty
+from dataclasses import dataclass
 from pathlib import Path
 
 from pioneer3.errors import LinkError
 from pioneer3.links.stream import StreamLink
+
+
+@dataclass(frozen=True, slots=True)
+class PtyPair:
+    """Both ends of a pseudo terminal, passing bytes as they are.
+
+    Attributes:
+        master: File descriptor of the robot's end.
+        slave: The host's; kept open, so that a host that closes does not end the port.
+        path: What a host opens.
+    """
+
+    master: int
+    slave: int
+    path: str
+
+
+def make_pty() -> PtyPair:
+    """Make a pseudo terminal; the caller closes both ends.
+
+    Raises:
+        LinkError: this machine has no more of them.
+    """
+    try:
+        master, slave = os.openpty()
+    except OSError as error:
+        raise LinkError(f"cannot make a pseudo terminal: {error.strerror}") from None
+    tty.setraw(slave)
+    return PtyPair(master, slave, os.ttyname(slave))
 
 
 class PtyPort:
@@ -47,11 +77,10 @@ async def open_pty(name: Path | None = None) -> PtyPort:
     """Make a pseudo terminal; `name` becomes a link to it, as udev makes for real ports.
 
     Raises:
-        LinkError: the name is taken, or cannot be made.
+        LinkError: the name is taken, or it cannot be made.
     """
-    master, slave = os.openpty()
-    tty.setraw(slave)  # kept open: a host that closes must not end the port
-    path = os.ttyname(slave)
+    pair = make_pty()
+    master, slave, path = pair.master, pair.slave, pair.path
     if name is not None:
         try:
             name.symlink_to(path)  # noqa: ASYNC240  it does not wait

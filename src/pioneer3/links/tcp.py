@@ -8,6 +8,8 @@ from pioneer3.errors import LinkError, PortNotFoundError
 from pioneer3.links.stream import StreamLink
 
 CONNECT_PATIENCE = 5.0
+KEEPALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 10_000}
+"""A far end that is gone without a word is noticed within about 10 s [s, s, times, ms]."""
 
 
 async def open_tcp(host: str, port: int) -> StreamLink:
@@ -37,8 +39,15 @@ async def open_tcp(host: str, port: int) -> StreamLink:
 
 
 def accepted(url: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> StreamLink:
-    """Make a link of a connected socket: small packets go at once, a dead far end is noticed."""
-    connection = writer.get_extra_info("socket")
+    """Make a link of a connected socket."""
+    tune(writer.get_extra_info("socket"))
+    return StreamLink(url, reader, writer)
+
+
+def tune(connection: socket.socket) -> None:
+    """Let small packets go at once, and a dead far end be noticed."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    return StreamLink(url, reader, writer)
+    for name, value in KEEPALIVE.items():
+        if (option := getattr(socket, name, None)) is not None:  # not all systems have all
+            connection.setsockopt(socket.IPPROTO_TCP, option, value)

@@ -1,150 +1,257 @@
-"""The simulator on the network: each robot listens on a TCP port, the world runs in real time."""
+"""The simulator on the network: each robot has a TCP port, and one loop lets the time pass.
+
+A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
+Robots live in the world's time, never in the machine's, and hear their hosts only between steps, so
+the same bytes at the same ticks give the same simulation to the last bit, at any :class:`Pace`.
+Only SIMSTAT, for who asks, tells real time.
+"""
 
 import asyncio
-import errno
-import logging
+from collections import Counter
 from collections.abc import Sequence
-from contextlib import AsyncExitStack
+from math import ceil, inf
 
-from pioneer3.errors import LinkError, PortBusyError
-from pioneer3.links import Link
-from pioneer3.links.tcp import accepted
-from pioneer3.sim.firmware import Firmware
+from pioneer3.clock import Clock
+from pioneer3.errors import LinkError
+from pioneer3.sim.console import StepTimes
+from pioneer3.sim.doors import PtyDoor, TcpDoor, listening
+from pioneer3.sim.firmware import CYCLE, Firmware
+from pioneer3.sim.pace import LATELY, TICK, Pace
+from pioneer3.sim.port import RobotPort
 from pioneer3.sim.world import World
 
-log = logging.getLogger(__name__)
-
-TICK = 0.02
-"""Simulated and real time between two looks at the world [s]."""
-STALE = 2.0
-"""A client that has been silent for this long [s] loses its place to the next one."""
-GRACE = 0.1
-"""A client that has just left may not have been noticed when the next one is here [s]."""
-STUCK = 0.5
-"""A client that takes nothing for this long [s], its buffers full, is cut off."""
-LATE = 0.5
-"""When the machine could not keep up for this long [s], simulated time falls behind real time."""
-
-
-class RobotPort:
-    """Where hosts meet one simulated robot: one at a time, any number one after the other."""
-
-    def __init__(self, firmware: Firmware) -> None:
-        self.firmware = firmware
-        self._clock = asyncio.get_running_loop().time
-        self._link: Link | None = None
-        self._heard_at = float("-inf")
-
-    async def serve(self, link: Link) -> None:
-        """Serve one host until its link ends; a second host is turned away."""
-        if self._link is not None:
-            await asyncio.sleep(GRACE)
-        if self._link is not None and self._clock() - self._heard_at < STALE:
-            log.info("%s: turned away, another host is connected", link.url)
-            await link.close()
-            return
-        if self._link is not None:
-            await self._link.close()
-        self._link, self._heard_at = link, self._clock()
-        log.info("%s: connected", link.url)
-        try:
-            while data := await link.read():
-                if self._link is not link:
-                    break
-                self._heard_at = self._clock()
-                self.firmware.receive(data, self._heard_at)
-                await self._flush()
-        except LinkError as error:
-            log.info("%s", error)
-        finally:
-            log.info("%s: gone", link.url)
-            if self._link is link:
-                self._link = None
-            await link.close()
-
-    async def tick(self) -> None:
-        """Send what is due. Without a host, the watchdog ends the session that is left over."""
-        now = self._clock()
-        self.firmware.tick(now)
-        if self._link is None and self.firmware.device.is_open and now - self._heard_at > STALE:
-            self.firmware.hang_up(now)
-        await self._flush()
-
-    async def _flush(self) -> None:
-        data, link = self.firmware.device.outgoing(), self._link
-        if not data or link is None:
-            return
-        try:
-            async with asyncio.timeout(STUCK):
-                await link.write(data)
-        except (LinkError, TimeoutError):
-            await self.close()
-
-    async def close(self) -> None:
-        """Part from the host, if there is one."""
-        link, self._link = self._link, None
-        if link is not None:
-            await link.close()
+LONGEST_TURN = 0.02
+"""Hosts are listened to at least this often, however slowly time passes [s, real]."""
+TICKS_PER_CYCLE = round(CYCLE / TICK)
+SLACK = 1e-6
+"""Times are sums of ticks, and rounded [s]."""
 
 
 class Simulation:
-    """A world in real time with its robots' ports.
+    """A world with its robots' ports, in time.
 
     Args:
         world: What is simulated.
         firmwares: One for each robot that can be connected to.
+        pace: How fast; in real time if not given.
+
+    Attributes:
+        world: The same.
+        pace: The same; its attributes may be changed while the simulation runs.
+        ports: One for each robot.
     """
 
-    def __init__(self, world: World, firmwares: Sequence[Firmware]) -> None:
+    def __init__(
+        self, world: World, firmwares: Sequence[Firmware], *, pace: Pace | None = None
+    ) -> None:
         self.world = world
-        self.ports = [RobotPort(firmware) for firmware in firmwares]
-        self.addresses: list[tuple[str, int]] = []
-        self._stack = AsyncExitStack()
+        self.pace = pace or Pace()
+        self.ports: list[RobotPort] = []
+        self._heard = asyncio.Event()
+        self._host: str | None = None
+        self._next_number = 0
+        self._ticks = self._turns = 0
+        self._stretch = 1.0
+        self._told_at = -inf
+        self._asking_since: float | None = None
+        for firmware in firmwares:
+            self.attach(firmware)
 
-    async def listen(self, first_port: int, host: str = "127.0.0.1") -> None:
-        """Open a TCP port per robot: `first_port`, and the next ones; 0 takes free ones.
+    @property
+    def addresses(self) -> list[tuple[str, int]]:
+        """Host and number of each TCP port, in the order of :attr:`ports`."""
+        return [port.address for port in self.ports if port.address]
+
+    async def listen(
+        self, first_port: int, host: str = "127.0.0.1", *, ports: Sequence[int | None] = ()
+    ) -> None:
+        """Open a TCP port per robot, on consecutive numbers.
+
+        Args:
+            first_port: The first number; 0 takes free ones.
+            host: Address of this machine to listen at.
+            ports: A robot's own number, or `None` for the next; may be shorter than the robots.
 
         Raises:
             PortBusyError: somebody else listens there.
             LinkError: this machine has no such address, or the port is not allowed.
         """
-        for number, port in enumerate(self.ports):
-            wanted = first_port + number if first_port else 0
-            try:
-                server = await _listen(port, host, wanted)
-            except LinkError:
-                await self._stack.aclose()
-                raise
-            await self._stack.enter_async_context(server)
-            self._stack.push_async_callback(port.close)
-            self.addresses.append(server.sockets[0].getsockname()[:2])
+        self._host, self._next_number = host, first_port
+        own = [*ports, *[None] * len(self.ports)]
+        try:
+            for port, number in zip(self.ports, own, strict=False):
+                await self._open(port, number, taken=own)
+        except LinkError:
+            self._close()
+            raise
+
+    def open_ptys(self) -> list[str]:
+        """Make a pseudo terminal for each robot, as a serial port besides TCP; return their names.
+
+        Raises:
+            LinkError: this machine has no more of them.
+        """
+        doors = []
+        for port in self.ports:
+            doors.append(PtyDoor(port))
+            port.doors.append(doors[-1])
+        return [door.path for door in doors]
+
+    def attach(self, firmware: Firmware) -> RobotPort:
+        """Let one more robot live; return where to :meth:`RobotPort.serve` its hosts."""
+        port = RobotPort(firmware, self._heard.set)
+        port.stretch(self._stretch)
+        self.ports.append(port)
+        return port
+
+    async def add(self, firmware: Firmware, port: int | None = None) -> int:
+        """Let hosts connect to one more robot; return its TCP port, the next one if not given.
+
+        Raises:
+            PortBusyError: somebody else listens there.
+            LinkError: the port is not allowed, or :meth:`listen` has not been called.
+        """
+        added = self.attach(firmware)
+        try:
+            return await self._open(added, port)
+        except LinkError:
+            self.ports.remove(added)
+            raise
+
+    async def remove(self, firmware: Firmware) -> None:
+        """Part from a robot's host and close its port; the robot's session ends.
+
+        Raises:
+            ValueError: it has no port here.
+        """
+        port = next((port for port in self.ports if port.firmware is firmware), None)
+        if port is None:
+            raise ValueError(f"{firmware.identity.name}: this robot has no port here")
+        self.ports.remove(port)
+        port.close()
+        firmware.hang_up(self.world.time)
 
     async def run(self) -> None:
         """Let time pass until cancelled; then every port is closed."""
         clock = asyncio.get_running_loop().time
-        due = clock()
-        async with self._stack:
+        try:
             while True:
-                self.world.step(TICK)
-                for port in self.ports:
-                    await port.tick()
-                due = max(due + TICK, clock() - LATE)
-                await asyncio.sleep(due - clock())
+                rest = self._turn(clock)
+                if self._asking_since is None:
+                    await asyncio.sleep(rest)
+                else:
+                    await self._rest_until_heard(rest)
+        finally:
+            self._close()
 
+    def _turn(self, clock: Clock) -> float:
+        """Hear the hosts, and let a tick pass if it is time; return how long to rest [s, real]."""
+        now = clock()
+        self._tell_pace(now)
+        self._take_in()
+        wait = self.pace.wait(now)
+        if wait == 0 and self._all_have_answered(now):
+            self._tick()
+            self.pace.passed(now)
+            return min(LONGEST_TURN, self.pace.wait(clock()))
+        if self.pace.paused:
+            self._turns += 1
+            self._asking_since = None
+        return min(LONGEST_TURN, wait or LONGEST_TURN)
 
-async def _listen(port: RobotPort, host: str, number: int) -> asyncio.Server:
-    async def on_client(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        peer = writer.get_extra_info("peername") or ("?", 0)
-        await port.serve(accepted(f"tcp://{peer[0]}:{peer[1]}", reader, writer))
+    def _tell_pace(self, now: float) -> None:
+        """Let the robots know how fast time passes."""
+        if self._stretch != self.pace.stretch:
+            self._stretch = self.pace.stretch
+            for port in self.ports:
+                port.stretch(self._stretch)
+        if now - self._told_at < LATELY or not self.pace.factor:
+            return
+        self._told_at = now
+        wanted, measured = CYCLE / self.pace.speed, CYCLE / self.pace.factor
+        times = StepTimes(simulated=CYCLE, wanted=wanted, measured=measured)
+        for port in self.ports:
+            port.firmware.step_times = times
 
-    try:
-        return await asyncio.start_server(on_client, host, number)
-    except OSError as error:
-        where = f"{host}:{number}"
-        if error.errno == errno.EADDRINUSE:
-            raise PortBusyError(
-                f"{where}: in use; is another simulator running? Choose another port with -p"
-            ) from None
-        raise LinkError(f"{where}: cannot listen there: {error.strerror}") from None
-    except OverflowError:
-        raise LinkError(f"{host}:{number}: ports are numbers from 1 to 65535") from None
+    def _take_in(self) -> None:
+        """Give every robot what its host has said, and send its answers."""
+        now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
+        hold = self.pace.lock_step and in_cycle > 0
+        spread = self.pace.speed >= 1 and not self.pace.paused  # else it may last
+        room: int | None = None
+        for port in self.ports:
+            port.check_cable()
+            if not port.pending:
+                continue
+            if port.opens_next and spread:
+                room = self._room(in_cycle) if room is None else room
+                if room <= 0:
+                    continue
+            was_open = port.is_open
+            port.take(now, self._turns, listen=not (hold and was_open))
+            port.flush(now)
+            if port.is_open and not was_open:
+                port.slot = in_cycle
+                room = room and room - 1
+
+    def _room(self, slot: int) -> int:
+        """Return how many sessions may still open in this tick of the cycle.
+
+        A session's reports come in the tick of the cycle that it was opened in. Were they all in
+        the same one, that would be late and the others idle.
+        """
+        open_in = Counter(port.slot for port in self.ports if port.is_open)
+        return ceil(len(self.ports) / TICKS_PER_CYCLE) - open_in[slot]
+
+    def _tick(self) -> None:
+        self.world.step(TICK)
+        self._ticks += 1
+        self._turns += 1
+        now = self.world.time
+        for port in self.ports:
+            if port.due <= now + SLACK:
+                port.tick(now)
+
+    def _all_have_answered(self, now: float) -> bool:
+        """Whether time may pass; in lock step it waits for the hosts at the end of each cycle."""
+        if not self.pace.lock_step or self._ticks % TICKS_PER_CYCLE:
+            self._asking_since = None
+            return True
+        if any(port.awaited for port in self.ports):
+            if self._asking_since is None:
+                self._asking_since = now
+            if now - self._asking_since < self.pace.patience:
+                self.pace.hold(now)
+                return False
+        self._asking_since = None
+        for port in self.ports:
+            port.ask()
+        return True
+
+    async def _rest_until_heard(self, seconds: float) -> None:
+        self._heard.clear()
+        try:
+            async with asyncio.timeout(seconds):
+                await self._heard.wait()
+        except TimeoutError:
+            pass
+
+    async def _open(
+        self, port: RobotPort, number: int | None, taken: Sequence[int | None] = ()
+    ) -> int:
+        if self._host is None:
+            raise LinkError("a robot can be given a port only while the others listen")
+        if number is None:
+            number = self._next_number
+            while number and (number in taken or any(number == used for _, used in self.addresses)):
+                number += 1
+            self._next_number = number + 1 if number else 0
+        listener = await listening(self._host, number)
+        address = listener.getsockname()
+        port.address = address[0], address[1]
+        port.doors.append(TcpDoor(port, listener))
+        return port.address[1]
+
+    def _close(self) -> None:
+        for port in self.ports:
+            port.close()
