@@ -1,49 +1,118 @@
 """`pioneer3 sim`."""
 
 import logging
-from typing import Annotated
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import TcpPort
+from pioneer3.cli.options import WorldOptions
+from pioneer3.cli.sim_options import (
+    ErrorOptions,
+    MapOptions,
+    MobileSimOptions,
+    PortOptions,
+    TimeOptions,
+)
+
+if TYPE_CHECKING:
+    from contextlib import AbstractAsyncContextManager
+
+    from pioneer3.runtime.simulation import RunningSimulation
+
+MAP, WORLD, PORTS, TIME = MapOptions(), WorldOptions(), PortOptions(), TimeOptions()
+ERRORS, MOBILESIM = ErrorOptions(), MobileSimOptions()
+MANY = Parameter(negative=(), show_default=False)
 
 
 def sim(
     *,
-    map_: Annotated[str, Parameter(name=["--map", "-m"])] = "office",
-    robot: Annotated[str, Parameter(name=["--robot", "-r"])] = "p3at-sh",
-    port: Annotated[TcpPort, Parameter(name=["--port", "-p"])] = 8101,
+    robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
+    robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
+    map_: MapOptions = MAP,
+    world: WorldOptions = WORLD,
+    ports: PortOptions = PORTS,
+    time: TimeOptions = TIME,
+    errors: ErrorOptions = ERRORS,
+    mobilesim: MobileSimOptions = MOBILESIM,
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False,
 ) -> int:
-    """Run the simulator alone, in real time, without a window: a robot in a map on a TCP port.
+    """Run the simulator alone, without a window: robots in a map, each on a TCP port.
 
-    Programs connect to it as to a robot: ours, ARIA's, Player's. It stays up when they come and go.
+    Programs connect to it as to a robot: ours, ARIA's, Player's. They may come and go.
+    MobileSim's options work. Names are for people: to programs every robot is MobileSim,
+    by which ARIA knows a simulator.
 
-    Example: pioneer3 sim --map lab.map --robot p3dx-sh -p 8102
+    Example: pioneer3 sim -m lab.map -r p3at -r p3dx:bob --start random
 
     Args:
-        map_: A shipped map (office), an ARIA .map, a map_server .yaml or a world .toml file.
-        robot: A model (p3at, p3at-sh, p3dx, p3dx-sh, amigo-sh, peoplebot-sh), .toml or .p file.
-        port: TCP port on 127.0.0.1; 0 takes a free one.
+        robot: MODEL[:NAME], such as p3dx:bob; once for each. MODEL may be a .toml or .p file.
+        robot_factory: MODEL of which each client of the first port gets a robot while it stays.
+        map_: What stands there.
+        world: How it begins.
+        ports: Where robots are met.
+        time: How time passes.
+        errors: What goes wrong.
+        mobilesim: What scripts for MobileSim pass.
         verbose: Tell who connects and leaves.
     """
-    if verbose:
-        logging.getLogger("pioneer3").setLevel(logging.INFO)
-    return run_until_told_to_leave(_simulate(map_, robot, port))
-
-
-async def _simulate(map_name: str, robot: str, port: int) -> int:
-    import asyncio  # noqa: PLC0415
-
+    _log(mobilesim, verbose=verbose)
+    for note in mobilesim.notes():
+        _warn(note)
+    if ports.warning:
+        _warn(ports.warning)
     from pioneer3.runtime.simulation import simulator  # noqa: PLC0415
 
-    async with simulator(map_name=map_name, robot=robot, port=port) as running:
-        model, line_map = running.body.model, running.world.map
-        print(  # noqa: T201
-            f"SIMULATOR: {model.title} ({model.name}) in {line_map.name} on {running.url}\n"
-            f"Ctrl-C ends it. Another terminal drives it: pioneer3 drive --port {running.url}",
-            flush=True,
-        )
+    simulation = simulator(
+        map_name=map_.name(),
+        wishes=world.wishes(robot, factory=robot_factory, own_ports=ports.port is None),
+        port=ports.first,
+        host=ports.bind,
+        ptys=ports.pty,
+        realism=errors.realism(),
+        pace=time.pace(),
+        faults=errors.faults(),
+    )
+    return run_until_told_to_leave(_simulate(simulation))
+
+
+async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]") -> int:
+    import asyncio  # noqa: PLC0415
+
+    async with simulation as running:
+        for note in running.notes:
+            _warn(note)
+        print("\n".join(_greeting(running)), flush=True)  # noqa: T201
         await asyncio.get_running_loop().create_future()
     return 0
+
+
+def _greeting(running: "RunningSimulation") -> Iterator[str]:
+    """Yield a line for each robot, that ends in its URL, and how to drive."""
+    robots, where = running.robots, running.world.map.name
+    named = len(robots) > 1 or any(robot.name != robot.model.name for robot in robots)
+    width = max((len(robot.name) for robot in robots), default=0)
+    for robot in robots:
+        who = f"{robot.name:{width}}  " if named else ""
+        pty = f"{robot.pty} and " if robot.pty else ""
+        model = robot.model
+        yield f"SIMULATOR: {who}{model.title} ({model.name}) in {where} on {pty}{robot.url}"
+    if running.factory_url:
+        yield f"SIMULATOR: a robot for every client in {where} on {running.factory_url}"
+    yield f"Ctrl-C ends it. Another terminal drives it: pioneer3 drive --port {running.url}"
+
+
+def _log(options: MobileSimOptions, *, verbose: bool) -> None:
+    """Let the package's own log be seen, on the terminal or in a file."""
+    log = logging.getLogger("pioneer3")
+    if verbose or options.log_file:
+        log.setLevel(logging.INFO)
+    if options.log_file:
+        log.addHandler(options.log_handler())
+        log.propagate = verbose
+
+
+def _warn(text: str) -> None:
+    print(f"WARNING: {text}", file=sys.stderr, flush=True)  # noqa: T201

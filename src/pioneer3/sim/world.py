@@ -177,6 +177,7 @@ class World:
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.drives.free[:] = 0.0
+            body.set_wheel(SUPPLY, 0.0)
         self._echoes.clear()
 
     def _step(self, dt: float) -> None:
@@ -263,7 +264,8 @@ class World:
         middle_x, middle_y, radius = self.outlines.shapes[:, :3].T
         near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
         near[body.number] = False
-        corners = self.outlines.shapes[near, 3:].reshape(int(near.sum()), -1, 2)
+        outlines = self.outlines.shapes[near, 3:]
+        corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
         sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
         around = np.concatenate([self._grid.around(x, y, reach), sides])
         return pressed_segments(body.model, Pose2(x, y, theta), around)

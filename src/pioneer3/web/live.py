@@ -12,7 +12,9 @@ from pioneer3.runtime.identity import kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation import simulator
-from pioneer3.sim.maps import load_map
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import load_world
+from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
 from pioneer3.web.server import serve_page
 
 LOOPBACK = {"127.0.0.1", "localhost", "::1"}
@@ -27,6 +29,8 @@ class Options:
         baud: Serial speed to try first.
         map_name: Shipped map or file; `None` is the office for a simulator, none for a robot.
         robot: Model to simulate, or to use whatever the robot says it is.
+        wishes: What to change in the simulated world before it begins.
+        ideal: Simulate a robot without any error.
         sim_port: TCP port of the simulator; 0 takes a free one.
         web_port: TCP port of the page; 0 takes a free one.
         host: Address the page is served on.
@@ -38,6 +42,8 @@ class Options:
     baud: int | None = None
     map_name: str | None = None
     robot: str | None = None
+    wishes: Wishes = AS_IT_IS
+    ideal: bool = False
     sim_port: int = 8101
     web_port: int = 8080
     host: str = "127.0.0.1"
@@ -52,7 +58,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
         PioneerError: something could not be started; the message says what to do.
     """
     async with AsyncExitStack() as stack:
-        url, scene = await _robot_and_scene(options, stack)
+        url, scene = await _robot_and_scene(options, stack, tell)
         robot = await stack.enter_async_context(
             connect_async(
                 url,
@@ -73,16 +79,25 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
     return 0
 
 
-async def _robot_and_scene(options: Options, stack: AsyncExitStack) -> tuple[str, Scene]:
+async def _robot_and_scene(
+    options: Options, stack: AsyncExitStack, tell: Callable[[str], None]
+) -> tuple[str, Scene]:
     if options.port is not None:
-        return options.port, Scene(load_map(options.map_name) if options.map_name else None)
+        known = load_world(options.map_name).line_map() if options.map_name else None
+        return options.port, Scene(known)
     running = await stack.enter_async_context(
         simulator(
             map_name=options.map_name or "office",
-            robot=options.robot or "p3at-sh",
+            robot=options.robot,
             port=options.sim_port,
+            wishes=options.wishes,
+            realism=Realism.ideal() if options.ideal else Realism(),
         )
     )
+    for other in running.robots[1:]:
+        tell(f"Also simulated: {other.name}, {other.model.title}, on {other.url}")
+    for note in running.notes:
+        tell(f"WARNING: {note}")
     return running.url, running.scene
 
 

@@ -7,8 +7,11 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import ConfigError, PortNotFoundError
-from pioneer3.cli.main import app
+from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
+from pioneer3.geometry import Pose2
+from pioneer3.sim.worldfile import Fitting
+from pioneer3.sim.worldfile.arguments import Wishes
 from pioneer3.web import live as live_module
 from pioneer3.web.live import Options, live
 
@@ -55,6 +58,23 @@ def test_every_option_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
     assert options.max_speed == 0.4
 
 
+def test_the_simulated_world_may_be_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = "run -m lab --start random --fit compass --seed 7 --ideal"
+    options = given(line, monkeypatch)
+    assert options.map_name == "lab"
+    assert options.ideal
+    assert options.wishes == Wishes(starts=("random",), equipment=Fitting(compass=True), seed=7)
+    assert given("run", monkeypatch).wishes == Wishes()
+
+
+@pytest.mark.parametrize("option", ["--ideal", "--seed 7", "--start home", "--fit gyro"])
+def test_a_real_robot_takes_no_options_of_the_simulator(
+    option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["run", "-p", "/dev/ttyUSB0", *option.split()]) == 2
+    assert "simulated robots only, without --port" in capsys.readouterr().err
+
+
 def test_the_port_may_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     environment = {"PIONEER3_PORT": "/dev/ttyUSB7", "PIONEER3_BAUD": "9600"}
     options = given("run", monkeypatch, environment)
@@ -95,6 +115,20 @@ async def test_on_loopback_there_is_nothing_to_warn_of() -> None:
     assert lines[0].startswith("Connected to a SIMULATOR: MobileSim, Pioneer 3-AT (p3at-sh), on ")
     assert lines[1].startswith("Drive it at http://127.0.0.1:")
     assert not any("WARNING" in line for line in lines)
+
+
+@pytest.mark.realtime
+async def test_the_page_is_the_first_robots_and_the_others_are_told() -> None:
+    lines = await told_by(Options(map_name="lab", sim_port=0, web_port=0), 3)
+    assert lines[0].startswith("Also simulated: bob, Pioneer 3-AT, on tcp://127.0.0.1:")
+    assert lines[1].startswith("Connected to a SIMULATOR: MobileSim, Pioneer 3-DX (p3dx-sh), on ")
+
+
+@pytest.mark.realtime
+async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
+    options = Options(wishes=Wishes(starts=(Pose2(0.0, 0.0),)), sim_port=0, web_port=0)
+    lines = await told_by(options, 3)
+    assert lines[0].startswith("WARNING: p3at-sh begins in a wall")
 
 
 @pytest.mark.realtime

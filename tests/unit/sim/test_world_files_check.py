@@ -84,7 +84,8 @@ def test_no_map_is_one_error(tmp_path: Path, content: str) -> None:
 def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
     ((level, _, text),) = said(tmp_path / "nope.map")
     assert level == "error"
-    assert "No such file" in text
+    assert "no such file" in text
+    assert str(tmp_path) in text
 
 
 def test_misspelled_keys_of_map_server_are_warnings(tmp_path: Path) -> None:
@@ -106,6 +107,49 @@ def test_robots_of_a_world_are_checked(tmp_path: Path) -> None:
     texts = " ".join(text for _, _, text in remarks)
     assert "robot[1].start stands in a wall" in texts
     assert 'Goal "away" cannot be reached' in texts
+
+
+@pytest.mark.parametrize(
+    ("robots", "remark"),
+    [
+        (
+            "start = { x = 3, y = 3.1 }\n[[robot]]\nstart = { x = 3.2, y = 3.1 }",
+            ("warning", "robot[1].start: another robot stands there, it begins beside it"),
+        ),
+        (
+            "start = { x = 3, y = 3.1 }\n[[box]]\ncenter = [3, 3]\nsize = [1, 1]\nmovable = true",
+            ("warning", "robot[0].start: a movable box or a person stands there"),
+        ),
+        (
+            "equipment = { table_ir = 'new' }",
+            ("warning", "robot[0].equipment.table_ir: p3at-sh has no table sensors"),
+        ),
+        ("model = 'peoplebot-sh'\nequipment = { table_ir = 'old' }", None),
+        ("equipment = { gyro = 3 }", ("error", "robot[0].equipment.gyro: 3 is out of range")),
+    ],
+)
+def test_where_robots_begin_and_what_they_carry_is_checked(
+    tmp_path: Path, robots: str, remark: tuple[str, str] | None
+) -> None:
+    remarks = check(tmp_path, f'[world]\nmap = "office"\n[[robot]]\n{robots}', "w.toml")
+    if remark is None:
+        assert remarks == []
+    else:
+        ((level, _, text),) = remarks
+        assert level == remark[0]
+        assert remark[1] in text
+
+
+def test_a_crowd_without_room_is_an_error(tmp_path: Path) -> None:
+    room = "[[wall]]\npoints = [[0, 0], [3, 0], [3, 3], [0, 3]]\nclosed = true\n"
+    home = "[[home]]\nx = 1.5\ny = 1.5\n"
+    remarks = check(tmp_path, "[world]\n" + room + home + "[[robot]]\n" * 9, "w.toml")
+    assert [level for level, _, _ in remarks] == ["error"]
+    assert "no room left for a p3at-sh" in remarks[0][2]
+
+
+def test_the_shipped_lab_is_fine() -> None:
+    assert said("lab") == []
 
 
 SHARED = Path(__file__).parents[4] / "shared/maps"

@@ -1,21 +1,26 @@
 """Checks a map or world file: all that is wrong with it, not only the first."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
+
+from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.maps.aria import AriaFile
+from pioneer3.sim.maps.line_map import LineMap
 from pioneer3.sim.maps.read import read_plan
 from pioneer3.sim.maps.server import KEYS, ServerFile
 from pioneer3.sim.maps.text import decoded, read_bytes
+from pioneer3.sim.population import Inhabitant, populate
 from pioneer3.sim.worldfile.check_aria import as_remark, check_aria
 from pioneer3.sim.worldfile.check_places import check_places, room
-from pioneer3.sim.worldfile.parse import load_world
+from pioneer3.sim.worldfile.load import load_world
 from pioneer3.sim.worldfile.remark import Level, Remark, warning
-from pioneer3.sim.worldfile.spec import WorldFile
+from pioneer3.sim.worldfile.spec import RobotSpec, WorldFile
 
 
 def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Remark, ...]:
@@ -74,15 +79,36 @@ def _unknown_keys(file: ServerFile) -> Iterator[Remark]:
 def _world(world: WorldFile, model: RobotModel) -> Iterator[Remark]:
     line_map = world.line_map()
     yield from check_places(line_map, model)
+    sound: dict[int, RobotSpec] = {}
     for index, robot in enumerate(world.robots):
         try:
-            its_model = load_model(robot.model)
+            load_model(robot.model)
         except ConfigError as error:
             yield Remark(level=Level.ERROR, text=f"robot[{index}].model: {error}")
             continue
-        if isinstance(robot.start, Pose2):
-            problem = room(robot.start, line_map, its_model) if len(line_map.walls) else ""
-            if problem:
-                yield warning(f"robot[{index}].start {problem}")
-        elif robot.start == "home" and not line_map.homes:
+        sound[index] = robot
+        if robot.start == "home" and not line_map.homes:
             yield warning(f"robot[{index}].start: there is no home")
+    try:
+        cleared = replace(world, robots=tuple(sound.values()))
+        crew = populate(cleared, line_map, default_rng(world.seed))
+    except ConfigError as error:
+        yield Remark(level=Level.ERROR, text=str(error))
+        return
+    for (index, robot), each in zip(sound.items(), crew, strict=True):
+        yield from _robot(f"robot[{index}]", robot, each, line_map)
+
+
+def _robot(place: str, robot: RobotSpec, each: Inhabitant, line_map: LineMap) -> Iterator[Remark]:
+    """Yield what is wrong with a robot and where it begins."""
+    asked = robot.start
+    if isinstance(asked, Pose2):
+        problem = room(asked, line_map, each.model) if len(line_map.walls) else ""
+        if problem:
+            yield warning(f"{place}.start {problem}")
+        elif each.pose != asked:
+            yield warning(f"{place}.start: another robot stands there, it begins beside it")
+        elif each.in_the_way:
+            yield warning(f"{place}.start: a movable box or a person stands there")
+    if robot.equipment.table_ir in {"old", "new"} and not each.model.table_irs:
+        yield warning(f"{place}.equipment.table_ir: {each.model.name} has no table sensors")

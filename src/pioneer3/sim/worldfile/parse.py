@@ -1,14 +1,16 @@
 """Reads world files: TOML with a `[world]`, and tables of robots, boxes, walls, places, people."""
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
-from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps.read import is_world
 from pioneer3.sim.maps.shipped import shipped_maps
 from pioneer3.sim.maps.text import decoded, read_bytes, shown, wrong
+from pioneer3.sim.worldfile.fitting import AS_DELIVERED, read_fitting
+from pioneer3.sim.worldfile.fitting import KEYS as EQUIPMENT
 from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Start, Wall, WorldFile
 from pioneer3.sim.worldfile.table import FARTHEST, Source, Table
@@ -19,35 +21,23 @@ LARGEST_SEED = 2**63 - 1
 
 PLACES = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
 """Tables of places, and ARIA's type of each; a goal with a heading is a GoalWithHeading."""
-TABLES = ("world", "robot", "box", "wall", *PLACES, "person")
+_PLACE = ("x", "y", "theta_deg", "name")
+KEYS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "world": ("name", "map", "seed"),
+        "robot": ("model", "name", "start", "port", "equipment"),
+        "robot.start": ("x", "y", "theta_deg"),
+        "robot.equipment": EQUIPMENT,
+        "box": ("center", "size", "theta_deg", "movable", "name"),
+        "wall": ("points", "closed"),
+        **dict.fromkeys(PLACES, _PLACE),
+        "person": ("path", "speed", "radius", "loop", "pause", "name"),
+    }
+)
+"""Every table of a world file and its keys."""
+TABLES = tuple(table for table in KEYS if "." not in table)
 _STARTS = ("random", "outside", "home")
-_MODEL_FILES = (".toml", ".p")
-
-
-def load_world(name_or_path: str | Path) -> WorldFile:
-    """Return a world file as it is; a map, shipped or in a file, as a world of its own.
-
-    Raises:
-        ConfigError: Neither a shipped name nor a readable file.
-    """
-    path = Path(name_or_path)
-    if is_world(path):
-        return read_world(path)
-    name = str(name_or_path)
-    stem = name.removesuffix(".map")
-    try:
-        is_shipped = name in shipped_maps() or (stem in shipped_maps() and not path.exists())
-    except OSError:
-        is_shipped = False
-    if is_shipped or name == "empty":
-        return WorldFile(name=stem, map=stem)
-    try:
-        if path.suffix or path.exists():
-            return WorldFile(name=path.stem, map=path)
-    except (OSError, ValueError):
-        pass
-    listed = ", ".join((*shipped_maps(), "empty"))
-    raise ConfigError(f"map {shown(name)}: no such file, and none ships so; there is {listed}")
+MODEL_FILES = (".toml", ".p")
 
 
 def read_world(path: Path) -> WorldFile:
@@ -77,7 +67,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
     world = top.table("world")
     if world is None:
         raise wrong(path, " world: missing; a world starts with [world]")
-    world.only(("name", "map", "seed"))
+    world.only(KEYS["world"])
     robots = tuple(_robot(table, path) for table in top.tables("robot"))
     _refuse_twins(top, robots)
     return WorldFile(
@@ -109,15 +99,17 @@ def _map(world: Table, path: Path) -> str | Path:
 
 
 def _robot(table: Table, path: Path) -> RobotSpec:
-    table.only(("model", "name", "start", "port"))
+    table.only(KEYS["robot"])
     model = table.string("model", RobotSpec().model)
-    if Path(model).suffix.lower() in _MODEL_FILES:
+    if Path(model).suffix.lower() in MODEL_FILES:
         model = str(path.parent / model)
+    equipment = table.table("equipment")
     return RobotSpec(
         model=model,
         name=table.string("name", ""),
         start=_start(table),
         port=table.whole("port", 1, 65535),
+        equipment=read_fitting(equipment) if equipment else AS_DELIVERED,
     )
 
 
@@ -125,7 +117,7 @@ def _start(table: Table) -> Start:
     start = table.data.get("start", "home")
     if isinstance(start, dict):
         place = Table(table.source, f"{table.place}.start", start)
-        place.only(("x", "y", "theta_deg"))
+        place.only(KEYS["robot.start"])
         return place.pose()
     match start:
         case "random" | "outside" | "home":
@@ -146,7 +138,7 @@ def _refuse_twins(top: Table, robots: tuple[RobotSpec, ...]) -> None:
 
 
 def _box(table: Table) -> Box:
-    table.only(("center", "size", "theta_deg", "movable", "name"))
+    table.only(KEYS["box"])
     return Box(
         pose=Pose2(*table.pair("center", -FARTHEST, FARTHEST), table.angle("theta_deg")),
         size=table.pair("size", 0.01, 1000.0),
@@ -156,21 +148,21 @@ def _box(table: Table) -> Box:
 
 
 def _wall(table: Table) -> Wall:
-    table.only(("points", "closed"))
+    table.only(KEYS["wall"])
     return Wall(points=table.points("points", 2), closed=table.flag("closed", default=False))
 
 
 def _places(top: Table) -> Iterator[Place]:
     for key, kind in PLACES.items():
         for table in top.tables(key):
-            table.only(("x", "y", "theta_deg", "name"))
+            table.only(KEYS[key])
             heading = key == "goal" and "theta_deg" in table.data
             exact = "GoalWithHeading" if heading else kind
             yield Place(kind=exact, pose=table.pose(), name=table.string("name", ""))
 
 
 def _person(table: Table) -> Person:
-    table.only(("path", "speed", "radius", "loop", "pause", "name"))
+    table.only(KEYS["person"])
     return Person(
         path=table.points("path", 1),
         speed=table.number("speed", 0.01, 10.0, SPEED),

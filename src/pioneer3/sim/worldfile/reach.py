@@ -1,10 +1,12 @@
 """Where can a robot get to? A grid flood over the free floor."""
 
+from collections.abc import Sequence
 from math import ceil, floor, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.footprint import which_inside
 from pioneer3.sim.maps.line_map import Bounds
 from pioneer3.sim.maps.raster import samples
 
@@ -25,14 +27,19 @@ class Floor:
         bounds: Of all places to ask for [m].
         radius: Of the disc [m]. It counts as half a cell less, so that no gap is missed by
             rounding, but never so little that it slips through walls.
+        solids: Convex polygons that are no floor: the sides of each [m], shape (S, 4).
     """
 
-    def __init__(self, walls: Float, bounds: Bounds, radius: float) -> None:
+    def __init__(
+        self, walls: Float, bounds: Bounds, radius: float, solids: Sequence[Float] = ()
+    ) -> None:
         self._low = np.array([bounds.x_min - MARGIN, bounds.y_min - MARGIN])
         extent = np.array([bounds.x_max + MARGIN, bounds.y_max + MARGIN]) - self._low
         self.cell = max(CELL, sqrt(float(extent.prod()) / MOST_CELLS), float(extent.max()) / 1e5)
         self._shape = (ceil(extent[1] / self.cell) + 1, ceil(extent[0] / self.cell) + 1)
         self._free = self._clear(walls, max(radius - self.cell / 2, 0.8 * self.cell))
+        for solid in solids:
+            self._block(solid)
 
     def reached_from(self, starts: list[tuple[float, float]]) -> NDArray[np.bool_]:
         """Return the cells that can be reached from any of `starts` [m], shape (H, W)."""
@@ -52,6 +59,17 @@ class Floor:
         seen[:] = np.frombuffer(found, dtype=np.uint8)
         return seen.reshape(-1, stride)[1:-1, :-1]
 
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """The cells that the disc can stand on, reachable or not, shape (H, W)."""
+        return self._free
+
+    def centres(self, cells: NDArray[np.bool_]) -> Float:
+        """Return the middles of the marked `cells` [m], shape (N, 2)."""
+        rows, columns = np.nonzero(cells)
+        middles: Float = (np.stack([columns, rows], axis=1) + 0.5) * self.cell + self._low
+        return middles
+
     def is_free(self, x: float, y: float) -> bool:
         """Whether the disc can stand at (`x`, `y`) [m]."""
         return bool(self._free[self.cell_of((x, y))])
@@ -61,6 +79,15 @@ class Floor:
         column = floor((point[0] - self._low[0]) / self.cell)
         row = floor((point[1] - self._low[1]) / self.cell)
         return min(max(row, 0), self._shape[0] - 1), min(max(column, 0), self._shape[1] - 1)
+
+    def _block(self, solid: Float) -> None:
+        x, y = solid[:, ::2], solid[:, 1::2]
+        low = self.cell_of((float(x.min()), float(y.min())))
+        high = self.cell_of((float(x.max()), float(y.max())))
+        there = np.zeros_like(self._free)
+        there[low[0] : high[0] + 1, low[1] : high[1] + 1] = True
+        middles = self.centres(there)
+        self._free[there] &= ~which_inside(solid, middles[:, 0], middles[:, 1])
 
     def _clear(self, walls: Float, radius: float) -> NDArray[np.bool_]:
         """Return the cells whose middle is further than `radius` [m] from all walls."""

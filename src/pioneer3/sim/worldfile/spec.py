@@ -13,6 +13,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.sim.maps.line_map import LineMap, MapObject, empty_map, solid_walls
 from pioneer3.sim.maps.read import read_plan
 from pioneer3.sim.maps.shipped import shipped_map
+from pioneer3.sim.worldfile.fitting import AS_DELIVERED, Fitting
 from pioneer3.sim.worldfile.person import Person, Point
 
 Float = NDArray[np.float64]
@@ -28,15 +29,18 @@ class RobotSpec:
 
     Attributes:
         model: A model's name, or the path of its file.
-        name: What it calls itself; empty for the model's own.
+        name: What people call it; empty for its model's name. On the wire every simulated robot
+            is `MobileSim`: by that ARIA knows a simulator (arcos.md 2.6).
         start: Where it stands at the beginning.
-        port: TCP port; `None` for the next free one.
+        port: TCP port; `None` for the next one, 0 for a free one.
+        equipment: What is fitted to it.
     """
 
     model: str = "p3at-sh"
     name: str = ""
     start: Start = "home"
     port: int | None = None
+    equipment: Fitting = AS_DELIVERED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

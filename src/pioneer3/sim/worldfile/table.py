@@ -5,11 +5,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isfinite
+from typing import TypeVar
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.maps.text import shown
 from pioneer3.units import DEGREE
+
+Word = TypeVar("Word", bound=str)
 
 FARTHEST = 1e5
 """Of a coordinate [m]."""
@@ -123,6 +126,16 @@ class Table:
         if not value.isprintable():
             raise self.wrong(key, f"{shown(value)} cannot be printed on one line")
         return value
+
+    def choice(self, key: str, words: Sequence[Word]) -> Word | None:
+        """Return one of `words`, or `None` if it is not given."""
+        if key not in self.data:
+            return None
+        said = self.string(key)
+        for word in words:
+            if said == word:
+                return word
+        raise self.wrong(key, f"{shown(said)} is none of {', '.join(words)}")
 
     def pair(self, key: str, low: float, high: float) -> tuple[float, float]:
         """Return two numbers."""

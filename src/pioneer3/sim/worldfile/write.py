@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps.text import write_bytes
+from pioneer3.sim.worldfile.fitting import Fitting
 from pioneer3.sim.worldfile.parse import PLACES
 from pioneer3.sim.worldfile.person import Person, Point
 from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Wall, WorldFile
@@ -56,6 +57,32 @@ def _robot(robot: RobotSpec, folder: Path) -> Iterator[str]:
         yield f"start = {_text(robot.start)}"
     if robot.port is not None:
         yield f"port = {robot.port}"
+    fitted = list(_fitting(robot.equipment))
+    if fitted:
+        yield f"equipment = {{ {', '.join(fitted)} }}"
+
+
+def _fitting(fitting: Fitting) -> Iterator[str]:
+    for key, value in (
+        ("gripper", fitting.gripper),
+        ("compass", fitting.compass),
+        ("gyro", fitting.gyro_type),
+        ("joystick", fitting.joystick),
+        ("camera", fitting.camera),
+        ("camera_port", fitting.camera_port),
+        ("table_ir", fitting.table_ir),
+    ):
+        if value is not None:
+            shown = _text(value) if isinstance(value, str) else str(value).lower()
+            yield f"{key} = {shown}"
+    for key, angle in (
+        ("north_deg", fitting.north),
+        ("compass_noise_deg", fitting.compass_noise),
+        ("gyro_bias_deg_s", fitting.gyro_bias),
+        ("gyro_noise_deg_s", fitting.gyro_noise),
+    ):
+        if angle is not None:
+            yield f"{key} = {_angle(angle)}"
 
 
 def _box(box: Box) -> Iterator[str]:

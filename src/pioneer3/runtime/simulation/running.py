@@ -1,0 +1,199 @@
+"""A simulator that runs: its robots, and what may be changed in it."""
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from pioneer3.arcos.reports import MapChanged
+from pioneer3.errors import CommandError, LinkError
+from pioneer3.geometry import Pose2
+from pioneer3.models import load_model
+from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.simulation.robot import SimulatedRobot
+from pioneer3.sim.body import Body
+from pioneer3.sim.faults import LinkFaults
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.footprint import overlap, stands_in
+from pioneer3.sim.map_shelf import MapShelf
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.pace import Pace
+from pioneer3.sim.placement import Berths, Newcomer
+from pioneer3.sim.population import new_name
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, RobotSpec
+
+
+class RunningSimulation:
+    """A simulator that listens; made by :func:`pioneer3.runtime.simulation.simulator`.
+
+    Attributes:
+        world: What is simulated.
+        robots: In the order of their ports; those of a factory come and go.
+        pace: How time passes; may be changed at any time.
+        factory_url: Where every client gets a robot of its own, or `None`.
+        notes: What the person who started it should know, a line each.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        robots: Iterable[SimulatedRobot],
+        rng: Generator,
+        shelf: MapShelf,
+    ) -> None:
+        self.world: World = simulation.world
+        self.robots = list(robots)
+        self.pace: Pace = simulation.pace
+        self.factory_url: str | None = None
+        self.notes: list[str] = []
+        self._simulation = simulation
+        self._rng = rng
+        self._shelf = shelf
+        self._faults = LinkFaults()
+        self._adding = asyncio.Lock()
+        for robot in self.robots:
+            robot.firmware.on_map_changed = self._tell_all
+
+    @property
+    def url(self) -> str:
+        """What a host of the factory, or without one of the first robot, connects to."""
+        return self.factory_url or self.robots[0].url
+
+    @property
+    def body(self) -> Body:
+        """The first robot."""
+        return self.robots[0].body
+
+    @property
+    def scene(self) -> Scene:
+        """Map and true pose of the first robot, for people to look at."""
+        return self.scene_of(self.robots[0])
+
+    def scene_of(self, robot: SimulatedRobot) -> Scene:
+        """Return map and true pose of `robot`, for people to look at."""
+        body = robot.body
+        return Scene(self.world.map, body.home, truth=lambda: body.robot_in_world)
+
+    def robot(self, name: str) -> SimulatedRobot:
+        """Return the robot of this name.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for robot in self.robots:
+            if robot.name == name:
+                return robot
+        raise KeyError(name)
+
+    def set_faults(self, faults: LinkFaults) -> None:
+        """Give every robot's cable faults like `faults`, each with chances of its own.
+
+        Robots that are added later get them too. One robot's are `robot.port.faults`.
+        """
+        self._faults = faults
+        for number, robot in enumerate(self.robots):
+            robot.port.faults = _like(faults, number)
+
+    async def add_robot(self, spec: RobotSpec) -> SimulatedRobot:
+        """Put one more robot into the world and let hosts connect to it.
+
+        Raises:
+            ConfigError: Its model or name is wrong, or there is no room for it.
+            LinkError: Its port cannot be listened on.
+        """
+        model = load_model(spec.model)
+        equipment = spec.equipment.on(model)
+        async with self._adding:
+            name = new_name(spec.name or model.name, {robot.name for robot in self.robots})
+            body = Body(model, self._place_for(Newcomer(name, model, spec.start)))
+            self.world.add(body)
+            firmware = Firmware(self.world, body, equipment=equipment, shelf=self._shelf)
+            try:
+                await self._simulation.add(firmware, spec.port)
+            except LinkError:
+                self.world.remove(body)
+                raise
+            added = SimulatedRobot.at(self._simulation.ports[-1], name)
+            added.port.faults = _like(self._faults, len(self.robots))
+            firmware.on_map_changed = self._tell_all
+            self.robots.append(added)
+        return added
+
+    async def remove_robot(self, robot: SimulatedRobot) -> None:
+        """Part from a robot's host, close its port and take it out of the world.
+
+        Raises:
+            ValueError: It is not here.
+        """
+        self.robots.remove(robot)
+        await self._simulation.remove(robot.firmware)
+        self.world.remove(robot.body)
+
+    def add_box(self, box: Box) -> Obstacle:
+        """Put a box into the world; it can be moved, whatever :attr:`Box.movable` says."""
+        return self.world.add_obstacle(box)
+
+    def add_person(self, person: Person) -> Obstacle:
+        """Let one more person walk."""
+        return self.world.add_obstacle(person)
+
+    def remove(self, obstacle: Obstacle) -> None:
+        """Take a box or a person out of the world."""
+        self.world.remove_obstacle(obstacle)
+
+    def move(self, what: SimulatedRobot | Obstacle, pose: Pose2) -> None:
+        """Put a robot, a box or a person elsewhere; a robot's odometry does not notice.
+
+        Raises:
+            CommandError: A robot would stand in something there.
+        """
+        if not isinstance(what, SimulatedRobot):
+            self.world.move_obstacle(what, pose)
+        elif self._has_room(what.body, pose):
+            what.body.robot_in_world = pose
+        else:
+            raise CommandError(
+                f"{what.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+            )
+
+    def _has_room(self, body: Body, pose: Pose2) -> bool:
+        """Whether `body` can be put at `pose`; not inside anything either."""
+        others = (other for other in self.world.robots if other is not body)
+        return (
+            self.world.is_free(body, pose)
+            and not any(overlap(body.model, pose, o.model, o.robot_in_world) for o in others)
+            and not any(stands_in(body.model, pose, _outline(o)) for o in self.world.obstacles)
+        )
+
+    def _place_for(self, newcomer: Newcomer) -> Pose2:
+        standing = self.world.robots
+        obstacles = [*map(_outline, self.world.obstacles)]
+        berths = Berths(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
+        for body in standing:
+            berths.take(body.model, body.robot_in_world)
+        return berths.find(newcomer)
+
+    def _tell_all(self, change: MapChanged) -> None:
+        """Let every host know that there is another map."""
+        for robot in self.robots:
+            robot.firmware.tell(change)
+
+
+def _like(faults: LinkFaults, number: int) -> LinkFaults:
+    """Return the same faults, with the chances of robot `number`."""
+    copy = LinkFaults.parse(str(faults))
+    copy.seed = faults.seed + number
+    return copy
+
+
+def _outline(obstacle: Obstacle) -> NDArray[np.float64]:
+    """Return the sides of a box or a person where it is now [m], shape (S, 4)."""
+    kind, pose = obstacle.kind, obstacle.pose
+    if isinstance(kind, Box):
+        return replace(kind, pose=pose).outline
+    return replace(kind, path=((pose.x, pose.y),)).outline_at(0.0)

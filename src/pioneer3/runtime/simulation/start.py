@@ -1,0 +1,107 @@
+"""Builds a simulator and lets it run beside the caller."""
+
+from collections.abc import AsyncIterator, Iterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from numpy.random import default_rng
+
+from pioneer3.models import load_model
+from pioneer3.runtime.simulation.factory import robot_factory
+from pioneer3.runtime.simulation.robot import SimulatedRobot
+from pioneer3.runtime.simulation.running import RunningSimulation
+from pioneer3.runtime.tasks import running
+from pioneer3.sim.body import Body
+from pioneer3.sim.faults import LinkFaults
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.map_shelf import MapShelf
+from pioneer3.sim.pace import Pace
+from pioneer3.sim.population import Inhabitant, populate
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
+from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
+
+LOOPBACK = "127.0.0.1"
+FIRST_PORT = 8101
+IN_THE_WAY = "begins in a wall or an obstacle and cannot move: choose another start"
+
+
+@asynccontextmanager
+async def simulator(
+    *,
+    map_name: str | Path | WorldFile = "office",
+    robot: str | None = None,
+    port: int = FIRST_PORT,
+    host: str = LOOPBACK,
+    wishes: Wishes = AS_IT_IS,
+    realism: Realism | None = None,
+    pace: Pace | None = None,
+    faults: LinkFaults | None = None,
+    ptys: bool = False,
+) -> AsyncIterator[RunningSimulation]:
+    """Run a simulator in this event loop.
+
+    Args:
+        map_name: A shipped map or world, a map or world file, or a world.
+        robot: Model of the only robot, by name or file; `None` for those of `wishes` or of the
+            world, or a P3-AT where there is none.
+        port: TCP port of the first robot, the others have the next ones; 0 takes free ones. A
+            factory comes before the robots.
+        host: Address of this machine to listen at.
+        wishes: What to change in the world before it begins.
+        realism: How like a real robot; `None` is ideal: no noise, no slip, thin rays.
+        pace: How time passes; in real time if not given.
+        faults: What is wrong with every robot's cable.
+        ptys: Whether each robot has a pseudo terminal besides.
+
+    Raises:
+        ConfigError: The map, a model or a place is wrong.
+        LinkError: A port cannot be listened on.
+    """
+    if robot is not None:
+        wishes = replace(wishes, robots=(RobotSpec(model=robot),))
+    asked = map_name if isinstance(map_name, WorldFile) else load_world(map_name)
+    world_file = wishes.laid_over(asked)
+    line_map, rng = world_file.line_map(), default_rng(world_file.seed)
+    crew, shelf = populate(world_file, line_map, rng), _shelf(world_file)
+    bodies = [Body(each.model, each.pose) for each in crew]
+    world = World(line_map, bodies, seed=world_file.seed, realism=realism)
+    firmwares = [
+        Firmware(world, body, equipment=each.equipment, shelf=shelf)
+        for each, body in zip(crew, bodies, strict=True)
+    ]
+    things: tuple[Box | Person, ...] = world_file.movable + world_file.people
+    for thing in things:
+        world.add_obstacle(thing)
+    simulation = Simulation(world, firmwares, pace=pace)
+    product = wishes.product
+    if product:
+        load_model(product.model)  # better now than when the first client comes
+    first_port = port + 1 if product and port else port
+    await simulation.listen(first_port, host, ports=[each.port for each in crew])
+    async with AsyncExitStack() as stack:
+        await stack.enter_async_context(running(simulation.run()))
+        here = RunningSimulation(simulation, _robots(crew, simulation, ptys=ptys), rng, shelf)
+        here.notes = [f"{each.name} {IN_THE_WAY}" for each in crew if each.in_the_way]
+        if faults is not None:
+            here.set_faults(faults)
+        if product:
+            door = robot_factory(here, product, port, host)
+            here.factory_url = await stack.enter_async_context(door)
+        yield here
+
+
+def _robots(
+    crew: Sequence[Inhabitant], simulation: Simulation, *, ptys: bool
+) -> Iterator[SimulatedRobot]:
+    names = simulation.open_ptys() if ptys else [None] * len(crew)
+    for each, port, pty in zip(crew, simulation.ports, names, strict=True):
+        yield SimulatedRobot.at(port, each.name, pty)
+
+
+def _shelf(world: WorldFile) -> MapShelf:
+    """Return the maps that clients may load: those beside the one in use, and those here."""
+    return MapShelf(world.map.parent, Path()) if isinstance(world.map, Path) else MapShelf()

@@ -1,0 +1,126 @@
+"""Reads what a command line says of robots and starts, and lays it over a world."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import PurePath
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.sim.maps.text import shown
+from pioneer3.sim.worldfile.fitting import AS_DELIVERED, Fitting
+from pioneer3.sim.worldfile.parse import MODEL_FILES
+from pioneer3.sim.worldfile.spec import RobotSpec, Start, WorldFile
+from pioneer3.sim.worldfile.table import FARTHEST
+from pioneer3.units import DEGREE, MM
+
+LONGEST_NAME = 40
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wishes:
+    """What a command line asks for; it wins over the world file.
+
+    Attributes:
+        robots: In place of the world's.
+        starts: One for all robots, or one for each.
+        equipment: Fitted to all robots, besides what they have.
+        seed: Of everything random.
+        own_ports: Whether robots keep the ports that the world file gives them.
+        factory: A model of which every client of one port gets a robot; empty for none.
+    """
+
+    robots: tuple[RobotSpec, ...] = ()
+    starts: tuple[Start, ...] = ()
+    equipment: Fitting = AS_DELIVERED
+    seed: int | None = None
+    own_ports: bool = True
+    factory: str = ""
+
+    def laid_over(self, world: WorldFile) -> WorldFile:
+        """Return `world` with these wishes; without robots and factory it gets a robot.
+
+        Raises:
+            ConfigError: There are several starts, but not one for each robot.
+        """
+        robots = self.robots or world.robots
+        if not robots and not self.factory:
+            robots = (RobotSpec(),)
+        starts = self._starts_of(robots)
+        return replace(
+            world,
+            seed=world.seed if self.seed is None else self.seed,
+            robots=tuple(
+                replace(
+                    robot,
+                    start=start,
+                    port=robot.port if self.own_ports else None,
+                    equipment=robot.equipment.but(self.equipment),
+                )
+                for robot, start in zip(robots, starts, strict=True)
+            ),
+        )
+
+    @property
+    def product(self) -> RobotSpec | None:
+        """What the factory makes, or `None` without one."""
+        if not self.factory:
+            return None
+        start = self.starts[0] if self.starts else "home"
+        return RobotSpec(model=self.factory, start=start, port=0, equipment=self.equipment)
+
+    def _starts_of(self, robots: Sequence[RobotSpec]) -> Sequence[Start]:
+        if not self.starts:
+            return [robot.start for robot in robots]
+        if len(self.starts) == 1:
+            return self.starts * len(robots)
+        if len(self.starts) == len(robots):
+            return self.starts
+        raise ConfigError(
+            f"--start: {len(self.starts)} given, but robots: {len(robots)}; "
+            "give one for all, or one for each"
+        )
+
+
+AS_IT_IS = Wishes()
+
+
+def parse_robot(text: str) -> RobotSpec:
+    """Read `MODEL[:NAME]`, such as `p3at`, `p3dx:bob` or `params/mine.p:eve`.
+
+    The model is not looked up yet.
+
+    Raises:
+        ConfigError: It names no model, or the name cannot be printed.
+    """
+    model, colon, name = text.rpartition(":")
+    if not colon or "/" in name or PurePath(name).suffix.lower() in MODEL_FILES:
+        model, name = text, ""
+    elif not name or len(name) > LONGEST_NAME or not name.isprintable():
+        raise _wrong("--robot", text, f"a name has 1 to {LONGEST_NAME} letters, as in p3dx:bob")
+    if not model:
+        raise _wrong("--robot", text, "expected a model, or MODEL:NAME such as p3dx:bob")
+    return RobotSpec(model=model, name=name)
+
+
+def parse_start(text: str) -> Start:
+    """Read `x,y,th` in mm and degrees as MobileSim does, or `home`, `random`, `outside`.
+
+    Raises:
+        ConfigError: It is neither.
+    """
+    match text:
+        case "random" | "outside" | "home":
+            return text
+    try:
+        x_mm, y_mm, th_deg = (float(part) for part in text.split(","))
+    except ValueError:
+        hint = "expected x,y,th in mm and degrees such as 3000,3100,90, or home, random, outside"
+        raise _wrong("--start", text, hint) from None
+    if not isfinite(th_deg) or not abs(x_mm) * MM <= FARTHEST or not abs(y_mm) * MM <= FARTHEST:
+        raise _wrong("--start", text, f"not within {FARTHEST / 1000:g} km of the map's origin")
+    return Pose2(x_mm * MM, y_mm * MM, wrap(th_deg * DEGREE))
+
+
+def _wrong(option: str, text: str, problem: str) -> ConfigError:
+    return ConfigError(f"{option} {shown(text)}: {problem}")
