@@ -1,14 +1,27 @@
-"""Runs every benchmark, or those named on the command line: latency, start, codec, kernels."""
+"""Runs every benchmark, or those named on the command line: see BENCHMARKS."""
 
 import sys
 
-from benchmarks import bench_codec, bench_kernels, bench_latency, bench_start
+from benchmarks import (
+    bench_codec,
+    bench_firmware,
+    bench_fleet,
+    bench_gym,
+    bench_kernels,
+    bench_latency,
+    bench_start,
+    bench_world,
+)
 
 BENCHMARKS = {
     "latency": bench_latency,
     "start": bench_start,
     "codec": bench_codec,
     "kernels": bench_kernels,
+    "world": bench_world,
+    "firmware": bench_firmware,
+    "fleet": bench_fleet,
+    "gym": bench_gym,
 }
 
 

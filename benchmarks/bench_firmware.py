@@ -28,12 +28,12 @@ class Still(World):
     def __init__(self, body: Body) -> None:
         super().__init__(None, [body])
         random = np.random.default_rng(1)
-        self._echoes = random.uniform(0.1, 5.0, len(body.model.sonars))
+        self._heard_already = random.uniform(0.1, 5.0, len(body.model.sonars))
         self._ranges = random.uniform(0.1, 33.0, 181)
 
     def sonar(self, body: Body) -> NDArray[np.float64]:
         """Return what transducers have measured [m], shape (M,)."""
-        return self._echoes
+        return self._heard_already
 
     def laser(
         self, body: Body, mount: Pose2, start: float, step: float, count: int

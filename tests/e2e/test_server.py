@@ -10,6 +10,7 @@ from pioneer3 import connect_async
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.errors import LinkError, PortBusyError
+from pioneer3.geometry import Pose2
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
@@ -25,7 +26,7 @@ OPEN = frame(commands.Open())
 
 
 def robots(count: int = 1) -> tuple[World, list[Firmware]]:
-    bodies = [Body(load_model("p3at-sh")) for _ in range(count)]
+    bodies = [Body(load_model("p3at-sh"), Pose2(0.0, 3.0 * n)) for n in range(count)]
     world = World(None, bodies)
     return world, [Firmware(world, body) for body in bodies]
 
@@ -219,6 +220,37 @@ async def test_a_client_that_takes_nothing_does_not_stop_the_world(station: Stat
     await asyncio.sleep(10)
     assert stuck.closed.is_set()
     assert station.world.time > 8
+
+
+async def test_a_robot_that_fails_is_cut_off_and_the_others_live(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world, firmwares = robots(2)
+    simulation = Simulation(world, firmwares)
+    task = asyncio.ensure_future(simulation.run())
+    links = []
+    for port in simulation.ports:
+        ours, theirs = null_modem()
+        links.append((ours, asyncio.ensure_future(port.serve(theirs))))
+        await ours.write(SYNCS + OPEN)
+        await heard(ours, 0.2)
+        await ours.write(frame(commands.Enable(on=True)) + frame(commands.Vel(0.1)))
+    await asyncio.sleep(0.5)
+    assert world.robots[0].drive.linear.velocity > 0
+
+    def broken(now: float) -> None:
+        raise RuntimeError("a defect")
+
+    monkeypatch.setattr(firmwares[0], "tick", broken)
+    for link, _ in links:
+        await link.write(frame(commands.Pulse()))
+    await asyncio.sleep(1.0)
+    assert [port.connected for port in simulation.ports] == [False, True]
+    assert caplog.text.count("the simulated robot failed") == 1
+    assert [body.drive.linear.velocity for body in world.robots] == [0.0, 0.1]
+    for waiting in (task, *(served for _, served in links)):
+        waiting.cancel()
+    await asyncio.gather(task, *(served for _, served in links), return_exceptions=True)
 
 
 @pytest.mark.realtime

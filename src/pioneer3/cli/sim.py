@@ -74,6 +74,7 @@ def sim(
         realism=errors.realism(),
         pace=time.pace(),
         faults=errors.faults(),
+        kernels=time.kernels,
     )
     return run_until_told_to_leave(_simulate(simulation))
 

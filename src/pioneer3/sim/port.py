@@ -196,6 +196,14 @@ class RobotPort:
         if self._is_left_over():
             self.due = min(self.due, self._spoke_at + STALE)
 
+    def break_down(self) -> None:
+        """Cut the host off and forget the session: this robot has failed."""
+        self._outbox = b""
+        self._part()
+        self.firmware.device.hang_up()
+        self.firmware.body.session_ended()
+        self.due = inf  # until a host speaks to it again
+
     def close(self) -> None:
         """Part from the host, and let nobody in any more."""
         for door in self.doors:

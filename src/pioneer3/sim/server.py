@@ -7,8 +7,10 @@ Only SIMSTAT, for who asks, tells real time.
 """
 
 import asyncio
+import logging
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from math import ceil, inf
 
 from pioneer3.clock import Clock
@@ -19,6 +21,8 @@ from pioneer3.sim.firmware import CYCLE, Firmware
 from pioneer3.sim.pace import LATELY, TICK, Pace
 from pioneer3.sim.port import RobotPort
 from pioneer3.sim.world import World
+
+log = logging.getLogger(__name__)
 
 LONGEST_TURN = 0.02
 """Hosts are listened to at least this often, however slowly time passes [s, real]."""
@@ -188,8 +192,9 @@ class Simulation:
                 if room <= 0:
                     continue
             was_open = port.is_open
-            port.take(now, self._turns, listen=not (hold and was_open))
-            port.flush(now)
+            with self._alone(port):
+                port.take(now, self._turns, listen=not (hold and was_open))
+                port.flush(now)
             if port.is_open and not was_open:
                 port.slot = in_cycle
                 room = room and room - 1
@@ -208,9 +213,20 @@ class Simulation:
         self._ticks += 1
         self._turns += 1
         now = self.world.time
-        for port in self.ports:
-            if port.due <= now + SLACK:
+        due = [port for port in self.ports if port.due <= now + SLACK]
+        self.world.expect(port.firmware.body for port in due)
+        for port in due:
+            with self._alone(port):
                 port.tick(now)
+
+    @contextmanager
+    def _alone(self, port: RobotPort) -> Iterator[None]:
+        """Keep what goes wrong with one robot from the others."""
+        try:
+            yield
+        except Exception:
+            log.exception("%s: the simulated robot failed, its host is cut off", port.address)
+            port.break_down()
 
     def _all_have_answered(self, now: float) -> bool:
         """Whether time may pass; in lock step it waits for the hosts at the end of each cycle."""

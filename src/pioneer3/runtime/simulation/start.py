@@ -8,6 +8,7 @@ from pathlib import Path
 from numpy.random import default_rng
 
 from pioneer3.models import load_model
+from pioneer3.runtime.simulation.choice import KernelChoice, chosen_kernels
 from pioneer3.runtime.simulation.factory import robot_factory
 from pioneer3.runtime.simulation.robot import SimulatedRobot
 from pioneer3.runtime.simulation.running import RunningSimulation
@@ -41,6 +42,7 @@ async def simulator(
     pace: Pace | None = None,
     faults: LinkFaults | None = None,
     ptys: bool = False,
+    kernels: KernelChoice = "auto",
 ) -> AsyncIterator[RunningSimulation]:
     """Run a simulator in this event loop.
 
@@ -56,6 +58,8 @@ async def simulator(
         pace: How time passes; in real time if not given.
         faults: What is wrong with every robot's cable.
         ptys: Whether each robot has a pseudo terminal besides.
+        kernels: What computes motion and rays; the same seed gives the same run to the last bit
+            only with the same ones.
 
     Raises:
         ConfigError: The map, a model or a place is wrong.
@@ -82,6 +86,8 @@ async def simulator(
         load_model(product.model)  # better now than when the first client comes
     first_port = port + 1 if product and port else port
     await simulation.listen(first_port, host, ports=[each.port for each in crew])
+    # connections are accepted from now on; time begins when the kernels are there
+    world.kernels = await chosen_kernels(kernels, len(bodies), pace)
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(running(simulation.run()))
         here = RunningSimulation(simulation, _robots(crew, simulation, ptys=ptys), rng, shelf)

@@ -98,7 +98,7 @@ class Drives:
 
     def only(self, which: slice | NDArray[np.int64]) -> "Drives":
         """Return copies of some."""
-        return Drives(*(np.ascontiguousarray(part[..., which]) for part in self._parts))
+        return Drives(*(part[..., which].copy() for part in self._parts))
 
     @property
     def arrays(self) -> tuple[Float, Flags, Float, Float]:

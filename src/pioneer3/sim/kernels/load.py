@@ -7,6 +7,8 @@ import numpy as np
 
 from pioneer3.errors import ConfigError
 from pioneer3.sim.kernels.base import Kernels
+from pioneer3.sim.kernels.cache import tell_ready
+from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.mounts import laser_fan, sonar_mounts
 from pioneer3.sim.kernels.numpy_kernels import NumpyKernels
 from pioneer3.sim.kernels.robots import Robots
@@ -42,6 +44,7 @@ def load_kernels(
     kernels = NumbaKernels(threads)
     if warm:
         warm_up(kernels)
+        tell_ready()
     return kernels
 
 
@@ -54,3 +57,6 @@ def warm_up(kernels: Kernels) -> None:
     kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
     kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
     kernels.blocked(grid, robots, robots.poses)
+    drives = Drives.at_rest(1)
+    for noise in (None, np.zeros((3, 1))):
+        kernels.step(grid, robots, drives, 0.1, noise)

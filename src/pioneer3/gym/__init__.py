@@ -1,0 +1,27 @@
+"""Learning and evaluation: Gymnasium and PettingZoo environments over the simulated world.
+
+Importing this package registers `pioneer3/Goal-v0`, for `gymnasium.make` and
+`gymnasium.make_vec`. It needs the extra `gym`.
+"""
+
+try:
+    import gymnasium
+    import pettingzoo  # noqa: F401
+except ImportError as error:
+    raise ImportError(
+        f"{error}; install the extra `gym`: pip install 'pioneer3[gym]'", name=error.name
+    ) from error
+
+from pioneer3.gym.goal_env import GoalEnv
+from pioneer3.gym.parallel_env import GoalParallelEnv
+from pioneer3.gym.task import EPISODE, Reward, Task
+from pioneer3.gym.vector_env import GoalVectorEnv
+
+__all__ = ["GoalEnv", "GoalParallelEnv", "GoalVectorEnv", "Reward", "Task"]
+
+gymnasium.register(
+    "pioneer3/Goal-v0",
+    entry_point="pioneer3.gym:GoalEnv",
+    vector_entry_point="pioneer3.gym:GoalVectorEnv",
+    max_episode_steps=EPISODE,
+)

@@ -1,0 +1,46 @@
+"""The package says what it lacks, and its page says what is true."""
+
+import re
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from pioneer3.gym import Reward, Task
+
+PAGE = (Path(__file__).parents[3] / "docs/how-to/learn.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+
+
+def run(code: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-W", "error", "-c", code]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+
+
+@pytest.mark.parametrize("missing", ["gymnasium", "pettingzoo"])
+def test_a_missing_library_is_named_with_the_extra_that_brings_it(missing: str) -> None:
+    done = run(f"import sys; sys.modules[{missing!r}] = None; import pioneer3.gym")
+    assert done.returncode == 1
+    assert f"import of {missing}" in done.stderr
+    assert "pip install 'pioneer3[gym]'" in done.stderr
+
+
+@pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))
+def test_the_code_of_the_page_runs(code: str) -> None:
+    done = run(code)
+    assert done.returncode == 0, done.stderr
+    rewards = [float(value) for value in re.findall(r"mean reward (\S+)", done.stdout)]
+    assert bool(rewards) == ("mean reward" in code)
+    if rewards:
+        assert rewards[-1] > rewards[0] + 2, "nothing was learnt"
+
+
+@pytest.mark.parametrize("kind", [Task, Reward])
+def test_the_page_has_all_options_with_their_defaults(kind: type[Task] | type[Reward]) -> None:
+    for field in fields(kind):
+        shown = repr(getattr(kind(), field.name)).replace("'", '"')
+        if shown.startswith("Reward("):
+            shown = "Reward()"
+        assert re.search(rf"^\| `{field.name}` \| `?{re.escape(shown)}`? \|", PAGE, re.MULTILINE)
