@@ -1,9 +1,6 @@
 """Both implementations of the kernels agree with the plain ray caster and footprint test."""
 
-from dataclasses import dataclass
-from importlib.util import find_spec
-from math import cos, inf, pi, sin
-from pathlib import Path
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -13,67 +10,29 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.kernels import (
-    Grid,
-    Kernels,
-    Robots,
-    build_grid,
-    laser_fan,
-    load_kernels,
-    sonar_mounts,
-)
+from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels, sonar_mounts
 from pioneer3.sim.maps import read_map
 from pioneer3.sim.raycast import cast_reference
+from tests.property.scenes import (
+    ANGLES,
+    BODIES,
+    COORDINATES,
+    LIMITS,
+    MAPS,
+    MOUNTS,
+    NAMES,
+    ODD_BODIES,
+    WALLS,
+    Scene,
+    scene_of,
+)
 
 Float = NDArray[np.float64]
-
-MAPS = Path(__file__).parents[3] / "shared/maps"
-NAMES = [
-    "numpy",
-    pytest.param("numba", marks=pytest.mark.skipif(not find_spec("numba"), reason="no numba")),
-]
-
-# whole and half numbers make corners, walls along rays and origins on walls likely
-COORDINATES = st.one_of(
-    st.integers(-4, 4).map(float), st.integers(-8, 8).map(lambda n: n / 2), st.floats(-12, 12)
-)
-ANGLES = st.one_of(st.integers(-8, 8).map(lambda n: n * np.pi / 4), st.floats(-7, 7))
-WALLS = st.lists(st.tuples(*[COORDINATES] * 4), max_size=12).map(
-    lambda rows: np.array(rows, dtype=float).reshape(-1, 4)
-)
-SIZES = st.sampled_from([0.1, 0.25, 0.5])
-BODIES = st.lists(st.tuples(COORDINATES, COORDINATES, ANGLES, SIZES, SIZES, SIZES), max_size=5)
-LIMITS = st.sampled_from([0.5, 3.0, 8.0, 40.0, inf])
-MOUNTS = [np.array([[0.2, 0.0, 0.0], [0.1, 0.1, pi / 2], [-0.2, -0.1, 3.0]]), np.zeros((1, 3))]
-
-
-@dataclass
-class Scene:
-    """Walls and robots, placed."""
-
-    grid: Grid
-    robots: Robots
-
-    def around(self, n: int) -> Float:
-        """Return what robot `n` can meet; -1 meets all."""
-        others = [n != k for k in range(len(self.robots))]
-        return np.concatenate([self.grid.walls, self.robots.outlines[others].reshape(-1, 4)])
-
-    def pose(self, n: int) -> Pose2:
-        return Pose2(*self.robots.poses[:, n].tolist())
 
 
 @pytest.fixture(params=NAMES, scope="module")
 def kernels(request: pytest.FixtureRequest) -> Kernels:
     return load_kernels(request.param)
-
-
-def scene_of(kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]]) -> Scene:
-    state = np.array(bodies, dtype=float).reshape(-1, 6).T
-    robots = Robots(*state[3:6])
-    robots.state[:3] = state[:3]
-    kernels.place(robots)
-    return Scene(build_grid(walls), robots)
 
 
 def check_rays(kernels: Kernels, scene: Scene, rays: Float, limit: float) -> None:
@@ -87,19 +46,63 @@ def check_rays(kernels: Kernels, scene: Scene, rays: Float, limit: float) -> Non
         np.testing.assert_allclose(found[k], plain[0], rtol=0, atol=1e-6)
 
 
-def check_sonar(kernels: Kernels, scene: Scene, limit: float, rays: int) -> None:
+def echoes(
+    origin: Float, angle: float, walls: Float, others: Float, *, limit: float, steep: float
+) -> Float:
+    """Return the range at which a ray echoes, at least and at most [m].
+
+    They differ where rounding decides which of two walls is nearer, or whether one is steep enough.
+    """
+    angles = np.array([angle])
+    each = np.array([cast_reference(origin, angles, wall[None], limit)[0] for wall in walls])
+    along = walls[:, 2:] - walls[:, :2]
+    sines = abs(cos(angle) * along[:, 1] - sin(angle) * along[:, 0]) / np.hypot(*along.T)
+    robot = float(cast_reference(origin, angles, others, limit)[0])
+    nearest, found = each.min(initial=limit), []
+    for slack in (-1e-6, 1e-6):
+        for tie in (0.0, 1e-6):
+            echo = each[sines >= steep + slack].min(initial=limit)
+            heard = echo if echo <= nearest + tie else limit
+            found += [robot if robot < nearest else heard]
+            if nearest - tie <= robot <= nearest + tie:
+                found += [heard, robot]
+    return np.array([min(found), max(found)])
+
+
+def within(walls: Float, origin: Float, reach: float) -> Float:
+    """Return the walls that may be within `reach` [m] of a point."""
+    low = np.minimum(walls[:, :2], walls[:, 2:]) - reach <= origin
+    high = np.maximum(walls[:, :2], walls[:, 2:]) + reach >= origin
+    return walls[(low & high).all(axis=1)]
+
+
+def check_sonar(
+    kernels: Kernels, scene: Scene, limit: float, rays: int, *, steep: float = 0.0
+) -> None:
+    """Compare all transducers, then those of some robots alone."""
     kinds = [n % 2 for n in range(len(scene.robots))]
     mounts = sonar_mounts(MOUNTS, kinds, rays=rays, width=0.5)
-    found = kernels.sonar(scene.grid, scene.robots, mounts, limit)
+    found = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep)
     spread: Float = np.linspace(-0.25, 0.25, rays) if rays > 1 else np.zeros(1)
     for n, kind in enumerate(kinds):
-        pose, expected = scene.pose(n), np.full(3, limit)
+        pose, expected = scene.pose(n), np.full((3, 2), limit)
         for m, mount in enumerate(MOUNTS[kind].tolist()):
             at = pose @ Pose2(*mount)
-            turns = pose.theta + mount[2] + spread
-            plain = cast_reference(np.array([at.x, at.y]), turns, scene.around(n), limit)
-            expected[m] = plain.min()
-        np.testing.assert_allclose(found[n], expected, rtol=0, atol=1e-6)
+            origin, turns = np.array([at.x, at.y]), pose.theta + mount[2] + spread
+            if steep > 0:
+                walls, others = within(scene.grid.walls, origin, limit), scene.others(n)
+                each = [
+                    echoes(origin, turn, walls, others, limit=limit, steep=steep)
+                    for turn in turns.tolist()
+                ]
+                expected[m] = np.min(each, axis=0)
+            else:
+                expected[m] = cast_reference(origin, turns, scene.around(n), limit).min()
+        low, high = expected.T - [[1e-6], [-1e-6]]
+        assert ((low <= found[n]) & (found[n] <= high)).all(), (n, found[n], expected)
+    some = np.arange(len(kinds), dtype=np.int32)[::-2]
+    heard = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep, owners=some)
+    np.testing.assert_array_equal(heard, found[some])
 
 
 def check_fan(kernels: Kernels, scene: Scene, fan: tuple[float, float, int], limit: float) -> None:
@@ -121,7 +124,8 @@ def check_blocked(kernels: Kernels, scene: Scene, poses: Float) -> None:
     for n in range(len(scene.robots)):
         front, rear, half = scene.robots.state[3:6, n].tolist()
         pose = Pose2(*poses[:, n].tolist())
-        assert found[n] == footprint_hits(pose, front, rear, half, scene.around(n))
+        hits = footprint_hits(pose, front, rear, half, scene.around(n))
+        assert found[n] == (hits and not scene.robots.hidden[n])
 
 
 RAYS = st.lists(st.tuples(COORDINATES, COORDINATES, ANGLES), max_size=8).map(
@@ -143,6 +147,57 @@ def test_sonar_agrees_with_the_reference(
     kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]], limit: float, rays: int
 ) -> None:
     check_sonar(kernels, scene_of(kernels, walls, bodies), limit, rays)
+
+
+# a wall without length has no direction
+LONG_WALLS = WALLS.map(lambda walls: walls[np.hypot(*(walls[:, 2:] - walls[:, :2]).T) > 1e-3])
+
+
+@given(LONG_WALLS, ODD_BODIES, LIMITS, st.tuples(st.sampled_from([1, 5]), st.floats(1, 89)))
+@settings(max_examples=100, deadline=None)
+def test_only_walls_that_are_met_steeply_echo(
+    kernels: Kernels,
+    walls: Float,
+    bodies: list[tuple[float, ...]],
+    limit: float,
+    beam: tuple[int, float],
+) -> None:
+    rays, critical = beam
+    scene, steep = scene_of(kernels, walls, bodies), cos(np.radians(critical))
+    check_sonar(kernels, scene, limit, rays, steep=steep)
+
+
+@given(WALLS, ODD_BODIES, RAYS, st.sampled_from([0.5, 3.0, 8.0, 40.0]))
+@settings(max_examples=100, deadline=None)
+def test_cut_corners_and_hidden_robots_agree_with_the_reference(
+    kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]], rays: Float, limit: float
+) -> None:
+    scene = scene_of(kernels, walls, bodies)
+    check_rays(kernels, scene, rays, limit)
+    check_sonar(kernels, scene, limit, 1)
+    check_fan(kernels, scene, (-pi, pi / 8, 17), limit)
+    check_blocked(kernels, scene, scene.robots.poses.copy())
+
+
+@given(ODD_BODIES)
+@settings(max_examples=50, deadline=None)
+def test_an_octagon_is_a_rectangle_without_its_corners(
+    kernels: Kernels, bodies: list[tuple[float, ...]]
+) -> None:
+    robots = scene_of(kernels, np.empty((0, 4)), bodies).robots
+    for n in range(len(robots)):
+        x, y, theta, front, rear, half, cut, hidden = robots.state[:, n].tolist()
+        if hidden:
+            continue
+        ahead, left = front - cut, half - cut
+        corners = [(front, left), (ahead, half), (cut - rear, half), (-rear, left)]
+        corners += [(-rear, -left), (cut - rear, -half), (ahead, -half), (front, -left)]
+        points = [Pose2(x, y, theta) @ Pose2(*corner) for corner in corners]
+        placed = robots.outlines[n, :, :2]
+        for point in points:
+            assert np.hypot(*(placed - (point.x, point.y)).T).min() < 1e-9
+        for px, py in placed.tolist():
+            assert min(np.hypot(point.x - px, point.y - py) for point in points) < 1e-9
 
 
 FANS = st.sampled_from(
@@ -199,5 +254,6 @@ def test_every_map_agrees_with_the_reference(kernels: Kernels, name: str) -> Non
     rays = np.concatenate([bodies[:, :3], np.column_stack([walls[::2000, :2], along])])
     check_rays(kernels, scene, rays, 30.0)
     check_sonar(kernels, scene, 5.0, 5)
+    check_sonar(kernels, scene, 5.0, 1, steep=cos(np.radians(27)))
     check_fan(kernels, scene, (-pi / 2, pi / 60, 61), 8.0)
     check_blocked(kernels, scene, scene.robots.poses.copy())

@@ -2,9 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.maps import LineMap
+
+if TYPE_CHECKING:  # they make scenes themselves
+    from pioneer3.runtime.simulation import RunningSimulation, SimulatedRobot
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,11 +19,14 @@ class Scene:
         map: Walls, or `None` where none are known.
         odom_in_map: Where the odometry's origin lies in the map [m, rad].
         truth: Returns the true pose in the map, where a simulator knows it.
+        simulated: The simulation to look at and to change, and the robot in it; `None` for a real
+            robot.
     """
 
     map: LineMap | None = None
     odom_in_map: Pose2 = ORIGIN
     truth: Callable[[], Pose2] | None = None
+    simulated: "tuple[RunningSimulation, SimulatedRobot] | None" = None
 
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
         """Return the pose to draw [m, rad]: the true one if it is known."""

@@ -61,7 +61,9 @@ def _bits(middles: Float, halves: Float, segments: int) -> int:
         return 0
     middles = (middles + pi) % (2 * pi) - pi
     edges = (ARC / 2 - middles + np.stack([-halves, halves])) / ARC * segments
-    first, last = np.floor(edges).astype(int).clip([[0]], [[segments], [segments - 1]]).tolist()
+    first, last = (
+        np.floor(edges).astype(int).clip([[0], [-1]], [[segments], [segments - 1]]).tolist()
+    )
     bits = 0
     for one, other in zip(first, last, strict=True):
         for number in range(one, other + 1):

@@ -4,8 +4,10 @@ import asyncio
 from collections.abc import Callable
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
+from pioneer3.arcos.host_events import Timing
 from pioneer3.models import load_model
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.identity import kind
@@ -18,6 +20,8 @@ from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
 from pioneer3.web.server import serve_page
 
 LOOPBACK = {"127.0.0.1", "localhost", "::1"}
+PATIENT = Timing(silence=inf)
+"""Towards a simulator in this program: it may be paused, and when it ends, so does the link."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +70,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
                 model=load_model(options.robot) if options.robot else None,
                 max_speed=options.max_speed,
                 record=options.record,
+                timing=PATIENT if scene.simulated else None,
             )
         )
         address = await stack.enter_async_context(

@@ -1,4 +1,4 @@
-"""What page and server tell each other: JSON, one object a message, told apart by `type`."""
+"""What the server tells the page: JSON, one object a message, told apart by `type`."""
 
 from math import isfinite
 from typing import Any, Literal
@@ -18,61 +18,21 @@ SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
 
 
-class Request(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
-    """Anything the page asks for."""
-
-
-class Drive(Request, tag="drive"):
-    """Hold this velocity [m/s, rad/s] until it expires; 0, 0 lets go."""
-
-    v: float
-    w: float
-
-
-class Stop(Request, tag="stop"):
-    """Stand still, whoever drives."""
-
-
-class EmergencyStop(Request, tag="emergency_stop"):
-    """Stop hard, latched."""
-
-
-class ResetEmergencyStop(Request, tag="reset_emergency_stop"):
-    """Release the latch."""
-
-
-class SwitchMotors(Request, tag="motors"):
-    """Switch the motors' power."""
-
-    on: bool
-
-
-class Ping(Request, tag="ping"):
-    """Asks for a pong with the same `t`."""
-
-    t: float
-
-
-AnyRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | Ping
-_decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
-
-
-def decode(text: str) -> AnyRequest:
-    """Return the request in `text`.
-
-    Raises:
-        msgspec.MsgspecError: it is none; the message says what is wrong with it.
-    """
-    return _decoder.decode(text)
-
-
 def encode(message: dict[str, Any]) -> str:
     """Return the JSON text of a message to the page."""
     return msgspec.json.encode(message).decode()
 
 
-def hello(version: str, info: RobotInfo | None, scene: Scene) -> dict[str, Any]:
-    """Say what is connected, how it looks, and where it drives."""
+def hello(
+    version: str,
+    info: RobotInfo | None,
+    scene: Scene,
+    models: list[dict[str, str]] | None = None,
+) -> dict[str, Any]:
+    """Say what is connected, how it looks, where it drives, and what `models` can join it there.
+
+    Without models the world is not the page's to change.
+    """
     return {
         "type": "hello",
         "version": version,
@@ -81,6 +41,7 @@ def hello(version: str, info: RobotInfo | None, scene: Scene) -> dict[str, Any]:
         "robot": _robot(info.identity.name, info.model) if info else None,
         "limits": _limits(info.limits) if info else None,
         "map": _map(scene.map) if scene.map else None,
+        "models": models,
     }
 
 

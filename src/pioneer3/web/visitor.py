@@ -10,10 +10,14 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from pioneer3.errors import CommandError
 from pioneer3.robot.limits import checked
-from pioneer3.web import messages
+from pioneer3.web import messages, requests
 from pioneer3.web.page import Page
+from pioneer3.web.world import News, WorldView
 
 log = logging.getLogger(__name__)
+
+LOOK = 0.1
+"""Time between two looks at the simulated world [s]."""
 
 
 class Visitor:
@@ -27,6 +31,8 @@ class Visitor:
         """Talk until the browser goes; then let go of whatever it held."""
         await self._socket.accept()
         talk = [asyncio.ensure_future(t) for t in (self._states(), self._snapshots(), self._hear())]
+        if self._page.world is not None:
+            talk.append(asyncio.ensure_future(self._world(self._page.world)))
         try:
             await asyncio.wait(talk, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -48,35 +54,47 @@ class Visitor:
         async for snapshot in self._page.robot.supervisor.snapshots.values():
             await self._say(self._page.snapshot(snapshot, self._driver()))
 
+    async def _world(self, view: WorldView) -> None:
+        news, known = News(view), view.simulation.world.map
+        while True:
+            if view.simulation.world.map is not known:
+                known = view.simulation.world.map
+                await self._say(self._page.hello())
+            if message := news.next():
+                await self._say(message)
+            await asyncio.sleep(LOOK)
+
     async def _hear(self) -> None:
         with suppress(WebSocketDisconnect):
             while True:
                 try:
-                    refused = self._obey(messages.decode(await self._socket.receive_text()))
+                    answer = await self._obey(requests.decode(await self._socket.receive_text()))
                 except (MsgspecError, CommandError) as error:
-                    refused = f"not understood: {error}"
+                    answer = f"not understood: {error}"
                 except KeyError:
-                    refused = "not understood: bytes, where text is expected"
-                if isinstance(refused, dict):
-                    await self._say(refused)
-                elif refused:
-                    await self._say({"type": "refused", "message": refused})
+                    answer = "not understood: bytes, where text is expected"
+                if isinstance(answer, dict):
+                    await self._say(answer)
+                elif answer:
+                    await self._say({"type": "refused", "message": answer})
 
-    def _obey(self, request: messages.AnyRequest) -> str | dict[str, Any] | None:
+    async def _obey(self, request: requests.AnyRequest) -> str | dict[str, Any] | None:
         """Carry out a request; return the answer, or why it was refused, or nothing."""
+        if isinstance(request, requests.Edit):
+            return await self._page.edit(self, request)
         page = self._page
         match request:
-            case messages.Drive(v, w):
+            case requests.Drive(v, w):
                 return page.drive(self, checked(v, w))
-            case messages.Stop():
+            case requests.Stop():
                 page.stop(self)
-            case messages.EmergencyStop():
+            case requests.EmergencyStop():
                 page.robot.emergency_stop()
-            case messages.ResetEmergencyStop():
+            case requests.ResetEmergencyStop():
                 page.robot.reset_emergency_stop()
-            case messages.SwitchMotors(on):
+            case requests.SwitchMotors(on):
                 return page.robot.helm.set_motors(on=on)
-            case messages.Ping(t):
+            case requests.Ping(t):
                 return {"type": "pong", "t": t}
         return None
 

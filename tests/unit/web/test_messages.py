@@ -18,7 +18,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
-from pioneer3.web import messages
+from pioneer3.web import messages, requests
 from tests.unit.web.browser import strict
 
 MODEL = load_model("p3dx-sh")
@@ -152,32 +152,32 @@ def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> Non
 @pytest.mark.parametrize(
     ("text", "request_"),
     [
-        ('{"type":"drive","v":0.3,"w":-1}', messages.Drive(0.3, -1.0)),
-        ('{"w":-1,"v":0.3,"type":"drive"}', messages.Drive(0.3, -1.0)),
-        ('{"type":"stop"}', messages.Stop()),
-        ('{"type":"emergency_stop"}', messages.EmergencyStop()),
-        ('{"type":"reset_emergency_stop"}', messages.ResetEmergencyStop()),
-        ('{"type":"motors","on":true}', messages.SwitchMotors(on=True)),
-        ('{"type":"ping","t":1.5}', messages.Ping(1.5)),
+        ('{"type":"drive","v":0.3,"w":-1}', requests.Drive(0.3, -1.0)),
+        ('{"w":-1,"v":0.3,"type":"drive"}', requests.Drive(0.3, -1.0)),
+        ('{"type":"stop"}', requests.Stop()),
+        ('{"type":"emergency_stop"}', requests.EmergencyStop()),
+        ('{"type":"reset_emergency_stop"}', requests.ResetEmergencyStop()),
+        ('{"type":"motors","on":true}', requests.SwitchMotors(on=True)),
+        ('{"type":"ping","t":1.5}', requests.Ping(1.5)),
     ],
 )
-def test_every_request_is_understood(text: str, request_: messages.AnyRequest) -> None:
-    assert messages.decode(text) == request_
+def test_every_request_is_understood(text: str, request_: requests.AnyRequest) -> None:
+    assert requests.decode(text) == request_
 
 
 @given(st.text() | st.recursive(st.none() | st.floats() | st.text(), st.lists).map(json.dumps))
 def test_any_other_text_is_refused_and_never_breaks_the_decoder(text: str) -> None:
     with pytest.raises(msgspec.MsgspecError):
-        messages.decode(text)
+        requests.decode(text)
 
 
 @given(st.floats(), st.floats())
 def test_no_number_that_is_not_finite_gets_through(v: float, w: float) -> None:
     text = json.dumps({"type": "drive", "v": v, "w": w})
     try:
-        request = messages.decode(text)
+        request = requests.decode(text)
     except msgspec.MsgspecError:
         assert not Twist2(v, w).is_finite
     else:
-        assert request == messages.Drive(v, w)
+        assert request == requests.Drive(v, w)
         assert Twist2(v, w).is_finite

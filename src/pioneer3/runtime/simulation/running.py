@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from pioneer3.arcos.reports import MapChanged
 from pioneer3.errors import CommandError, LinkError
 from pioneer3.geometry import Pose2
-from pioneer3.models import load_model
+from pioneer3.models import RobotModel, load_model
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation.robot import SimulatedRobot
 from pioneer3.sim.body import Body
 from pioneer3.sim.faults import LinkFaults
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.footprint import overlap, stands_in
+from pioneer3.sim.footprint import hits, overlap, stands_in
 from pioneer3.sim.map_shelf import MapShelf
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.pace import Pace
@@ -75,9 +75,14 @@ class RunningSimulation:
         return self.scene_of(self.robots[0])
 
     def scene_of(self, robot: SimulatedRobot) -> Scene:
-        """Return map and true pose of `robot`, for people to look at."""
+        """Return map and true pose of `robot`, for people to look at and to change."""
         body = robot.body
-        return Scene(self.world.map, body.home, truth=lambda: body.robot_in_world)
+        return Scene(
+            self.world.map,
+            body.home,
+            truth=lambda: body.robot_in_world,
+            simulated=(self, robot),
+        )
 
     def robot(self, name: str) -> SimulatedRobot:
         """Return the robot of this name.
@@ -135,11 +140,21 @@ class RunningSimulation:
         self.world.remove(robot.body)
 
     def add_box(self, box: Box) -> Obstacle:
-        """Put a box into the world; it can be moved, whatever :attr:`Box.movable` says."""
+        """Put a box into the world; it can be moved, whatever :attr:`Box.movable` says.
+
+        Raises:
+            CommandError: A robot stands there.
+        """
+        self._refuse_on_robots(box.outline, box.pose)
         return self.world.add_obstacle(box)
 
     def add_person(self, person: Person) -> Obstacle:
-        """Let one more person walk."""
+        """Let one more person walk.
+
+        Raises:
+            CommandError: A robot stands where they begin.
+        """
+        self._refuse_on_robots(person.outline_at(0.0), person.pose_at(0.0))
         return self.world.add_obstacle(person)
 
     def remove(self, obstacle: Obstacle) -> None:
@@ -150,29 +165,37 @@ class RunningSimulation:
         """Put a robot, a box or a person elsewhere; a robot's odometry does not notice.
 
         Raises:
-            CommandError: A robot would stand in something there.
+            CommandError: A robot would stand in something there, or something on a robot.
         """
         if not isinstance(what, SimulatedRobot):
+            self._refuse_on_robots(_outline(what, pose), pose)
             self.world.move_obstacle(what, pose)
-        elif self._has_room(what.body, pose):
+        elif self.has_room(what.model, pose, but=what):
             what.body.robot_in_world = pose
         else:
             raise CommandError(
                 f"{what.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
             )
 
-    def _has_room(self, body: Body, pose: Pose2) -> bool:
-        """Whether `body` can be put at `pose`; not inside anything either."""
-        others = (other for other in self.world.robots if other is not body)
-        return (
-            self.world.is_free(body, pose)
-            and not any(overlap(body.model, pose, o.model, o.robot_in_world) for o in others)
-            and not any(stands_in(body.model, pose, _outline(o)) for o in self.world.obstacles)
+    def has_room(self, model: RobotModel, pose: Pose2, but: SimulatedRobot | None = None) -> bool:
+        """Whether a robot can be put at `pose`: on no wall and in nothing; `but` is not there."""
+        bodies = [robot.body for robot in self.robots if robot is not but]
+        return not (
+            hits(model, pose, self.world.map.walls)
+            or any(overlap(model, pose, body.model, body.robot_in_world) for body in bodies)
+            or any(stands_in(model, pose, _outline(o, o.pose)) for o in self.world.obstacles)
         )
+
+    def _refuse_on_robots(self, outline: NDArray[np.float64], pose: Pose2) -> None:
+        for robot in self.robots:
+            if stands_in(robot.model, robot.body.robot_in_world, outline):
+                raise CommandError(
+                    f"{robot.name} stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+                )
 
     def _place_for(self, newcomer: Newcomer) -> Pose2:
         standing = self.world.robots
-        obstacles = [*map(_outline, self.world.obstacles)]
+        obstacles = [_outline(obstacle, obstacle.pose) for obstacle in self.world.obstacles]
         berths = Berths(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
         for body in standing:
             berths.take(body.model, body.robot_in_world)
@@ -191,9 +214,9 @@ def _like(faults: LinkFaults, number: int) -> LinkFaults:
     return copy
 
 
-def _outline(obstacle: Obstacle) -> NDArray[np.float64]:
-    """Return the sides of a box or a person where it is now [m], shape (S, 4)."""
-    kind, pose = obstacle.kind, obstacle.pose
+def _outline(obstacle: Obstacle, pose: Pose2) -> NDArray[np.float64]:
+    """Return the sides of a box or a person at `pose` [m], shape (S, 4)."""
+    kind = obstacle.kind
     if isinstance(kind, Box):
         return replace(kind, pose=pose).outline
     return replace(kind, path=((pose.x, pose.y),)).outline_at(0.0)

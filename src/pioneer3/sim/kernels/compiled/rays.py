@@ -1,7 +1,7 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Sonar and single rays: from cell to cell through the grid."""
 
-from math import cos, floor, hypot, inf, sin
+from math import cos, floor, inf, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,9 +94,8 @@ def _walk(
                     found = meeting(ax, ay, bx, by, dx, dy)
                     best = min(best, found)
                     end = min(end, best * per_metre - begin)
-                    if found < heard and (
-                        steep <= 0.0 or abs(across1 - across0) >= steep * hypot(bx - ax, by - ay)
-                    ):
+                    ex, ey, turn = bx - ax, by - ay, across1 - across0
+                    if found < heard and turn * turn >= steep * steep * (ex * ex + ey * ey):
                         heard = found
             leave = min(next_x, next_y)
             goes_x = next_x < next_y
@@ -161,7 +160,9 @@ def sonar(
             mx, my = table[m, 0], table[m, 1]
             ox, oy = x + c * mx - s * my, y + s * mx + c * my
             nearest = limit
-            for k in range(2, 2 + 2 * per_mount, 2):
+            for i in range(per_mount):
+                # the one in the middle first: what it hears limits the others
+                k = 2 + 2 * ((i + per_mount // 2) % per_mount)
                 dx, dy = (
                     c * table[m, k] - s * table[m, k + 1],
                     s * table[m, k] + c * table[m, k + 1],
