@@ -129,6 +129,18 @@ async def test_a_client_that_comes_at_once_after_one_that_vanished_is_served(
         assert await hold(driver, 0.2) == 0
 
 
+async def test_half_a_packet_of_the_last_client_is_not_held_against_the_next(
+    station: Station,
+) -> None:
+    first = station.plug_in()
+    await first.write(encode(b"\x00")[:3])
+    await first.close()
+    await asyncio.sleep(1.0)
+    second = station.plug_in()
+    await second.write(encode(b"\x00"))
+    assert await heard(second, 0.5) == encode(b"\x00")
+
+
 async def test_a_client_that_hangs_loses_its_place(station: Station) -> None:
     hung = station.plug_in()
     await hung.write(SYNCS + OPEN)

@@ -63,6 +63,10 @@ class PacketReader:
         self._buffer = bytearray()
         self._heard = 0.0
 
+    def forget(self) -> None:
+        """Lose a packet that has begun: what comes next is from somebody else."""
+        self._buffer.clear()
+
     def feed(self, data: bytes, now: float = 0.0) -> list[bytes]:
         """Add bytes received at `now` [s, monotonic]; return every payload they complete."""
         self.rejected.clear()

@@ -232,6 +232,7 @@ class RobotPort:
 
     def _welcome(self) -> None:
         """Make ready for another host."""
+        self.firmware.device.reader.forget()
         self._to_host.lose()  # that was for the last one
         if len(self._inbox) > BURST:  # it has flooded us; less may be its farewell
             self._forget()

@@ -1,11 +1,16 @@
-// Fingers and mouse on the canvas -> View: drag, pinch, wheel, double tap.
+// Fingers and mouse on the canvas -> View: drag, pinch, wheel, double tap; or -> Editor, if it takes them.
 
 const DOUBLE_TAP = 320; // ms
 const TAP_RADIUS = 24; // px
 const WHEEL = 0.0016; // zoom per wheel pixel
 
-export function listenToCanvas(canvas, view, changed) {
+/**
+ * @param editor {take, drag, drop, cancel, hovers, select}: gets the fingers that it takes
+ * @param changed function(), after the view has changed
+ */
+export function listenToCanvas(canvas, view, editor, changed) {
   const fingers = new Map(); // pointerId -> {x, y}
+  let held = null; // the finger that the editor has: {id, at}
   let lastTap = { at: -Infinity, x: 0, y: 0 };
   let moved = false;
 
@@ -14,13 +19,33 @@ export function listenToCanvas(canvas, view, changed) {
   canvas.addEventListener("pointerdown", (event) => {
     if (event.pointerType === "mouse" && event.button !== 0) return;
     canvas.setPointerCapture(event.pointerId);
+    if (held) giveBack();
+    else if (fingers.size === 0 && editor.take(place(event), event.pointerType)) {
+      held = { id: event.pointerId, at: place(event) };
+      return;
+    }
     fingers.set(event.pointerId, place(event));
     if (fingers.size === 1) moved = false;
   });
 
+  /** A second finger makes a pinch of what was the editor's. */
+  function giveBack() {
+    editor.cancel();
+    fingers.set(held.id, held.at);
+    held = null;
+    moved = true;
+  }
+
   canvas.addEventListener("pointermove", (event) => {
+    if (held?.id === event.pointerId) {
+      held.at = place(event);
+      return editor.drag(held.at);
+    }
     const before = fingers.get(event.pointerId);
-    if (!before) return;
+    if (!before) {
+      if (!held) canvas.classList.toggle("over", editor.hovers(place(event)));
+      return;
+    }
     const now = place(event);
     const step = Math.hypot(now.x - before.x, now.y - before.y);
     if (!moved && fingers.size === 1 && step < 4) return; // a tap may tremble
@@ -39,9 +64,16 @@ export function listenToCanvas(canvas, view, changed) {
   }
 
   function lift(event) {
+    if (held?.id === event.pointerId) {
+      held = null;
+      if (event.type === "pointerup") editor.drop();
+      else editor.cancel();
+      return;
+    }
     if (!fingers.delete(event.pointerId) || moved || event.type !== "pointerup") return;
     const { x, y } = place(event);
     const near = Math.hypot(x - lastTap.x, y - lastTap.y) < TAP_RADIUS;
+    editor.select(null); // the floor was tapped
     if (near && event.timeStamp - lastTap.at < DOUBLE_TAP) {
       view.toggle();
       lastTap.at = -Infinity;
