@@ -22,10 +22,10 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.pace import TICK, Pace
-from pioneer3.sim.port import BURST, BYTES_PER_TICK
-from pioneer3.sim.seat import STALE
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.pace import TICK, Pace
+from pioneer3.sim.server.port import BURST, BYTES_PER_TICK
+from pioneer3.sim.server.seat import STALE
 from pioneer3.sim.world import World
 from tests.e2e.processes import PATIENCE
 from tests.support import frame, hold, until
@@ -362,7 +362,7 @@ from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.pace import Pace
+from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 

@@ -9,9 +9,9 @@ from pioneer3 import connect_async
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.faults import LinkFaults
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.world import World
 from tests.support import hold, until
 

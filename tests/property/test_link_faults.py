@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.arcos.packet import PacketReader, encode
-from pioneer3.sim.faults import Line, LinkFaults
+from pioneer3.sim.server.faults import Line, LinkFaults
 
 shares = st.floats(0, 1)
 seeds = st.integers(0, 2**32)

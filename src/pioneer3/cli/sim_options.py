@@ -14,9 +14,9 @@ from pioneer3.cli.options import WORLD, TcpPort
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
-    from pioneer3.sim.faults import LinkFaults
-    from pioneer3.sim.pace import Pace
     from pioneer3.sim.realism import Realism
+    from pioneer3.sim.server.faults import LinkFaults
+    from pioneer3.sim.server.pace import Pace
 
 PORTS = Group.create_ordered("Ports")
 TIME = Group.create_ordered("Time")
@@ -109,7 +109,7 @@ class TimeOptions:
         Raises:
             ConfigError: The speed is none, or two are given.
         """
-        from pioneer3.sim.pace import Pace  # noqa: PLC0415
+        from pioneer3.sim.server.pace import Pace  # noqa: PLC0415
 
         if self.fast and self.speed != 1.0:
             raise ConfigError("--speed and --fast: give one of them")
@@ -154,7 +154,7 @@ class ErrorOptions:
         Raises:
             ConfigError: A word is wrong.
         """
-        from pioneer3.sim.faults import LinkFaults  # noqa: PLC0415
+        from pioneer3.sim.server.faults import LinkFaults  # noqa: PLC0415
 
         return LinkFaults.parse(self.fault)
 

@@ -16,10 +16,10 @@ from pioneer3.gym.places import Places, Point, Ring
 from pioneer3.gym.task import Task
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.footprint import turning_circle
 from pioneer3.sim.kernels import load_kernels
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP
 from pioneer3.sim.maps import LineMap, load_map
+from pioneer3.sim.population.footprint import turning_circle
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 

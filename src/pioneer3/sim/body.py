@@ -26,7 +26,6 @@ from pioneer3.sim.kernels.drives import (
     STALLED,
     SUPPLY,
     TOP,
-    TOUCHED,
 )
 from pioneer3.sim.motion import Drive
 from pioneer3.units import DEGREE
@@ -152,16 +151,12 @@ class Body:
     @property
     def front_bumpers(self) -> int:
         """The pressed ones, bit 1 is the left-most segment (arcos.md 4.7)."""
-        return self._pressed[0]
+        return self._bumpers()[0]
 
     @property
     def rear_bumpers(self) -> int:
         """The pressed ones, bit 1 is the right-most segment (arcos.md 4.7)."""
-        return self._pressed[1]
-
-    @property
-    def _pressed(self) -> Bumpers:
-        return self._bumpers() if self.drives.flags.item(TOUCHED, self.number) else (0, 0)
+        return self._bumpers()[1]
 
     @property
     def motor_temperature(self) -> float:

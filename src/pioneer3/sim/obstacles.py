@@ -61,7 +61,7 @@ class Obstacle:
 
         Args:
             dt: [s].
-            bodies: Of the robots x, y [m], theta [rad], front, rear and half width [m], (6, N).
+            bodies: Of the robots what `Robots.state` has, (8, N).
 
         Returns:
             Whether they moved.
@@ -82,11 +82,12 @@ class Obstacle:
 
 
 def _gaps(pose: Pose2, bodies: Float) -> Float:
-    """Return the distance [m] from a point to the rectangle of each robot, shape (N,)."""
-    x, y, theta, front, rear, half = bodies
+    """Return the distance [m] from a point to the rectangle of each robot, ghosts far, (N,)."""
+    x, y, theta, front, rear, half, _, hidden = bodies
     c, s = np.cos(theta), np.sin(theta)
     dx, dy = pose.x - x, pose.y - y
     ahead = abs(c * dx + s * dy - (front - rear) / 2) - (front + rear) / 2
     left = abs(c * dy - s * dx) - half
     gaps: Float = np.hypot(ahead.clip(min=0), left.clip(min=0))
+    gaps[hidden != 0] = np.inf
     return gaps

@@ -25,7 +25,7 @@ from pioneer3.sim.kernels import (
     load_kernels,
     sonar_mounts,
 )
-from pioneer3.sim.kernels.drives import LONGEST, SUPPLY
+from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
@@ -85,6 +85,7 @@ class World:
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
         self._echoes: dict[int, Float] = {}
+        self._pressed: dict[int, tuple[int, int]] = {}
         self._expected: list[int] = []
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
@@ -178,14 +179,14 @@ class World:
         for body in self.robots:
             body.drives.free[:] = 0.0
             body.set_wheel(SUPPLY, 0.0)
-        self._echoes.clear()
+        self._forget()
 
     def _step(self, dt: float) -> None:
         """Let at most `LONGEST` pass."""
         if self.outlines.stale:
             self._place()
         noise = self._next_noise() if self._noisy else None
-        self._echoes.clear()
+        self._forget()
         self.kernels.step(self._grid, self.outlines, self.drives, dt, noise)
         if self.obstacles:
             self._walk(dt)
@@ -194,7 +195,7 @@ class World:
 
     def _walk(self, dt: float) -> None:
         """Let people walk."""
-        bodies = self.outlines.state[:6, : len(self.robots)]
+        bodies = self.outlines.state[:, : len(self.robots)]
         for obstacle in self.obstacles:
             if obstacle.walk(dt, bodies):
                 self._show(obstacle)
@@ -243,7 +244,7 @@ class World:
 
     def _place(self) -> None:
         if self.outlines.stale:
-            self._echoes.clear()
+            self._forget()
             self.kernels.place(self.outlines)
             self.outlines.stale = False
 
@@ -256,19 +257,34 @@ class World:
         return row
 
     def _bumpers(self, body: Body) -> tuple[int, int]:
-        """Return what presses the bumpers of `body`."""
+        """Return the segments of `body`'s bumpers that something presses."""
         self._place()
+        if body.number not in self._pressed:
+            self._pressed[body.number] = self._touching(body)
+        return self._pressed[body.number]
+
+    def _touching(self, body: Body) -> tuple[int, int]:
+        """Work it out: a robot that has met nothing may still be met by another."""
+        model, hit = body.model, body.drives.flags.item(TOUCHED, body.number)
+        if not (model.front_bumpers or model.rear_bumpers):
+            return 0, 0
         x, y, theta = self.outlines.poses[:, body.number].tolist()
-        reach = hypot(max(body.model.length_front, body.model.length_rear), body.model.width / 2)
-        reach += REACH
+        reach = hypot(max(model.length_front, model.length_rear), model.width / 2) + REACH
         middle_x, middle_y, radius = self.outlines.shapes[:, :3].T
         near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
         near[body.number] = False
+        if not (hit or near.any()):
+            return 0, 0
         outlines = self.outlines.shapes[near, 3:]
         corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
         sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
-        around = np.concatenate([self._grid.around(x, y, reach), sides])
-        return pressed_segments(body.model, Pose2(x, y, theta), around)
+        around = np.concatenate([self._grid.around(x, y, reach), sides]) if hit else sides
+        return pressed_segments(model, Pose2(x, y, theta), around)
+
+    def _forget(self) -> None:
+        """Forget what was measured: something has moved."""
+        self._echoes.clear()
+        self._pressed.clear()
 
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
         """Lay out the arrays anew; everything keeps its state."""
@@ -291,7 +307,7 @@ class World:
                 drives.errors[:, number] = column
             body.bind(drives, self.outlines, number, partial(self._bumpers, body))
         self.robots = robots
-        self._echoes.clear()
+        self._forget()
         self._expected = []
         drives.free[:] = 0.0
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0

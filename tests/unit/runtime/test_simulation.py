@@ -24,9 +24,9 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.urls import open_link, split_host
 from pioneer3.runtime.simulation import RunningSimulation, simulator
 from pioneer3.runtime.simulation.address import machine_address, url_of
-from pioneer3.sim.faults import LinkFaults
-from pioneer3.sim.pace import Pace
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.worldfile import Box, Fitting, Person, RobotSpec
 from pioneer3.sim.worldfile.arguments import Wishes
 from tests.support import SYNCS, frame, until

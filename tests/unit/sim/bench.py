@@ -8,7 +8,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.map_shelf import MapShelf
+from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from tests.support import frame

@@ -12,10 +12,10 @@ from pioneer3.arcos.commands import Request, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import MapChanged, SimFlag, SimInfo, SimStat, Sip
 from pioneer3.geometry import Pose2
-from pioneer3.sim.console import StepTimes
 from pioneer3.sim.equipment import Equipment
+from pioneer3.sim.firmware.console import StepTimes
+from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
-from pioneer3.sim.map_shelf import MapShelf
 from tests.support import frame, wall_at
 from tests.unit.sim.bench import Bench
 

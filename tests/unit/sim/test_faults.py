@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos.packet import encode
 from pioneer3.errors import ConfigError
-from pioneer3.sim.faults import Line, LinkFaults
+from pioneer3.sim.server.faults import Line, LinkFaults
 
 PULSE = encode(b"\0")
 

@@ -7,7 +7,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import SIP_STOPPED, Fault, Sip, SipFlag
 from pioneer3.sim.body import AMBIENT
-from pioneer3.sim.instruments import HOT
+from pioneer3.sim.firmware.instruments import HOT
 from pioneer3.sim.kernels.drives import CAPACITY, HEAT, STALLED, SUPPLY
 from tests.support import wall_at
 from tests.unit.sim.bench import ON, Bench

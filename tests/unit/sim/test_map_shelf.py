@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.map_shelf import MapShelf
+from pioneer3.sim.firmware.map_shelf import MapShelf
 
 MAP = "2D-Map\nLINES\n0 0 1000 0\n0 0 0 1000\n"
 

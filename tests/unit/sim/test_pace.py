@@ -5,7 +5,7 @@ from math import inf, nan
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.pace import LATE, TICK, Pace
+from pioneer3.sim.server.pace import LATE, TICK, Pace
 
 
 def ticks(pace: Pace, seconds: float, *, work: float = 0.0, start: float = 100.0) -> int:

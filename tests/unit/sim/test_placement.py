@@ -9,10 +9,17 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.footprint import hits, inside, outline, overlap, stands_in, turning_circle
 from pioneer3.sim.maps import LineMap, empty_map, load_map
 from pioneer3.sim.maps.distance import distances
-from pioneer3.sim.placement import GAP, Newcomer, place_all
+from pioneer3.sim.population.footprint import (
+    hits,
+    inside,
+    outline,
+    overlap,
+    stands_in,
+    turning_circle,
+)
+from pioneer3.sim.population.placement import GAP, Newcomer, place_all
 from pioneer3.sim.worldfile import Box, Wall, WorldFile
 from pioneer3.sim.worldfile.reach import Floor
 from pioneer3.sim.worldfile.spec import Start

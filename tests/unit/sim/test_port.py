@@ -9,11 +9,11 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.faults import LinkFaults
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.pace import TICK
-from pioneer3.sim.port import BURST, BYTES_PER_TICK, MOST_WAITING, RobotPort
-from pioneer3.sim.seat import GRACE, STALE
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import TICK
+from pioneer3.sim.server.port import BURST, BYTES_PER_TICK, MOST_WAITING, RobotPort
+from pioneer3.sim.server.seat import GRACE, STALE
 from pioneer3.sim.world import World
 from tests.support import frame
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 from pioneer3.sim.kernels import Kernels, load_kernels
 from pioneer3.sim.kernels.cache import is_ready
-from pioneer3.sim.pace import Pace
+from pioneer3.sim.server.pace import Pace
 
 KernelChoice = Literal["auto", "numba", "numpy"]
 """`auto`: numba where it pays and is compiled already."""

@@ -9,7 +9,7 @@ from pioneer3.errors import PioneerError
 from pioneer3.links.tcp import accepted
 from pioneer3.runtime.simulation.address import url_of
 from pioneer3.runtime.simulation.running import RunningSimulation
-from pioneer3.sim.doors import listening
+from pioneer3.sim.server.doors import listening
 from pioneer3.sim.worldfile import RobotSpec
 
 log = logging.getLogger(__name__)

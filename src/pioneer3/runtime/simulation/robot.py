@@ -7,7 +7,7 @@ from pioneer3.models import RobotModel
 from pioneer3.runtime.simulation.address import url_of
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.port import RobotPort
+from pioneer3.sim.server.port import RobotPort
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

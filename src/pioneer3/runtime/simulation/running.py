@@ -15,15 +15,15 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation.robot import SimulatedRobot
 from pioneer3.sim.body import Body
-from pioneer3.sim.faults import LinkFaults
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.footprint import hits, overlap, stands_in
-from pioneer3.sim.map_shelf import MapShelf
+from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.pace import Pace
-from pioneer3.sim.placement import Berths, Newcomer
-from pioneer3.sim.population import new_name
+from pioneer3.sim.population.footprint import hits, overlap, stands_in
+from pioneer3.sim.population.placement import Berths, Newcomer
+from pioneer3.sim.population.populate import new_name
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person, RobotSpec
 

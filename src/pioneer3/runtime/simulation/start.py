@@ -14,13 +14,13 @@ from pioneer3.runtime.simulation.robot import SimulatedRobot
 from pioneer3.runtime.simulation.running import RunningSimulation
 from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
-from pioneer3.sim.faults import LinkFaults
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.map_shelf import MapShelf
-from pioneer3.sim.pace import Pace
-from pioneer3.sim.population import Inhabitant, populate
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.population.populate import Inhabitant, populate
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes

@@ -183,7 +183,9 @@ class NumpyKernels:
         How much room a robot surely has is kept and used up step by step; only those that have
         none left are looked at.
         """
-        way = np.hypot(*(after[:2] - robots.poses[:2, : len(drives)]))
+        x, y, turn = after - robots.poses[:, : len(drives)]
+        front, rear, half = robots.state[3:6, : len(drives)]
+        way = np.hypot(x, y) + abs(turn) * np.hypot(np.maximum(front, rear), half)
         farthest = float(way.max())
         drives.free -= way + farthest
         who = moving[drives.free[moving] <= 0]

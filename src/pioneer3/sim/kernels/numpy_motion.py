@@ -96,7 +96,8 @@ def _run(drives: Drives, dt: float, pieces: int) -> Float:
     axes, flags, errors = drives.axes, drives.flags, drives.errors
     hard = (flags[BRAKING] != 0) | (flags[POWERED] == 0)
     brake = np.where(hard, HARD, axes[DECELERATION])
-    held, wish = flags[HELD] != 0, np.zeros((8, len(drives)))
+    held = (flags[HELD] != 0) | (flags[POWERED] == 0)
+    wish = np.zeros((8, len(drives)))
     for _ in range(pieces):
         ways = _turn_axes(axes, held, brake, dt / pieces)
         true_ways = (errors[:WAY_NOISE].reshape(2, 2, -1) * ways).sum(axis=1)

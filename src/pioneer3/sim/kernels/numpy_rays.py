@@ -92,7 +92,7 @@ class Rays:
             ends = seen.take(wall, axis=1)
             self._measure(ray, owners[wall], ends, out)
             if heard is not None:
-                back = self._steepness(ray, ends) >= steep
+                back = ~(self._steepness(ray, ends) < steep)  # a post has no steepness
                 self._measure(ray[back], owners[wall[back]], seen.take(wall[back], axis=1), heard)
 
     def meet_robots(self, owners: Int, radius: Float, seen: Float, out: Float) -> None:

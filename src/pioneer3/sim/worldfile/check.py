@@ -15,7 +15,7 @@ from pioneer3.sim.maps.line_map import LineMap
 from pioneer3.sim.maps.read import read_plan
 from pioneer3.sim.maps.server import KEYS, ServerFile
 from pioneer3.sim.maps.text import decoded, read_bytes
-from pioneer3.sim.population import Inhabitant, populate
+from pioneer3.sim.population.populate import Inhabitant, populate
 from pioneer3.sim.worldfile.check_aria import as_remark, check_aria
 from pioneer3.sim.worldfile.check_places import check_places, room
 from pioneer3.sim.worldfile.load import load_world

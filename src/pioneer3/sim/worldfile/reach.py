@@ -6,9 +6,9 @@ from math import ceil, floor, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.footprint import which_inside
 from pioneer3.sim.maps.line_map import Bounds
 from pioneer3.sim.maps.raster import samples
+from pioneer3.sim.population.footprint import which_inside
 
 Float = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.sim.accessories.cameras import CanonVcc4, Gaze
+from pioneer3.sim.firmware.accessories.cameras import CanonVcc4, Gaze
 
 
 def frame(command: int, parameters: bytes = b"") -> bytes:

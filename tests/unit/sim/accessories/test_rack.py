@@ -11,10 +11,17 @@ from pioneer3.arcos.commands import Command, GripperAction, GyroMode, Request, T
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.sim.accessories import Accessories, Carrier, Equipment, Inputs, Stick, TableSensor
-from pioneer3.sim.accessories.cameras import SonyEvi
-from pioneer3.sim.accessories.courtesy import TAKEN
 from pioneer3.sim.body import Body
+from pioneer3.sim.firmware.accessories import (
+    Accessories,
+    Carrier,
+    Equipment,
+    Inputs,
+    Stick,
+    TableSensor,
+)
+from pioneer3.sim.firmware.accessories.cameras import SonyEvi
+from pioneer3.sim.firmware.accessories.courtesy import TAKEN
 from tests.property.test_codecs import messages
 from tests.unit.sim.accessories.carrier import FakeCarrier
 

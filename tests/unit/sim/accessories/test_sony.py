@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.sim.accessories.cameras import Gaze, SonyEvi
+from pioneer3.sim.firmware.accessories.cameras import Gaze, SonyEvi
 
 ACK, DONE, SYNTAX = b"\x90\x41\xff", b"\x90\x51\xff", b"\x90\x60\x02\xff"
 ARIA_INIT = bytes.fromhex("88010001ff 883001ff")

@@ -141,7 +141,8 @@ def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
     it is, 6 and 7 way and turn of the wheels.
     """
     axes, flags, _, errors = drives
-    hard, held = flags[BRAKING, n] != 0 or flags[POWERED, n] == 0, flags[HELD, n] != 0
+    off = flags[POWERED, n] == 0
+    hard, held = flags[BRAKING, n] != 0 or off, flags[HELD, n] != 0 or off
     brake = HARDEST if hard else axes[DECELERATION, LINEAR, n]
     turn_brake = HARDEST_TURN if hard else axes[DECELERATION, ANGULAR, n]
     fine = not (isnan(axes[REMAINING, LINEAR, n]) and isnan(axes[REMAINING, ANGULAR, n]))

@@ -1,0 +1,198 @@
+"""The Pioneer gripper: two paddles with break beams on a lift (arcos.md 3.2, 4.7, 5.6).
+
+The bits are those that ARIA reads; Player reads the same byte otherwise (arcos.md 13, row 20).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command, GripperAction, Request
+from pioneer3.arcos.reports import GripperState, GripperSwitch, Report
+from pioneer3.errors import ConfigError
+from pioneer3.sim.firmware.accessories.base import Asked, Inputs
+from pioneer3.sim.firmware.accessories.gripper_motion import CONTACT, OPENING, Lift, Paddles, Thing
+
+NO_GRIPPER, GENERAL_IO = 0, 2
+IDLE = (
+    GripperSwitch.OPEN_LOW
+    | GripperSwitch.LIFT_LIMIT_LOW
+    | GripperSwitch.LEFT_PADDLE_LOW
+    | GripperSwitch.RIGHT_PADDLE_LOW
+)
+"""What the active-low switches show where nothing presses them."""
+GRASP_TIME = 0.2
+"""How long the paddles press after they have met resistance, until PRESSURE sets it [s]."""
+TWENTY_MS = 0.02
+VALUED = (GripperAction.PRESSURE, GripperAction.LIFT_CARRY)
+
+
+class Gripper:
+    """A gripper on the general inputs (type 2), delivered open and down.
+
+    GRIPPER 16 (PRESSURE) and 17 (LIFT_CARRY) wait for the GRIPPERVAL that ARIA sends next: it sets
+    the grasp time, or raises the lift for that long.
+    """
+
+    def __init__(self) -> None:
+        self._paddles, self._lift = Paddles(), Lift()
+        self._paddles.squeeze = GRASP_TIME
+        self._thing: Thing | None = None
+        self._valued: GripperAction | None = None
+        self._asked = Asked()
+        self._time: float | None = None
+
+    @property
+    def thing(self) -> Thing | None:
+        """What is between the paddles."""
+        return self._thing
+
+    @property
+    def opening(self) -> float:
+        """Between the paddles [m], as of the last command or report."""
+        return self._paddles.opening
+
+    @property
+    def height(self) -> float:
+        """Of the lift, 0 down to 1 up, as of the last command or report."""
+        return self._lift.height
+
+    @property
+    def awaits_value(self) -> bool:
+        """Whether the next command 36 is GRIPPERVAL, not the old simulator's laser start."""
+        return self._valued is not None
+
+    def put(self, thing: Thing | None) -> None:
+        """Put something between the paddles, or take it away (`None`).
+
+        Raises:
+            ConfigError: It is wider than the paddles are open.
+        """
+        if thing is not None and thing.width > self.opening:
+            raise ConfigError(
+                f"{thing.width} m do not fit between paddles {self.opening:.3f} m apart"
+            )
+        self._thing = thing
+
+    def switches(self, now: float) -> GripperSwitch:
+        """Return what its sensors see."""
+        self._advance(now)
+        seen = GripperSwitch(0)
+        if self.opening < OPENING:
+            seen |= GripperSwitch.OPEN_LOW
+        if not self._lift.at_limit:
+            seen |= GripperSwitch.LIFT_LIMIT_LOW
+        if self.opening > self._closest() + CONTACT:
+            seen |= GripperSwitch.LEFT_PADDLE_LOW | GripperSwitch.RIGHT_PADDLE_LOW
+        if self._thing is not None and self._thing.outer:
+            seen |= GripperSwitch.OUTER_BEAM_BROKEN
+        if self._thing is not None and self._thing.inner:
+            seen |= GripperSwitch.INNER_BEAM_BROKEN
+        if self._lift.moving:
+            seen |= GripperSwitch.LIFT_MOVING
+        if self._paddles.moving:
+            seen |= GripperSwitch.GRIP_MOVING
+        return seen
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Move, set durations, take requests for reports."""
+        match command:
+            case commands.Gripper(action):
+                self._advance(now)
+                self._act(action)
+            case commands.GripperVal(duration):
+                self._advance(now)
+                self._value(duration)
+            case commands.GripperPacRequest(how):
+                self._asked.ask(how)
+            case _:
+                return False
+        return True
+
+    def _act(self, action: GripperAction) -> None:
+        self._valued = action if action in VALUED else None
+        paddles, lift = self._paddles, self._lift
+        match action:
+            case GripperAction.OPEN:
+                paddles.drive(1)
+            case GripperAction.CLOSE:
+                paddles.drive(-1)
+            case GripperAction.STOP:
+                paddles.drive(0)
+            case GripperAction.LIFT_UP:
+                lift.drive(1)
+            case GripperAction.LIFT_DOWN:
+                lift.drive(-1)
+            case GripperAction.LIFT_STOP:
+                lift.drive(0)
+            case GripperAction.STORE:
+                paddles.drive(-1)
+                lift.drive(1)
+            case GripperAction.DEPLOY:
+                paddles.drive(1)
+                lift.drive(-1)
+            case GripperAction.HALT:
+                paddles.drive(0)
+                lift.drive(0)
+
+    def _value(self, duration: float) -> None:
+        if self._valued is GripperAction.PRESSURE:
+            self._paddles.squeeze = duration
+        elif self._valued is GripperAction.LIFT_CARRY:
+            self._lift.drive(1, duration)
+        self._valued = None
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the gripper's state when it is due."""
+        if not self._asked.due(cycle=cycle):
+            return ()
+        grasp_time = min(0xFF, round(self._paddles.squeeze / TWENTY_MS))
+        return (GripperState(GENERAL_IO, self.switches(now), grasp_time),)
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Show the switches in the second I/O byte."""
+        return replace(sip, gripper_state=int(self.switches(now)))
+
+    def hang_up(self) -> None:
+        """Stand still and send no more reports; what is held stays held."""
+        self._act(GripperAction.HALT)
+        self._asked = Asked()
+
+    def _advance(self, now: float) -> None:
+        if self._time is not None and now > self._time:
+            self._paddles.step(now - self._time, self._closest())
+            self._lift.step(now - self._time)
+        self._time = now
+
+    def _closest(self) -> float:
+        return self._thing.width if self._thing else 0.0
+
+
+class NoGripper:
+    """The place where none is connected: asked, it says so, and ARIA's gripper asks no more."""
+
+    def __init__(self) -> None:
+        self._asked = Asked()
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Take requests for reports; there is nothing to move."""
+        match command:
+            case commands.GripperPacRequest(how):
+                self._asked.ask(how)
+            case commands.Gripper() | commands.GripperVal():
+                pass
+            case _:
+                return False
+        return True
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return that there is none when it is due."""
+        return (GripperState(NO_GRIPPER, IDLE, 0),) if self._asked.due(cycle=cycle) else ()
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """The second I/O byte stays as it is."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more reports."""
+        self._asked.ask(Request.STOP)

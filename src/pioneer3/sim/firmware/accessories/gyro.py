@@ -1,0 +1,116 @@
+"""The gyro whose samples the host corrects the heading with (arcos.md 5.4, GyroType 1)."""
+
+from collections import deque
+from collections.abc import Sequence
+from math import inf, radians
+
+from numpy.random import Generator
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command, GyroMode
+from pioneer3.arcos.reports import GyroRates, GyroSample, Report
+from pioneer3.geometry import wrap
+from pioneer3.sim.firmware.accessories.base import Carrier, Inputs
+
+PERIOD = 0.025
+"""Between two samples [s]."""
+STILL = 512
+TOP = 1023
+STEP = radians(5 / 1023 * 300 / 2.5)
+"""What ARIA takes one count for, before its GyroScaler [rad/s]."""
+MOST = 8
+"""Samples that are kept for the next report."""
+TEMPERATURE_RAW = 128
+TELEPORT = 2.0
+"""Faster than this times the model's top rate nothing turns: somebody has put the robot there."""
+
+
+class Gyro:
+    """Feels how the robot really turns, wheel slip included; says so when the host wants it.
+
+    With `packets` off it is one whose readings the controller uses itself (GyroType 2): GYRO is
+    taken, and nothing is sent.
+    """
+
+    def __init__(
+        self,
+        body: Carrier,
+        rng: Generator,
+        *,
+        packets: bool = True,
+        bias: float = 0.0,
+        noise: float = 0.0,
+    ) -> None:
+        """`bias` and the standard deviation `noise` are in [rad/s]."""
+        self._body = body
+        self._rng = rng
+        self._packets = packets
+        self._bias, self._noise = bias, noise
+        self._step = STEP * body.model.gyro_scaler
+        self._limit = TELEPORT * body.model.max_turn_rate
+        self._on = False
+        self._samples: deque[GyroSample] = deque(maxlen=MOST)
+        self._time: float | None = None
+        self._heading = 0.0
+        self._turned, self._left = 0.0, PERIOD
+
+    @property
+    def due(self) -> float:
+        """When the next sample is [s]; `inf` while nobody wants any."""
+        return self._time + self._left if self._on and self._time is not None else inf
+
+    def tick(self, now: float) -> None:
+        """Feel how far the robot has turned since the last call; sample every 25 ms."""
+        heading = self._body.robot_in_world.theta
+        if self._time is not None and now > self._time:
+            dt = now - self._time
+            rate = wrap(heading - self._heading) / dt
+            self._feel(rate if abs(rate) <= self._limit else 0.0, min(dt, MOST * PERIOD))
+        self._time, self._heading = now, heading
+
+    def _feel(self, rate: float, dt: float) -> None:
+        while dt >= self._left - 1e-9:
+            self._turned += rate * self._left
+            dt -= self._left
+            self._samples.append(self._sample(self._turned / PERIOD))
+            self._turned, self._left = 0.0, PERIOD
+        part = max(0.0, dt)
+        self._turned += rate * part
+        self._left -= part
+
+    def _sample(self, rate: float) -> GyroSample:
+        felt = rate + self._bias
+        if self._noise:
+            felt += self._noise * float(self._rng.standard_normal())
+        raw = STILL - round(felt / self._step)
+        return GyroSample(max(0, min(TOP, raw)), TEMPERATURE_RAW)
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Switch the samples on or off; calibrations are taken and change nothing."""
+        match command:
+            case commands.Gyro(mode):
+                self.tick(now)
+                self._samples.clear()
+                self._on = self._packets and mode is not GyroMode.OFF
+            case commands.GyroCW() | commands.GyroCCW():
+                pass
+            case _:
+                return False
+        return True
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the samples of the last cycle."""
+        if not (self._on and cycle):
+            return ()
+        self.tick(now)
+        samples = tuple(self._samples)
+        self._samples.clear()
+        return (GyroRates(samples),) if samples else ()
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Nothing of this is in the standard report."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more samples."""
+        self._on = False

@@ -1,0 +1,116 @@
+"""All accessories of one robot."""
+
+from collections.abc import Sequence
+from math import inf
+
+from numpy.random import Generator, default_rng
+
+from pioneer3.arcos.commands import Command, GripperVal
+from pioneer3.arcos.reports import Report
+from pioneer3.sim.equipment import PORTS, Camera, Equipment
+from pioneer3.sim.firmware.accessories.aux_port import AuxPort
+from pioneer3.sim.firmware.accessories.base import NOTHING, Accessory, Carrier, Inputs
+from pioneer3.sim.firmware.accessories.battery import BatteryGauge
+from pioneer3.sim.firmware.accessories.cameras import CanonVcc4, SonyEvi
+from pioneer3.sim.firmware.accessories.compass import Compass
+from pioneer3.sim.firmware.accessories.courtesy import Courtesy
+from pioneer3.sim.firmware.accessories.digital_io import DigitalIo, nothing_low
+from pioneer3.sim.firmware.accessories.encoders import Encoders
+from pioneer3.sim.firmware.accessories.gripper import Gripper, NoGripper
+from pioneer3.sim.firmware.accessories.gyro import Gyro
+from pioneer3.sim.firmware.accessories.joystick import Joystick
+from pioneer3.sim.firmware.accessories.table_ir import TableIr
+
+
+class Accessories:
+    """What is connected to one robot's controller; `None` for what this one does not have.
+
+    Call :meth:`tick` whenever time passes, :meth:`obey` for commands, :meth:`reports` after both,
+    and :meth:`inputs` for each standard report.
+    """
+
+    def __init__(
+        self, body: Carrier, equipment: Equipment | None = None, rng: Generator | None = None
+    ) -> None:
+        """Without `equipment` the robot has what its model comes with; `rng` makes the noise."""
+        self.equipment = fitted = equipment or Equipment.of(body.model)
+        noise = rng or default_rng(0)
+        self.table_ir = TableIr(body, fitted.table_ir) if fitted.table_ir else None
+        self.digital = DigitalIo(self.table_ir.held_low if self.table_ir else nothing_low)
+        self.encoders = Encoders(body)
+        self.battery = BatteryGauge(body)
+        self.gripper = Gripper() if fitted.gripper else None
+        self.compass = self._compass(body, noise) if fitted.compass else None
+        self.gyro = self._gyro(body, noise) if fitted.gyro_type else None
+        self.joystick = Joystick() if fitted.joystick else None
+        self.aux = tuple(AuxPort(port) for port in PORTS)
+        self.camera = _camera(fitted.camera)
+        self.aux[fitted.camera_port - 1].device = self.camera
+        fixed: tuple[Accessory, ...] = (self.digital, self.encoders, self.battery, *self.aux)
+        chosen = (self.gripper or NoGripper(), self.compass, self.gyro, self.joystick, Courtesy())
+        self._all: tuple[Accessory, ...] = (*fixed, *(each for each in chosen if each))
+        shown = (self.gripper, self.compass, self.joystick)
+        self._shown: tuple[Accessory, ...] = (self.digital, *(each for each in shown if each))
+
+    @property
+    def due(self) -> float:
+        """When to :meth:`tick` and to look for :meth:`reports` between cycles [s], or `inf`."""
+        return min(self.gyro.due if self.gyro else inf, *(port.due for port in self.aux))
+
+    def tick(self, now: float) -> None:
+        """Look at the robot at `now` [s], the oftener the better the gyro's samples."""
+        if self.gyro:
+            self.gyro.tick(now)
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Give `command` to whom it is for; return whether there was anybody."""
+        return any(accessory.obey(command, now) for accessory in self._all)
+
+    def claims(self, command: Command) -> bool:
+        """Whether `command` is for an accessory although its number may mean the old laser."""
+        return bool(self.gripper and self.gripper.awaits_value and isinstance(command, GripperVal))
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return what is due at `now`.
+
+        Args:
+            now: [s].
+            cycle: Whether a standard report follows: then streams are due too. Without it only
+                answers: what was wanted once, and bytes from an AUX port.
+        """
+        return [report for accessory in self._all for report in accessory.reports(now, cycle=cycle)]
+
+    def inputs(self, now: float) -> Inputs:
+        """Return what belongs into the standard report."""
+        sip = NOTHING
+        for accessory in self._shown:
+            sip = accessory.inputs(sip, now)
+        return sip
+
+    def hang_up(self) -> None:
+        """Stop what the host of the ended session has asked for; states stay as they are."""
+        for accessory in self._all:
+            accessory.hang_up()
+
+    def _compass(self, body: Carrier, rng: Generator) -> Compass:
+        fitted = self.equipment
+        return Compass(body, rng, north=fitted.north, noise=fitted.compass_noise)
+
+    def _gyro(self, body: Carrier, rng: Generator) -> Gyro:
+        fitted = self.equipment
+        return Gyro(
+            body,
+            rng,
+            packets=fitted.gyro_type == 1,
+            bias=fitted.gyro_bias,
+            noise=fitted.gyro_noise,
+        )
+
+
+def _camera(kind: Camera | None) -> CanonVcc4 | SonyEvi | None:
+    match kind:
+        case "vcc4":
+            return CanonVcc4()
+        case "sony":
+            return SonyEvi()
+    return None

@@ -1,0 +1,209 @@
+"""What a client may ask of the simulator itself (arcos.md 3.3, 5.13)."""
+
+import logging
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from pioneer3 import __version__
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command, SimOperation
+from pioneer3.arcos.reports import MapChanged, Report, SimDevice, SimFlag, SimInfo, SimStat
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.sim.body import Body
+from pioneer3.sim.equipment import Equipment
+from pioneer3.sim.firmware.accessories.base import Asked
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
+from pioneer3.sim.world import World
+from pioneer3.units import MM, MS, degrees
+
+log = logging.getLogger(__name__)
+
+APPLICATION = "pioneer3"
+NO_GEO_REFERENCE = -1
+MOST_MESSAGES = 100
+CODE_BYTES = 3
+"""Before the text of an old MESSAGE (arcos.md 3.3)."""
+E7 = 10_000_000
+LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepTimes:
+    """How time passes: what a step simulates, should take and does take [s]."""
+
+    simulated: float
+    wanted: float
+    measured: float
+
+
+@dataclass(slots=True, kw_only=True)
+class Console:
+    """Obeys the SIM commands of one robot's host.
+
+    Attributes:
+        world: What is simulated.
+        body: The robot.
+        equipment: What SIMINFO names besides drive, sonar and laser.
+        shelf: The maps that the host may load.
+        tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.
+        step_times: What SIMSTAT tells; for the server to set.
+        messages: Texts for people, the last hundred.
+    """
+
+    world: World
+    body: Body
+    equipment: Equipment
+    shelf: MapShelf
+    tell: Callable[[MapChanged], None]
+    step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
+    messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
+    _asked: Asked = field(default_factory=Asked)
+    _wants_info: bool = False
+
+    def obey(self, command: Command) -> bool:
+        """Carry out `command`; return whether it was for the simulator."""
+        match command:
+            case commands.SimSetPose(x, y, heading):
+                self.body.robot_in_world = Pose2(x, y, wrap(heading))
+            case commands.SimReset():
+                self.body.reset()
+            case commands.RequestSimStat(how):
+                self._asked.ask(how)
+            case commands.SimCtrl(operation, text):
+                self._control(operation, (text or "").rstrip("\0"))
+            case commands.SimMessage(text):
+                self._show(text)
+            case commands.Unknown(number, _) if number == commands.OldMessage.ID:
+                self._show_old(command)
+            case commands.SimExit():
+                log.info("%s: asks the simulator to end; refused", self.body.model.name)
+            case commands.SimModelConfig():
+                pass
+            case _:
+                return False
+        return True
+
+    def reports(self, *, cycle: bool) -> Sequence[Report]:
+        """Return what was asked for: once, or before every standard report of a `cycle`."""
+        due: list[Report] = []
+        if self._wants_info:
+            self._wants_info = False
+            due.append(self._info())
+        if self._asked.due(cycle=cycle):
+            due.append(self._stat())
+        return due
+
+    def hang_up(self) -> None:
+        """Send no more reports; a ghost becomes a robot again."""
+        self._asked, self._wants_info = Asked(), False
+        self.body.ghost = False
+
+    def _control(self, operation: SimOperation, text: str) -> None:
+        match operation:
+            case SimOperation.LOAD_MAP | SimOperation.LOAD_MASTER_MAP:
+                self._load(text)
+            case SimOperation.LOG_STATE:
+                log.info("%s: %s%s", self.body.model.name, self._state(), f" {text!r}" * bool(text))
+            case SimOperation.REQUEST_INFO:
+                self._wants_info = True
+            case SimOperation.GHOST:
+                self.body.ghost = True
+
+    def _load(self, name: str) -> None:
+        try:
+            self.world.change_map(self.shelf.find(name))
+        except ConfigError as error:
+            log.info("%s: asks for another map: %s", self.body.model.name, error)
+            reloaded = 0
+        else:
+            log.info("%s: loads map %r", self.body.model.name, name)
+            reloaded = 1
+        self.tell(MapChanged(by_user=False, reloaded=reloaded, file_name=_text(name)))
+
+    def _show(self, text: str) -> None:
+        # a client's text must not look like lines of ours
+        log.info("%s says %r", self.body.model.name, text)
+        self.messages.append(text)
+
+    def _show_old(self, command: Command) -> None:
+        meaning = commands.from_payload(commands.to_payload(command), simulator=True)
+        if isinstance(meaning, commands.OldMessage):
+            self._show(meaning.data[CODE_BYTES:].decode("latin-1"))
+
+    def _state(self) -> str:
+        body = self.body
+        world, odom, drive = body.robot_in_world, body.robot_in_odom, body.drive
+        return (
+            f"at x={world.x:.3f} y={world.y:.3f} th={degrees(world.theta):.1f},"
+            f" odometry x={odom.x:.3f} y={odom.y:.3f} th={degrees(odom.theta):.1f},"
+            f" {drive.linear.velocity:.3f} m/s {degrees(drive.angular.velocity):.1f} deg/s,"
+            f" {body.battery.voltage:.1f} V, time {self.world.time:.1f} s"
+        )
+
+    def _stat(self) -> SimStat:
+        pose, times = self.body.robot_in_world, self.step_times
+        way_error, turn_error = self._odometry_errors()
+        flags = SimFlag.HAS_MAP if self.world.map.walls.size else SimFlag(0)
+        if way_error or turn_error:
+            flags |= SimFlag.HAS_ODOMETRY_ERROR
+        return SimStat(
+            flags=flags,
+            step_ms=_milliseconds(times.simulated),
+            interval_ms=_milliseconds(times.wanted),
+            measured_ms=_milliseconds(times.measured),
+            x_mm=_millimetres(pose.x),
+            y_mm=_millimetres(pose.y),
+            z_mm=0,
+            heading_deg=round(degrees(pose.theta)),
+            latitude_e7=0,
+            longitude_e7=0,
+            altitude_cm=0,
+            gps_quality=NO_GEO_REFERENCE,
+            odometry_error_x_e7=round(way_error * E7),
+            odometry_error_y_e7=0,
+            odometry_error_heading_e7=round(turn_error * E7),
+        )
+
+    def _odometry_errors(self) -> tuple[float, float]:
+        """Return by how much more the wheels see than is true, per way and per turn."""
+        errors = self.body.drives.errors[:, self.body.number]
+        return 1 / errors.item(V_OF_V) - 1, 1 / errors.item(W_OF_W) - 1
+
+    def _info(self) -> SimInfo:
+        fitted, model = self.equipment, self.body.model
+        present = {
+            "drive": True,
+            "sonar": bool(model.sonars),
+            "laser": True,
+            "gripper": fitted.gripper,
+            "compass": fitted.compass,
+            "gyro": fitted.gyro_type > 0,
+            "joystick": fitted.joystick,
+            "camera": fitted.camera is not None,
+        }
+        return SimInfo(
+            application=APPLICATION,
+            version=__version__,
+            flags=0,
+            devices=tuple(
+                SimDevice(name=kind, kind=kind, which=0, status=1)
+                for kind, there in present.items()
+                if there
+            ),
+        )
+
+
+def _text(name: str) -> str:
+    """Return as much of `name` as a text on the wire can be."""
+    return name.partition("\0")[0]
+
+
+def _milliseconds(seconds: float) -> int:
+    return max(0, min(0xFFFF, round(seconds / MS)))
+
+
+def _millimetres(metres: float) -> int:
+    return max(LOWEST, min(HIGHEST, round(metres / MM)))

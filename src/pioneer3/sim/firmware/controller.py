@@ -1,0 +1,211 @@
+"""The robot's controller: commands become motion, the world becomes reports.
+
+With its parts the only bridge between ARCOS and the simulated world. Facts: arcos.md 2.7, 3, 4, 5,
+12; where the old emulator is wrong (arcos.md 9, 13), this follows the real firmware.
+
+===========  ======================================================
+part         what
+===========  ======================================================
+steering     commands that drive
+instruments  the standard report
+scanner      the laser
+accessories  whatever else is connected
+console      what is asked of the simulator itself
+===========  ======================================================
+"""
+
+from collections import deque
+from collections.abc import Callable
+from math import inf
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.device import (
+    Commanded,
+    Device,
+    Event,
+    SessionClosed,
+    SessionOpened,
+    WatchdogBit,
+    WatchdogFed,
+)
+from pioneer3.sim.body import Body
+from pioneer3.sim.equipment import Equipment
+from pioneer3.sim.firmware.accessories import Accessories
+from pioneer3.sim.firmware.configuration import configuration
+from pioneer3.sim.firmware.console import Console, StepTimes
+from pioneer3.sim.firmware.instruments import Instruments
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.firmware.scanner import Scanner
+from pioneer3.sim.firmware.steering import steer
+from pioneer3.sim.world import World
+from pioneer3.state import Identity
+
+CYCLE = 0.1
+"""Pause between information packets [s]."""
+NAME = "MobileSim"
+"""By this name real ARIA programs know a simulator, and take its laser (arcos.md 2.6)."""
+
+
+class Firmware:
+    """One robot's controller: feed it bytes and time, send :attr:`device`'s outgoing bytes.
+
+    Attributes:
+        body: The robot.
+        identity: What it calls itself.
+        device: Its end of the session with a host.
+        accessories: What is connected to it.
+        on_map_changed: Called when a host has loaded another map, or could not. By itself this
+            tells only that host; who knows all robots calls :meth:`tell` of each.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        body: Body,
+        name: str = NAME,
+        watchdog: float = 2.0,
+        *,
+        equipment: Equipment | None = None,
+        shelf: MapShelf | None = None,
+    ) -> None:
+        """`shelf` has the maps that hosts may load; by default the shipped ones and those here."""
+        self.body = body
+        self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
+        self.device = Device(self.identity, watchdog)
+        self.accessories = Accessories(body, equipment)
+        self.on_map_changed: Callable[[reports.MapChanged], None] = self.tell
+        self._nominal_watchdog = watchdog
+        self._scanner = Scanner(world, body)
+        self._instruments = Instruments(world, body)
+        self._console = Console(
+            world=world,
+            body=body,
+            equipment=self.accessories.equipment,
+            shelf=shelf or MapShelf(),
+            tell=self._map_changed,
+        )
+        self._next_report = 0.0
+
+    @property
+    def watchdog(self) -> float:
+        """Silence of the host that stops the robot [s], 0 for never; may be set at any time.
+
+        CONFIG goes on to tell the one from the start, which is what a host's own clock shows.
+        """
+        return self.device.watchdog
+
+    @watchdog.setter
+    def watchdog(self, silence: float) -> None:
+        self.device.watchdog = silence
+
+    @property
+    def due(self) -> float:
+        """When to call :meth:`tick` next [s]; `inf` while there is no session.
+
+        Earlier calls do no harm. What the host says may bring it forward.
+        """
+        if not self.device.is_open:
+            return inf
+        return min(self._next_report, self.device.due, self.accessories.due)
+
+    @property
+    def messages(self) -> deque[str]:
+        """What hosts have said to the people at the simulator (SIM_MESSAGE), the newest last."""
+        return self._console.messages
+
+    @property
+    def step_times(self) -> StepTimes:
+        """How time passes, as SIMSTAT tells it; may be set at any time."""
+        return self._console.step_times
+
+    @step_times.setter
+    def step_times(self, times: StepTimes) -> None:
+        self._console.step_times = times
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Take bytes from the host at `now` [s, monotonic]."""
+        for event in self.device.receive(data, now):
+            self._handle(event, now)
+
+    def tell(self, report: reports.Report) -> None:
+        """Send `report` to the host, if there is one."""
+        self.device.send(report)
+
+    def hang_up(self, now: float) -> None:
+        """Take note that the host's link is gone for good."""
+        for event in self.device.hang_up():
+            self._handle(event, now)
+
+    def tick(self, now: float) -> None:
+        """Look at the clock: the watchdog, and the reports that are due."""
+        for event in self.device.tick(now):
+            self._handle(event, now)
+        if not self.device.is_open:
+            return
+        self.accessories.tick(now)
+        if now >= self._next_report - 1e-6:
+            late = now - self._next_report > CYCLE
+            self._next_report = now + CYCLE if late else self._next_report + CYCLE
+            self._report(now)
+        elif now >= self.accessories.due:
+            self._answer(now)
+
+    def information(self, now: float) -> reports.Sip:
+        """Return the standard information packet for this moment."""
+        return self._instruments.read(self.accessories.inputs(now))
+
+    def _map_changed(self, change: reports.MapChanged) -> None:
+        self.on_map_changed(change)
+
+    def _report(self, now: float) -> None:
+        """Send what every cycle brings: the standard report with the streams around it."""
+        self._instruments.feel()
+        self._answer(now, cycle=True)
+        self.device.send(self.information(now))
+        self.device.send_frames(self._scanner.frames())
+
+    def _answer(self, now: float, *, cycle: bool = False) -> None:
+        for report in self.accessories.reports(now, cycle=cycle):
+            self.device.send(report)
+        for report in self._console.reports(cycle=cycle):
+            self.device.send(report)
+
+    def _handle(self, event: Event, now: float) -> None:
+        match event:
+            case SessionOpened():
+                self.body.reset_odometry()
+                self.body.sonar_on = True
+                self._next_report = now
+                self.tick(now)
+            case SessionClosed():
+                self.body.session_ended()
+                self._scanner.off()
+                self._instruments.hang_up()
+                self._console.hang_up()
+                self.accessories.hang_up()
+            case Commanded(command):
+                self._obey(command, now)
+            case WatchdogBit():
+                self.body.drive.held = True
+            case WatchdogFed():
+                self.body.drive.held = False
+
+    def _obey(self, command: Command, now: float) -> None:
+        """Carry out one command; what this robot does not have is ignored, as by the real one."""
+        if not self.accessories.claims(command) and self._scanner.obey(command):
+            return
+        if steer(self.body, command) or self._instruments.obey(command):
+            return
+        if self.accessories.obey(command, now) or self._console.obey(command):
+            self._answer(now)
+        elif isinstance(command, commands.RequestConfig):
+            self.device.send(
+                configuration(
+                    self.identity,
+                    self.body,
+                    self.accessories.equipment,
+                    cycle=CYCLE,
+                    watchdog=self._nominal_watchdog,
+                )
+            )

@@ -1,0 +1,155 @@
+"""What the controller measures of its robot: the standard report's contents (arcos.md 4)."""
+
+from math import degrees
+
+import numpy as np
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import (
+    NO_TEMPERATURE,
+    SIP_MOVING,
+    SIP_STOPPED,
+    Fault,
+    Sip,
+    SipFlag,
+    SonarReading,
+)
+from pioneer3.geometry import wrap
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware.accessories import Inputs
+from pioneer3.sim.firmware.accessories.battery import LOW, charge_percent
+from pioneer3.sim.world import World
+from pioneer3.units import DECIVOLT, HEADING_UNIT
+
+ALL_SONARS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
+MOST_READINGS = 32
+"""Sonar readings in a report; 32 still fit into the 200 bytes of a frame (arcos.md 12)."""
+HOT = 80.0
+"""Motors are too hot from here on [degC]; unverified."""
+NOT_CHARGING, BULK, OVERCHARGE, FLOAT = range(4)
+OVERCHARGE_FROM, FLOAT_FROM = 80, 100
+"""Charge at which a charger goes over to the next state [percent]; unverified."""
+WIRE_BITS = 0x7FFF
+"""Of x and y, of which hosts look at 15 bits (arcos.md 4.2, 4.8)."""
+
+
+class Instruments:
+    """The controller's own sensors, and the commands that switch or fake them."""
+
+    def __init__(self, world: World, body: Body) -> None:
+        self._world, self._body = world, body
+        self._numbers = range(min(len(body.model.sonars), MOST_READINGS))
+        self._fake_heat = False
+        self._fake_temperature: int | None = None
+        self._bumped = False
+        self.hang_up()
+
+    def hang_up(self) -> None:
+        """Go back to what a robot does when it is switched on: bumps of both ends are stalls."""
+        # the user manual of the Pioneer 3; older firmware began with none
+        self._front_stalls = self._rear_stalls = True
+
+    def obey(self, command: Command) -> bool:
+        """Switch or fake a sensor; return whether `command` was for this."""
+        match command:
+            case commands.Sonar(on):
+                self._body.sonar_on = on
+            case commands.BumpStall(front, rear):
+                self._front_stalls, self._rear_stalls = front, rear
+            case commands.BatTest(voltage):
+                self._body.battery.fixed = voltage or None
+            case commands.DigTempTest(on):
+                self._fake_heat = on
+            case commands.SpoofAnalogTemp(celsius):
+                self._fake_temperature = None if celsius == NO_TEMPERATURE else celsius
+            case _:
+                return False
+        return True
+
+    def feel(self) -> None:
+        """Stop where a bumper touches on the side it drives to, if that is to be a stall."""
+        body, drive = self._body, self._body.drive
+        ahead = drive.linear.velocity or drive.linear.target or drive.linear.remaining or 0.0
+        bumpers = body.front_bumpers if ahead > 0 else body.rear_bumpers
+        stalls = self._front_stalls if ahead > 0 else self._rear_stalls
+        self._bumped = bool(ahead and stalls and bumpers)
+        if self._bumped:
+            drive.stop()
+            drive.halt()
+
+    def read(self, inputs: Inputs) -> Sip:
+        """Return the standard report for this moment; `inputs` are what accessories add to it."""
+        body, model = self._body, self._body.model
+        odom, linear, angular = body.robot_in_odom, body.drive.linear, body.drive.angular
+        v, w = linear.velocity, angular.velocity
+        half = w * model.wheel_base / 2
+        stalled = int(body.stalled or self._bumped)
+        celsius = self._celsius()
+        hot = celsius >= HOT or self._fake_heat
+        volts, charge = body.battery.voltage, charge_percent(body.battery)
+        decivolts = round(volts / DECIVOLT)
+        return Sip(
+            number=SIP_MOVING if v or w else SIP_STOPPED,
+            x_raw=round(odom.x / model.distance_factor) & WIRE_BITS,
+            y_raw=round(odom.y / model.distance_factor) & WIRE_BITS,
+            heading_raw=round(odom.theta / HEADING_UNIT),
+            left_speed_raw=round((v - half) / model.speed_factor),
+            right_speed_raw=round((v + half) / model.speed_factor),
+            battery_decivolts=min(decivolts, 255),
+            left_stall_rear_bumpers=stalled | body.rear_bumpers,
+            right_stall_front_bumpers=stalled | body.front_bumpers,
+            control_raw=round(wrap(odom.theta + (angular.remaining or 0.0)) / HEADING_UNIT),
+            flags=self._flags(hot=hot) | inputs.flags,
+            compass_raw=inputs.compass_raw,
+            sonar=self._sonar(),
+            analog_port=inputs.analog_port,
+            gripper_state=inputs.gripper_state,
+            analog=inputs.analog,
+            digital_in=inputs.digital_in,
+            digital_out=inputs.digital_out,
+            battery_decivolts_wide=decivolts,
+            charge_state=_charge_state(charge) if body.charging else NOT_CHARGING,
+            turn_rate_decidegrees=round(degrees(w) * 10),
+            faults=_faults(hot=hot, low=volts <= LOW),
+            lateral_speed_mm=0,
+            temperature_celsius=max(-127, min(127, round(celsius))),
+            # 0 stands for "cannot tell" (arcos.md 4.2)
+            charge_percent=max(1, charge),
+        )
+
+    def _celsius(self) -> float:
+        faked = self._fake_temperature
+        return self._body.motor_temperature if faked is None else faked
+
+    def _flags(self, *, hot: bool) -> SipFlag:
+        body = self._body
+        flags = ALL_SONARS if body.sonar_on else SipFlag(0)
+        if body.drive.powered:
+            flags |= SipFlag.MOTORS_ENABLED
+        if body.stop_button:
+            flags |= SipFlag.STOP_BUTTON
+        if body.charging:
+            flags |= SipFlag.CHARGER_POWER_GOOD
+        return flags | SipFlag.HIGH_TEMPERATURE if hot else flags
+
+    def _sonar(self) -> tuple[SonarReading, ...]:
+        if not self._body.sonar_on:
+            return ()
+        raw = np.rint(self._world.sonar(self._body) / self._body.model.range_factor)
+        return tuple(map(SonarReading, self._numbers, raw.astype(int).tolist()))
+
+
+def _charge_state(percent: int) -> int:
+    if percent >= FLOAT_FROM:
+        return FLOAT
+    return OVERCHARGE if percent >= OVERCHARGE_FROM else BULK
+
+
+def _faults(*, hot: bool, low: bool) -> Fault:
+    faults = Fault(0)
+    if hot:
+        faults |= Fault.HIGH_TEMPERATURE
+    if low:
+        faults |= Fault.UNDERVOLTAGE
+    return faults

@@ -1,0 +1,1 @@
+"""Who begins where: robots, their names, and free places for them."""

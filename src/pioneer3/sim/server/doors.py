@@ -1,0 +1,125 @@
+"""Where hosts come in: listening sockets and pseudo terminals."""
+
+import asyncio
+import errno
+import logging
+import os
+import socket
+from contextlib import suppress
+from io import FileIO
+from typing import Any
+
+from pioneer3.errors import LinkError, PortBusyError
+from pioneer3.links.pty import make_pty
+from pioneer3.links.tcp import tune
+from pioneer3.sim.server.clients import Connection, Terminal
+from pioneer3.sim.server.port import RobotPort
+
+log = logging.getLogger(__name__)
+
+BACKLOG = 128
+"""Hosts that may wait in the operating system."""
+OUT_OF_FILES = 1.0
+"""Pause before the next try when this process may open no more files [s, real]."""
+SEND_BUFFER = 64 * 1024
+"""Of the operating system [bytes]; its own choice would hide a host that takes nothing."""
+
+
+class TcpDoor:
+    """A listening socket in front of one robot's port."""
+
+    def __init__(self, port: RobotPort, listener: socket.socket) -> None:
+        self._port = port
+        self._listener = listener
+        self._loop = asyncio.get_running_loop()
+        self._open()
+
+    def shut(self) -> None:
+        """Listen no more."""
+        if self._listener.fileno() >= 0:
+            self._loop.remove_reader(self._listener)
+            self._listener.close()
+
+    def _open(self) -> None:
+        if self._listener.fileno() >= 0:
+            self._loop.add_reader(self._listener, self._accept)
+
+    def _accept(self) -> None:
+        """Let one in: the next has its turn in the next round of the loop."""
+        try:
+            connection, address = self._listener.accept()
+        except OSError as error:
+            if error.errno in {errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM}:
+                log.warning("cannot take another host: %s", error.strerror)
+                self._loop.remove_reader(self._listener)
+                self._loop.call_later(OUT_OF_FILES, self._open)
+            return
+        if self._port.full:
+            connection.close()
+            return
+        connection.setblocking(False)
+        with suppress(OSError):  # it has gone already, which reading it will tell
+            tune(connection)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        file = FileIO(connection.detach(), "r+")
+        self._port.admit(Connection(self._port, file, f"tcp://{address[0]}:{address[1]}"))
+
+
+class PtyDoor:
+    """A pseudo terminal in front of one robot's port.
+
+    Attributes:
+        path: What a host opens, such as `/dev/pts/3`.
+    """
+
+    def __init__(self, port: RobotPort) -> None:
+        pair = make_pty()
+        os.set_blocking(pair.master, False)
+        self.path = pair.path
+        self._slave = pair.slave
+        self._terminal = Terminal(port, FileIO(pair.master, "r+"), pair.path)
+        self._terminal.resume()
+
+    def shut(self) -> None:
+        """Take it away."""
+        self._terminal.shut()
+        if self._slave >= 0:
+            os.close(self._slave)
+            self._slave = -1
+
+
+async def listening(host: str, number: int) -> socket.socket:
+    """Return a socket that listens at `host`:`number`; 0 takes a free port.
+
+    Raises:
+        PortBusyError: somebody else listens there.
+        LinkError: this machine has no such address, or the port is not allowed.
+    """
+    if not 0 <= number < 65536:
+        raise LinkError(f"{host}:{number}: ports are numbers from 1 to 65535")
+    where = f"{host}:{number}"
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(
+            host or None, number, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )
+        family, _, _, _, address = min(found, key=lambda each: each[0] != socket.AF_INET)
+        return _bound(family, address)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise PortBusyError(
+                f"{where}: in use; is another simulator running? Choose another port with -p"
+            ) from None
+        raise LinkError(f"{where}: cannot listen there: {error.strerror}") from None
+
+
+def _bound(family: int, address: tuple[Any, ...]) -> socket.socket:
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setblocking(False)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(BACKLOG)
+    except OSError:
+        listener.close()
+        raise
+    return listener

@@ -1,0 +1,273 @@
+"""The simulator on the network: each robot has a TCP port, and one loop lets the time pass.
+
+A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
+Robots live in the world's time, never in the machine's, and hear their hosts only between steps, so
+the same bytes at the same ticks give the same simulation to the last bit, at any :class:`Pace`.
+Only SIMSTAT, for who asks, tells real time.
+"""
+
+import asyncio
+import logging
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import ceil, inf
+
+from pioneer3.clock import Clock
+from pioneer3.errors import LinkError
+from pioneer3.sim.firmware import CYCLE, Firmware
+from pioneer3.sim.firmware.console import StepTimes
+from pioneer3.sim.server.doors import PtyDoor, TcpDoor, listening
+from pioneer3.sim.server.pace import LATELY, TICK, Pace
+from pioneer3.sim.server.port import RobotPort
+from pioneer3.sim.world import World
+
+log = logging.getLogger(__name__)
+
+LONGEST_TURN = 0.02
+"""Hosts are listened to at least this often, however slowly time passes [s, real]."""
+TICKS_PER_CYCLE = round(CYCLE / TICK)
+SLACK = 1e-6
+"""Times are sums of ticks, and rounded [s]."""
+
+
+class Simulation:
+    """A world with its robots' ports, in time.
+
+    Args:
+        world: What is simulated.
+        firmwares: One for each robot that can be connected to.
+        pace: How fast; in real time if not given.
+
+    Attributes:
+        world: The same.
+        pace: The same; its attributes may be changed while the simulation runs.
+        ports: One for each robot.
+    """
+
+    def __init__(
+        self, world: World, firmwares: Sequence[Firmware], *, pace: Pace | None = None
+    ) -> None:
+        self.world = world
+        self.pace = pace or Pace()
+        self.ports: list[RobotPort] = []
+        self._heard = asyncio.Event()
+        self._host: str | None = None
+        self._next_number = 0
+        self._ticks = self._turns = 0
+        self._stretch = 1.0
+        self._told_at = -inf
+        self._asking_since: float | None = None
+        for firmware in firmwares:
+            self.attach(firmware)
+
+    @property
+    def addresses(self) -> list[tuple[str, int]]:
+        """Host and number of each TCP port, in the order of :attr:`ports`."""
+        return [port.address for port in self.ports if port.address]
+
+    async def listen(
+        self, first_port: int, host: str = "127.0.0.1", *, ports: Sequence[int | None] = ()
+    ) -> None:
+        """Open a TCP port per robot, on consecutive numbers.
+
+        Args:
+            first_port: The first number; 0 takes free ones.
+            host: Address of this machine to listen at.
+            ports: A robot's own number, or `None` for the next; may be shorter than the robots.
+
+        Raises:
+            PortBusyError: somebody else listens there.
+            LinkError: this machine has no such address, or the port is not allowed.
+        """
+        self._host, self._next_number = host, first_port
+        own = [*ports, *[None] * len(self.ports)]
+        try:
+            for port, number in zip(self.ports, own, strict=False):
+                await self._open(port, number, taken=own)
+        except LinkError:
+            self._close()
+            raise
+
+    def open_ptys(self) -> list[str]:
+        """Make a pseudo terminal for each robot, as a serial port besides TCP; return their names.
+
+        Raises:
+            LinkError: this machine has no more of them.
+        """
+        doors = []
+        for port in self.ports:
+            doors.append(PtyDoor(port))
+            port.doors.append(doors[-1])
+        return [door.path for door in doors]
+
+    def attach(self, firmware: Firmware) -> RobotPort:
+        """Let one more robot live; return where to :meth:`RobotPort.serve` its hosts."""
+        port = RobotPort(firmware, self._heard.set)
+        port.stretch(self._stretch)
+        self.ports.append(port)
+        return port
+
+    async def add(self, firmware: Firmware, port: int | None = None) -> int:
+        """Let hosts connect to one more robot; return its TCP port, the next one if not given.
+
+        Raises:
+            PortBusyError: somebody else listens there.
+            LinkError: the port is not allowed, or :meth:`listen` has not been called.
+        """
+        added = self.attach(firmware)
+        try:
+            return await self._open(added, port)
+        except LinkError:
+            self.ports.remove(added)
+            raise
+
+    async def remove(self, firmware: Firmware) -> None:
+        """Part from a robot's host and close its port; the robot's session ends.
+
+        Raises:
+            ValueError: it has no port here.
+        """
+        port = next((port for port in self.ports if port.firmware is firmware), None)
+        if port is None:
+            raise ValueError(f"{firmware.identity.name}: this robot has no port here")
+        self.ports.remove(port)
+        port.close()
+        firmware.hang_up(self.world.time)
+
+    async def run(self) -> None:
+        """Let time pass until cancelled; then every port is closed."""
+        clock = asyncio.get_running_loop().time
+        try:
+            while True:
+                rest = self._turn(clock)
+                if self._asking_since is None:
+                    await asyncio.sleep(rest)
+                else:
+                    await self._rest_until_heard(rest)
+        finally:
+            self._close()
+
+    def _turn(self, clock: Clock) -> float:
+        """Hear the hosts, and let a tick pass if it is time; return how long to rest [s, real]."""
+        now = clock()
+        self._tell_pace(now)
+        self._take_in()
+        wait = self.pace.wait(now)
+        if wait == 0 and self._all_have_answered(now):
+            self._tick()
+            self.pace.passed(now)
+            return min(LONGEST_TURN, self.pace.wait(clock()))
+        if self.pace.paused:
+            self._turns += 1
+            self._asking_since = None
+        return min(LONGEST_TURN, wait or LONGEST_TURN)
+
+    def _tell_pace(self, now: float) -> None:
+        """Let the robots know how fast time passes."""
+        if self._stretch != self.pace.stretch:
+            self._stretch = self.pace.stretch
+            for port in self.ports:
+                port.stretch(self._stretch)
+        if now - self._told_at < LATELY or not self.pace.factor:
+            return
+        self._told_at = now
+        wanted, measured = CYCLE / self.pace.speed, CYCLE / self.pace.factor
+        times = StepTimes(simulated=CYCLE, wanted=wanted, measured=measured)
+        for port in self.ports:
+            port.firmware.step_times = times
+
+    def _take_in(self) -> None:
+        """Give every robot what its host has said, and send its answers."""
+        now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
+        hold = self.pace.lock_step and in_cycle > 0
+        spread = self.pace.speed >= 1 and not self.pace.paused  # else it may last
+        room: int | None = None
+        for port in self.ports:
+            port.check_cable()
+            if not port.pending:
+                continue
+            if port.opens_next and spread:
+                room = self._room(in_cycle) if room is None else room
+                if room <= 0:
+                    continue
+            was_open = port.is_open
+            with self._alone(port):
+                port.take(now, self._turns, listen=not (hold and was_open))
+                port.flush(now)
+            if port.is_open and not was_open:
+                port.slot = in_cycle
+                room = room and room - 1
+
+    def _room(self, slot: int) -> int:
+        """Return how many sessions may still open in this tick of the cycle.
+
+        A session's reports come in the tick of the cycle that it was opened in. Were they all in
+        the same one, that would be late and the others idle.
+        """
+        open_in = Counter(port.slot for port in self.ports if port.is_open)
+        return ceil(len(self.ports) / TICKS_PER_CYCLE) - open_in[slot]
+
+    def _tick(self) -> None:
+        self.world.step(TICK)
+        self._ticks += 1
+        self._turns += 1
+        now = self.world.time
+        due = [port for port in self.ports if port.due <= now + SLACK]
+        self.world.expect(port.firmware.body for port in due)
+        for port in due:
+            with self._alone(port):
+                port.tick(now)
+
+    @contextmanager
+    def _alone(self, port: RobotPort) -> Iterator[None]:
+        """Keep what goes wrong with one robot from the others."""
+        try:
+            yield
+        except Exception:
+            log.exception("%s: the simulated robot failed, its host is cut off", port.address)
+            port.break_down()
+
+    def _all_have_answered(self, now: float) -> bool:
+        """Whether time may pass; in lock step it waits for the hosts at the end of each cycle."""
+        if not self.pace.lock_step or self._ticks % TICKS_PER_CYCLE:
+            self._asking_since = None
+            return True
+        if any(port.awaited for port in self.ports):
+            if self._asking_since is None:
+                self._asking_since = now
+            if now - self._asking_since < self.pace.patience:
+                self.pace.hold(now)
+                return False
+        self._asking_since = None
+        for port in self.ports:
+            port.ask()
+        return True
+
+    async def _rest_until_heard(self, seconds: float) -> None:
+        self._heard.clear()
+        try:
+            async with asyncio.timeout(seconds):
+                await self._heard.wait()
+        except TimeoutError:
+            pass
+
+    async def _open(
+        self, port: RobotPort, number: int | None, taken: Sequence[int | None] = ()
+    ) -> int:
+        if self._host is None:
+            raise LinkError("a robot can be given a port only while the others listen")
+        if number is None:
+            number = self._next_number
+            while number and (number in taken or any(number == used for _, used in self.addresses)):
+                number += 1
+            self._next_number = number + 1 if number else 0
+        listener = await listening(self._host, number)
+        address = listener.getsockname()
+        port.address = address[0], address[1]
+        port.doors.append(TcpDoor(port, listener))
+        return port.address[1]
+
+    def _close(self) -> None:
+        for port in self.ports:
+            port.close()
