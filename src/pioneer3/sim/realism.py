@@ -134,6 +134,11 @@ class SonarErrors:
         """Sine of the least angle between a ray and a wall that sends it back."""
         return float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0
 
+    @property
+    def spoils(self) -> bool:
+        """Whether what is heard is ever anything but the exact range."""
+        return any((self.cross_talk, self.drop_out, self.noise, self.quantum))
+
     def spoil(self, ranges: Float, limit: float, rng: Generator) -> Float:
         """Return what is heard in place of exact `ranges` (..., M), which end at `limit` [m]."""
         heard = ranges

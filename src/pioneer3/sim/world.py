@@ -77,6 +77,7 @@ class World:
     ) -> None:
         self.kernels = kernels or load_kernels("numpy")
         self.realism = realism or Realism.ideal()
+        self._spoils = self.realism.sonar.spoils
         self.time = 0.0
         self.robots: tuple[Body, ...] = ()
         self.obstacles: tuple[Obstacle, ...] = ()
@@ -225,12 +226,12 @@ class World:
 
     def _heard(self, ranges: Float, rng: Generator) -> Float:
         """Return what is heard in place of exact `ranges`, (M,) or (N, M)."""
-        heard = self.realism.sonar.spoil(ranges, SONAR_RANGE, rng)
-        heard = np.minimum(np.maximum(heard, SONAR_MIN), SONAR_RANGE)
-        counts = np.diff(self._mounts.offsets)
-        if ranges.ndim == 2 and (counts < self._mounts.most).any():
-            absent = np.arange(self._mounts.most) >= counts[self._mounts.kinds, None]
-            heard[absent] = SONAR_RANGE
+        if self._spoils:
+            ranges = self.realism.sonar.spoil(ranges, SONAR_RANGE, rng)
+            ranges = np.minimum(ranges, SONAR_RANGE)
+        heard: Float = np.maximum(ranges, SONAR_MIN)
+        if self._absent is not None and ranges.ndim == 2:
+            heard[self._absent] = SONAR_RANGE
         return heard
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
@@ -320,6 +321,9 @@ class World:
             rays=self.realism.sonar.rays,
             width=self.realism.sonar.width,
         )
+        counts = np.array([len(model.sonars) for model in models], dtype=np.int64)
+        absent = np.arange(self._mounts.most) >= counts[:, None]
+        self._absent = absent if absent.any() else None
 
 
 @lru_cache(maxsize=64)

@@ -35,7 +35,7 @@ class Page:
         self._lease: Lease[object] = Lease()
         self._clock = asyncio.get_running_loop().time
         self.world = WorldView(*scene.simulated) if scene.simulated else None
-        self._editor = Editor(self.world, self._take_wheel, self.stop) if self.world else None
+        self._editor = Editor(self.world, self._take_wheel, robot.helm.stop) if self.world else None
         robot.helm.add(self._hold)
 
     def drive(self, who: object, twist: Twist2) -> str | None:

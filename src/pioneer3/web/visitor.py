@@ -67,16 +67,22 @@ class Visitor:
     async def _hear(self) -> None:
         with suppress(WebSocketDisconnect):
             while True:
-                try:
-                    answer = await self._obey(requests.decode(await self._socket.receive_text()))
-                except (MsgspecError, CommandError) as error:
-                    answer = f"not understood: {error}"
-                except KeyError:
-                    answer = "not understood: bytes, where text is expected"
+                answer = await self._answer()
                 if isinstance(answer, dict):
                     await self._say(answer)
                 elif answer:
                     await self._say({"type": "refused", "message": answer})
+
+    async def _answer(self) -> str | dict[str, Any] | None:
+        """Hear one request and carry it out; return the answer as :meth:`_obey` does."""
+        try:
+            text = await self._socket.receive_text()
+        except KeyError:
+            return "not understood: bytes, where text is expected"
+        try:
+            return await self._obey(requests.decode(text))
+        except (MsgspecError, CommandError) as error:
+            return f"not understood: {error}"
 
     async def _obey(self, request: requests.AnyRequest) -> str | dict[str, Any] | None:
         """Carry out a request; return the answer, or why it was refused, or nothing."""

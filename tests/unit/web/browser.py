@@ -9,10 +9,24 @@ from math import hypot
 from types import TracebackType
 from typing import Any
 
+from numpy.random import default_rng
 from starlette.applications import Starlette
 
 from pioneer3 import Robot, connect_async
+from pioneer3.geometry import Pose2
+from pioneer3.links import Link
+from pioneer3.links.memory import null_modem
+from pioneer3.models import load_model
 from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.simulation import RunningSimulation
+from pioneer3.runtime.simulation import SimulatedRobot as RobotHere
+from pioneer3.runtime.tasks import running
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.maps import LineMap
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.world import World
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
 from tests.support import SimulatedRobot
@@ -136,3 +150,49 @@ async def product(scene: Scene | None = None) -> AsyncIterator[Product]:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         page = Page(robot, scene or Scene())
         yield Product(sim, robot, page, make_app(page))
+
+
+def simulated(*poses: Pose2, line_map: LineMap | None = None) -> RunningSimulation:
+    """Return a simulation with a robot at each pose, without a network and without time."""
+    bodies = [Body(load_model("p3dx-sh"), pose) for pose in poses]
+    world = World(line_map, bodies)
+    simulation = Simulation(world, [Firmware(world, body) for body in bodies])
+    robots = [
+        RobotHere(
+            name=f"robot-{number}",
+            body=body,
+            firmware=port.firmware,
+            port=port,
+            url=f"memory:{number}",
+        )
+        for number, (body, port) in enumerate(zip(bodies, simulation.ports, strict=True), 1)
+    ]
+    return RunningSimulation(simulation, robots, default_rng(0), MapShelf())
+
+
+@dataclass(frozen=True)
+class Playground:
+    """A simulation whose first robot is driven by a page."""
+
+    simulation: RunningSimulation
+    robot: Robot
+    page: Page
+    app: Starlette
+
+
+@asynccontextmanager
+async def playground(*poses: Pose2, line_map: LineMap | None = None) -> AsyncIterator[Playground]:
+    """Join simulation, driver and page, in the loop's time; one robot at the origin if not said."""
+    here = simulated(*(poses or (Pose2(),)), line_map=line_map)
+    port = here.robots[0].port
+    serving: list[asyncio.Task[None]] = []
+
+    async def plug_in() -> Link:
+        ours, theirs = null_modem()
+        serving.append(asyncio.ensure_future(port.serve(theirs)))
+        return ours
+
+    async with running(here._simulation.run()), connect_async(plug_in) as robot:
+        page = Page(robot, here.scene)
+        yield Playground(here, robot, page, make_app(page))
+    await asyncio.gather(*serving)

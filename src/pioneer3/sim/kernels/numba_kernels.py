@@ -37,7 +37,7 @@ class NumbaKernels:
 
     def __init__(self, threads: int = 1) -> None:
         self._threads = threads
-        self._pool = ThreadPoolExecutor(threads, "kernels") if threads > 1 else None
+        self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 
     def place(self, robots: Robots) -> None:
         table.place(robots.state, robots.arrays)
@@ -135,5 +135,7 @@ class NumbaKernels:
             work(0, count)
             return
         edges = [count * part // self._threads for part in range(self._threads + 1)]
-        for _ in self._pool.map(work, edges[:-1], edges[1:]):
+        others = self._pool.map(work, edges[1:-1], edges[2:])
+        work(0, edges[1])
+        for _ in others:
             pass

@@ -2,19 +2,21 @@
 
 import { Connection } from "./connection.js";
 import { Drive } from "./drive.js";
+import { Editor } from "./editor.js";
 import { listenToCanvas } from "./gestures.js";
 import { watchForLoss } from "./guard.js";
 import { showConnection, showHello } from "./header.js";
 import { listenToKeys } from "./keys.js";
 import { Limits } from "./limits.js";
 import { Model } from "./model.js";
-import { showOverlay, showWhy, toast } from "./notices.js";
+import { showOverlay, showPause, showWhy, toast } from "./notices.js";
 import { listenToPad } from "./pad.js";
 import { showLink, showSnapshot, showUsable } from "./panel.js";
 import { Scene } from "./scene.js";
 import { listenToStops, showStops } from "./stops.js";
 import { listenToDisclosures, listenToTools, showMode } from "./tools.js";
 import { View } from "./view.js";
+import { Workbench } from "./workbench.js";
 
 const CHECK = 250; // ms between looks at the age of what is shown
 const PHONE = "(max-width: 760px), (max-height: 520px)";
@@ -32,10 +34,23 @@ const drive = new Drive({
   onChange: showHeld,
 });
 
+const editor = new Editor({ view, world: model.world, send: sendEdit, lift, changed: showEdit });
+scene.editor = editor;
+const bench = new Workbench({
+  editor,
+  world: model.world,
+  send: sendEdit,
+  driving: () => drive.holding,
+  toggled: () => (abandon(), showEdit()), // keys of the pad may have gone from under a finger
+});
+
 function receive(message) {
   model.receive(message);
   if (message.type === "hello") greet(message);
   else if (message.type === "snapshot") see(message);
+  else if (message.type === "world") survey();
+  else if (message.type === "added") editor.select(message.id);
+  else if (message.type === "edit_refused") refusedEdit(message);
   else if (message.type === "refused") refused(message);
   refresh();
 }
@@ -44,6 +59,7 @@ function greet(hello) {
   showHello(hello);
   if (hello.limits) limits.adopt(hello.limits); // unknown before the robot is
   scene.adoptMap(hello.map);
+  bench.adopt(hello.models);
   scene.invalidate();
 }
 
@@ -51,6 +67,34 @@ function see(snapshot) {
   showSnapshot(snapshot);
   showWhy(snapshot);
   scene.adoptPose(snapshot.pose);
+}
+
+/** The world has changed. While the robot says nothing, as in a pause, the world says where it is. */
+function survey() {
+  const { own, paused } = model.world;
+  if (own && (paused || !model.hearing)) scene.adoptPose(own.pose);
+  editor.catchUp();
+  showEdit();
+}
+
+function showEdit() {
+  bench.show();
+  scene.invalidate();
+}
+
+function sendEdit(message) {
+  if (!connection.send(message)) toast("Not connected: nothing was changed.");
+}
+
+function refusedEdit({ message }) {
+  editor.refused();
+  toast(message);
+}
+
+/** The user takes the robot in the hand, or puts it down. */
+function lift(lifted) {
+  model.lifted = lifted;
+  if (drive.active) drive.stop();
 }
 
 function refused({ message }) {
@@ -71,6 +115,7 @@ function refresh() {
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live);
   showMode(view.mode);
+  if (model.world.paused) showPause();
 }
 
 function showHeld() {
@@ -108,7 +153,7 @@ listenToStops({
   reset: () => connection.send({ type: "reset_emergency_stop" }),
 });
 watchForLoss(abandon);
-listenToCanvas(canvas, view, () => (scene.invalidate(), showMode(view.mode)));
+listenToCanvas(canvas, view, editor, () => (scene.invalidate(), showMode(view.mode)));
 listenToTools(view, {
   changed: () => (scene.invalidate(), showMode(view.mode)),
   clearTrail: () => model.clearTrail(),
@@ -138,6 +183,9 @@ Object.defineProperty(window, "pioneer3", {
         live: model.live,
         connected: connection.open,
         roundTrip: connection.roundTrip,
+        things: [...model.world.things.values()],
+        clock: model.world.clock,
+        selected: editor.selected,
         held: [...drive.directions],
         pose,
         drawn,

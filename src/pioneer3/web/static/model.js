@@ -1,5 +1,7 @@
 // What the page knows: the latest message of each kind, and whether it may be trusted.
 
+import { World } from "./world.js";
+
 const STALE = 1000; // ms without a snapshot
 const STEP = 0.03; // m between trail points
 const JUMP = 1.0; // m; a farther step is a new trail
@@ -10,6 +12,9 @@ export class Model {
   snapshot = null;
   status = null;
   socketOpen = false;
+  world = new World();
+  /** Whether the user holds the robot in the hand: that leaves no trail. */
+  lifted = false;
   /** Trail of [x, y] in the map; null separates pieces. */
   trail = [];
   #snapshotAt = -Infinity;
@@ -19,6 +24,7 @@ export class Model {
     if (message.type === "hello") this.#greet(message);
     else if (message.type === "status") this.status = message;
     else if (message.type === "snapshot") this.#see(message);
+    else if (message.type === "world") this.world.receive(message);
   }
 
   /** A closed socket makes all that was known old news; the picture stays, greyed. */
@@ -35,7 +41,12 @@ export class Model {
 
   /** Whether what the page shows is what the robot does now. */
   get live() {
-    return this.socketOpen && this.robotConnected && performance.now() - this.#snapshotAt < STALE;
+    return this.socketOpen && this.robotConnected && (this.hearing || (this.world.paused && this.snapshot !== null));
+  }
+
+  /** Whether the robot has just been heard of. */
+  get hearing() {
+    return performance.now() - this.#snapshotAt < STALE;
   }
 
   get robotConnected() {
@@ -61,6 +72,10 @@ export class Model {
     this.#snapshotAt = performance.now();
     const { x, y } = snapshot.pose;
     const last = this.trail.at(-1);
+    if (this.lifted) {
+      if (last) this.trail.push(null);
+      return;
+    }
     const distance = last ? Math.hypot(x - last[0], y - last[1]) : JUMP;
     if (distance < STEP) return;
     if (last && distance >= JUMP) this.trail.push(null);

@@ -22,6 +22,11 @@ export function showWhy({ why, faults, emergency_stop: latched }) {
   }));
 }
 
+/** Time stands still: so does all the rest. */
+export function showPause() {
+  put("why", "Simulated time is paused.");
+}
+
 /** Greys the scene while what it shows is old. */
 export function showOverlay(model, retryAt) {
   const [title, text] = reason(model, retryAt);
@@ -39,6 +44,7 @@ function reason(model, retryAt) {
   }
   if (model.status?.state === "lost") return ["Robot lost", model.status.message];
   if (model.status?.state === "connecting") return ["Connecting to the robot", model.status.message];
+  if (model.world.paused) return ["", ""];
   if (!model.live) return [model.snapshot ? "No news from the robot" : "Waiting for the robot", "The picture may be old."];
   return ["", ""];
 }
@@ -46,7 +52,7 @@ function reason(model, retryAt) {
 /** A short message that goes away by itself. */
 export function toast(text) {
   const element = byId("toast");
-  element.textContent = text;
+  if (element.hidden || element.textContent !== text) element.textContent = text; // else it would be read out again
   element.hidden = false;
   clearTimeout(toastTimer);
   toastTimer = setTimeout(() => (element.hidden = true), TOAST);

@@ -3,6 +3,7 @@
 const NAMES = [
   "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
   "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
+  "box", "box-edge", "person", "person-soft", "person-head", "other", "other-deck", "other-edge", "other-nose", "select", "label",
 ];
 
 export function readPalette() {

@@ -1,9 +1,11 @@
 // The picture: draws the model through the view, only when something has changed.
 
 import { Floor, drawGrid, drawScale } from "./draw_map.js";
+import { drawGhost, drawSelection } from "./draw_edit.js";
 import { drawPath, drawTrail } from "./draw_motion.js";
 import { drawRobot } from "./draw_robot.js";
 import { drawSonar } from "./draw_sonar.js";
+import { byLayer, drawNames, drawThing } from "./draw_things.js";
 import { Glide } from "./glide.js";
 import { readPalette } from "./palette.js";
 
@@ -25,6 +27,8 @@ export class Scene {
 
   /** Pose drawn last, or null. */
   pose = null;
+  /** What is selected and dragged, {thing, ghost}. */
+  editor = { thing: undefined, ghost: null };
 
   constructor(canvas, view, model) {
     this.#canvas = canvas;
@@ -88,18 +92,32 @@ export class Scene {
     this.pose = this.#glide.at(now);
     if (this.pose) this.view.setRobot(this.pose);
     const gliding = this.view.step(dt);
-    this.#paint();
-    if (gliding || this.#glide.moving(now)) this.invalidate();
+    this.#paint(now);
+    if (gliding || this.#glide.moving(now) || this.#model.world.moving(now)) this.invalidate();
   }
 
-  #paint() {
+  #paint(now) {
     const { view } = this;
+    const context = this.#context;
+    const { world, trail, lifted } = this.#model;
+    const placed = byLayer(world.things.values())
+      .map((thing) => [thing, thing.own && this.pose ? this.pose : world.poseAt(thing, now)]);
     this.#paintBackdrop();
-    view.apply(this.#context, this.#ratio);
-    drawTrail(this.#context, view, this.#palette, this.#model.trail, this.pose);
+    view.apply(context, this.#ratio);
+    drawTrail(context, view, this.#palette, trail, lifted ? null : this.pose);
+    for (const [thing, pose] of placed) if (!thing.own) drawThing(context, view, this.#palette, thing, pose);
     if (this.pose) this.#paintRobot(this.pose);
-    this.#context.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
-    drawScale(this.#context, view, this.#palette);
+    this.#paintEdit(placed);
+    context.setTransform(this.#ratio, 0, 0, this.#ratio, 0, 0);
+    drawNames(context, view, this.#palette, placed);
+    drawScale(context, view, this.#palette);
+  }
+
+  #paintEdit(placed) {
+    const { thing: selected, ghost } = this.editor;
+    const found = placed.find(([thing]) => thing === selected);
+    if (found) drawSelection(this.#context, this.view, this.#palette, ...found);
+    if (ghost) drawGhost(this.#context, this.view, this.#palette, ghost);
   }
 
   #paintRobot({ x, y, theta }) {

@@ -22,22 +22,28 @@ HUGE = 1e300
 """Stands for the inverse of zero where infinity would make a NaN."""
 
 
+@inlined
+def crossing(along0: float, across0: float, along1: float, across1: float) -> float:
+    """Return the range along a ray to a segment that its line meets, or infinity; as the oracle.
+
+    The ends are given by how far along the ray and across it they are.
+    """
+    across0 = 0.0 if abs(across0) <= TOUCH else across0
+    across1 = 0.0 if abs(across1) <= TOUCH else across1
+    if across0 == 0.0 and across1 == 0.0:
+        found = 0.0 if along0 * along1 <= 0.0 else min(along0, along1)
+    else:
+        found = along0 + (along1 - along0) * (across0 / (across0 - across1))
+    return max(found, 0.0) if found >= -TOUCH else inf
+
+
 @compiled
 def meeting(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
     """Return the range from the origin along a ray to a segment, or infinity; as the oracle."""
     across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
     if min(across0, across1) > TOUCH or max(across0, across1) < -TOUCH:
         return inf
-    along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
-    if abs(across0) <= TOUCH:
-        across0 = 0.0
-    if abs(across1) <= TOUCH:
-        across1 = 0.0
-    if across0 == 0.0 and across1 == 0.0:
-        found = 0.0 if along0 * along1 <= 0.0 else min(along0, along1)
-    else:
-        found = along0 + (along1 - along0) * (across0 / (across0 - across1))
-    return max(found, 0.0) if found >= -TOUCH else inf
+    return crossing(dx * ax + dy * ay, across0, dx * bx + dy * by, across1)
 
 
 @inlined
@@ -91,7 +97,8 @@ def _walk(
                 bx, by = pieces[k, 2] - ox, pieces[k, 3] - oy
                 across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
                 if min(across0, across1) <= TOUCH and max(across0, across1) >= -TOUCH:
-                    found = meeting(ax, ay, bx, by, dx, dy)
+                    along0, along1 = dx * ax + dy * ay, dx * bx + dy * by
+                    found = crossing(along0, across0, along1, across1)
                     best = min(best, found)
                     end = min(end, best * per_metre - begin)
                     ex, ey, turn = bx - ax, by - ay, across1 - across0
@@ -124,12 +131,16 @@ def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float)
             hits += apart <= 0.0
         for k in range(count if hits else 0):
             if rays[5, k] <= 0.0:
-                ox, oy, dx, dy = rays[0, k], rays[1, k], rays[2, k], rays[3, k]
+                ox, oy, dx, dy, best = rays[0, k], rays[1, k], rays[2, k], rays[3, k], rays[4, k]
                 ax, ay = shapes[n, corners - 2] - ox, shapes[n, corners - 1] - oy
+                along0, across0 = dx * ax + dy * ay, dx * ay - dy * ax
                 for i in range(3, corners, 2):
-                    bx, by = shapes[n, i] - ox, shapes[n, i + 1] - oy
-                    rays[4, k] = min(rays[4, k], meeting(ax, ay, bx, by, dx, dy))
-                    ax, ay = bx, by
+                    ax, ay = shapes[n, i] - ox, shapes[n, i + 1] - oy
+                    along1, across1 = dx * ax + dy * ay, dx * ay - dy * ax
+                    if min(across0, across1) <= TOUCH and max(across0, across1) >= -TOUCH:
+                        best = min(best, crossing(along0, across0, along1, across1))
+                    along0, across0 = along1, across1
+                rays[4, k] = best
 
 
 @compiled
