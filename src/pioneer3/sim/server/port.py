@@ -60,7 +60,7 @@ class RobotPort:
         self.due = inf
         self.slot = 0
         self._wake = wake
-        self._seat = Seat(self._welcome)
+        self._seat = Seat(self._welcome, lambda: self.label)
         self._rated_watchdog = firmware.watchdog
         self._spoke_at = -inf
         self._inbox, self._outbox = bytearray(), b""
@@ -77,6 +77,12 @@ class RobotPort:
     def faults(self, faults: LinkFaults) -> None:
         self._faults = faults
         self._to_robot, self._to_host = Line(faults, "to robot"), Line(faults, "to host")
+
+    @property
+    def label(self) -> str:
+        """What people tell it by: its model and its TCP port, where it has one."""
+        model = self.firmware.body.model.name
+        return f"{model} at port {self.address[1]}" if self.address else model
 
     @property
     def connected(self) -> bool:

@@ -28,16 +28,20 @@ class Seat:
 
     Args:
         on_change: Called when another host sits down, before it is listened to.
+        robot: Returns what to call the robot in the log.
 
     Attributes:
         host: Who sits here.
         closed: Everybody is turned away.
     """
 
-    def __init__(self, on_change: Callable[[], None]) -> None:
+    def __init__(
+        self, on_change: Callable[[], None], robot: Callable[[], str] = lambda: "a robot"
+    ) -> None:
         self.host: Client | None = None
         self.closed = False
         self._on_change = on_change
+        self._robot = robot
         self._waiting: Client | None = None
         self._heard_at = -inf
         self._flooded_at = inf
@@ -57,7 +61,7 @@ class Seat:
             self._waiting = client
             asyncio.get_running_loop().call_later(GRACE, self._decide, client)
         else:
-            _turn_away(client)
+            self._turn_away(client)
 
     def speaks(self, client: Client) -> bool:
         """Take note that `client` has said something; return whether it is heard here."""
@@ -78,7 +82,7 @@ class Seat:
             self._waiting = None
         if client is not self.host:
             return False
-        log.info("%s: gone", client.peer)
+        log.info("%s: gone from %s", client.peer, self._robot())
         self.host = None
         if self._waiting is not None:
             waiting, self._waiting = self._waiting, None
@@ -100,9 +104,9 @@ class Seat:
     def _sit_down(self, client: Client) -> None:
         last, self.host = self.host, client
         if last is not None:
-            log.info("%s: silent or flooding, its place is given away", last.peer)
+            log.info("%s: silent or flooding, gives way at %s", last.peer, self._robot())
             last.close()
-        log.info("%s: connected", client.peer)
+        log.info("%s: connected to %s", client.peer, self._robot())
         self._heard_at, self._flooded_at = _now(), inf
         self._on_change()
         client.resume()
@@ -114,12 +118,11 @@ class Seat:
         if self._is_free():
             self._sit_down(client)
         else:
-            _turn_away(client)
+            self._turn_away(client)
 
-
-def _turn_away(client: Client) -> None:
-    log.info("%s: turned away, another host is connected", client.peer)
-    client.close()
+    def _turn_away(self, client: Client) -> None:
+        log.info("%s: turned away from %s, another host is there", client.peer, self._robot())
+        client.close()
 
 
 def _now() -> float:

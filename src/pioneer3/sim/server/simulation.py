@@ -225,7 +225,7 @@ class Simulation:
         try:
             yield
         except Exception:
-            log.exception("%s: the simulated robot failed, its host is cut off", port.address)
+            log.exception("%s: the simulated robot failed, its host is cut off", port.label)
             port.break_down()
 
     def _all_have_answered(self, now: float) -> bool:
