@@ -1,7 +1,9 @@
 """Real-time factors of whole worlds: wandering robots that see each other, at 10 Hz."""
 
+import gc
 import os
 import time
+import tracemalloc
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from math import pi
@@ -15,6 +17,7 @@ from benchmarks.bench_kernels import BEAMS, LASER_LIMIT, MODEL, office
 from benchmarks.table import Row
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels
 from pioneer3.sim.kernels.drives import STALLED
 from pioneer3.sim.maps import LineMap
@@ -157,8 +160,25 @@ def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
     yield Row(f"{name}: a robot among 1000 as against 10", few / many / 100, "times", 1.5)
 
 
+def kilobytes(count: int) -> float:
+    """Return the memory of so many robots with their firmware, in a world of their own [KB]."""
+    gc.collect()
+    tracemalloc.start()
+    bodies = [Body(MODEL, Pose2(3.0 * (n % 40), 3.0 * (n // 40))) for n in range(count)]
+    world = World(None, bodies, realism=Realism())
+    firmwares = [Firmware(world, body) for body in bodies]
+    world.step(STEP)
+    world.sonars()
+    used = tracemalloc.get_traced_memory()[0] / 1024
+    tracemalloc.stop()
+    return used if firmwares else 0.0
+
+
 def rows() -> Iterator[Row]:
     """Measure everything of this file."""
+    kilobytes(10)
+    each = (kilobytes(1000) - kilobytes(200)) / 800
+    yield Row("memory of a robot with its firmware", each, "KB", 20)
     if find_spec("numba"):
         yield from rows_of("numba")
     yield from rows_of("numpy")
