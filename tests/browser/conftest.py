@@ -5,7 +5,7 @@ import shutil
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Future
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass
 
 import pytest
@@ -13,7 +13,9 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.web.live import PATIENT
 from pioneer3.web.server import serve_page
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
@@ -40,6 +42,13 @@ class Product:
 @pytest.fixture
 def product() -> Iterator[Product]:
     """Run the product; every test gets its own."""
+    with running_product() as product:
+        yield product
+
+
+@contextmanager
+def running_product(*, editable: bool = True) -> Iterator[Product]:
+    """Run the product while the block lasts; not editable, it is like one with a real robot."""
     ready: Future[Product] = Future()
     loop = asyncio.new_event_loop()
     leave = asyncio.Event()
@@ -47,8 +56,9 @@ def product() -> Iterator[Product]:
     async def serve() -> None:
         async with AsyncExitStack() as stack:
             running = await stack.enter_async_context(simulator(port=0))
-            robot = await stack.enter_async_context(connect_async(running.url))
-            address = await stack.enter_async_context(serve_page(robot, running.scene, port=0))
+            robot = await stack.enter_async_context(connect_async(running.url, timing=PATIENT))
+            scene = running.scene if editable else Scene(running.world.map)
+            address = await stack.enter_async_context(serve_page(robot, scene, port=0))
             ready.set_result(Product(address, running, robot))
             await leave.wait()
 

@@ -62,13 +62,16 @@ def _bind(host: str, port: int) -> socket.socket:
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         # it listens now, so that the address may be told before the server has started
-        return socket.create_server((host, port), family=family)
+        listener = socket.create_server((host, port), family=family)
+        # small messages leave at once; connections inherit it
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortBusyError(
                 f"{host}:{port}: in use; choose another port for the page with --web-port"
             ) from None
         raise LinkError(f"{host}:{port}: cannot serve the page there: {error.strerror}") from None
+    return listener
 
 
 def _own_names(host: str) -> frozenset[str]:

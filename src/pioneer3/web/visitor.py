@@ -26,13 +26,14 @@ class Visitor:
     def __init__(self, page: Page, socket: WebSocket) -> None:
         self._page = page
         self._socket = socket
+        self._news = News(page.world) if page.world else None
 
     async def serve(self) -> None:
         """Talk until the browser goes; then let go of whatever it held."""
         await self._socket.accept()
         talk = [asyncio.ensure_future(t) for t in (self._states(), self._snapshots(), self._hear())]
         if self._page.world is not None:
-            talk.append(asyncio.ensure_future(self._world(self._page.world)))
+            talk.append(asyncio.ensure_future(self._watch(self._page.world)))
         try:
             await asyncio.wait(talk, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -54,15 +55,19 @@ class Visitor:
         async for snapshot in self._page.robot.supervisor.snapshots.values():
             await self._say(self._page.snapshot(snapshot, self._driver()))
 
-    async def _world(self, view: WorldView) -> None:
-        news, known = News(view), view.simulation.world.map
+    async def _watch(self, view: WorldView) -> None:
+        known = view.simulation.world.map
         while True:
             if view.simulation.world.map is not known:
                 known = view.simulation.world.map
                 await self._say(self._page.hello())
-            if message := news.next():
-                await self._say(message)
+            await self._say_news()
             await asyncio.sleep(LOOK)
+
+    async def _say_news(self) -> None:
+        """Tell what has changed in the simulated world."""
+        if self._news is not None and (message := self._news.next()):
+            await self._say(message)
 
     async def _hear(self) -> None:
         with suppress(WebSocketDisconnect):
@@ -87,7 +92,9 @@ class Visitor:
     async def _obey(self, request: requests.AnyRequest) -> str | dict[str, Any] | None:
         """Carry out a request; return the answer, or why it was refused, or nothing."""
         if isinstance(request, requests.Edit):
-            return await self._page.edit(self, request)
+            answer = await self._page.edit(self, request)
+            await self._say_news()  # before the answer speaks of it
+            return answer
         page = self._page
         match request:
             case requests.Drive(v, w):

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -13,7 +14,8 @@ from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, connect_async
 from pioneer3.runtime.scene import Scene
-from pioneer3.web.server import FRAME_LIMIT, serve_page
+from pioneer3.web.app import STATIC
+from pioneer3.web.server import FRAME_LIMIT, _bind, serve_page
 from tests.support import SimulatedRobot
 
 pytestmark = pytest.mark.realtime
@@ -150,6 +152,19 @@ async def test_the_server_ends_with_pages_open_and_stops_the_robot() -> None:
         assert await closing_code(page) == 1012
         assert robot.helm.driver is None
         await until_standing(sim)
+
+
+def test_small_messages_leave_at_once() -> None:
+    with _bind("127.0.0.1", 0) as listener, socket.create_connection(listener.getsockname()):
+        connection, _ = listener.accept()
+        with connection:
+            assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None:
+    page = (STATIC / "index.html").read_text()
+    named = re.findall(r'(?:modulepreload" href|module" src)="/static/([a-z_]+\.js)"', page)
+    assert sorted(named) == sorted(path.name for path in STATIC.glob("*.js"))
 
 
 async def test_a_port_in_use_is_refused_with_a_way_out() -> None:

@@ -42,6 +42,9 @@ function reason(model, retryAt) {
     const seconds = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));
     return ["Connection lost", `A robot you drove stops by itself. Next try in ${seconds} s.`];
   }
+  if (model.world.own?.plugged === false) {
+    return ["Cable unplugged", "To put it in again, edit the world and select the robot."];
+  }
   if (model.status?.state === "lost") return ["Robot lost", model.status.message];
   if (model.status?.state === "connecting") return ["Connecting to the robot", model.status.message];
   if (model.world.paused) return ["", ""];

@@ -1,0 +1,161 @@
+"""Changes to the simulated world that people make on the page, and who may make them.
+
+Who moves a thing keeps it until they leave it alone for a moment; so it is with the wheel, and the
+robot that is driven, and time itself, belong to who has the wheel. Everybody may press a stop
+button.
+"""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from pioneer3.errors import CommandError, PioneerError, PortBusyError
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.models import load_model, model_names
+from pioneer3.runtime.simulation import SimulatedRobot
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.worldfile import Box, Person, RobotSpec
+from pioneer3.teleop.lease import Lease
+from pioneer3.web import requests
+from pioneer3.web.world import Item, WorldView
+
+MOST_OBSTACLES, MOST_ROBOTS = 200, 50
+"""A page adds no more when there are so many."""
+STROLL = 0.8
+"""How fast people walk who are added [m/s]."""
+
+Placing = requests.AddBox | requests.AddRobot | requests.Move
+
+
+class Editor:
+    """Carries out edits.
+
+    Args:
+        view: The world.
+        take_wheel: Gives the wheel to somebody if it is free; whether it is theirs.
+        stop: Stops the driven robot; what is held must be let go before it counts again.
+    """
+
+    def __init__(
+        self,
+        view: WorldView,
+        take_wheel: Callable[[object], bool],
+        stop: Callable[[], None],
+    ) -> None:
+        self._view = view
+        self._simulation = view.simulation
+        self._take_wheel = take_wheel
+        self._stop = stop
+        self._leases: dict[int, Lease[object]] = {}
+        self._clock = asyncio.get_running_loop().time
+
+    async def obey(self, who: object, edit: requests.Edit) -> dict[str, Any] | None:
+        """Carry out `edit` for `who`; return the answer, if there is one.
+
+        What is added is answered with its number, what is refused with why.
+        """
+        try:
+            match edit:
+                case requests.AddBox() | requests.AddPerson() | requests.AddRobot():
+                    added = await self._add(edit)
+                    return {"type": "added", "id": self._view.items.get(added)}
+                case requests.Pause() | requests.Step() | requests.SetSpeed():
+                    self._set_pace(who, edit)
+                case _:
+                    await self._change(who, edit)
+        except PioneerError as error:
+            return refusal(str(error))
+        return None
+
+    async def _add(self, edit: requests.AddBox | requests.AddPerson | requests.AddRobot) -> Item:
+        simulation = self._simulation
+        if isinstance(edit, requests.AddRobot):
+            _refuse_more(len(simulation.robots), MOST_ROBOTS, "robots")
+            return await self._add_robot(edit.model, _pose(edit))
+        _refuse_more(len(simulation.world.obstacles), MOST_OBSTACLES, "boxes and people")
+        if isinstance(edit, requests.AddBox):
+            return simulation.add_box(Box(pose=_pose(edit), size=(edit.length, edit.width)))
+        return simulation.add_person(Person(path=edit.path, speed=STROLL, loop=False))
+
+    async def _add_robot(self, model: str, pose: Pose2) -> SimulatedRobot:
+        if model not in model_names():  # a page reads no files
+            raise CommandError(f"{model[:40]}: no such model; there are {', '.join(model_names())}")
+        if not self._simulation.has_room(load_model(model), pose):
+            raise CommandError(
+                f"{model}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+            )
+        # a page that goes must not leave half a robot
+        return await asyncio.shield(self._new_robot(RobotSpec(model=model, start=pose)))
+
+    async def _new_robot(self, spec: RobotSpec) -> SimulatedRobot:
+        """Add a robot at the next port, or at any that is free."""
+        try:
+            return await self._simulation.add_robot(spec)
+        except PortBusyError:
+            return await self._simulation.add_robot(replace(spec, port=0))
+
+    async def _change(
+        self,
+        who: object,
+        edit: requests.Move | requests.Remove | requests.PressStopButton | requests.PlugCable,
+    ) -> None:
+        item = self._view.find(edit.id)
+        if not (isinstance(edit, requests.PressStopButton) and edit.pressed):
+            self._take(who, edit.id, item)
+        match edit, item:
+            case requests.Move(), _:
+                if item is self._view.own:
+                    self._stop()  # who lifts a robot stops it
+                self._simulation.move(item, _pose(edit))
+            case requests.Remove(), SimulatedRobot():
+                if item is self._view.own:
+                    raise CommandError(f"{item.name}: this page drives it; it stays")
+                await asyncio.shield(self._simulation.remove_robot(item))
+            case requests.Remove(), Obstacle():
+                self._simulation.remove(item)
+            case requests.PressStopButton(_, pressed), SimulatedRobot():
+                item.body.stop_button = pressed
+            case requests.PlugCable(_, plugged), SimulatedRobot():
+                item.port.faults.unplugged = not plugged
+            case _:
+                raise CommandError("only robots have a stop button and a cable")
+
+    def _set_pace(
+        self, who: object, edit: requests.Pause | requests.Step | requests.SetSpeed
+    ) -> None:
+        if not self._take_wheel(who):
+            raise CommandError("somebody else drives")
+        pace = self._simulation.pace
+        match edit:
+            case requests.Pause(paused):
+                pace.paused = paused
+            case requests.Step(seconds):
+                pace.step(seconds)
+            case requests.SetSpeed(speed):
+                pace.speed = speed
+
+    def _take(self, who: object, number: int, item: Item) -> None:
+        """Let `who` have `item`, or refuse it."""
+        if item is self._view.own:
+            if not self._take_wheel(who):
+                raise CommandError("somebody else drives")
+            return
+        now, held = self._clock(), self._leases
+        self._leases = {n: lease for n, lease in held.items() if lease.holder(now) is not None}
+        if not self._leases.setdefault(number, Lease()).take(who, now):
+            raise CommandError("somebody else holds it")
+
+
+def refusal(why: str) -> dict[str, Any]:
+    """Return the answer to an edit that is not carried out."""
+    return {"type": "edit_refused", "message": why}
+
+
+def _pose(edit: Placing) -> Pose2:
+    return Pose2(edit.x, edit.y, wrap(edit.theta))
+
+
+def _refuse_more(there: int, most: int, what: str) -> None:
+    if there >= most:
+        raise CommandError(f"there are {there} {what} already; remove some first")

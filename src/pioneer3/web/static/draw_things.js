@@ -1,0 +1,101 @@
+// Boxes, people and the other robots, to scale, each in its own frame; and their names.
+
+import { drawRobot } from "./draw_robot.js";
+import { labelOf } from "./world.js";
+
+const ORDER = ["box", "person", "robot"];
+const LEGIBLE = 22; // px per m; smaller pictures have no names
+const SMALL = 7; // px; people are not drawn smaller
+
+export function byLayer(things) {
+  return [...things].sort((a, b) => ORDER.indexOf(a.kind) - ORDER.indexOf(b.kind));
+}
+
+/** In world coordinates. */
+export function drawThing(context, view, palette, thing, pose) {
+  context.save();
+  context.translate(pose.x, pose.y);
+  context.rotate(pose.theta);
+  if (thing.kind === "box") drawBox(context, view, palette, thing);
+  else if (thing.kind === "person") drawPerson(context, view, palette, thing);
+  else drawOther(context, view, palette, thing);
+  context.restore();
+}
+
+/** The outline a thing has on the floor, as the current path. */
+export function outline(context, { kind, front, rear, side }, grow = 0) {
+  context.beginPath();
+  if (kind === "person") context.arc(0, 0, side + grow, 0, 2 * Math.PI);
+  else context.rect(-rear - grow, -side - grow, front + rear + 2 * grow, 2 * (side + grow));
+}
+
+function drawBox(context, view, palette, thing) {
+  const { front, side } = thing;
+  outline(context, thing);
+  context.fillStyle = palette.box;
+  context.fill();
+  context.moveTo(-front, -side); // crossed, as boxes are on plans
+  context.lineTo(front, side);
+  context.moveTo(-front, side);
+  context.lineTo(front, -side);
+  context.strokeStyle = palette["box-edge"];
+  context.lineWidth = Math.max(0.02, 1.5 / view.scale);
+  context.lineJoin = "miter";
+  context.stroke();
+}
+
+/** From above: shoulders, head, and for who walks a point ahead. */
+function drawPerson(context, view, palette, thing) {
+  const r = Math.max(thing.side, SMALL / view.scale);
+  outline(context, { ...thing, side: r });
+  context.fillStyle = palette["person-soft"];
+  context.fill();
+  context.strokeStyle = palette.person;
+  context.lineWidth = Math.max(0.02, 1.5 / view.scale);
+  context.stroke();
+  context.fillStyle = palette.person;
+  context.beginPath();
+  context.ellipse(0, 0, r * 0.36, r * 0.8, 0, 0, 2 * Math.PI);
+  context.fill();
+  if (thing.walks) {
+    context.beginPath();
+    context.moveTo(r * 1.55, 0);
+    context.lineTo(r * 1.1, r * 0.42);
+    context.lineTo(r * 1.1, -r * 0.42);
+    context.closePath();
+    context.fill();
+  }
+  context.beginPath();
+  context.arc(r * 0.08, 0, r * 0.36, 0, 2 * Math.PI);
+  context.fillStyle = palette["person-head"];
+  context.fill();
+}
+
+function drawOther(context, view, palette, thing) {
+  const robot = {
+    model: thing.model, length_front: thing.front, length_rear: thing.rear, width: 2 * thing.side,
+    front_bumpers: 0, rear_bumpers: 0,
+  };
+  const colours = { ...palette, body: palette.other, deck: palette["other-deck"], edge: palette["other-edge"], nose: palette["other-nose"] };
+  drawRobot(context, view, colours, { robot, bumpers: null });
+}
+
+/** In CSS pixels, below each thing that has a name of its own. */
+export function drawNames(context, view, palette, placed) {
+  if (view.scale < LEGIBLE) return;
+  context.font = "600 12px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  context.lineWidth = 3;
+  context.lineJoin = "round";
+  context.strokeStyle = palette.floor;
+  context.fillStyle = palette.label;
+  for (const [thing, pose] of placed) {
+    if (!thing.name || thing.own) continue;
+    const { x, y } = view.toScreen(pose.x, pose.y);
+    const below = y + Math.max(thing.side, thing.rear) * view.scale + 5;
+    context.strokeText(labelOf(thing), x, below);
+    context.fillText(labelOf(thing), x, below);
+  }
+  context.textBaseline = "alphabetic";
+}

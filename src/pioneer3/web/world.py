@@ -1,0 +1,132 @@
+"""The simulated world as pages see it: its things by number, and what has changed since."""
+
+from functools import cached_property
+from itertools import count
+from typing import Any
+
+from pioneer3.errors import CommandError
+from pioneer3.geometry import Pose2
+from pioneer3.models import load_model, model_names
+from pioneer3.runtime.simulation import RunningSimulation, SimulatedRobot
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.worldfile import Box
+
+Item = SimulatedRobot | Obstacle
+Placed = tuple[float, float, float]
+"""x, y [m], theta [rad], to a millimetre."""
+
+
+class WorldView:
+    """Numbers what is in a simulation; a number is given once.
+
+    Args:
+        simulation: What is looked at.
+        own: The robot that the page drives.
+    """
+
+    def __init__(self, simulation: RunningSimulation, own: SimulatedRobot) -> None:
+        self.simulation = simulation
+        self.own = own
+        self._numbers: dict[Item, int] = {}
+        self._count = count(1)
+
+    @cached_property
+    def models(self) -> list[dict[str, str]]:
+        """What robots can be added, as pages are told."""
+        return [{"name": name, "title": load_model(name).title} for name in model_names()]
+
+    @property
+    def items(self) -> dict[Item, int]:
+        """All that is there now, each with its number."""
+        there: list[Item] = [*self.simulation.robots, *self.simulation.world.obstacles]
+        known = self._numbers
+        self._numbers = {item: known.get(item) or next(self._count) for item in there}
+        return self._numbers
+
+    def find(self, number: int) -> Item:
+        """Return the item of this number.
+
+        Raises:
+            CommandError: It is gone, or never was.
+        """
+        for item, known in self.items.items():
+            if known == number:
+                return item
+        raise CommandError("this is not there any more")
+
+    def clock(self) -> dict[str, Any]:
+        """Say how time passes; what time it is, only while it stands still [s]."""
+        pace = self.simulation.pace
+        return {
+            "paused": pace.paused,
+            "speed": pace.speed,
+            "factor": round(pace.factor, 1),
+            "time": round(self.simulation.world.time, 2) if pace.paused else None,
+        }
+
+    def describe(self, item: Item) -> dict[str, Any]:
+        """Say what an item is and looks like, but not where it is."""
+        if isinstance(item, Obstacle):
+            front, rear, side, _ = item.sizes
+            kind = "box" if isinstance(item.kind, Box) else "person"
+            name = item.name
+            more: dict[str, Any] = {"walks": item.walks}
+        else:
+            model, port = item.model, item.port
+            front, rear, side = model.length_front, model.length_rear, model.width / 2
+            kind, name = "robot", item.name
+            more = {
+                "model": model.name,
+                "title": model.title,
+                "url": item.url,
+                "own": item is self.own,
+                "connected": port.connected,
+                "stop_button": item.body.stop_button,
+                "plugged": not port.faults.unplugged,
+            }
+        return {"kind": kind, "name": name, "front": front, "rear": rear, "side": side, **more}
+
+
+class News:
+    """What one page has not been told yet."""
+
+    def __init__(self, view: WorldView) -> None:
+        self._view = view
+        self._known: dict[int, tuple[dict[str, Any], Placed]] = {}
+        self._clock: dict[str, Any] | None = None
+
+    def next(self) -> dict[str, Any] | None:
+        """Return the message that brings the page up to date, `None` if it is.
+
+        `things` are new or have changed, `moved` are only elsewhere; the first message has them
+        all, and says so.
+        """
+        view, before = self._view, self._known
+        first, clock = self._clock is None, view.clock()
+        self._known = {
+            number: (view.describe(item), _placed(item)) for item, number in view.items.items()
+        }
+        things, moved = [], []
+        for number, (thing, place) in self._known.items():
+            told = before.get(number)
+            if told is None or told[0] != thing:
+                things.append({"id": number, **thing, "pose": place})
+            elif told[1] != place:
+                moved.append((number, *place))
+        gone = [number for number in before if number not in self._known]
+        if not (first or things or moved or gone or clock != self._clock):
+            return None
+        self._clock = clock
+        return {
+            "type": "world",
+            "all": first,
+            "things": things,
+            "moved": moved,
+            "gone": gone,
+            "clock": clock,
+        }
+
+
+def _placed(item: Item) -> Placed:
+    pose: Pose2 = item.pose if isinstance(item, Obstacle) else item.body.robot_in_world
+    return round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)
