@@ -67,4 +67,5 @@ async def _serve(
     try:
         await robot.port.serve(link)
     finally:
-        await running.remove_robot(robot)
+        if robot in running.robots:  # nobody else has taken it away
+            await running.remove_robot(robot)
