@@ -41,7 +41,7 @@ NEAR, TOO_NEAR = 1.0, 0.5
 """Wandering robots slow down and turn where an echo is nearer, turn on the spot here [m]."""
 CRUISE, SLOW, RATE = 0.4, 0.1, 1.0
 ROOMY = 0.6
-"""Nothing is nearer than this to a robot at the beginning [m]."""
+"""Nothing is nearer than this to a robot at the beginning, where there is room [m]."""
 BACKING = 20
 """Steps of backing off after a collision."""
 LEFT, RIGHT = slice(1, 4), slice(4, 7)
@@ -90,13 +90,14 @@ def crowded(
         kernels,
         realism=realism,
     )
-    lost = np.ones(count, dtype=np.bool_)
+    lost, room = np.ones(count, dtype=np.bool_), ROOMY
     world.outlines.theta[:] = random.uniform(-pi, pi, count)
     while lost.any():
         places = random.uniform(low, high, (int(lost.sum()), 2)).T
         for n, x, y in zip(np.flatnonzero(lost).tolist(), *places, strict=True):
             world.robots[n].robot_in_world = Pose2(x, y, float(world.outlines.theta[n]))
-        lost &= world.sonars().min(axis=1) < ROOMY
+        lost &= world.sonars().min(axis=1) < room
+        room *= 0.98  # a small office may not have so much for all
     for body in world.robots:
         body.enable_motors(on=True)
     return world
