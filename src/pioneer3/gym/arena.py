@@ -126,7 +126,7 @@ class Arena:
         rest = self._at_rest
         drives.axes[..., who], drives.flags[:, who] = rest.axes[..., who], rest.flags[:, who]
         drives.wheels[:, who] = rest.wheels[:, who]
-        drives.free[who] = 0.0
+        drives.free[:, who] = 0.0
         outlines.poses[:2, who] = (np.array(starts) + self._shift[who]).T
         outlines.theta[who] = rng.uniform(-pi, pi, self.robots)
         outlines.hidden[who] = 0.0

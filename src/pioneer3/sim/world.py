@@ -25,7 +25,7 @@ from pioneer3.sim.kernels import (
     load_kernels,
     sonar_mounts,
 )
-from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
+from pioneer3.sim.kernels.drives import LONGEST, OTHERS, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
@@ -206,7 +206,7 @@ class World:
         way = hypot(pose.x - self.outlines.x[n], pose.y - self.outlines.y[n])
         self.outlines.poses[:, n] = pose.x, pose.y, pose.theta
         self.outlines.stale = True
-        self.drives.free -= way
+        self.drives.free[OTHERS] -= way
 
     def _charge(self) -> None:
         """Supply who stands in a dock."""

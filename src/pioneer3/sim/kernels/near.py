@@ -14,25 +14,26 @@ Int = NDArray[np.int64]
 MOST_KEPT = 1 << 22
 """Entries of all lists together after which they are forgotten: 32 MB."""
 
-FEW_PAIRS = 4096
+FEW_PAIRS = 1 << 14
 """Of point and robot that are all looked at, without sorting."""
+
+TINY = 1e-300
+"""Instead of no length at all [m^2]: not to divide by zero."""
 
 
 class NearWalls:
-    """The walls within `reach` [m] of each cell of a grid, found when first asked for.
-
-    Attributes:
-        ends: Of all walls x0, y0, x1, y1 [m], shape (4, W).
-    """
+    """The walls within `reach` [m] of each cell of a grid, found when first asked for."""
 
     def __init__(self, grid: Grid, reach: float) -> None:
         self._grid, self._reach = grid, reach
-        self.ends = np.ascontiguousarray(grid.walls.T)
+        self._ends = np.ascontiguousarray(grid.walls.T)
+        self._latest, self._answer = b"", (np.empty(0, dtype=np.int64), np.empty((4, 0)))
         columns, rows = grid.shape
         self._all = reach >= (columns + rows) * grid.cell
-        # from further outside nothing is near
+        # near the outermost cells nothing is, so they stand for all that is further outside
         self._border = 0 if self._all else ceil(reach / grid.cell) + 1
         self._columns, self._rows = columns + 2 * self._border, rows + 2 * self._border
+        self._last = np.array([[self._columns - 1.0], [self._rows - 1.0]])
         self._forget()
 
     def of(self, x: Float, y: Float) -> tuple[Int, Int]:
@@ -41,10 +42,27 @@ class NearWalls:
         Returns:
             Index of the point and of the wall, both of shape (P,), ascending.
         """
+        return self._listed(self._cells_of(np.array([x, y])))
+
+    def around(self, points: Float) -> tuple[Int, Float]:
+        """Return the walls near each of the points (2, N), one point after another.
+
+        Returns:
+            Index of the point, shape (P,), and x0, y0, x1, y1 of the wall [m], shape (4, P); not
+            to be changed.
+        """
+        cells = self._cells_of(points)
+        key = cells.tobytes()
+        # few points leave their cells from one time to the next
+        if key != self._latest:
+            index, walls = self._listed(cells)
+            self._latest, self._answer = key, (index, self._ends.take(walls, axis=1))
+        return self._answer
+
+    def _listed(self, cells: Int) -> tuple[Int, Int]:
         if self._all:
             count = len(self._grid.walls)
-            return np.repeat(np.arange(len(x)), count), np.tile(np.arange(count), len(x))
-        cells = self._cells_of(x, y)
+            return np.repeat(np.arange(len(cells)), count), np.tile(np.arange(count), len(cells))
         missing = cells[self._first[cells] < 0]
         if len(missing):
             self._find(np.unique(missing))
@@ -52,24 +70,23 @@ class NearWalls:
             self._forget()
             self._find(np.unique(cells))
         counts = self._counts[cells]
-        points = np.repeat(np.arange(len(x)), counts)
-        return points, self._pool[ranges(self._first[cells], counts)]
+        index = np.repeat(np.arange(len(cells)), counts)
+        return index, self._pool[ranges(self._first[cells], counts)]
 
     def _forget(self) -> None:
-        nowhere = 0 if self._all else self._columns * self._rows
-        # the last one stands for far outside: an empty list
-        self._first = np.full(nowhere + 1, -1, dtype=np.int64)
-        self._first[nowhere] = 0
-        self._counts = np.zeros(nowhere + 1, dtype=np.int64)
+        cells = 0 if self._all else self._columns * self._rows
+        self._first = np.full(cells, -1, dtype=np.int64)
+        self._counts = np.zeros(cells, dtype=np.int64)
         self._pool = np.empty(0, dtype=np.int64)
 
-    def _cells_of(self, x: Float, y: Float) -> Int:
-        left, bottom = self._grid.corner
-        column = np.floor((x - left) / self._grid.cell) + self._border
-        row = np.floor((y - bottom) / self._grid.cell) + self._border
-        inside = (column >= 0) & (column < self._columns) & (row >= 0) & (row < self._rows)
-        cells: Int = np.where(inside, row * self._columns + column, len(self._first) - 1)
-        return cells.astype(np.int64)
+    def _cells_of(self, points: Float) -> Int:
+        if self._all:
+            return np.zeros(points.shape[1], dtype=np.int64)
+        place = (points - self._grid.corner[:, None]) * (1 / self._grid.cell) + self._border
+        np.minimum(np.maximum(place, 0.0, out=place), self._last, out=place)
+        column, row = place.astype(np.int64)
+        cells: Int = column + row * self._columns
+        return cells
 
     def _find(self, cells: Int) -> None:
         """Append the lists of `cells`, not listed yet, to the pool."""
@@ -77,9 +94,9 @@ class NearWalls:
         column, row = cells % self._columns - self._border, cells // self._columns - self._border
         whose, items = self._in_boxes(column, row)
         walls = self._grid.cell_items[items].astype(np.int64)
-        middle = (np.stack([column, row], axis=1) + 0.5) * self._grid.cell + self._grid.corner
+        middle = (np.stack([column, row]) + 0.5) * self._grid.cell + self._grid.corner[:, None]
         radius = self._reach + self._grid.cell * sqrt(0.5) + SLACK
-        near = distances(middle[whose], self._grid.walls[walls]) <= radius
+        near = distances(middle[:, whose].T, self._grid.walls[walls]) <= radius
         whose, walls = whose[near], walls[near]
         counts = np.bincount(whose, minlength=len(cells))
         self._counts[cells] = counts
@@ -116,8 +133,12 @@ def near_robots(
         nobody = np.empty(0, dtype=np.int64)
         return nobody, nobody
     if len(x) * len(shapes) <= FEW_PAIRS:
-        apart = np.hypot(shapes[:, 0] - x[:, None], shapes[:, 1] - y[:, None])
-        points, others = np.nonzero(apart <= reach + shapes[:, 2] + SLACK)
+        dx, dy = shapes[:, 0] - x[:, None], shapes[:, 1] - y[:, None]
+        dx *= dx
+        dy *= dy
+        dx += dy
+        near = np.flatnonzero(dx <= (reach + shapes[:, 2] + SLACK) ** 2)
+        points, others = np.divmod(near, len(shapes))
         seen = others != skip[points]
         return points[seen], others[seen]
     order = np.argsort(shapes[:, 0])
@@ -134,9 +155,11 @@ def near_robots(
 
 def distances(points: Float, walls: Float) -> Float:
     """Return the distance of each point (P, 2) to the wall (P, 4) beside it [m], shape (P,)."""
-    start, extent = walls[:, :2] - points, walls[:, 2:] - walls[:, :2]
-    squared = (extent**2).sum(axis=1)
-    share = -(start * extent).sum(axis=1) / np.where(squared > 0, squared, 1.0)
-    nearest = start + np.clip(share, 0.0, 1.0)[:, None] * extent
-    distances: Float = np.hypot(nearest[:, 0], nearest[:, 1])
+    ends = walls.T
+    x, y = start = ends[:2] - points.T
+    ex, ey = extent = ends[2:] - ends[:2]
+    squared = ex * ex + ey * ey
+    share = -(x * ex + y * ey) / np.maximum(squared, TINY)  # a post is as near as its start
+    start += np.minimum(np.maximum(share, 0.0, out=share), 1.0, out=share) * extent
+    distances: Float = np.hypot(x, y)
     return distances

@@ -46,12 +46,12 @@ def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
     low, span = _directions(seen, turn, fan)
     span[close] = -np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = np.stack([ey / turn, -ex / turn])
+        inverse = np.array([ey, -ex]) / turn
+    doubts = _spread(row, (low, span), inverse, fan, out)
     touched = np.flatnonzero(close)
-    doubts = [(touched, np.zeros(len(touched)), np.full(len(touched), np.inf))]
-    doubts += _spread(row, (low, span), inverse, fan, out)
-    which, lower, upper = (np.concatenate(parts) for parts in zip(*doubts, strict=True))
-    if len(which):
+    if len(touched):
+        doubts.append((touched, np.zeros(len(touched)), np.full(len(touched), np.inf)))
+    for which, lower, upper in doubts:
         beams = _beams(lower, upper, out.shape[1])
         _exactly(row[which], seen[:, which], beams, fan, out)
 
@@ -71,9 +71,11 @@ def _in_front(seen: Float, fan: Fan) -> Int:
 def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
     """Return the first beam of each segment, counter-clockwise, and how many it is wide."""
     start, step = fan.frame[3:]
-    first, last = np.arctan2(seen[1], seen[0]), np.arctan2(seen[3], seen[2])
-    low = (np.where(turn < 0, last, first) - start) / step
-    span = np.where(turn < 0, first - last, last - first) / step
+    first, last = np.arctan2(seen[1::2], seen[::2]) * (1 / step)
+    clockwise = turn < 0
+    low = np.where(clockwise, last, first) - start / step
+    span = last - first
+    np.negative(span, out=span, where=clockwise)
     span[span < 0] += tau / step
     return low, span
 
@@ -85,40 +87,42 @@ def _spread(
     low, span = intervals
     margin, circle, beams = MARGIN / fan.frame[4], tau / fan.frame[4], out.shape[1]
     doubts = []
-    low = low - np.floor((low + span.clip(min=0) + margin) / circle) * circle
+    low = low - np.floor((low + np.maximum(span, 0) + margin) * (1 / circle)) * circle
     for turns in range(ceil((beams + margin) / circle) + 1):
-        here = np.flatnonzero((low + (turns * circle - margin) < beams) & (span >= 0))
+        here = np.flatnonzero((low < beams + margin - turns * circle) & (span >= 0))
         if len(here) == 0:
             break
         begin = low[here] + turns * circle
         end = begin + span[here]
         sure, last = np.ceil(begin + margin), np.floor(end - margin)
         _surely(row[here], inverse[:, here], _beams(sure, last, beams), fan, out)
-        after = np.maximum(last + 1, sure)
-        for lower, upper in ((np.ceil(begin - margin), sure - 1), (after, np.floor(end + margin))):
-            doubt = np.flatnonzero(lower <= upper)
-            doubts.append((here[doubt], lower[doubt], upper[doubt]))
+        lower = np.array([np.ceil(begin - margin), np.maximum(last + 1, sure)])
+        upper = np.array([sure - 1, np.floor(end + margin)])
+        doubt = lower <= upper
+        if doubt.any():
+            doubts.append((here[np.nonzero(doubt)[1]], lower[doubt], upper[doubt]))
     return doubts
 
 
 def _beams(lower: Float, upper: Float, beams: int) -> tuple[Int, Int]:
     """Return first beam and number of beams of each interval, clipped to the fan."""
-    first = np.clip(lower, 0, beams).astype(np.int64)
-    counts = np.clip(upper, -1, beams - 1).astype(np.int64) - first + 1
-    return first, counts.clip(min=0)
+    first = np.minimum(np.maximum(lower, 0), beams).astype(np.int64)
+    beyond = np.minimum(np.maximum(upper, -1), beams - 1).astype(np.int64) + 1
+    return first, np.maximum(beyond - first, 0)
 
 
 def _surely(row: Int, inverse: Float, beams: tuple[Int, Int], fan: Fan, out: Float) -> None:
     """Paint an interval of beams of each segment."""
     flat, headings = out.reshape(-1), fan.headings
     first, counts = beams
-    blocks = np.flatnonzero(np.diff(np.cumsum(counts) // BLOCK)) + 1
+    total = counts.cumsum() // BLOCK
+    blocks = np.flatnonzero(total[1:] != total[:-1]) + 1
     for begin, end in pairwise([0, *blocks.tolist(), len(counts)]):
         some = counts[begin:end]
         beam = ranges(first[begin:end], some)
-        depth = np.repeat(inverse[0, begin:end], some) * headings[0].take(beam)
-        depth += np.repeat(inverse[1, begin:end], some) * headings[1].take(beam)
-        beam += np.repeat(row[begin:end], some)
+        depth = inverse[0, begin:end].repeat(some) * headings[0].take(beam)
+        depth += inverse[1, begin:end].repeat(some) * headings[1].take(beam)
+        beam += row[begin:end].repeat(some)
         np.maximum.at(flat, beam, depth)
 
 

@@ -46,23 +46,28 @@ Bool = NDArray[np.bool_]
 Int = NDArray[np.int64]
 
 HARD = np.array([[HARDEST], [HARDEST_TURN]])
+EXACT = np.array([[1.0], [0.0], [0.0], [1.0]])
+"""What wheels see that see everything: the first rows of `Drives.errors`."""
 
 
 def live(drives: Drives, dt: float) -> None:
     """Use energy, and warm up or cool down."""
     v, w = abs(drives.axes[VELOCITY])
     wheels = drives.wheels
-    wheels[ENERGY] += (wheels[SUPPLY] - IDLE_POWER - DRIVE_POWER * v) * dt
-    np.clip(wheels[ENERGY], 0.0, CAPACITY, out=wheels[ENERGY])
+    energy, heat = wheels[ENERGY], wheels[HEAT]
+    energy += (wheels[SUPPLY] - IDLE_POWER - DRIVE_POWER * v) * dt
+    np.minimum(np.maximum(energy, 0.0, out=energy), CAPACITY, out=energy)
     warm = DRIVE_HEAT * v + TURN_HEAT * w + STALL_HEAT * drives.flags[STALLED]
-    wheels[HEAT] += (warm - wheels[HEAT]) * (dt / HEAT_TIME)
+    heat += (warm - heat) * (dt / HEAT_TIME)
 
 
 def wants_to_move(drives: Drives) -> Bool:
     """Return which drives turn, or are about to, shape (N,)."""
     axes = drives.axes
-    wanted = ((axes[TARGET] != 0) & (drives.flags[POWERED] != 0)).any(axis=0)
-    moves: Bool = wanted | ((axes[VELOCITY] != 0) | ~np.isnan(axes[REMAINING])).any(axis=0)
+    turns = (axes[TARGET] != 0) & (drives.flags[POWERED] != 0)
+    turns |= axes[VELOCITY] != 0
+    turns |= ~np.isnan(axes[REMAINING])
+    moves: Bool = turns[0] | turns[1]
     return moves
 
 
@@ -73,10 +78,11 @@ def wishes(drives: Drives, dt: float, noise: Float | None) -> Float:
         Motion x, y, theta in each robot's frame, what the wheels believe it is, way and turn of
         the wheels, shape (8, N).
     """
-    fine = ~np.isnan(drives.axes[REMAINING]).all(axis=0)
-    if not fine.any():
+    velocities = np.isnan(drives.axes[REMAINING])
+    if velocities.all():
         wish = _run(drives, dt, 1)
     else:
+        fine = ~velocities.all(axis=0)
         wish = np.zeros((8, len(drives)))
         for which, pieces in ((~fine, 1), (fine, max(1, ceil(dt / SUBSTEP - 1e-9)))):
             some = np.flatnonzero(which)
@@ -94,16 +100,19 @@ def wishes(drives: Drives, dt: float, noise: Float | None) -> Float:
 def _run(drives: Drives, dt: float, pieces: int) -> Float:
     """Do the same in so many pieces, without noise."""
     axes, flags, errors = drives.axes, drives.flags, drives.errors
-    hard = (flags[BRAKING] != 0) | (flags[POWERED] == 0)
+    off = flags[POWERED] == 0
+    held, hard = off | (flags[HELD] != 0), off | (flags[BRAKING] != 0)
     brake = np.where(hard, HARD, axes[DECELERATION])
-    held = (flags[HELD] != 0) | (flags[POWERED] == 0)
+    blind = not (errors[:WAY_NOISE] == EXACT).all()
     wish = np.zeros((8, len(drives)))
     for _ in range(pieces):
         ways = _turn_axes(axes, held, brake, dt / pieces)
-        true_ways = (errors[:WAY_NOISE].reshape(2, 2, -1) * ways).sum(axis=1)
         _follow(wish[3:6], *ways)
-        _follow(wish[:3], *true_ways)
+        if blind:
+            _follow(wish[:3], *(errors[:WAY_NOISE].reshape(2, 2, -1) * ways).sum(axis=1))
         wish[6:] += ways
+    if not blind:
+        wish[:3] = wish[3:6]
     if flags[BRAKING].any():
         flags[BRAKING] &= axes[VELOCITY].any(axis=0)
     return wish
@@ -112,7 +121,7 @@ def _run(drives: Drives, dt: float, pieces: int) -> Float:
 def _turn_axes(axes: Float, held: Bool, brake: Float, dt: float) -> Float:
     """Let both axes of all drives run for `dt`; return their ways, shape (2, N)."""
     v, remaining, top = axes[VELOCITY], axes[REMAINING], axes[TOP]
-    goal = np.clip(axes[TARGET], -top, top)
+    goal = np.minimum(np.maximum(axes[TARGET], -top), top)
     covers = ~np.isnan(remaining)
     if held.any():
         goal[:, held], covers[:, held] = 0.0, False
@@ -134,42 +143,55 @@ def _turn_axes(axes: Float, held: Bool, brake: Float, dt: float) -> Float:
 
 
 def _ramp(
-    v: Float, goal: Float, acceleration: Float, brake: Float, dt: float
+    v: Float, goal: Float, acceleration: Float, brake: Float, dt: Float | float
 ) -> tuple[Float, Float]:
     """Approach `goal`, towards zero with `brake`, away from it with `acceleration`."""
     turns_round = v * goal < 0
     slows = turns_round | (abs(goal) < abs(v))
-    middle, time = _towards(v, np.where(slows, np.where(turns_round, 0.0, goal), v), brake, dt)
-    left = dt - time
-    rises = (abs(goal) >= abs(middle)) & (left > 0)
-    end, time_up = _towards(middle, np.where(rises, goal, middle), acceleration, left)
+    middle, left = v, dt
+    time: Float | float = 0.0
+    if slows.any():
+        first = np.where(turns_round, 0.0, np.where(slows, goal, v))
+        middle, time = _towards(v, first, brake, dt)
+        left = dt - time
+    end: Float = middle
+    time_up: Float | float = 0.0
+    if not (middle == goal).all():
+        rises = (abs(goal) >= abs(middle)) & (left > 0)
+        end, time_up = _towards(middle, np.where(rises, goal, middle), acceleration, left)
     way = (v + middle) / 2 * time + (middle + end) / 2 * time_up + end * (left - time_up)
     return end, way
 
 
 def _towards(v: Float, goal: Float, rate: Float, dt: Float | float) -> tuple[Float, Float]:
     """Return the velocity after `dt` on the way to `goal`, and the time until it is there."""
-    gap = goal - v
-    done = (abs(gap) <= rate * dt) | (rate == 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time = np.where(done, np.where(rate > 0, abs(gap) / rate, 0.0), dt)
-    return np.where(done, goal, v + np.copysign(rate * dt, gap)), time
+    gap, most = goal - v, rate * dt
+    size = abs(gap)
+    done = (size <= most) | (rate == 0)
+    # what has no rate takes no time
+    time = np.divide(size, rate, out=np.zeros_like(size), where=rate > 0)
+    return np.where(done, goal, v + np.copysign(most, gap)), np.where(done, time, dt)
 
 
 def _follow(pose: Float, way: Float, turn: Float) -> None:
     """Let poses (3, N) go on along arcs."""
     half = turn / 2
-    chord = way * np.sinc(half / np.pi)
-    pose[0] += chord * np.cos(pose[2] + half)
-    pose[1] += chord * np.sin(pose[2] + half)
-    pose[2] += turn
+    chord = way * np.divide(np.sin(half), half, out=np.ones_like(half), where=half != 0)
+    x, y, theta = pose
+    half += theta
+    x += chord * np.cos(half)
+    y += chord * np.sin(half)
+    theta += turn
 
 
 def reached(poses: Float, wish: Float) -> Float:
     """Return poses (3, N) after motions (3, N), each in its robot's frame."""
-    x, y, theta = poses
+    theta, (ahead, left, _) = poses[2], wish
     c, s = np.cos(theta), np.sin(theta)
-    return np.stack([x + c * wish[0] - s * wish[1], y + s * wish[0] + c * wish[1], theta + wish[2]])
+    there: Float = poses + wish
+    np.add(poses[0], c * ahead - s * left, out=there[0])
+    np.add(poses[1], s * ahead + c * left, out=there[1])
+    return there
 
 
 def roll(drives: Drives, wish: Float) -> None:

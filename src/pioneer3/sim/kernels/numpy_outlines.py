@@ -20,25 +20,38 @@ LEFT = np.array([1, 1, -1, -1])
 
 def place(robots: Robots, which: slice | Int = EVERYONE) -> None:
     """Bring middles, radii and corners of all or some up to date with the poses."""
-    x, y, theta, front, rear, half, cut, hidden = robots.state[:, which]
+    x, y, theta, front, rear, half, _, hidden = robots.state[:, which]
     if hidden.any():
         x, y = np.where(hidden, NOWHERE, x), np.where(hidden, NOWHERE, y)
-    c, s = np.cos(theta), np.sin(theta)
-    shapes, middle = robots.shapes, (front - rear) / 2
-    shapes[which, 0], shapes[which, 1] = x + c * middle, y + s * middle
+    # points as complex numbers: to turn one is to multiply
+    at, heading = np.empty((2, len(x), 1), dtype=np.complex128)
+    at.real[:, 0], at.imag[:, 0] = x, y
+    np.cos(theta, out=heading.real[:, 0])
+    np.sin(theta, out=heading.imag[:, 0])
+    corners = np.empty((len(x), (robots.shapes.shape[1] - 3) // 2), dtype=np.complex128)
+    _corners(corners.real.T, corners.imag.T, robots.state[3:7, which])
+    corners *= heading
+    corners += at
+    at += heading * ((front - rear) / 2)[:, None]
+    shapes = robots.shapes
+    shapes[which, :2] = at.view(np.float64)
     shapes[which, 2] = np.hypot((front + rear) / 2, half)
-    ahead, left = np.stack([front, -rear, -rear, front]), np.multiply.outer(LEFT, half)
-    if shapes.shape[1] > 11:
+    shapes[which, 3:] = corners.view(np.float64)
+
+
+def _corners(ahead: Float, left: Float, sizes: Float) -> None:
+    """Fill in corners (4 or 8, N) [m], given front, rear, half width and cut, shape (4, N)."""
+    front, rear, half, cut = sizes
+    k = len(ahead) // 4
+    ahead[:k] = ahead[3 * k :] = front
+    ahead[k : 3 * k] = -rear
+    left[: 2 * k], left[2 * k :] = half, -half
+    if k == 2:
         # a cut corner is two: counter-clockwise the side that is walked along comes first
-        ahead, left = ahead.repeat(2, axis=0), left.repeat(2, axis=0)
-        for k in range(8):
-            quarter = k // 2
-            if (k + quarter) % 2 == 0:
-                left[k] -= LEFT[quarter] * cut
-            else:
-                ahead[k] -= AHEAD[quarter] * cut
-    shapes[which, 3::2] = (x + c * ahead - s * left).T
-    shapes[which, 4::2] = (y + s * ahead + c * left).T
+        left[::4] -= LEFT[::2, None] * cut
+        left[3::4] -= LEFT[1::2, None] * cut
+        ahead[1::4] -= AHEAD[::2, None] * cut
+        ahead[2::4] -= AHEAD[1::2, None] * cut
 
 
 def reach_into(ends: Float, middle: Float, length: Float, width: Float) -> Bool:

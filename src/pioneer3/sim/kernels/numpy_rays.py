@@ -1,5 +1,7 @@
 """Sonar and single rays with numpy alone: every ray and near wall, then the few that meet."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,33 +16,41 @@ Int32 = NDArray[np.int32]
 FIRST_REACH = 2.0
 """How far rays are followed before those that hit something are dropped [m]."""
 
+MAYBE = 1e6 * TOUCH
+"""A touch comes with no larger product of how far across a ray both ends of a wall lie [m^2]."""
+
 
 def measured(headings: Float, ends: Float) -> Float:
     """Return the range from the origin along each ray to a segment [m], as the oracle, or infinity.
 
     Args:
-        headings: Unit vectors, shape (2, P).
-        ends: Of the segment beside each, `ax, ay, bx, by` from the ray's start [m], shape (4, P).
+        headings: Unit vectors, shape (2, ...).
+        ends: Of the segment beside each, `ax, ay, bx, by` from the ray's start [m], shape (4, ...).
     """
     (dx, dy), x, y = headings, ends[::2], ends[1::2]
-    across, along = dx * y - dy * x, dx * x + dy * y
+    return _met(dx * y - dy * x, dx * x + dy * y)
+
+
+def _met(across: Float, along: Float) -> Float:
+    """Return the same, given how far the ends lie across the ray, how far along [m], (2, ...)."""
     across *= abs(across) > TOUCH
-    gap = across[0] - across[1]
+    one, other = across
+    gap = one - other
     with np.errstate(divide="ignore", invalid="ignore"):
-        met: Float = along[0] + (along[1] - along[0]) * (across[0] / gap)
-    met[across[0] * across[1] > 0] = np.inf
-    lies_along = np.flatnonzero((gap == 0) & (across[0] == 0))
-    if len(lies_along):
-        one, other = along[:, lies_along]
-        met[lies_along] = np.where(one * other <= 0, 0.0, np.minimum(one, other))
-    met[met < -TOUCH] = np.inf
+        met: Float = along[0] + (along[1] - along[0]) * (one / gap)
+    if not gap.all():
+        lies_along = (gap == 0) & (one == 0)
+        near, far = along[:, lies_along]
+        met[lies_along] = np.where(near * far <= 0, 0.0, np.minimum(near, far))
+    met[(one * other > 0) | (met < -TOUCH)] = np.inf
     return np.maximum(met, 0.0, out=met)
 
 
 def sides(corners: Float) -> Float:
     """Return the sides of outlines given by C corners, (2 C, P) to ax, ay, bx, by, (4, C P)."""
-    x, y = corners[::2], corners[1::2]
-    ends = np.stack([np.roll(x, 1, axis=0), np.roll(y, 1, axis=0), x, y])
+    ends = np.empty((4, len(corners) // 2, corners.shape[1]))
+    ends[2], ends[3] = corners[::2], corners[1::2]
+    ends[:2, 1:], ends[:2, 0] = ends[2:, :-1], ends[2:, -1]
     return ends.reshape(4, -1)
 
 
@@ -64,7 +74,7 @@ class Rays:
         self._starts, self._headings = np.stack([x, y, x, y]), np.stack([dx, dy])
         # of a point (x, y, 1): how far across each ray it lies, how far along
         self._across = np.stack([-dy, dx, dy * x - dx * y], axis=1)
-        self._along = np.stack([dx, dy, -dx * x - dy * y], axis=1)
+        self._along = np.stack([dx, dy, -dx * x - dy * y])
         self._block = PAIRS // max(1, self.count) + 1
 
     def meet_walls(
@@ -81,33 +91,48 @@ class Rays:
         """
         points = np.ones((6, seen.shape[1]))
         points[:2], points[3:5] = seen[:2], seen[2:]
-        # a touch may come with any product up to this; `measured` then decides
-        bound = TOUCH * (4 * float(abs(seen).max(initial=0.0)) + 10)
         for first in range(0, len(owners), self._block):
             some = points[:, first : first + self._block]
-            product = self._across @ some[:3]
-            product *= self._across @ some[3:]
-            ray, wall = np.divmod(np.flatnonzero(product <= bound), some.shape[1])
-            wall += first
-            ends = seen.take(wall, axis=1)
-            self._measure(ray, owners[wall], ends, out)
+            across = np.empty((2, self.count, some.shape[1]))
+            np.matmul(self._across, some[:3], out=across[0])
+            np.matmul(self._across, some[3:], out=across[1])
+            maybe = np.flatnonzero(across[0] * across[1] <= MAYBE)
+            ray, wall = np.divmod(maybe, some.shape[1])
+            ends = some.take(wall, axis=1)
+            dx, dy, start = self._along.take(ray, axis=1)
+            along = dx * ends[::3] + dy * ends[1::3] + start
+            met = _met(across.reshape(2, -1).take(maybe, axis=1), along)
+            place = owners.take(wall + first) * out.shape[1] + ray
+            np.minimum.at(out.reshape(-1), place, met)
             if heard is not None:
-                back = ~(self._steepness(ray, ends) < steep)  # a post has no steepness
-                self._measure(ray[back], owners[wall[back]], seen.take(wall[back], axis=1), heard)
+                back = ~(self._steepness(ray, ends[[0, 1, 3, 4]]) < steep)  # a post has none
+                np.minimum.at(heard.reshape(-1), place[back], met[back])
 
-    def meet_robots(self, owners: Int, radius: Float, seen: Float, out: Float) -> None:
-        """Shorten ranges by outlines of a `radius` (P,) [m]: middle and corners (2 + 2 C, P)."""
+    def meet_robots(
+        self, owners: Int, circles: Float, outlines: Callable[[Int], Float], out: Float
+    ) -> None:
+        """Shorten ranges by outlines.
+
+        Args:
+            owners: In whose frame each is seen, shape (P,).
+            circles: Middle x, y there and radius of the circle around each [m], shape (3, P).
+            outlines: Returns the corners of some of them there [m], shape (2 C, ...).
+            out: Ranges, contiguous [m], shape (robots, R).
+        """
         points = np.ones((3, len(owners)))
-        points[:2] = seen[:2]
-        radius = radius + TOUCH
-        along = self._along @ points
-        meets = (abs(self._across @ points) <= radius) & (along >= -radius)
-        meets &= along - radius <= out[owners].T
-        ray, robot = np.nonzero(meets)
+        points[:2] = circles[:2]
+        maybe = np.flatnonzero(abs(self._across @ points) <= circles[2] + TOUCH)
+        ray, robot = np.divmod(maybe, len(owners))
+        dx, dy, start = self._along.take(ray, axis=1)
+        x, y, radius = circles.take(robot, axis=1)
+        along, place = dx * x + dy * y + start, owners[robot] * out.shape[1] + ray
+        near = (along >= -radius - TOUCH) & (along - radius <= out.reshape(-1)[place] + TOUCH)
+        ray, robot, place = ray[near], robot[near], place[near]
         if len(ray):
-            ends = sides(seen[2:].take(robot, axis=1))
-            corners = len(seen) // 2 - 1
-            self._measure(np.tile(ray, corners), np.tile(owners[robot], corners), ends, out)
+            ends = sides(outlines(robot)).reshape(4, -1, len(ray))
+            ends -= self._starts.take(ray, axis=1)[:, None]
+            headings = self._headings.take(ray, axis=1)[:, None]
+            np.minimum.at(out.reshape(-1), place, measured(headings, ends).min(axis=0))
 
     def _steepness(self, ray: Int, ends: Float) -> Float:
         """Return the sine of the angle between each ray and its segment."""
@@ -116,11 +141,6 @@ class Rays:
         with np.errstate(invalid="ignore"):
             sine: Float = abs(dx * ey - dy * ex) / np.hypot(ex, ey)
         return sine
-
-    def _measure(self, ray: Int, owner: Int, ends: Float, out: Float) -> None:
-        ends -= self._starts.take(ray, axis=1)
-        met = measured(self._headings.take(ray, axis=1), ends)
-        np.minimum.at(out.reshape(-1), owner * out.shape[1] + ray, met)
 
 
 def march(grid: Grid, origins: Float, angles: Float, limit: float, out: Float) -> None:
