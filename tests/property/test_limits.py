@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from pioneer3.arcos.reports import Config
 from pioneer3.geometry import Twist2
+from pioneer3.limits import Limits
 from pioneer3.models import load_model
-from pioneer3.robot.limits import Limits, limit, limits_for
+from pioneer3.robot.limits import limit, limits_for
 from pioneer3.state import Bumpers
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)

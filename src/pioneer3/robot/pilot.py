@@ -16,7 +16,8 @@ from math import inf
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.robot.limits import Limits, limit
+from pioneer3.limits import Limits
+from pioneer3.robot.limits import limit
 from pioneer3.state import Snapshot
 
 REPEAT = 0.2

@@ -19,10 +19,11 @@ from pioneer3.arcos.host_events import (
 )
 from pioneer3.arcos.reports import Config, Report, Sip
 from pioneer3.errors import LinkError, NoRobotError
+from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.models import RobotModel, find_model, generic_model
 from pioneer3.robot.assemble import Assembler
-from pioneer3.robot.limits import Limits, limits_for
+from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM

@@ -12,12 +12,12 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
+from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
-from pioneer3.robot.limits import Limits
 from pioneer3.robot.pilot import Pilot
 from pioneer3.robot.session import Session
 from pioneer3.state import Identity, Snapshot

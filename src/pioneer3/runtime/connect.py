@@ -9,10 +9,10 @@ from functools import partial
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.limits import Limits
 from pioneer3.links import Opener, open_link
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel
-from pioneer3.robot.limits import Limits
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.robot import Robot

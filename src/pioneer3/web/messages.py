@@ -6,8 +6,8 @@ from typing import Any, Literal
 import msgspec
 
 from pioneer3.geometry import Pose2, Twist2
+from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.robot.limits import Limits
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.identity import kind
 from pioneer3.runtime.scene import Scene

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from pioneer3.geometry import ORIGIN, STILL, Twist2
+from pioneer3.limits import Limits
 from pioneer3.robot.explain import why_not_moving
-from pioneer3.robot.limits import Limits
 from pioneer3.robot.pilot import ENABLE_TRIES, Pilot
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 

@@ -9,8 +9,9 @@ import pytest
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Twist2
+from pioneer3.limits import Limits
 from pioneer3.models import load_model
-from pioneer3.robot.limits import Limits, checked, finite, limit, limits_for
+from pioneer3.robot.limits import checked, finite, limit, limits_for
 from pioneer3.state import Bumpers
 
 MODEL = load_model("p3at-sh")

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import ORIGIN, STILL, Twist2
-from pioneer3.robot.limits import Limits
+from pioneer3.limits import Limits
 from pioneer3.robot.pilot import ENABLE_RETRY, ENABLE_TRIES, PACE, REPEAT, Pilot
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from pioneer3.arcos.reports import Config
 from pioneer3.geometry import Pose2, Twist2
+from pioneer3.limits import Limits
 from pioneer3.models import load_model
-from pioneer3.robot.limits import Limits
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap
