@@ -7,6 +7,16 @@ from pioneer3.errors import ConfigError
 from pioneer3.units import DEGREE
 
 
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How fast speeds change: of the speed [m/s^2], then of the turn rate [rad/s^2]; positive."""
+
+    acceleration: float
+    deceleration: float
+    turn_acceleration: float
+    turn_deceleration: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
     """Bounds on motion.
@@ -36,6 +46,13 @@ class Limits:
                 raise ConfigError(f"limits: {field.name} must be a positive number, not {value!r}")
         if not 0.1 <= self.expiry <= 2.0:
             raise ConfigError(f"limits: expiry must be 0.1 to 2 s, not {self.expiry:g}")
+
+    @property
+    def pace(self) -> "Pace":
+        """The accelerations."""
+        return Pace(
+            self.acceleration, self.deceleration, self.turn_acceleration, self.turn_deceleration
+        )
 
     def lowered_to(
         self, max_speed: float | None = None, max_turn_rate: float | None = None

@@ -8,6 +8,7 @@ Rules:
 4. After a lost link, a stall, either stop button or motors that went off by themselves, requests
    are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero request,
    :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all the time is not fresh.
+   The one exception: a request that is the answer to a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
 """
 
@@ -16,7 +17,7 @@ from math import inf
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.limits import Limits
+from pioneer3.limits import Limits, Pace
 from pioneer3.robot.limits import limit
 from pioneer3.state import Snapshot
 
@@ -29,6 +30,7 @@ ENABLE_RETRY = 0.5
 ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
 """Slower than this counts as standing [m/s, rad/s]."""
+STALLED = "the wheels stalled"
 OVERSLEPT = 2.0
 """A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
 
@@ -54,6 +56,9 @@ class Pilot:
         self._sent: Twist2 | None = None
         self._sent_at = -inf
         self._blocked: str | None = None
+        self._despite_stall = False
+        self._pace: Pace | None = None
+        self._sent_pace: Pace | None = None
         self._motors_wanted: bool | None = None
         self._motors_seen = False
         self._enable_tries = 0
@@ -75,13 +80,10 @@ class Pilot:
                 commands.SetV(speed=limits.max_speed),
                 commands.SetRV(rate=limits.max_turn_rate),
             ]
+        self._pace, self._sent_pace = None, None
         if settable_acceleration:
-            self._outbox += [
-                commands.SetA(acceleration=limits.acceleration),
-                commands.SetA(acceleration=-limits.deceleration),
-                commands.SetRA(acceleration=limits.turn_acceleration),
-                commands.SetRA(acceleration=-limits.turn_deceleration),
-            ]
+            self._outbox += _paces(limits.pace)
+            self._sent_pace = limits.pace
         self._outbox.append(commands.Sonar(on=True))
         self._sent, self._sent_at, self._awake_at = STILL, -inf, now
         self.deadline = now + REPEAT
@@ -95,12 +97,19 @@ class Pilot:
         self._block(f"the link was lost ({why}); let go, then ask again", now)
 
     def drive(
-        self, twist: Twist2, now: float, until: float = inf, *, renewed: bool = False
+        self,
+        twist: Twist2,
+        now: float,
+        until: float = inf,
+        *,
+        renewed: bool = False,
+        despite_stall: bool = False,
+        pace: Pace | None = None,
     ) -> str | None:
         """Ask for `twist` until it expires, at `until` [s] at the latest.
 
-        What is `renewed` was asked for before, and is never fresh. Returns why it is ignored, or
-        `None`.
+        What is `renewed` was asked for before, and is never fresh. `pace` is how to get there, the
+        robot's own if `None`. Returns why it is ignored, or `None`.
         """
         if self.limits is None:
             return "no robot is connected"
@@ -109,13 +118,15 @@ class Pilot:
         self._requested_at = -inf if twist.is_zero else min(now, until - expiry)
         if self.emergency:
             return "the emergency stop is latched"
-        if self._blocked and fresh and self._snapshot is not None:
+        answered = despite_stall and self._blocked == STALLED
+        if self._blocked and (fresh or answered) and self._snapshot is not None:
             self._blocked = None
         if self._blocked:
             return self._blocked
         if self._snapshot is None:
             return "no robot is connected"
         self._request, self._until = twist, min(now + expiry, until)
+        self._despite_stall, self._pace = despite_stall, pace
         given_up = fresh and self.enable_failed
         if not twist.is_zero and self._auto_enable and (given_up or not self._motors_wanted):
             self._want_motors(on=True)
@@ -125,6 +136,7 @@ class Pilot:
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
         self._request, self._until, self._requested_at = STILL, now, -inf
+        self._despite_stall, self._pace = False, None
         if self._snapshot is not None:
             self._blocked = None
         self._sent, self._sent_at = STILL, now
@@ -160,8 +172,8 @@ class Pilot:
             if self._motors_wanted:
                 self._motors_wanted = None  # released, it does not bring them back
             self._block("the stop button on the robot is pressed", now)
-        elif motors.stalled and not self._request.is_zero:
-            self._block("the wheels stalled", now)
+        elif motors.stalled and not self._request.is_zero and not self._despite_stall:
+            self._block(STALLED, now)
         elif self._motors_seen and not motors.enabled and self._motors_wanted:
             self._motors_wanted = None
             self._block("the robot switched its motors off", now)
@@ -211,6 +223,7 @@ class Pilot:
     def _block(self, why: str, now: float) -> None:
         self._blocked = why
         self._request, self._until, self._requested_at = STILL, now, now
+        self._despite_stall, self._pace = False, None
 
     def _want_motors(self, *, on: bool) -> None:
         self._motors_wanted, self._enable_tries, self._enabled_at = on, 0, -inf
@@ -242,9 +255,26 @@ class Pilot:
         due = now >= self._sent_at + REPEAT and not (twist.is_zero and rests)
         changed = twist != self._sent and (twist.is_zero or now >= self._sent_at + PACE)
         if changed or due:
+            self._set_pace(limits)
             self._outbox += (commands.Vel(speed=twist.v), commands.RVel(rate=twist.w))
             self._sent, self._sent_at = twist, now
         again = self._sent_at + (REPEAT if twist == self._sent else PACE)
         self.deadline = min(
             again if again > now else now + REPEAT, self._until if self._until > now else inf
         )
+
+    def _set_pace(self, limits: Limits) -> None:
+        """Send the accelerations that are wanted, where the robot takes any and they are new."""
+        wanted = self._pace or limits.pace
+        if self._sent_pace is not None and wanted != self._sent_pace:
+            self._outbox += _paces(wanted)
+            self._sent_pace = wanted
+
+
+def _paces(pace: Pace) -> list[Command]:
+    return [
+        commands.SetA(acceleration=pace.acceleration),
+        commands.SetA(acceleration=-pace.deceleration),
+        commands.SetRA(acceleration=pace.turn_acceleration),
+        commands.SetRA(acceleration=-pace.turn_deceleration),
+    ]

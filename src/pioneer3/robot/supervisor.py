@@ -12,7 +12,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
-from pioneer3.limits import Limits
+from pioneer3.limits import Limits, Pace
 from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
@@ -71,6 +71,9 @@ class Supervisor:
         restrict: Turns the robot's limits into the ones to keep.
         auto_enable: Whether a fresh command switches the motors on.
         timing: The host's patience.
+
+    Attributes:
+        on_reading: Called with every reading, at once.
     """
 
     def __init__(
@@ -87,6 +90,7 @@ class Supervisor:
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
+        self.on_reading: Callable[[Snapshot], None] = lambda snapshot: None
         self._open_link = open_link
         self._model = model
         self._restrict = restrict
@@ -116,13 +120,25 @@ class Supervisor:
             for feed in (self.snapshots, self.status):
                 feed.close()
 
-    def drive(self, twist: Twist2, until: float = inf, *, renewed: bool = False) -> str | None:
-        """Ask for `twist` until it expires, at `until` [s, loop time] at the latest.
-
-        What is `renewed` was asked for before, and is never fresh. Returns why it is ignored, or
-        `None`.
-        """
-        return self._after(self.pilot.drive(twist, self._clock(), until, renewed=renewed))
+    def drive(
+        self,
+        twist: Twist2,
+        until: float = inf,
+        *,
+        renewed: bool = False,
+        despite_stall: bool = False,
+        pace: Pace | None = None,
+    ) -> str | None:
+        """See :meth:`Pilot.drive`; `until` is in the loop's time [s]."""
+        answer = self.pilot.drive(
+            twist,
+            self._clock(),
+            until,
+            renewed=renewed,
+            despite_stall=despite_stall,
+            pace=pace,
+        )
+        return self._after(answer)
 
     def stop(self) -> None:
         """Stand still."""
@@ -174,8 +190,9 @@ class Supervisor:
         self._tell(Connection.CONNECTED, f"{who.name} ({session.model.title}) on {self.info.url}")
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """Pass a new reading on."""
+        """Pass a new reading on: first to who decides, who misses none, then to who looks."""
         self._fresh = snapshot
+        self.on_reading(snapshot)
         self.snapshots.publish(snapshot)
 
     async def _serve_once(self, attempt: int) -> int:

@@ -62,7 +62,7 @@ async def connect_async(
         )
         helm = Helm(supervisor)
         leave_on_sigterm()
-        async with running(supervisor.run(), helm.run()):
+        async with running(supervisor.run()):
             await _first_snapshot(supervisor)
             yield Robot(supervisor, helm)
 

@@ -1,21 +1,41 @@
 """The one place where wishes become velocities: actions in, one request to the robot out."""
 
 import asyncio
+import logging
 
 from pioneer3.behaviors.actions import Hold
-from pioneer3.behaviors.engine import Action, Decision, resolve
+from pioneer3.behaviors.engine import ActionError, Decision, resolve
+from pioneer3.behaviors.memory import RangeMemory
+from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.stack import Action, Stack
 from pioneer3.geometry import STILL, Twist2
+from pioneer3.limits import Limits, Pace
 from pioneer3.robot.supervisor import Supervisor
+from pioneer3.state import Snapshot
+
+log = logging.getLogger(__name__)
+
+STOPPED = "somebody stopped the robot"
 
 
 class Helm:
-    """Asks every action and tells the robot, at each snapshot and at each change."""
+    """Asks every action and tells the robot, at each reading and at each change.
+
+    Attributes:
+        decision: The last one.
+        mode: The stack that was started last and has not ended, or `None`.
+        mode_ended: Why the last mode ended; `None` while one runs and before the first.
+    """
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self.decision = Decision(STILL)
+        self.decision = Decision()
+        self.mode: Stack | None = None
+        self.mode_ended: str | None = None
         self._supervisor = supervisor
-        self._actions: list[Action] = []
+        self._stacks: list[Stack] = []
+        self._memory: RangeMemory | None = None
         self._clock = asyncio.get_running_loop().time
+        supervisor.on_reading = self._take
 
     @property
     def driver(self) -> str | None:
@@ -24,45 +44,75 @@ class Helm:
             return None
         return self.decision.v_by or self.decision.w_by
 
-    async def run(self) -> None:
-        """Decide anew at each snapshot, for as long as the supervisor lives."""
-        async for _ in self._supervisor.snapshots.values():
-            self.decide(renewed=True)
+    def situation(self) -> Situation | None:
+        """Return what actions see now, or `None` without a robot."""
+        snapshot, info = self._supervisor.snapshot, self._supervisor.info
+        if snapshot is None or info is None or self._memory is None:
+            return None
+        now = self._clock()
+        return Situation(
+            now=now,
+            snapshot=snapshot,
+            model=info.model,
+            limits=info.limits,
+            around=self._memory.around(now),
+        )
 
     def decide(self, *, renewed: bool = False) -> str | None:
         """Resolve now; return why the robot ignores the result, or `None`.
 
         `renewed` says that nobody has asked for anything new: only time has passed.
         """
-        snapshot, now, before = self._supervisor.snapshot, self._clock(), self.decision
-        if snapshot is None:
+        situation, before = self.situation(), self.decision
+        if situation is None:
             return self._supervisor.why_not_moving()
-        self.decision = resolve(self._actions, snapshot, now)
-        if self.decision.wanted:
-            twist, until = self.decision.twist, self.decision.until
-            return self._supervisor.drive(twist, until, renewed=renewed)
-        if before.wanted and now < before.until:  # let go; what expires, the pilot ends itself
+        try:
+            self.decision = decision = resolve(self._stacks, situation)
+        except ActionError as error:
+            return self._fail(error)
+        if decision.wanted:
+            return self._supervisor.drive(
+                decision.twist,
+                decision.until,
+                renewed=renewed,
+                despite_stall=decision.despite_stall,
+                pace=_pace(decision, situation.limits),
+            )
+        if before.wanted and situation.now < before.until:  # let go; the pilot ends what expires
             return self._supervisor.drive(STILL)
         return None
 
-    def add(self, action: Action) -> None:
+    def add(self, action: Action, priority: int) -> None:
         """Let `action` take part from now on."""
-        self._actions.append(action)
+        self._stacks.append(Stack.alone(action, priority))
 
     def remove(self, action: Action) -> None:
         """Take `action` out; what it wanted ends at once."""
         if action in self:
-            self._actions = [a for a in self._actions if a is not action]
+            self._stacks = [stack for stack in self._stacks if not _has(stack, action)]
             self.decide()
 
     def __contains__(self, action: Action) -> bool:
-        return any(a is action for a in self._actions)
+        return any(_has(stack, action) for stack in self._stacks)
+
+    def start(self, mode: Stack) -> str | None:
+        """Stop, then let `mode` drive in place of the one before; return why it does not."""
+        self.stop()
+        self.mode, self.mode_ended = mode, None
+        self._stacks.append(mode)
+        return self.decide()
+
+    def end_mode(self, why: str) -> None:
+        """End the mode, if any; its motion ends at once."""
+        if self.mode is not None:
+            self._forget_mode(why)
+            self.decide()
 
     def hold(self, held: Hold, twist: Twist2, seconds: float) -> str | None:
         """Let `held` want `twist` for `seconds`; return why the robot ignores it, or `None`."""
         held.set(twist, self._clock(), seconds)
         if held.muted:
-            return "somebody stopped the robot; let go, then ask again"
+            return f"{STOPPED}; let go, then ask again"
         if self._supervisor.snapshot is None:  # refused, but noted: a held key is not a fresh one
             return self._supervisor.drive(twist)
         return self.decide()
@@ -87,12 +137,60 @@ class Helm:
         self.stop(by)
         return self._supervisor.set_motors(on=on)
 
+    def _take(self, snapshot: Snapshot) -> None:
+        """Decide anew at each reading."""
+        info = self._supervisor.info
+        if info is not None and (self._memory is None or self._memory.model is not info.model):
+            self._memory = RangeMemory(info.model)
+        if self._memory is not None:
+            self._memory.update(snapshot)
+        self.decide(renewed=True)
+
+    def _fail(self, error: ActionError) -> str:
+        """End the stack of an action that failed, and stand still."""
+        log.error("%s stops the robot", error, exc_info=error)
+        if self.mode is not None and self.mode.name == error.stack:
+            self._forget_mode(str(error))
+        self._stacks = [stack for stack in self._stacks if stack.name != error.stack]
+        self.stop()
+        return str(error)
+
+    def _forget_mode(self, why: str) -> None:
+        self._stacks = [stack for stack in self._stacks if stack is not self.mode]
+        self.mode, self.mode_ended = None, why
+
     def _end_wishes(self, by: Hold | None) -> None:
-        holds = [action for action in self._actions if isinstance(action, Hold)]
-        for hold in holds:
-            if hold is by:
-                hold.release()
-            else:
-                hold.mute(self._clock())
-        self._actions = list(holds)
-        self.decision = Decision(STILL)
+        if self.mode is not None:
+            self._forget_mode(STOPPED)
+        kept = []
+        for stack in self._stacks:
+            for ranked in stack.actions:
+                if isinstance(ranked.action, Hold):
+                    kept.append(stack)
+                    _let_go(ranked.action, by, self._clock())
+        self._stacks = kept
+        self.decision = Decision()
+
+
+def _let_go(held: Hold, by: Hold | None, now: float) -> None:
+    if held is by:
+        held.release()
+    else:
+        held.mute(now)
+
+
+def _has(stack: Stack, action: Action) -> bool:
+    return any(ranked.action is action for ranked in stack.actions)
+
+
+def _pace(decision: Decision, limits: Limits) -> Pace:
+    """Return the accelerations to drive with: never faster up, never softer down than wanted."""
+    wanted = decision.limits
+    if not wanted:
+        return limits.pace
+    return Pace(
+        min(wanted.get("acceleration", limits.acceleration), limits.acceleration),
+        max(wanted.get("deceleration", 0.0), limits.deceleration),
+        min(wanted.get("turn_acceleration", limits.turn_acceleration), limits.turn_acceleration),
+        max(wanted.get("turn_deceleration", 0.0), limits.turn_deceleration),
+    )

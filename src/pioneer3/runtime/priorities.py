@@ -4,3 +4,5 @@ GAMEPAD = 100
 KEYBOARD = 90
 WEB = 80
 PROGRAM = 50
+MODE = 20
+"""Wander, follow, goto and the like."""

@@ -29,8 +29,8 @@ class Robot:
     def __init__(self, supervisor: Supervisor, helm: Helm) -> None:
         self.supervisor = supervisor
         self.helm = helm
-        self._hold = Hold("program", PROGRAM)
-        helm.add(self._hold)
+        self._hold = Hold("program")
+        helm.add(self._hold, PROGRAM)
 
     @property
     def info(self) -> RobotInfo:
@@ -107,7 +107,6 @@ class Robot:
                 distance=finite("distance", distance),
                 speed=min(top, limits.max_speed),
                 deceleration=limits.deceleration,
-                priority=PROGRAM,
             )
         )
 
@@ -125,7 +124,6 @@ class Robot:
                 angle=finite("angle", angle),
                 rate=min(top, limits.max_turn_rate),
                 deceleration=limits.turn_deceleration,
-                priority=PROGRAM,
             )
         )
 
@@ -145,7 +143,7 @@ class Robot:
         loop = asyncio.get_running_loop()
         self._hold.release()
         self.supervisor.stop()  # a fresh command: whatever was held before is over
-        self.helm.add(action)
+        self.helm.add(action, PROGRAM)
         try:
             async with asyncio.timeout(STUCK_PATIENCE) as patience:
                 async for _ in self.snapshots():

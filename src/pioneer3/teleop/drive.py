@@ -29,12 +29,12 @@ class KeyboardDriver:
         self._robot = robot
         self._keyboard = keyboard
         self._show = show
-        self._hold = Hold("keyboard", KEYBOARD)
+        self._hold = Hold("keyboard")
         self._clock = asyncio.get_running_loop().time
 
     async def run(self, keys: AsyncIterator[Key]) -> None:
         """Drive until the quit key or the end of `keys`; then the robot stands."""
-        self._robot.helm.add(self._hold)
+        self._robot.helm.add(self._hold, KEYBOARD)
         renewing = asyncio.ensure_future(self._renew())
         try:
             async for key in keys:

@@ -31,12 +31,12 @@ class Page:
     def __init__(self, robot: Robot, scene: Scene) -> None:
         self.robot = robot
         self._scene = scene
-        self._hold = Hold("web", WEB)
+        self._hold = Hold("web")
         self._lease: Lease[object] = Lease()
         self._clock = asyncio.get_running_loop().time
         self.world = WorldView(*scene.simulated) if scene.simulated else None
         self._editor = Editor(self.world, self._take_wheel, robot.helm.stop) if self.world else None
-        robot.helm.add(self._hold)
+        robot.helm.add(self._hold, WEB)
 
     def drive(self, who: object, twist: Twist2) -> str | None:
         """Let `who` hold `twist`, a zero one lets go; return why not, or `None`."""

@@ -49,11 +49,10 @@ class Bridge:
 async def bridge() -> AsyncIterator[Bridge]:
     """Man the bridge."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        the = Bridge(
-            sim, robot, Hold("keyboard", KEYBOARD), Hold("web", WEB), Hold("program", PROGRAM)
-        )
-        for held in (the.program, the.web, the.keyboard):
-            robot.helm.add(held)
+        the = Bridge(sim, robot, Hold("keyboard"), Hold("web"), Hold("program"))
+        robot.helm.add(the.program, PROGRAM)
+        robot.helm.add(the.web, WEB)
+        robot.helm.add(the.keyboard, KEYBOARD)
         yield the
 
 
@@ -130,7 +129,7 @@ async def test_an_action_that_is_taken_out_ends_at_once() -> None:
 async def test_actions_are_known_by_identity_not_by_name() -> None:
     async with bridge() as the:
         assert the.keyboard in the.helm
-        assert Hold("keyboard", KEYBOARD) not in the.helm
+        assert Hold("keyboard") not in the.helm
 
 
 async def test_a_stop_ends_what_everybody_wants() -> None:

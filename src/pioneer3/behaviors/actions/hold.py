@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from pioneer3.behaviors.engine import Desire
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.state import Snapshot
 
 NEVER = float("-inf")
 
@@ -19,7 +19,6 @@ class Hold:
     """
 
     name: str
-    priority: int
     muted: bool = field(default=False, init=False)
     _twist: Twist2 = field(default=STILL, init=False)
     _until: float = field(default=NEVER, init=False)
@@ -37,8 +36,8 @@ class Hold:
         """Want nothing until what is held at `now` has been let go."""
         self.muted = now < self._until
 
-    def decide(self, snapshot: Snapshot, now: float) -> Desire | None:
+    def decide(self, situation: Situation) -> Desire | None:
         """Return the twist while it lasts."""
-        if self.muted or now >= self._until:
+        if self.muted or situation.now >= self._until:
             return None
-        return Desire(v=self._twist.v, w=self._twist.w, until=self._until)
+        return Desire(v=self._twist.v, w=self._twist.w, until=self._until, reason="held")

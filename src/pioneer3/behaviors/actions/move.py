@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 from math import cos, sin
 
-from pioneer3.behaviors.actions.profile import approach
-from pioneer3.behaviors.engine import Desire
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.profile import approach
+from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.state import Snapshot
 
 KEEP_HEADING = 1.5
 """Turn rate per heading error [1/s]."""
@@ -25,20 +25,19 @@ class Move:
     distance: float
     speed: float
     deceleration: float
-    priority: int
     tolerance: float = 0.005
     name: str = "move"
     done: bool = False
     _start: Pose2 | None = field(default=None, init=False)
 
-    def decide(self, snapshot: Snapshot, now: float) -> Desire | None:
+    def decide(self, situation: Situation) -> Desire | None:
         """Return the speed for what is left; stands still when done."""
-        here = snapshot.odometry.robot_in_odom
+        here = situation.pose
         start = self._start = self._start or here
         along = (here.x - start.x) * cos(start.theta) + (here.y - start.y) * sin(start.theta)
         remaining = self.distance - along
         if abs(remaining) <= self.tolerance:
-            self.done = abs(snapshot.odometry.twist.v) < 0.01
+            self.done = abs(situation.twist.v) < 0.01
             return Desire(v=0.0, w=0.0, reason="there")
         self.done = False
         return Desire(

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 from math import radians
 
-from pioneer3.behaviors.actions.profile import approach
-from pioneer3.behaviors.engine import Desire
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.profile import approach
+from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import wrap
-from pioneer3.state import Snapshot
 
 SLOWEST = radians(2)
 """Wheels of a standing robot stick below this [rad/s]; commands are whole degrees."""
@@ -25,22 +25,21 @@ class Turn:
     angle: float
     rate: float
     deceleration: float
-    priority: int
     tolerance: float = radians(0.7)
     name: str = "turn"
     done: bool = False
     _turned: float = field(default=0.0, init=False)
     _last: float | None = field(default=None, init=False)
 
-    def decide(self, snapshot: Snapshot, now: float) -> Desire | None:
+    def decide(self, situation: Situation) -> Desire | None:
         """Return the turn rate for what is left; stands still when done."""
-        theta = snapshot.odometry.robot_in_odom.theta
+        theta = situation.pose.theta
         if self._last is not None:
             self._turned += wrap(theta - self._last)
         self._last = theta
         remaining = self.angle - self._turned
         if abs(remaining) <= self.tolerance:
-            self.done = abs(snapshot.odometry.twist.w) < SLOWEST
+            self.done = abs(situation.twist.w) < SLOWEST
             return Desire(v=0.0, w=0.0, reason="there")
         self.done = False
         rate = approach(remaining, self.rate, self.deceleration)

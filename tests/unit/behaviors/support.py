@@ -1,0 +1,57 @@
+"""Situations to decide on."""
+
+from math import cos, inf, sin
+
+from pioneer3.behaviors.merge import Merge
+from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2
+from pioneer3.limits import Limits
+from pioneer3.models import load_model
+from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
+
+P3AT = load_model("p3at-sh")
+LIMITS = Limits(
+    max_speed=0.75,
+    max_turn_rate=1.7,
+    acceleration=0.3,
+    deceleration=1.5,
+    turn_acceleration=1.7,
+    turn_deceleration=5.0,
+)
+
+
+def seen(
+    now: float = 0.0,
+    *,
+    pose: Pose2 = ORIGIN,
+    twist: Twist2 = STILL,
+    motors: Motors | None = None,
+    bumpers: Bumpers | None = None,
+    around: Surroundings | None = None,
+    higher: Merge | None = None,
+) -> Situation:
+    """Return a P3-AT's situation; nothing is around unless said."""
+    odometry = Odometry(robot_in_odom=pose, twist=twist, left_speed=twist.v, right_speed=twist.v)
+    snapshot = Snapshot(
+        stamp=now,
+        sequence=1,
+        odometry=odometry,
+        battery=Battery(voltage=12),
+        motors=motors or Motors(enabled=True),
+        bumpers=bumpers or Bumpers(),
+    )
+    return Situation(
+        now=now,
+        snapshot=snapshot,
+        model=P3AT,
+        limits=LIMITS,
+        around=around or Surroundings(pose),
+        higher=higher or Merge(),
+    )
+
+
+def around(*polar: tuple[float, float], pose: Pose2 = ORIGIN) -> Surroundings:
+    """Return surroundings with points at (distance from the centre [m], bearing [rad])."""
+    points = [pose @ Pose2(d * cos(b), d * sin(b)) for d, b in polar if d < inf]
+    return Surroundings(pose, [(p.x, p.y) for p in points], [(p.x, p.y) for p in points])
