@@ -43,6 +43,11 @@ class Stack:
     actions: tuple[Ranked, ...]
     hint: str = ""
 
+    @property
+    def done(self) -> bool:
+        """Whether one of its actions has done what it was for (its `done`); most never are."""
+        return any(getattr(ranked.action, "done", False) for ranked in self.actions)
+
     @classmethod
     def of(cls, name: str, priority: int, actions: Iterable[Ranked], hint: str = "") -> "Stack":
         """Return a stack of `actions`, given in any order.

@@ -9,23 +9,26 @@ from pioneer3.state import Snapshot
 SILENT = 0.5
 
 
-def why_not_moving(pilot: Pilot, snapshot: Snapshot | None, now: float) -> str | None:
+def why_not_moving(
+    pilot: Pilot, snapshot: Snapshot | None, now: float, decided: str | None = None
+) -> str | None:
     """Return the reason, the one to be mended first; `None` while the robot moves.
 
     Args:
         pilot: What was asked for.
         snapshot: The latest of the session that is open, or `None` without one.
         now: [s, monotonic].
+        decided: Why standing still is what was asked for, if somebody asked for that.
     """
     if snapshot is None:
         return f"No robot is connected{f': {pilot.blocked}' if pilot.blocked else ''}."
     twist = snapshot.odometry.twist
     if abs(twist.v) >= STANDING.v or abs(twist.w) >= STANDING.w:
         return None
-    return next(_reasons(pilot, snapshot, now))
+    return next(_reasons(pilot, snapshot, now, decided))
 
 
-def _reasons(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator[str]:
+def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) -> Iterator[str]:
     """Yield what keeps the robot from moving, the hardest obstacle first."""
     silent = now - snapshot.stamp
     if pilot.emergency:
@@ -36,6 +39,8 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator[str]:
         yield f"The robot has said nothing for {silent:.1f} s: the link is failing."
     if pilot.blocked:
         yield f"Waiting for a fresh command, because {pilot.blocked}."
+    if decided and pilot.asked(now).is_zero:
+        yield f"It stands because of {decided}."
     yield from _about_the_request(pilot, snapshot, now)
 
 

@@ -168,9 +168,12 @@ class Supervisor:
             raise CommandError(f"cannot send {type(command).__name__}: no robot is connected")
         self._session.send(command)
 
-    def why_not_moving(self) -> str | None:
-        """Return why the robot stands still, or `None` while it moves."""
-        return why_not_moving(self.pilot, self._fresh, self._clock())
+    def why_not_moving(self, decided: str | None = None) -> str | None:
+        """Return why the robot stands still, or `None` while it moves.
+
+        `decided` says why that is what was asked for, if it was.
+        """
+        return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
 
     def on_connected(self, session: Session) -> None:
         """Take note of the robot at the other end."""

@@ -12,6 +12,7 @@ from types import FrameType, TracebackType
 from typing import Any, TypeVar
 
 from pioneer3.arcos.commands import Command
+from pioneer3.behaviors.stack import Stack
 from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_async
@@ -136,6 +137,10 @@ class BlockingRobot:
     def turn(self, angle: float, rate: float | None = None) -> None:
         """See :meth:`pioneer3.Robot.turn`."""
         self._wait(self._robot.turn(angle, rate))
+
+    def run(self, mode: Stack, seconds: float = inf) -> None:
+        """See :meth:`pioneer3.Robot.run`."""
+        self._wait(self._robot.run(mode, seconds))
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""

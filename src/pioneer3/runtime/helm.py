@@ -2,12 +2,14 @@
 
 import asyncio
 import logging
+from dataclasses import dataclass
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Action, Stack
+from pioneer3.behaviors.words import why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
 from pioneer3.robot.supervisor import Supervisor
@@ -18,19 +20,28 @@ log = logging.getLogger(__name__)
 STOPPED = "somebody stopped the robot"
 
 
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a mode ended: whether it had done what it was for, and a few words."""
+
+    mode: Stack
+    done: bool
+    why: str
+
+
 class Helm:
     """Asks every action and tells the robot, at each reading and at each change.
 
     Attributes:
         decision: The last one.
         mode: The stack that was started last and has not ended, or `None`.
-        mode_ended: Why the last mode ended; `None` while one runs and before the first.
+        ended: How the last mode ended; `None` while one runs and before the first.
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
         self.decision = Decision()
         self.mode: Stack | None = None
-        self.mode_ended: str | None = None
+        self.ended: Ended | None = None
         self._supervisor = supervisor
         self._stacks: list[Stack] = []
         self._memory: RangeMemory | None = None
@@ -71,16 +82,24 @@ class Helm:
         except ActionError as error:
             return self._fail(error)
         if decision.wanted:
-            return self._supervisor.drive(
+            refused = self._supervisor.drive(
                 decision.twist,
                 decision.until,
                 renewed=renewed,
                 despite_stall=decision.despite_stall,
                 pace=_pace(decision, situation.limits),
             )
+            if refused and self._mode_drives():
+                # it would go on by itself once somebody else asks for something fresh
+                self._forget_mode(refused)
+            return refused
         if before.wanted and situation.now < before.until:  # let go; the pilot ends what expires
             return self._supervisor.drive(STILL)
         return None
+
+    def why_not_moving(self) -> str | None:
+        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        return self._supervisor.why_not_moving(why_standing(self.decision))
 
     def add(self, action: Action, priority: int) -> None:
         """Let `action` take part from now on."""
@@ -98,7 +117,7 @@ class Helm:
     def start(self, mode: Stack) -> str | None:
         """Stop, then let `mode` drive in place of the one before; return why it does not."""
         self.stop()
-        self.mode, self.mode_ended = mode, None
+        self.mode, self.ended = mode, None
         self._stacks.append(mode)
         return self.decide()
 
@@ -145,6 +164,17 @@ class Helm:
         if self._memory is not None:
             self._memory.update(snapshot)
         self.decide(renewed=True)
+        if self.mode is not None and self.mode.done:
+            self._forget_mode("done", done=True)
+            self.decide()
+
+    def _mode_drives(self) -> bool:
+        """Whether the mode has asked for motion."""
+        decision = self.decision
+        if self.mode is None or decision.twist.is_zero:
+            return False
+        names = {ranked.action.name for ranked in self.mode.actions}
+        return bool({decision.v_by, decision.w_by} & names)
 
     def _fail(self, error: ActionError) -> str:
         """End the stack of an action that failed, and stand still."""
@@ -155,9 +185,11 @@ class Helm:
         self.stop()
         return str(error)
 
-    def _forget_mode(self, why: str) -> None:
-        self._stacks = [stack for stack in self._stacks if stack is not self.mode]
-        self.mode, self.mode_ended = None, why
+    def _forget_mode(self, why: str, *, done: bool = False) -> None:
+        mode, self.mode = self.mode, None
+        if mode is not None:
+            self._stacks = [stack for stack in self._stacks if stack is not mode]
+            self.ended = Ended(mode, done, why)
 
     def _end_wishes(self, by: Hold | None) -> None:
         if self.mode is not None:

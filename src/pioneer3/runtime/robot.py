@@ -6,6 +6,7 @@ from math import inf, isfinite
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
+from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
@@ -127,9 +128,30 @@ class Robot:
             )
         )
 
+    async def run(self, mode: Stack, seconds: float = inf) -> None:
+        """Let `mode` drive for `seconds`, or until it has done what it is for.
+
+        A stack replaces the one before; hands on a keyboard, a stick or the page come before it.
+
+        Raises:
+            MotionError: something else ended it; the message says what.
+        """
+        self.helm.start(mode)
+        try:
+            async for _ in self.snapshots(seconds):
+                ended = self.helm.ended
+                if ended is not None and ended.mode is mode and ended.done:
+                    return
+                if self.helm.mode is not mode:
+                    why = ended.why if ended and ended.mode is mode else "another mode was started"
+                    raise MotionError(f"{mode.name}: {why}")
+        finally:
+            if self.helm.mode is mode:
+                self.helm.end_mode("its time was over")
+
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
-        return self.supervisor.why_not_moving()
+        return self.helm.why_not_moving()
 
     def send(self, command: Command) -> None:
         """Send any ARCOS command that is not about motion.
