@@ -6,6 +6,7 @@ The format::
     <seconds> C>S|S>C <number of bytes> <hex>
 
 `C>S` is what the host sent, `S>C` what the robot sent; seconds count from the opening of the link.
+Comments of the form `# <seconds> <words>` say what else happened, such as what decided the motion.
 """
 
 import asyncio
@@ -60,7 +61,7 @@ class TapLink:
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
-        self._put(f"# {self._clock() - self._began:.6f} {baud} baud")
+        self.remark(f"{baud} baud")
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
@@ -69,6 +70,10 @@ class TapLink:
         if not self._broken:
             with suppress(OSError):
                 self._file.flush()
+
+    def remark(self, words: str) -> None:
+        """Write a comment with the time."""
+        self._put(f"# {self._clock() - self._began:.6f} {' '.join(words.split())}")
 
     def _note(self, way: str, data: bytes) -> None:
         if data:
@@ -86,23 +91,39 @@ class TapLink:
             log.warning("%s: recording ended: %s", self._file.name, error.strerror)
 
 
+class Recorder:
+    """Records every link that an opener opens to one file, line by line as it happens."""
+
+    def __init__(self, opener: Opener, file: TextIO, clock: Clock) -> None:
+        self._open = opener
+        self._file = file
+        self._clock = clock
+        self._tap: TapLink | None = None
+
+    async def open(self) -> Link:
+        """Open the link, and record it."""
+        self._tap = TapLink(await self._open(), self._file, self._clock)
+        return self._tap
+
+    def remark(self, words: str) -> None:
+        """Write what happens besides bytes, as a comment; nothing before the first link."""
+        if self._tap is not None:
+            self._tap.remark(words)
+
+
 @contextmanager
-def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Opener]:
-    """Record every link that `opener` opens to one new file, line by line as it happens.
+def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
+    """Record every link that `opener` opens to one new file.
 
     Raises:
         ConfigError: the file cannot be written; one that exists is left alone.
     """
     try:
-        file = path.open("x", encoding="ascii", buffering=1)
+        file = path.open("x", encoding="utf-8", buffering=1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
     with file:
-
-        async def open_and_record() -> Link:
-            return TapLink(await opener(), file, clock)
-
-        yield open_and_record
+        yield Recorder(opener, file, clock)
 
 
 class ReplayLink:
@@ -161,7 +182,7 @@ def read_recording(path: Path) -> Iterator[Chunk]:
         ConfigError: a line is not of the format; names file and line.
     """
     try:
-        lines = path.read_text("ascii").splitlines()
+        lines = path.read_text("utf-8").splitlines()
     except FileNotFoundError:
         raise PortNotFoundError(f"{path}: no such recording") from None
     except (OSError, UnicodeDecodeError) as error:

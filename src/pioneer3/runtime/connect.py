@@ -3,7 +3,7 @@
 import asyncio
 import signal
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -40,7 +40,8 @@ async def connect_async(
         max_speed: Keep below this [m/s]; never above the robot's own limit.
         max_turn_rate: Keep below this [rad/s].
         auto_enable: Whether a fresh command switches the motors on.
-        record: New file for every byte on the wire, which `replay:FILE` plays.
+        record: New file for every byte on the wire, which `replay:FILE` plays, and for what decided
+            the motion, in words.
         timing: How patient to be.
 
     Raises:
@@ -52,15 +53,17 @@ async def connect_async(
     def restrict(limits: Limits) -> Limits:
         return limits.lowered_to(max_speed, max_turn_rate)
 
+    remark: Callable[[str], None] | None = None
     opener = url if callable(url) else partial(open_link, url, baud=baud)
     with ExitStack() as stack:
         if record is not None:
             clock = asyncio.get_running_loop().time
-            opener = stack.enter_context(recorded(opener, record, clock))
+            recorder = stack.enter_context(recorded(opener, record, clock))
+            opener, remark = recorder.open, recorder.remark
         supervisor = Supervisor(
             opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
-        helm = Helm(supervisor)
+        helm = Helm(supervisor, remark)
         leave_on_sigterm()
         async with running(supervisor.run()):
             await _first_snapshot(supervisor)

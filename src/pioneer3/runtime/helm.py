@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from pioneer3.behaviors.actions import Hold
@@ -9,7 +10,7 @@ from pioneer3.behaviors.engine import ActionError, Decision, resolve
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Action, Stack
-from pioneer3.behaviors.words import why_standing
+from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
 from pioneer3.robot.supervisor import Supervisor
@@ -32,17 +33,23 @@ class Ended:
 class Helm:
     """Asks every action and tells the robot, at each reading and at each change.
 
+    Args:
+        supervisor: Of the robot.
+        remark: Told in words what was decided, whenever that changes.
+
     Attributes:
         decision: The last one.
         mode: The stack that was started last and has not ended, or `None`.
         ended: How the last mode ended; `None` while one runs and before the first.
     """
 
-    def __init__(self, supervisor: Supervisor) -> None:
+    def __init__(self, supervisor: Supervisor, remark: Callable[[str], None] | None = None) -> None:
         self.decision = Decision()
         self.mode: Stack | None = None
         self.ended: Ended | None = None
         self._supervisor = supervisor
+        self._remark = remark
+        self._remarked: str | None = None
         self._stacks: list[Stack] = []
         self._memory: RangeMemory | None = None
         self._clock = asyncio.get_running_loop().time
@@ -81,6 +88,8 @@ class Helm:
             self.decision = decision = resolve(self._stacks, situation)
         except ActionError as error:
             return self._fail(error)
+        if self._remark is not None:
+            self._tell(self._remark)
         if decision.wanted:
             refused = self._supervisor.drive(
                 decision.twist,
@@ -167,6 +176,18 @@ class Helm:
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
             self.decide()
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Who decides what and why, a sentence each; nothing while nobody drives."""
+        return told(self.decision) if self._clock() < self.decision.until else ()
+
+    def _tell(self, remark: Callable[[str], None]) -> None:
+        words = "; ".join(self.told)
+        if words != self._remarked:
+            self._remarked = words
+            who = self.mode.name if self.mode else "driver"
+            remark(f"{who}: {words or 'nothing is asked'}")
 
     def _mode_drives(self) -> bool:
         """Whether the mode has asked for motion."""

@@ -1,5 +1,6 @@
 """What the server tells the page: JSON, one object a message, told apart by `type`."""
 
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any, Literal
 
@@ -52,8 +53,13 @@ def snapshot(
     why: str | None,
     emergency_stop: bool,
     driver: Literal["you", "other"] | None,
+    mode: str | None = None,
+    decided: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Say how it stands, ten times a second; `pose` is the robot's in the map."""
+    """Say how it stands, ten times a second.
+
+    `pose` is the robot's in the map; `decided` says who in the running `mode` decides what.
+    """
     battery, motors = now.battery, now.motors
     return {
         "type": "snapshot",
@@ -87,6 +93,8 @@ def snapshot(
         "why": why,
         "emergency_stop": emergency_stop,
         "driver": driver,
+        "mode": mode,
+        "decided": decided,
     }
 
 

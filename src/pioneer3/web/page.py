@@ -88,10 +88,13 @@ class Page:
 
     def snapshot(self, snapshot: Snapshot, driver: Any) -> dict[str, Any]:
         """Return the message for a visitor to whom the driver is `you`, `other` or `None`."""
+        helm = self.robot.helm
         return messages.snapshot(
             snapshot,
             pose=self._scene.robot_in_map(snapshot.odometry.robot_in_odom),
             why=self.robot.why_not_moving(),
+            mode=helm.mode.name if helm.mode else None,
+            decided=helm.told if helm.mode else (),
             emergency_stop=self.robot.supervisor.pilot.emergency,
             driver=driver,
         )

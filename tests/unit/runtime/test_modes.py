@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import inf
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +16,7 @@ from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Action, Ranked, Stack
 from pioneer3.geometry import Twist2
+from pioneer3.links.tap import read_recording
 from pioneer3.runtime.priorities import KEYBOARD, MODE
 from tests.support import SimulatedRobot, wall_at
 
@@ -194,3 +196,14 @@ async def test_a_mode_that_may_not_drive_ends_at_once_and_says_why() -> None:
         robot.emergency_stop()
         with pytest.raises(MotionError, match="mode: the emergency stop is latched"):
             await robot.run(mode(Go()))
+
+
+async def test_a_recording_says_what_decided(tmp_path: Path) -> None:
+    path = tmp_path / "drive.log"
+    async with SimulatedRobot() as sim, connect_async(sim.open, record=path) as robot:
+        await robot.run(mode(Go()), 1.0)
+    remarks = [line for line in path.read_text("utf-8").splitlines() if line.startswith("# ")]
+    assert any(line.endswith(" mode: 0.30 m/s: go") for line in remarks)
+    assert sum("go" in line for line in remarks) == 1  # not at every report
+    assert remarks[-1].endswith(" driver: nothing is asked")
+    assert any(chunk.data for chunk in read_recording(path))

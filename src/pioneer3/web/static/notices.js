@@ -9,15 +9,20 @@ function put(id, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function showWhy({ why, faults, emergency_stop: latched }) {
+export function showWhy({ why, faults, emergency_stop: latched, mode, decided }) {
   put("why", why ?? (latched ? "Emergency stop. Reset it to drive again." : ""));
-  const list = byId("faults");
-  const key = faults.join("\n");
-  if (list.dataset.key === key) return;
-  list.dataset.key = key;
-  list.replaceChildren(...faults.map((fault) => {
+  list("faults", faults);
+  list("decided", mode ? [mode, ...decided] : []);
+}
+
+function list(id, lines) {
+  const element = byId(id);
+  const key = lines.join("\n");
+  if (element.dataset.key === key) return;
+  element.dataset.key = key;
+  element.replaceChildren(...lines.map((line) => {
     const item = document.createElement("li");
-    item.textContent = fault;
+    item.textContent = line;
     return item;
   }));
 }
