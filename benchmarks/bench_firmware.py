@@ -29,11 +29,12 @@ class Still(World):
         super().__init__(None, [body])
         random = np.random.default_rng(1)
         self._heard_already = random.uniform(0.1, 5.0, len(body.model.sonars))
+        self._numbers = np.arange(len(body.model.sonars))
         self._ranges = random.uniform(0.1, 33.0, 181)
 
-    def sonar(self, body: Body) -> NDArray[np.float64]:
-        """Return what transducers have measured [m], shape (M,)."""
-        return self._heard_already
+    def fresh_sonar(self, body: Body) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the transducers and what they have measured [m], both (M,)."""
+        return self._numbers, self._heard_already
 
     def laser(
         self, body: Body, mount: Pose2, start: float, step: float, count: int

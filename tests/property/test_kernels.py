@@ -79,7 +79,7 @@ def within(walls: Float, origin: Float, reach: float) -> Float:
 def check_sonar(
     kernels: Kernels, scene: Scene, limit: float, rays: int, *, steep: float = 0.0
 ) -> None:
-    """Compare all transducers, then those of some robots alone."""
+    """Compare all transducers, then those of some robots alone, then some transducers."""
     kinds = [n % 2 for n in range(len(scene.robots))]
     mounts = sonar_mounts(MOUNTS, kinds, rays=rays, width=0.5)
     found = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep)
@@ -103,6 +103,10 @@ def check_sonar(
     some = np.arange(len(kinds), dtype=np.int32)[::-2]
     heard = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep, owners=some)
     np.testing.assert_array_equal(heard, found[some])
+    few = mounts.only([[2, 0], []])
+    heard = kernels.sonar(scene.grid, scene.robots, few, limit, steep=steep)
+    np.testing.assert_allclose(heard[::2], found[::2, [2, 0]], rtol=0, atol=1e-9)
+    assert (heard[1::2] == limit).all()
 
 
 def check_fan(kernels: Kernels, scene: Scene, fan: tuple[float, float, int], limit: float) -> None:

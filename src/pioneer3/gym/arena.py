@@ -80,9 +80,12 @@ class Arena:
 
     def renew(self, seed: int | None) -> None:
         """Make a new world, all of whose noise depends on `seed` alone; robots have no places."""
+        bodies = [Body(self._model) for _ in range(self.count)]
+        for body in bodies:
+            body.firing = body.firing if self.senses.sonars else ()
         self.world = World(
             self.copies.together,
-            [Body(self._model) for _ in range(self.count)],
+            bodies,
             self._kernels,
             seed=seed,
             realism=self.task.realism,

@@ -9,6 +9,7 @@ import numpy as np
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
+from pioneer3.sim.firing import in_order
 from pioneer3.sim.kernels import Drives, Robots
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
@@ -88,14 +89,14 @@ class Body:
         model: Its sizes and limits.
         home: Where it starts, and :meth:`reset` brings it back [m, rad].
         drive: What moves it.
-        sonar_on: The transducers fire.
+        firing: Which transducers fire, in which order; changed by `World.fire`.
         battery: What drives it.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
         self.model = model
         self.home = home
-        self.sonar_on = True
+        self.firing = in_order(len(model.sonars))
         self._stop_button = False
         self._bumpers: Callable[[], Bumpers] = lambda: (0, 0)
         drives = Drives.at_rest(1)

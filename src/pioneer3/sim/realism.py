@@ -16,6 +16,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
 
 OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
 """Where the odometry's error comes from.
@@ -108,7 +109,10 @@ class SonarErrors:
         noise: Standard deviation of a range, as a share of it.
         quantum: Ranges come in steps of this [m]; 0 for none.
         drop_out: Chance that an echo is missed.
-        cross_talk: Chance that a transducer takes the echo of the one beside it for its own.
+        cross_talk: Chance that a transducer takes the echo of another for its own: of the one that
+            fired before it in its array or, where all fire at once, of the one beside it.
+        cycle: Time from one transducer of an array to the next [s]; 0 fires all at once, whenever
+            they are asked.
     """
 
     rays: int = 5
@@ -118,6 +122,7 @@ class SonarErrors:
     quantum: float = 0.001
     drop_out: float = 0.005
     cross_talk: float = 0.005
+    cycle: float = 0.04
 
     def __post_init__(self) -> None:
         """Refuse what no transducer does, naming the field."""
@@ -127,6 +132,7 @@ class SonarErrors:
         _within("sonar critical angle", self.critical, radians(1), radians(90))
         for name in ("noise", "quantum", "drop_out", "cross_talk"):
             _within(f"sonar {name}", getattr(self, name), 0.0, 1.0)
+        _within("sonar cycle", self.cycle, 0.0, 1.0)
         _within("sonar drop_out and cross_talk together", self.drop_out + self.cross_talk, 0.0, 1.0)
 
     @property
@@ -140,33 +146,47 @@ class SonarErrors:
         return any((self.cross_talk, self.drop_out, self.noise, self.quantum))
 
     def spoil(self, ranges: Float, limit: float, rng: Generator) -> Float:
-        """Return what is heard in place of exact `ranges` (..., M), which end at `limit` [m]."""
-        heard = ranges
-        if self.cross_talk or self.drop_out:
-            heard = self._mistaken(ranges, limit, rng)
-        if not (self.noise or self.quantum):
-            return heard
-        silent = heard >= limit
-        if self.noise:
-            heard = heard * (1 + self.noise * rng.standard_normal(ranges.shape))
-        if self.quantum:
-            heard = np.rint(heard / self.quantum) * self.quantum
-        heard[silent] = limit
-        return heard
+        """Return what is heard in place of exact `ranges` (..., M) if all fire together.
 
-    def _mistaken(self, ranges: Float, limit: float, rng: Generator) -> Float:
-        """Return `ranges`, here and there missed or taken from a neighbour."""
-        chance = rng.random(ranges.shape)
-        rare = (chance < self.cross_talk + self.drop_out).nonzero()
-        if not len(rare[0]):
-            return ranges
+        Each transducer is mistaken for the one beside it. Ranges end at `limit` [m].
+        """
+        heard, fire = ranges.copy(), np.arange(ranges.shape[-1])
+        before = abs(fire - 1) % max(1, len(fire))  # the first is beside the second
+        self.mistake(heard, limit, rng, fire=fire, before=before)
+        return self.blurred(heard, limit, rng)
+
+    def blurred(self, ranges: Float, limit: float, rng: Generator) -> Float:
+        """Return exact `ranges` of any shape as they are measured, up to `limit` [m]."""
         heard = ranges.copy()
-        *robot, transducer = rare
-        beside = abs(transducer - 1)  # the first is beside the second
-        own, other = ranges[rare], ranges[*robot, beside % ranges.shape[-1]]
-        missed = chance[rare] >= self.cross_talk
-        heard[rare] = np.where(missed, limit, np.minimum(own, other))
-        return heard
+        if self.noise:
+            heard *= 1 + self.noise * rng.standard_normal(ranges.shape)
+        if self.quantum:
+            np.rint(np.multiply(heard, 1 / self.quantum, out=heard), out=heard)
+            heard *= self.quantum
+        heard[ranges >= limit] = limit
+        return np.minimum(heard, limit, out=heard)
+
+    def mistake(
+        self, heard: Float, limit: float, rng: Generator, *, fire: Int, before: Int
+    ) -> None:
+        """Let some echoes be missed or taken from another transducer.
+
+        Args:
+            heard: Without mistakes, and then with them [m], shape (..., M).
+            limit: The longest range [m].
+            rng: Where chances come from.
+            fire: The transducers that these ranges are new of, shape (F,).
+            before: Whose echo each of them may take for its own, shape (F,).
+        """
+        if not (self.cross_talk or self.drop_out):
+            return
+        chance = rng.random((*heard.shape[:-1], len(fire)))
+        rare = (chance < self.cross_talk + self.drop_out).nonzero()
+        if len(rare[0]):
+            *robot, which = rare
+            own, other = heard[*robot, fire[which]], heard[*robot, before[which]]
+            missed = chance[rare] >= self.cross_talk
+            heard[*robot, fire[which]] = np.where(missed, limit, np.minimum(own, other))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,6 +218,7 @@ class Realism:
             quantum=0.0,
             drop_out=0.0,
             cross_talk=0.0,
+            cycle=0.0,
         )
         return cls(odometry=OdometryErrors(mode="none", slip=0.0), sonar=exact, laser_noise=0.0)
 

@@ -15,24 +15,27 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body, outline_of
 from pioneer3.sim.contact import REACH, pressed_segments
+from pioneer3.sim.firing import Firing
 from pioneer3.sim.kernels import (
     Drives,
     Fan,
     Kernels,
+    Mounts,
     Robots,
     build_grid,
     laser_fan,
     load_kernels,
-    sonar_mounts,
 )
 from pioneer3.sim.kernels.drives import LONGEST, OTHERS, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.sensors import LASER_RANGE, SONAR_MIN, SONAR_RANGE
+from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE
+from pioneer3.sim.sonar import InTurn, Sonars, Together
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
 
 NOISE_STEPS = 64
@@ -77,7 +80,6 @@ class World:
     ) -> None:
         self.kernels = kernels or load_kernels("numpy")
         self.realism = realism or Realism.ideal()
-        self._spoils = self.realism.sonar.spoils
         self.time = 0.0
         self.robots: tuple[Body, ...] = ()
         self.obstacles: tuple[Obstacle, ...] = ()
@@ -85,41 +87,55 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
-        self._echoes: dict[int, Float] = {}
         self._pressed: dict[int, tuple[int, int]] = {}
-        self._expected: list[int] = []
+        self._sonars = self._sonars_as(self.realism)
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
 
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass."""
-        self._expected = []
         pieces = max(1, ceil(dt / LONGEST - 1e-9))
         for _ in range(pieces):
             self._step(dt / pieces)
         self.time += dt
 
     def sonar(self, body: Body) -> Float:
-        """Return the ranges that `body`'s transducers measure now [m], shape (M,)."""
-        self._place()
-        if body.number not in self._echoes:
-            together = self._expected if body.number in self._expected else [body.number]
-            ranges = self._cast(np.array(together, dtype=np.int32))
-            self._echoes.update(zip(together, ranges, strict=True))
-        ranges = self._echoes[body.number][: len(body.model.sonars)]
-        return self._heard(ranges, self._own[body])
+        """Return what `body`'s transducers have measured last [m], shape (M,).
 
-    def expect(self, bodies: Iterable[Body]) -> None:
-        """Be told whose sonars are asked for until the next step: one cast then does for all."""
-        self._expected = [body.number for body in bodies]
+        That is now, unless they fire in turn (`SonarErrors.cycle`).
+        """
+        self._place()
+        return self._sonars.of(body)
 
     def sonars(self) -> Float:
-        """Return what all robots' transducers measure now [m], shape (N, M).
+        """Return the same of all robots, shape (N, M).
 
         M is the number of transducers of the robot that has most; others' last columns read the
         longest range.
         """
-        return self._heard(self._cast(None), self._rng)
+        self._place()
+        return self._sonars.all()
+
+    def fresh_sonar(self, body: Body) -> tuple[Int, Float]:
+        """Return which of `body`'s transducers fired since the last call, and what they measured.
+
+        Returns:
+            Their numbers, ascending, and ranges [m], both of shape (F,); where all fire at once,
+            those of all that do.
+        """
+        self._place()
+        return self._sonars.fresh(body)
+
+    def fire(self, body: Body, firing: Firing) -> None:
+        """Let `body`'s transducers fire in another order; those that are not in it are off."""
+        if body.firing != firing:
+            body.firing = firing
+            if body in self._own:
+                self._sonars.fires(body)
+
+    def expect(self, bodies: Iterable[Body]) -> None:
+        """Be told whose sonars are asked for until the next step: one cast then does for all."""
+        self._sonars.expect(bodies)
 
     def laser(self, body: Body, mount: Pose2, start: float, step: float, count: int) -> Float:
         """Return the ranges [m], shape (count,), of a laser at `mount` on `body`.
@@ -180,19 +196,23 @@ class World:
         for body in self.robots:
             body.drives.free[:] = 0.0
             body.set_wheel(SUPPLY, 0.0)
-        self._forget()
+        self._sonars.changed()
+        self._pressed.clear()
+        if self.robots:
+            self.outlines.stale = True
 
     def _step(self, dt: float) -> None:
         """Let at most `LONGEST` pass."""
         if self.outlines.stale:
             self._place()
         noise = self._next_noise() if self._noisy else None
-        self._forget()
+        self._pressed.clear()
         self.kernels.step(self._grid, self.outlines, self.drives, dt, noise)
         if self.obstacles:
             self._walk(dt)
         if len(self._docks):
             self._charge()
+        self._sonars.passed(dt, self.outlines.poses[:, : len(self.robots)])
 
     def _walk(self, dt: float) -> None:
         """Let people walk."""
@@ -216,23 +236,20 @@ class World:
         docked = ((off < DOCKED) & ~turned).any(axis=1)
         self.drives.wheels[SUPPLY] = np.where(docked, CHARGE_POWER, 0.0)
 
-    def _cast(self, owners: Int32 | None) -> Float:
-        """Return exact ranges of all transducers of some robots or all, shape (F, M)."""
-        self._place()
+    def _sonars_as(self, realism: Realism) -> Sonars:
+        rng = self._rng.spawn(1)[0]
+        if realism.sonar.cycle:
+            return InTurn(realism.sonar, self._cast, rng)
+        return Together(realism.sonar, self._cast, self._own, rng)
+
+    def _cast(self, mounts: Mounts, owners: Int32 | None) -> Float:
+        """Return exact ranges of transducers of some robots or all, shape (F, mounts.most)."""
+        if self.outlines.stale:
+            self._place()
         steep = self.realism.sonar.steep
         return self.kernels.sonar(
-            self._grid, self.outlines, self._mounts, SONAR_RANGE, steep=steep, owners=owners
+            self._grid, self.outlines, mounts, SONAR_RANGE, steep=steep, owners=owners
         )
-
-    def _heard(self, ranges: Float, rng: Generator) -> Float:
-        """Return what is heard in place of exact `ranges`, (M,) or (N, M)."""
-        if self._spoils:
-            ranges = self.realism.sonar.spoil(ranges, SONAR_RANGE, rng)
-            ranges = np.minimum(ranges, SONAR_RANGE)
-        heard: Float = np.maximum(ranges, SONAR_MIN)
-        if self._absent is not None and ranges.ndim == 2:
-            heard[self._absent] = SONAR_RANGE
-        return heard
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
         self._place()
@@ -245,7 +262,8 @@ class World:
 
     def _place(self) -> None:
         if self.outlines.stale:
-            self._forget()
+            self._pressed.clear()
+            self._sonars.placed(self.outlines.poses[:, : len(self.robots)])
             self.kernels.place(self.outlines)
             self.outlines.stale = False
 
@@ -282,14 +300,10 @@ class World:
         around = np.concatenate([self._grid.around(x, y, reach), sides]) if hit else sides
         return pressed_segments(model, Pose2(x, y, theta), around)
 
-    def _forget(self) -> None:
-        """Forget what was measured: something has moved."""
-        self._echoes.clear()
-        self._pressed.clear()
-
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
         """Lay out the arrays anew; everything keeps its state."""
         models = [body.model for body in robots]
+        before = [body.number if body in self._own else -1 for body in robots]
         sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]
         sizes += [obstacle.sizes for obstacle in obstacles]
         self.outlines = Robots(*np.array(sizes).reshape(-1, 4).T)
@@ -308,22 +322,11 @@ class World:
                 drives.errors[:, number] = column
             body.bind(drives, self.outlines, number, partial(self._bumpers, body))
         self.robots = robots
-        self._forget()
-        self._expected = []
+        self._pressed.clear()
+        self._sonars.arrange(robots, before)
         drives.free[:] = 0.0
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
-        types = {model.sonars: None for model in models}
-        kinds = {sonars: number for number, sonars in enumerate(types)}
-        self._mounts = sonar_mounts(
-            [np.array([(m.x, m.y, m.theta) for m in sonars]).reshape(-1, 3) for sonars in kinds],
-            [kinds[model.sonars] for model in models],
-            rays=self.realism.sonar.rays,
-            width=self.realism.sonar.width,
-        )
-        counts = np.array([len(model.sonars) for model in models], dtype=np.int64)
-        absent = np.arange(self._mounts.most) >= counts[:, None]
-        self._absent = absent if absent.any() else None
 
 
 @lru_cache(maxsize=64)

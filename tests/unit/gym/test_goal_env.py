@@ -68,6 +68,24 @@ def test_ranges_are_those_of_a_robot_at_that_place() -> None:
         np.testing.assert_allclose(seen[16:35] * 4, laser.clip(max=4.0), atol=1e-6)
 
 
+def test_sonars_that_fire_in_turn_are_observed_as_they_were_last_known() -> None:
+    exact = Realism.ideal()
+    in_turn = replace(exact, sonar=replace(exact.sonar, cycle=0.04))
+    env = GoalEnv(map=PILLARED, realism=in_turn)
+    for seed in range(3):
+        seen, info = env.reset(seed=seed)
+        all_around = World(PILLARED, [Body(MODEL, Pose2(*info["pose"]))]).sonars()[0]
+        np.testing.assert_allclose(seen[:16] * 5, all_around, atol=1e-6)
+        before, beat, changed = seen[:16], 0, set[int]()
+        for step in range(1, 9):
+            seen, *_ = env.step(np.array([0.2, 1.0], dtype=np.float32))
+            fired = {array + b % 8 for b in range(beat, 5 * step // 2) for array in (0, 8)}
+            news = set(np.flatnonzero(seen[:16] != before).tolist())
+            assert news <= fired
+            before, beat, changed = seen[:16], 5 * step // 2, changed | news
+        assert len(changed) > 8
+
+
 def test_the_goal_is_seen_where_it_is() -> None:
     env = GoalEnv()
     for seed in range(20):

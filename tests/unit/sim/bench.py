@@ -10,6 +10,7 @@ from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.maps import LineMap
+from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 from tests.support import frame
 
@@ -44,9 +45,10 @@ class Bench:
         model: str = "p3at-sh",
         equipment: Equipment | None = None,
         shelf: MapShelf | None = None,
+        realism: Realism | None = None,
     ) -> None:
         self.body = Touchy(load_model(model))
-        self.world = World(line_map, [self.body])
+        self.world = World(line_map, [self.body], realism=realism)
         self.firmware = Firmware(self.world, self.body, equipment=equipment, shelf=shelf)
         self.now = 0.0
         self.reader = PacketReader()

@@ -8,10 +8,16 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, Request
 from pioneer3.arcos.reports import Report
 from pioneer3.geometry import Pose2
-from pioneer3.sim.firmware.instruments import ALL_SONARS
 from pioneer3.sim.kernels.drives import LEFT
 from tests.support import wall_at
 from tests.unit.sim.bench import ON, SYNCS, Bench
+
+ALL_SONARS = (
+    reports.SipFlag.SONAR_1
+    | reports.SipFlag.SONAR_2
+    | reports.SipFlag.SONAR_3
+    | reports.SipFlag.SONAR_4
+)
 
 
 @pytest.fixture

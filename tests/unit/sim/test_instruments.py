@@ -1,14 +1,16 @@
 """The standard report's fields, and the commands that switch or fake what it tells (arcos.md 4)."""
 
+from dataclasses import replace
 from math import radians
 
 import pytest
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.reports import SIP_STOPPED, Fault, Sip, SipFlag
+from pioneer3.arcos.reports import SIP_STOPPED, Config, Fault, Sip, SipFlag
 from pioneer3.sim.body import AMBIENT
 from pioneer3.sim.firmware.instruments import HOT
 from pioneer3.sim.kernels.drives import CAPACITY, HEAT, STALLED, SUPPLY
+from pioneer3.sim.realism import Realism, SonarErrors
 from tests.support import wall_at
 from tests.unit.sim.bench import ON, Bench
 
@@ -158,6 +160,75 @@ def test_the_set_point_of_a_turn_is_where_it_will_end(bench: Bench) -> None:
 def test_every_sonar_is_in_every_report(model: str, most: int) -> None:
     sip = Bench(model=model).open().sip()
     assert [reading.number for reading in sip.sonar] == list(range(most))
+
+
+def test_only_what_has_fired_since_is_in_a_report_of_a_real_robot() -> None:
+    bench = Bench(wall_at(2.0), realism=Realism()).open()
+    bench.wait(1.0)
+    told = []
+    for _ in range(8):
+        sip = bench.wait(0.1)[0]
+        assert isinstance(sip, Sip)
+        told += [reading.number for reading in sip.sonar]
+        assert len(sip.sonar) in {4, 6}
+    # 0.8 s are 20 times 40 ms, for two arrays
+    assert len(told) == 40
+    assert {told.count(number) for number in range(16)} == {2, 3}
+
+
+def test_nothing_fires_without_a_session() -> None:
+    bench = Bench(realism=Realism())
+    bench.wait(1.0)
+    assert not any(bench.body.firing)
+    bench.open()
+    (first,) = [said for said in bench.hear() if isinstance(said, Sip)]
+    assert first.sonar == ()
+    assert first.flags & SipFlag.SONAR_1
+    bench.wait(1.0)
+    assert len(bench.sip().sonar) in {4, 6}
+    bench.say(commands.Close())
+    assert not any(bench.body.firing)
+
+
+def numbers(bench: Bench) -> list[int]:
+    return [reading.number for reading in bench.sip().sonar]
+
+
+def test_a_host_sets_the_order_of_the_arrays_that_it_names(bench: Bench) -> None:
+    bench.say(commands.Polling((3, 1, 3, 99)))
+    assert bench.body.firing == ((2, 0, 2), tuple(range(8, 16)))
+    assert numbers(bench) == [0, 2, *range(8, 16)]
+    bench.say(commands.Polling((9, 10) * 20))
+    assert bench.body.firing == ((2, 0, 2), (8, 9) * 8)
+    bench.say(commands.Close())
+    bench.open()
+    assert numbers(bench) == list(range(16))
+
+
+def test_no_order_at_all_switches_off_and_keeps_the_old_one(bench: Bench) -> None:
+    bench.say(commands.Polling((2, 1)), commands.Polling(()))
+    assert numbers(bench) == []
+    bench.say(commands.Sonar(on=True))
+    assert bench.body.firing[0] == (1, 0)
+
+
+def test_arrays_are_switched_one_by_one(bench: Bench) -> None:
+    bench.say(commands.Sonar(on=False, array=1))
+    sip = bench.sip()
+    assert [reading.number for reading in sip.sonar] == list(range(8, 16))
+    assert not sip.flags & SipFlag.SONAR_1
+    assert sip.flags & SipFlag.SONAR_2
+    bench.say(commands.Sonar(on=True, array=1), commands.Sonar(on=False, array=2))
+    assert numbers(bench) == list(range(8))
+
+
+def test_config_tells_how_often_sonars_fire() -> None:
+    quick = replace(Realism(), sonar=SonarErrors(cycle=0.02))
+    for realism, cycle_ms in ((None, 40), (Realism(), 40), (quick, 20)):
+        bench = Bench(realism=realism).open()
+        bench.say(commands.RequestConfig())
+        (config,) = [said for said in bench.wait(0.1) if isinstance(said, Config)]
+        assert config.sonar_cycle_ms == cycle_ms
 
 
 def test_a_wall_presses_the_middle_bumper_and_stops_the_robot_until_it_backs_out() -> None:

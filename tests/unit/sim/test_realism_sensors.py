@@ -120,6 +120,7 @@ def test_a_laser_is_as_noisy_as_said_and_silent_where_nothing_is() -> None:
         lambda: SonarErrors(critical=0.0),
         lambda: SonarErrors(width=pi),
         lambda: SonarErrors(drop_out=1.5),
+        lambda: SonarErrors(cycle=-0.04),
         lambda: SonarErrors(drop_out=0.6, cross_talk=0.6),
         lambda: Realism(laser_noise=float("inf")),
     ],

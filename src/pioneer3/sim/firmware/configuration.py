@@ -20,9 +20,12 @@ def configuration(
     equipment: Equipment,
     *,
     cycle: float,
+    sonar_cycle: float,
     watchdog: float,
 ) -> Config:
     """Return CONFIG for `body`; SIPs come every `cycle` [s], the `watchdog` bites after that [s].
+
+    One sonar of each array fires every `sonar_cycle` [s].
 
     The current limits are those in force, so that a host that set them reads them back. Fields that
     mean nothing to a simulator are 0, as from a robot without that equipment.
@@ -68,7 +71,7 @@ def configuration(
         front_bumpers=model.front_bumpers,
         rear_bumpers=model.rear_bumpers,
         charger=0,
-        sonar_cycle_ms=40,
+        sonar_cycle_ms=_whole(sonar_cycle / MS),
         autobaud=0,
         gyro_type=equipment.gyro_type,
         drift_factor_8192nds=0,

@@ -43,6 +43,8 @@ from pioneer3.state import Identity
 
 CYCLE = 0.1
 """Pause between information packets [s]."""
+SONAR_CYCLE = 0.04
+"""What a robot says of sonars that fire all at once [s]; the usual value."""
 NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (arcos.md 2.6)."""
 
@@ -71,6 +73,7 @@ class Firmware:
     ) -> None:
         """`shelf` has the maps that hosts may load; by default the shipped ones and those here."""
         self.body = body
+        self._world = world
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
         self.device = Device(self.identity, watchdog)
         self.accessories = Accessories(body, equipment)
@@ -175,7 +178,7 @@ class Firmware:
         match event:
             case SessionOpened():
                 self.body.reset_odometry()
-                self.body.sonar_on = True
+                self._instruments.begin()
                 self._next_report = now
                 self.tick(now)
             case SessionClosed():
@@ -206,6 +209,7 @@ class Firmware:
                     self.body,
                     self.accessories.equipment,
                     cycle=CYCLE,
+                    sonar_cycle=self._world.realism.sonar.cycle or SONAR_CYCLE,
                     watchdog=self._nominal_watchdog,
                 )
             )

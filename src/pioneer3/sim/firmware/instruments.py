@@ -1,5 +1,6 @@
 """What the controller measures of its robot: the standard report's contents (arcos.md 4)."""
 
+from itertools import islice
 from math import degrees
 
 import numpy as np
@@ -19,10 +20,10 @@ from pioneer3.geometry import wrap
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware.accessories import Inputs
 from pioneer3.sim.firmware.accessories.battery import LOW, charge_percent
+from pioneer3.sim.firmware.rings import Rings
 from pioneer3.sim.world import World
 from pioneer3.units import DECIVOLT, HEADING_UNIT
 
-ALL_SONARS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
 MOST_READINGS = 32
 """Sonar readings in a report; 32 still fit into the 200 bytes of a frame (arcos.md 12)."""
 HOT = 80.0
@@ -39,7 +40,7 @@ class Instruments:
 
     def __init__(self, world: World, body: Body) -> None:
         self._world, self._body = world, body
-        self._numbers = range(min(len(body.model.sonars), MOST_READINGS))
+        self._rings = Rings(len(body.model.sonars))
         self._fake_heat = False
         self._fake_temperature: int | None = None
         self._bumped = False
@@ -49,12 +50,23 @@ class Instruments:
         """Go back to what a robot does when it is switched on: bumps of both ends are stalls."""
         # the user manual of the Pioneer 3; older firmware began with none
         self._front_stalls = self._rear_stalls = True
+        self._rings.reset(on=False)
+        self._fire()
+
+    def begin(self) -> None:
+        """A session has begun: sonars fire from now on."""
+        self._rings.reset(on=True)
+        self._fire()
 
     def obey(self, command: Command) -> bool:
         """Switch or fake a sensor; return whether `command` was for this."""
         match command:
-            case commands.Sonar(on):
-                self._body.sonar_on = on
+            case commands.Sonar(on, array):
+                self._rings.switch(on, array)
+                self._fire()
+            case commands.Polling(numbers):
+                self._rings.poll(numbers)
+                self._fire()
             case commands.BumpStall(front, rear):
                 self._front_stalls, self._rear_stalls = front, rear
             case commands.BatTest(voltage):
@@ -124,7 +136,7 @@ class Instruments:
 
     def _flags(self, *, hot: bool) -> SipFlag:
         body = self._body
-        flags = ALL_SONARS if body.sonar_on else SipFlag(0)
+        flags = self._rings.flags
         if body.drive.powered:
             flags |= SipFlag.MOTORS_ENABLED
         if body.stop_button:
@@ -133,11 +145,14 @@ class Instruments:
             flags |= SipFlag.CHARGER_POWER_GOOD
         return flags | SipFlag.HIGH_TEMPERATURE if hot else flags
 
+    def _fire(self) -> None:
+        self._world.fire(self._body, self._rings.firing)
+
     def _sonar(self) -> tuple[SonarReading, ...]:
-        if not self._body.sonar_on:
-            return ()
-        raw = np.rint(self._world.sonar(self._body) / self._body.model.range_factor)
-        return tuple(map(SonarReading, self._numbers, raw.astype(int).tolist()))
+        numbers, ranges = self._world.fresh_sonar(self._body)
+        raw = np.rint(ranges / self._body.model.range_factor).astype(int)
+        pairs = zip(numbers.tolist(), raw.tolist(), strict=True)
+        return tuple(SonarReading(*pair) for pair in islice(pairs, MOST_READINGS))
 
 
 def _charge_state(percent: int) -> int:

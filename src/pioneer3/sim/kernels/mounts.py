@@ -1,7 +1,7 @@
 """Sensors as arrays: where rays start on a robot and where they point."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pioneer3.errors import ConfigError
 
 Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
 
@@ -22,17 +23,34 @@ class Mounts:
         offsets: Where each type starts in the table, shape (types + 1,).
         kinds: Type of each robot, shape (N,).
         most: Transducers of the type that has most: the width of the output.
+        reach: No transducer is further from its robot's pose than this [m].
     """
 
     table: Float
     offsets: Int32
     kinds: Int32
     most: int
+    reach: float
 
     @property
     def arrays(self) -> tuple[Float, Int32, Int32]:
         """What kernels walk: table, offsets, kinds."""
         return self.table, self.offsets, self.kinds
+
+    @property
+    def absent(self) -> Bool:
+        """Which transducers of the output each robot does not have, shape (N, most)."""
+        absent: Bool = np.arange(self.most) >= np.diff(self.offsets)[self.kinds, None]
+        return absent
+
+    def only(self, some: Sequence[Sequence[int]]) -> "Mounts":
+        """Return some transducers of each type, by their numbers and in this order."""
+        counts = [*map(len, some)]
+        rows = np.concatenate([[], *some]).astype(np.int64)
+        rows += np.repeat(self.offsets[:-1], counts)
+        offsets = np.cumsum([0, *counts], dtype=np.int32)
+        most = max(counts, default=0)
+        return replace(self, table=self.table[rows], offsets=offsets, most=most)
 
 
 def sonar_mounts(
@@ -62,6 +80,7 @@ def sonar_mounts(
         offsets=np.cumsum([0, *map(len, types)], dtype=np.int32),
         kinds=np.array(kinds, dtype=np.int32),
         most=max(map(len, types), default=0),
+        reach=float(np.hypot(mounts[:, 0], mounts[:, 1]).max(initial=0.0)),
     )
 
 

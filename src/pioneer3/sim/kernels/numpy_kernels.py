@@ -58,11 +58,16 @@ NOBODY, SURE = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.bool_)
 
 
 class Ears(NamedTuple):
-    """Who listens with what: rays of one robot type, robots (F,), limit [m] and steepness."""
+    """Who listens with what.
+
+    That is rays of one robot type, robots (F,), limit and distance from a robot at which its rays
+    may end [m], and steepness.
+    """
 
     rays: Rays
     owners: Int32
     limit: float
+    reach: float
     steep: float
 
 
@@ -117,16 +122,16 @@ class NumpyKernels:
             rows = np.flatnonzero(kinds == kind)
             for first in range(0, len(rows) if rays.mounts else 0, TOGETHER):
                 some = rows[first : first + TOGETHER]
-                ears = Ears(rays, who[some], limit, steep)
+                ears = Ears(rays, who[some], limit, limit + mounts.reach, steep)
                 ranges[some, : rays.mounts] = self._sonar(grid, robots, ears)
         return ranges
 
     def _sonar(self, grid: Grid, robots: Robots, ears: Ears) -> Float:
         """Return the ranges of a few robots of one type, shape (owners, transducers)."""
-        rays, owners, limit, steep = ears
+        rays, owners, limit, reach, steep = ears
         ranges = np.full((len(owners), rays.count), limit)
         echoes = ranges.copy() if steep > 0 else None
-        reach, frames = limit + rays.reach, frames_of(*robots.poses[:, owners])
+        frames = frames_of(*robots.poses[:, owners])
         whose, ends = self._lists(grid, reach).around(frames[:2])
         beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
         if echoes is None and len(others) <= FEW:

@@ -63,12 +63,10 @@ class Rays:
     Attributes:
         mounts: M.
         count: Of rays, M * k.
-        reach: Largest distance of a mount from the robot's pose [m].
     """
 
     def __init__(self, table: Float) -> None:
         self.mounts, self.count = len(table), table[:, 2:].size // 2
-        self.reach = float(np.hypot(table[:, 0], table[:, 1]).max(initial=0.0))
         x, y = np.repeat(table[:, :2].T, self.count // max(1, self.mounts), axis=1)
         dx, dy = table[:, 2:].reshape(-1, 2).T
         self._starts, self._headings = np.stack([x, y, x, y]), np.stack([dx, dy])
