@@ -17,6 +17,7 @@ from pioneer3.links.memory import Fault, MemoryLink, clean, null_modem
 from pioneer3.models import load_model
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
+from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
@@ -74,6 +75,7 @@ class SimulatedRobot:
         *,
         home: Pose2 = ORIGIN,
         model: str = "p3at-sh",
+        equipment: Equipment | None = None,
         to_robot: Fault = clean,
         to_host: Fault = clean,
         speeds: Sequence[int] = (),
@@ -81,7 +83,8 @@ class SimulatedRobot:
     ) -> None:
         self.body = Body(load_model(model), home)
         self.world = World(line_map, [self.body])
-        self.firmware = Firmware(self.world, self.body)
+        self.equipment = equipment
+        self.firmware = Firmware(self.world, self.body, equipment=equipment)
         self.to_robot, self.to_host = to_robot, to_host
         self.speeds, self.url = tuple(speeds), url
         self.robot_speed = self.speeds[-1] if self.speeds else None
@@ -132,7 +135,7 @@ class SimulatedRobot:
         """Switch the robot off and on: it knows nothing any more; the cable stays in."""
         self.body.session_ended()
         self.body.drive.halt()
-        self.firmware = Firmware(self.world, self.body)
+        self.firmware = Firmware(self.world, self.body, equipment=self.equipment)
 
     @property
     def speed(self) -> float:

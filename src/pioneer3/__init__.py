@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pioneer3.errors import (
         CommandError,
         ConfigError,
+        DeviceError,
         LinkError,
         MotionError,
         NoRobotError,
@@ -32,6 +33,7 @@ _HOME = {
     "BlockingRobot": "runtime.blocking",
     "CommandError": "errors",
     "ConfigError": "errors",
+    "DeviceError": "errors",
     "LinkError": "errors",
     "MotionError": "errors",
     "NoRobotError": "errors",
@@ -54,6 +56,7 @@ __all__ = [
     "BlockingRobot",
     "CommandError",
     "ConfigError",
+    "DeviceError",
     "LinkError",
     "MotionError",
     "NoRobotError",

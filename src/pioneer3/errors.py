@@ -8,6 +8,7 @@
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
     * :exc:`CommandError` (also :exc:`ValueError`): *we* were asked to send what must not be sent
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not do the motion; says why
+    * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or silent; says which
     * :exc:`ConfigError` (also :exc:`ValueError`): an option, map or model file is wrong
 
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
@@ -44,6 +45,10 @@ class CommandError(PioneerError, ValueError):
 
 class MotionError(PioneerError, RuntimeError):
     """The robot could not carry out a motion; the message is :meth:`Robot.why_not_moving`."""
+
+
+class DeviceError(PioneerError, RuntimeError):
+    """What was asked of an accessory that the robot does not have, or that does not answer."""
 
 
 class ConfigError(PioneerError, ValueError):

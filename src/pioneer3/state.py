@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from pioneer3.geometry import Pose2, Twist2
+from pioneer3.geometry import ORIGIN, Pose2, Twist2
 
 
 class Charging(StrEnum):
@@ -38,6 +38,8 @@ class Odometry:
 
     Attributes:
         robot_in_odom: Pose since the first connection [m, rad]; continuous over reconnections.
+        robot_in_encoder: As the robot's own counters have it [m, rad]: position since the session
+            began, heading since the robot was switched on.
         twist: Measured body velocity [m/s, rad/s].
         left_speed: Left wheel's speed over ground [m/s].
         right_speed: Right wheel's speed over ground [m/s].
@@ -47,6 +49,7 @@ class Odometry:
     twist: Twist2
     left_speed: float
     right_speed: float
+    robot_in_encoder: Pose2 = ORIGIN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +130,7 @@ class Inputs:
         digital_in: Bits, 1 is high.
         digital_out: Bits, 1 is high.
         analog: Voltage of the selected port [V].
+        analog_port: The selected port.
         compass: Heading as the robot states it [rad], or `None` without a compass.
         temperature: Motor temperature [degrees Celsius], or `None` without a sensor.
     """
@@ -134,8 +138,26 @@ class Inputs:
     digital_in: int = 0
     digital_out: int = 0
     analog: float = 0.0
+    analog_port: int = 0
     compass: float | None = None
     temperature: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Words:
+    """The bit fields as they are on the wire, for people who look for single bits (arcos.md 4.4).
+
+    Attributes:
+        flags: 16 bits.
+        stalls: 16 bits: left stall and rear bumpers in the low byte, right and front in the high.
+        faults: 16 bits, or `None` where the robot does not send them.
+        flags3: 32 bits, or `None` where the robot does not send them: MTX only.
+    """
+
+    flags: int = 0
+    stalls: int = 0
+    faults: int | None = None
+    flags3: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,6 +187,7 @@ class Snapshot:
         stamp: When its first byte arrived [s, monotonic].
         sequence: Counts up by one per report, over all sessions.
         faults: Names of the fault flags that are up.
+        words: Flags and faults bit by bit.
     """
 
     stamp: float
@@ -177,3 +200,32 @@ class Snapshot:
     inputs: Inputs = field(default_factory=Inputs)
     link: LinkQuality = field(default_factory=LinkQuality)
     faults: tuple[str, ...] = ()
+    words: Words = field(default_factory=Words)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scan:
+    """One sweep of a laser range finder.
+
+    Attributes:
+        stamp: When it began to arrive [s, monotonic].
+        sequence: Counts up by one per sweep.
+        robot_in_odom: Where the robot was at `stamp` [m, rad].
+        sensor_in_robot: Where the laser sits and looks [m, rad].
+        angles: Of the readings, counter-clockwise from where the laser looks [rad], shape (N,).
+        ranges: [m], shape (N,); `inf` where nothing answered.
+        reflectances: 0 to 255, shape (N,); empty where the laser tells none.
+    """
+
+    stamp: float
+    sequence: int
+    robot_in_odom: Pose2
+    sensor_in_robot: Pose2
+    angles: tuple[float, ...]
+    ranges: tuple[float, ...]
+    reflectances: tuple[int, ...] = ()
+
+    @property
+    def sensor_in_odom(self) -> Pose2:
+        """Where the laser was [m, rad]."""
+        return self.robot_in_odom @ self.sensor_in_robot

@@ -7,6 +7,7 @@ PUBLIC = [
     "BlockingRobot",
     "CommandError",
     "ConfigError",
+    "DeviceError",
     "LinkError",
     "MotionError",
     "NoRobotError",

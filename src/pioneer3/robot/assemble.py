@@ -18,6 +18,7 @@ from pioneer3.state import (
     Odometry,
     Snapshot,
     Sonar,
+    Words,
 )
 from pioneer3.units import DECIVOLT, DEGREE
 
@@ -41,7 +42,7 @@ class Odometer:
     """Adds up the robot's counters to a pose that is continuous over reconnections."""
 
     def __init__(self) -> None:
-        self.robot_in_odom = ORIGIN
+        self.robot_in_odom = self.robot_in_encoder = ORIGIN
         self._begin = ORIGIN
         self._anchor: Pose2 | None = None
         self._x, self._y = Counter(POSITION_MODULUS), Counter(POSITION_MODULUS)
@@ -61,6 +62,7 @@ class Odometer:
         )
         if self._anchor is None:
             self._anchor = self._begin @ here.inverse()
+        self.robot_in_encoder = here
         self.robot_in_odom = self._anchor @ here
         return self.robot_in_odom
 
@@ -117,6 +119,7 @@ class Assembler:
                 sessions=self.sessions,
             ),
             faults=_names(sip.faults or Fault(0)),
+            words=_words(sip),
         )
 
     def _rate(self) -> float:
@@ -133,6 +136,7 @@ class Assembler:
             turn_rate = sip.turn_rate_decidegrees / 10 * DEGREE
         return Odometry(
             robot_in_odom=self.odometer.update(sip, model),
+            robot_in_encoder=self.odometer.robot_in_encoder,
             twist=Twist2((left + right) / 2, turn_rate),
             left_speed=left,
             right_speed=right,
@@ -193,8 +197,18 @@ def _inputs(sip: Sip) -> Inputs:
         digital_in=sip.digital_in or 0,
         digital_out=sip.digital_out or 0,
         analog=(sip.analog or 0) * ANALOG_VOLT,
+        analog_port=sip.analog_port or 0,
         compass=wrap(2 * sip.compass_raw * DEGREE) if sip.compass_raw else None,
         temperature=None if celsius in {None, *NO_TEMPERATURE} else celsius,
+    )
+
+
+def _words(sip: Sip) -> Words:
+    return Words(
+        flags=int(sip.flags),
+        stalls=sip.left_stall_rear_bumpers | sip.right_stall_front_bumpers << 8,
+        faults=None if sip.faults is None else int(sip.faults),
+        flags3=None if sip.flags3 is None else int(sip.flags3),
     )
 
 

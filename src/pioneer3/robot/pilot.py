@@ -59,6 +59,7 @@ class Pilot:
         self._despite_stall = False
         self._pace: Pace | None = None
         self._sent_pace: Pace | None = None
+        self._hands_off = False
         self._motors_wanted: bool | None = None
         self._motors_seen = False
         self._enable_tries = 0
@@ -91,7 +92,7 @@ class Pilot:
     def session_lost(self, why: str, now: float) -> None:
         """Forget what was asked: nothing of it may reach the next session."""
         self._outbox.clear()
-        self._snapshot, self._sent = None, None
+        self._snapshot, self._sent, self._hands_off = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
         self._block(f"the link was lost ({why}); let go, then ask again", now)
@@ -120,7 +121,7 @@ class Pilot:
             return "the emergency stop is latched"
         answered = despite_stall and self._blocked == STALLED
         if self._blocked and (fresh or answered) and self._snapshot is not None:
-            self._blocked = None
+            self._blocked, self._hands_off = None, False
         if self._blocked:
             return self._blocked
         if self._snapshot is None:
@@ -136,7 +137,7 @@ class Pilot:
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
         self._request, self._until, self._requested_at = STILL, now, -inf
-        self._despite_stall, self._pace = False, None
+        self._despite_stall, self._pace, self._hands_off = False, None, False
         if self._snapshot is not None:
             self._blocked = None
         self._sent, self._sent_at = STILL, now
@@ -153,6 +154,11 @@ class Pilot:
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off until asked for."""
         self.emergency = False
+
+    def hands_off(self, now: float) -> None:
+        """Leave motion to somebody else until :meth:`stop` or a fresh request."""
+        self._block("a raw command drives the robot; stop it, or let go, then ask again", now)
+        self._hands_off, self._sent = True, None
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
         """Ask for power on the motors, or none; return why not, or `None`."""
@@ -246,7 +252,7 @@ class Pilot:
     def _steer(self, now: float) -> None:
         """Send the velocity that is due."""
         snapshot, limits = self._snapshot, self.limits
-        if snapshot is None or limits is None:
+        if snapshot is None or limits is None or self._hands_off:
             return
         self._power(now)
         twist = limit(self.asked(now), limits, snapshot.bumpers)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Protocol
 
+from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.host import Host
 from pioneer3.arcos.host_events import (
@@ -15,6 +16,7 @@ from pioneer3.arcos.host_events import (
     Opened,
     Received,
     SpeedWanted,
+    State,
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
@@ -25,6 +27,7 @@ from pioneer3.models import RobotModel, find_model, generic_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot
+from pioneer3.robot.requests import Requests
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM
 
@@ -42,6 +45,9 @@ class Listener(Protocol):
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Take a new reading."""
 
+    def on_report(self, report: Report, now: float) -> None:
+        """Take anything the robot says; a standard report after the snapshot made of it."""
+
 
 class Session:
     """One session with one robot over one link.
@@ -49,6 +55,7 @@ class Session:
     Args:
         link: Open; closed by :meth:`run`.
         pilot: Decides what is sent; outlives the session.
+        requests: Knows what the robot is to go on sending; outlives the session.
         assembler: Makes snapshots; outlives the session.
         listener: Told what happens.
         model: Used in place of what the robot says it is.
@@ -61,6 +68,7 @@ class Session:
         link: Link,
         *,
         pilot: Pilot,
+        requests: Requests,
         assembler: Assembler,
         listener: Listener,
         model: RobotModel | None = None,
@@ -73,6 +81,7 @@ class Session:
         self.model = model
         self.speed: int | None = None
         self._pilot = pilot
+        self._requests = requests
         self._assembler = assembler
         self._listener = listener
         self._restrict = restrict
@@ -136,7 +145,7 @@ class Session:
             if self._host.config_settled:
                 if now >= self._pilot.deadline:
                     self._pilot.tick(now)
-                for command in self._pilot.outgoing():
+                for command in (*self._pilot.outgoing(), *self._requests.outgoing()):
                     self._host.send(command, now)
             if data := self._host.outgoing():
                 await self.link.write(data)
@@ -173,12 +182,20 @@ class Session:
             settable_speed=self.model.settable_speed,
             settable_acceleration=self.model.settable_acceleration,
         )
+        self._requests.session_opened(now)
         self._configured = True
         self._listener.on_connected(self)
 
     def _serve(self, report: Report, now: float) -> None:
-        if not isinstance(report, Sip) or not self._configured:
+        if not self._configured:
             return
+        self._requests.heard(report, now)
+        if isinstance(report, Sip):
+            self._take_reading(report, now)
+            self._requests.tick(now)
+        self._listener.on_report(report, now)
+
+    def _take_reading(self, report: Sip, now: float) -> None:
         assert self.model is not None
         snapshot = self._assembler.assemble(
             report,
@@ -198,7 +215,12 @@ class Session:
 
     async def _leave(self) -> None:
         """Send the farewell whatever happened; a link that takes nothing is closed all the same."""
-        self._host.leave(self._clock())
+        now = self._clock()
+        if self._configured and self._host.state is State.OPEN:
+            farewell = self._requests.farewell()
+            for command in (commands.Stop(), *farewell) if farewell else ():
+                self._host.send(command, now)
+        self._host.leave(now)
         try:
             with suppress(LinkError, TimeoutError):
                 async with asyncio.timeout(FAREWELL_PATIENCE):

@@ -2,14 +2,15 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf
 
-from pioneer3.arcos.commands import Command
+from pioneer3.arcos.commands import Command, to_payload
 from pioneer3.arcos.host_events import Timing
-from pioneer3.arcos.reports import Config
+from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
 from pioneer3.limits import Limits, Pace
@@ -19,6 +20,8 @@ from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
 from pioneer3.robot.pilot import Pilot
+from pioneer3.robot.reports import Reports
+from pioneer3.robot.requests import Request, Requests
 from pioneer3.robot.session import Session
 from pioneer3.state import Identity, Snapshot
 
@@ -26,6 +29,10 @@ log = logging.getLogger(__name__)
 
 BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
+
+MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
+"""What moves the robot or lets it move: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL, DCHEAD, VEL2
+and LATVEL (arcos.md 3.1)."""
 
 
 class Connection(StrEnum):
@@ -87,6 +94,8 @@ class Supervisor:
     ) -> None:
         self.pilot = Pilot(auto_enable=auto_enable)
         self.assembler = Assembler()
+        self.reports = Reports()
+        self._requests = Requests()
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
@@ -119,6 +128,7 @@ class Supervisor:
             self._tell(Connection.CLOSED, "closed")
             for feed in (self.snapshots, self.status):
                 feed.close()
+            self.reports.close()
 
     def drive(
         self,
@@ -162,8 +172,49 @@ class Supervisor:
         """Send any command that is not about motion.
 
         Raises:
+            CommandError: no session is open, the command does not fit the protocol, or it moves
+                the robot.
+        """
+        if to_payload(command)[:1] in MOTION:
+            raise CommandError(
+                f"{type(command).__name__} moves the robot past its limits: drive it, or send it"
+                " as an unsafe command"
+            )
+        self._send(command)
+
+    def send_unsafe(self, command: Command) -> None:
+        """Send any command at all, past limits, expiry, bumpers and emergency stop.
+
+        After one about motion the pilot regards itself as not in control: it sends nothing of its
+        own until a stop or a fresh request. The robot stops on every way out all the same.
+
+        Raises:
             CommandError: no session is open, or the command does not fit the protocol.
         """
+        self._send(command)
+        if to_payload(command)[:1] in MOTION:
+            self.pilot.hands_off(self._clock())
+
+    @contextmanager
+    def requested(self, name: str, request: Request) -> Iterator[None]:
+        """Let the robot send what `request` asks for during the block, over all sessions.
+
+        Who asks for the same `name` shares it; the last one ends it.
+        """
+        self._requests.want(name, request, self._clock())
+        self._after()
+        try:
+            yield
+        finally:
+            self._requests.release(name)
+            self._after()
+
+    def change_request(self, name: str, request: Request) -> None:
+        """Ask in another way for what somebody has :meth:`requested`."""
+        self._requests.change(name, request, self._clock())
+        self._after()
+
+    def _send(self, command: Command) -> None:
         if self._session is None:
             raise CommandError(f"cannot send {type(command).__name__}: no robot is connected")
         self._session.send(command)
@@ -198,6 +249,12 @@ class Supervisor:
         self.on_reading(snapshot)
         self.snapshots.publish(snapshot)
 
+    def on_report(self, report: Report, now: float) -> None:
+        """Pass on what the robot says, and keep the newest configuration."""
+        if isinstance(report, Config) and self.info is not None:
+            self.info = replace(self.info, config=report)
+        self.reports.publish(report, now)
+
     async def _serve_once(self, attempt: int) -> int:
         """Serve one connection; return how many attempts in a row have failed, this one too."""
         began_with = self.assembler.sessions
@@ -206,6 +263,7 @@ class Supervisor:
             self._session = Session(
                 await self._open_link(),
                 pilot=self.pilot,
+                requests=self._requests,
                 assembler=self.assembler,
                 listener=self,
                 model=self._model,
@@ -222,6 +280,7 @@ class Supervisor:
             self.pilot.session_lost(str(error), self._clock())
         finally:
             self._session = self._fresh = None
+            self._requests.session_lost()
         return 1
 
     def _after(self, answer: str | None = None) -> str | None:

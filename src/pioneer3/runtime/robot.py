@@ -10,6 +10,7 @@ from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
+from pioneer3.runtime.devices import Devices
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
@@ -24,12 +25,13 @@ class Robot:
     """A connected robot. All angles counter-clockwise, all units SI.
 
     Made by :func:`pioneer3.connect_async`. Velocities expire after :attr:`Limits.expiry` (0.5 s);
-    every way out stops the robot.
+    every way out stops the robot. Gripper, laser and the like are in :attr:`devices`.
     """
 
     def __init__(self, supervisor: Supervisor, helm: Helm) -> None:
         self.supervisor = supervisor
         self.helm = helm
+        self.devices = Devices(supervisor)
         self._hold = Hold("program")
         helm.add(self._hold, PROGRAM)
 
@@ -157,9 +159,18 @@ class Robot:
         """Send any ARCOS command that is not about motion.
 
         Raises:
-            CommandError: no session is open, or the command does not fit the protocol.
+            CommandError: no session is open, the command does not fit the protocol, or it moves
+                the robot.
         """
         self.supervisor.send(command)
+
+    def send_unsafe(self, command: Command) -> None:
+        """Send any ARCOS command at all; see :meth:`Supervisor.send_unsafe` for what that means.
+
+        Raises:
+            CommandError: no session is open, or the command does not fit the protocol.
+        """
+        self.supervisor.send_unsafe(command)
 
     async def _carry_out(self, action: Move | Turn) -> None:
         loop = asyncio.get_running_loop()

@@ -18,6 +18,7 @@ CODES = {
     errors.PortPermissionError: 4,
     errors.PortBusyError: 1,
     errors.MotionError: 1,
+    errors.DeviceError: 1,
     errors.PioneerError: 1,
 }
 

@@ -60,6 +60,14 @@ def test_a_restart_goes_on_from_the_present_pose() -> None:
     assert hypot(after.x - before.x, after.y - before.y) == pytest.approx(0)
 
 
+def test_the_encoders_own_pose_knows_nothing_of_the_sessions_before() -> None:
+    odometer = Odometer()
+    odometer.restart(Pose2(1, 2, 0.5))
+    odometer.update(Sip(x_raw=400, heading_raw=QUARTER), MODEL)
+    odometer.update(Sip(x_raw=900, y_raw=32768 - 100, heading_raw=QUARTER), MODEL)
+    assert odometer.robot_in_encoder == Pose2(0.5, -0.1, pi / 2)
+
+
 def test_a_restart_may_name_the_pose() -> None:
     odometer = Odometer()
     odometer.restart(Pose2(1, 2, 0.5))

@@ -1,0 +1,108 @@
+"""What a robot has besides wheels and sonars, each device asked and told in SI units.
+
+=================  ==========================================================================
+module             what
+=================  ==========================================================================
+gripper            paddles, lift, beams; gripper_state is what its switches mean
+lines              digital and analog inputs and outputs
+compass            TCM2
+gyro               heading from samples, where the robot sends them
+laser              scans of a simulator's laser; sweep puts its packets together
+camera             pan, tilt and zoom; cameras has the bytes, aux_port carries them
+status             flags and faults by name, safety systems
+configuration      CONFIG, asked for again
+typed              a command as people type it
+stream             readings that are asked for while somebody wants them
+presence           whether the robot has a thing, and how one knows
+=================  ==========================================================================
+
+Devices move no wheels: motion is the helm's.
+"""
+
+from functools import cached_property
+
+from pioneer3.arcos.reports import Config
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.devices.camera import Camera, CameraName
+from pioneer3.runtime.devices.compass import TcmCompass
+from pioneer3.runtime.devices.configuration import ask_configuration
+from pioneer3.runtime.devices.gripper import Gripper
+from pioneer3.runtime.devices.gyro import Gyro
+from pioneer3.runtime.devices.laser import Laser
+from pioneer3.runtime.devices.lines import Lines
+from pioneer3.runtime.devices.presence import Presence
+from pioneer3.runtime.devices.status import DetailedStatus, Safety, detailed_status
+from pioneer3.runtime.devices.typed import parse_typed
+
+__all__ = [
+    "Camera",
+    "CameraName",
+    "DetailedStatus",
+    "Devices",
+    "Gripper",
+    "Gyro",
+    "Laser",
+    "Lines",
+    "Presence",
+    "Safety",
+    "TcmCompass",
+    "detailed_status",
+    "parse_typed",
+]
+
+
+class Devices:
+    """The devices of one robot, each made when it is first asked for."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._cameras: dict[tuple[CameraName, int], Camera] = {}
+
+    @cached_property
+    def gripper(self) -> Gripper:
+        """Paddles, lift and beams."""
+        return Gripper(self._supervisor)
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Digital and analog inputs and outputs."""
+        return Lines(self._supervisor)
+
+    @cached_property
+    def compass(self) -> TcmCompass:
+        """The TCM2."""
+        return TcmCompass(self._supervisor)
+
+    @cached_property
+    def gyro(self) -> Gyro:
+        """The gyro, where the host corrects the heading."""
+        return Gyro(self._supervisor)
+
+    @cached_property
+    def laser(self) -> Laser:
+        """The laser of a simulator."""
+        return Laser(self._supervisor)
+
+    @cached_property
+    def safety(self) -> Safety:
+        """The safety systems of MTX robots; texts of the firmware."""
+        return Safety(self._supervisor)
+
+    def camera(self, name: CameraName, port: int = 1) -> Camera:
+        """Return the camera of this make on AUX `port`, always the same one.
+
+        Raises:
+            ConfigError: there is no such make or port.
+        """
+        if (name, port) not in self._cameras:
+            self._cameras[name, port] = Camera(self._supervisor, name, port)
+        return self._cameras[name, port]
+
+    async def configuration(self) -> Config:
+        """Ask for CONFIG again and return it; `info.config` is this one from then on.
+
+        Raises:
+            DeviceError: the robot does not answer.
+            CommandError: no robot is connected.
+        """
+        return await ask_configuration(self._supervisor)

@@ -1,0 +1,155 @@
+"""What a device says while somebody wants it, over all sessions with the robot."""
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncGenerator, Callable, Iterator
+from contextlib import contextmanager
+from typing import Generic, TypeVar
+
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import Report
+from pioneer3.errors import DeviceError
+from pioneer3.robot.requests import RENEW, Request
+from pioneer3.robot.supervisor import Supervisor
+
+V = TypeVar("V")
+R = TypeVar("R", bound=Report)
+
+PATIENCE = RENEW + 1.0
+"""Longest wait for a first reading [s]: whatever was lost has been asked for twice by then."""
+ANSWER_PATIENCE = 1.0
+TRIES = 3
+RATE_WINDOW = 1.0
+
+
+class Stream(Generic[V]):
+    """Readings of one device, asked for while anybody wants them and renewed after a reconnection.
+
+    Args:
+        supervisor: Of the robot.
+        what: The device, in words, such as `the compass`.
+        request: Makes the robot send them.
+        read: Makes a reading of a report received at a time [s]; `None` makes none.
+        kinds: The reports that `read` takes, in the order in which they come.
+
+    Attributes:
+        latest: The last reading, or `None` before the first one; look at its stamp.
+        request: What the next one who wants readings begins with.
+    """
+
+    def __init__(
+        self,
+        supervisor: Supervisor,
+        what: str,
+        request: Request,
+        read: Callable[[Report, float], V | None],
+        *kinds: type[Report],
+    ) -> None:
+        self.latest: V | None = None
+        self._supervisor = supervisor
+        self._what, self.request = what, request
+        self._read, self._kinds = read, kinds
+        self._readers = 0
+        self._count = 0
+        self._stamps: deque[float] = deque()
+        self._stop_reading: Callable[[], None] = lambda: None
+
+    @property
+    def rate(self) -> float:
+        """Readings in the last second [1/s]."""
+        self._forget(asyncio.get_running_loop().time())
+        return len(self._stamps) / RATE_WINDOW
+
+    @contextmanager
+    def wanted(self) -> Iterator[None]:
+        """Keep :attr:`latest` new during the block."""
+        with self._supervisor.requested(self._what, self.request):
+            if not self._readers:
+                self._stop_reading = self._supervisor.reports.hand_to(self._take, *self._kinds)
+            self._readers += 1
+            try:
+                yield
+            finally:
+                self._readers -= 1
+                if not self._readers:
+                    self._stop_reading()
+
+    async def values(self) -> AsyncGenerator[V, None]:
+        """Yield each reading from now on; the newest when the reader is slow."""
+        with self.wanted(), self._supervisor.reports.subscribe(*self._kinds, room=1) as heard:
+            seen = self._count
+            async for _ in heard:
+                if self._count != seen and self.latest is not None:
+                    seen = self._count
+                    yield self.latest
+
+    async def reading(self, patience: float = PATIENCE) -> V:
+        """Return the next reading.
+
+        Raises:
+            DeviceError: none came for `patience` [s].
+        """
+        values = self.values()
+        try:
+            async with asyncio.timeout(patience):
+                return await anext(values)
+        except (TimeoutError, StopAsyncIteration):
+            raise DeviceError(silence(self._supervisor, self._what, patience)) from None
+        finally:
+            await values.aclose()
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody wants readings now."""
+        return self._readers > 0
+
+    def change(self, request: Request) -> None:
+        """Ask in another way, until nobody wants readings any more."""
+        self._supervisor.change_request(self._what, request)
+
+    def _take(self, report: Report, stamp: float) -> None:
+        value = self._read(report, stamp)
+        if value is not None:
+            self.latest = value
+            self._count += 1
+            self._stamps.append(stamp)
+            self._forget(stamp)
+
+    def _forget(self, now: float) -> None:
+        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
+            self._stamps.popleft()
+
+
+async def ask(
+    supervisor: Supervisor,
+    what: str,
+    command: Command,
+    kind: type[R],
+    *,
+    patience: float = ANSWER_PATIENCE,
+) -> R:
+    """Send `command`, again if need be, and return the report of class `kind` that answers it.
+
+    Raises:
+        DeviceError: there was no answer to any of three, waiting `patience` [s] for each.
+        CommandError: no robot is connected.
+    """
+    with supervisor.reports.subscribe(kind) as heard:
+        answers = aiter(heard)
+        for _ in range(TRIES):
+            supervisor.send(command)
+            try:
+                async with asyncio.timeout(patience):
+                    return await anext(answers)
+            except TimeoutError:
+                answers = aiter(heard)
+            except StopAsyncIteration:
+                break
+    raise DeviceError(silence(supervisor, what, TRIES * patience))
+
+
+def silence(supervisor: Supervisor, what: str, seconds: float) -> str:
+    """Return in a sentence why `what` said nothing for `seconds`."""
+    if supervisor.snapshot is None:
+        return f"Nothing is known of {what}: no robot is connected."
+    return f"No answer from {what} for {seconds:g} s: is it fitted, connected and switched on?"
