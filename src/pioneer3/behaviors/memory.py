@@ -3,25 +3,18 @@
 from collections import deque
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, radians
-from typing import NamedTuple
 
+from pioneer3.behaviors.laser_memory import STALE, LaserMemory
+from pioneer3.behaviors.seen import Seen
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel
-from pioneer3.state import Bumpers, Snapshot, Sonar
+from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
 
 SILENT = 1.0
 """A sonar that has told nothing new for this long [s] does not work."""
 BUMPER_ARC = radians(135)
 """The angle over which the segments of one end are spread (arcos.md 4.7)."""
-
-
-class Seen(NamedTuple):
-    """A point in odometry's frame [m], and when it was seen [s]."""
-
-    x: float
-    y: float
-    stamp: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,28 +83,37 @@ class RangeMemory:
 
     def __init__(self, model: RobotModel) -> None:
         self.model = model
-        self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
-        self._pose, self._heard, self._session = ORIGIN, -inf, 0
+        self._pose, self._session = ORIGIN, 0
+        self._forget_all()
 
-    def update(self, snapshot: Snapshot) -> None:
-        """Take in the next reading. What an earlier session saw is forgotten."""
+    def update(self, snapshot: Snapshot, scan: Scan | None = None) -> None:
+        """Take in the next reading, and the last scan. What an earlier session saw is forgotten."""
         here, now = snapshot.odometry.robot_in_odom, snapshot.stamp
         if snapshot.link.sessions != self._session:
             self._session, self._pose = snapshot.link.sessions, here
-            self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
-            self._heard = -inf
+            self._forget_all()
         # readings were made on the way here: the pose before is as near (arcos.md 7.2)
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
-        for buffer in (self._sonar, self._bumpers):
+        if scan is not None and now - scan.stamp <= STALE:
+            self._laser.add(scan)
+        for buffer in (self._sonar, self._bumpers, self._laser):
             buffer.forget(here, now)
         self._pose = here
 
     def around(self, now: float) -> Surroundings:
         """Return what is around the robot where it was last heard of, as known at `now` [s]."""
-        recent = [(p.x, p.y) for p in (*self._sonar.recent, *self._bumpers.recent)]
-        remembered = [(p.x, p.y) for p in (*self._sonar.remembered, *self._bumpers.remembered)]
-        return Surroundings(self._pose, recent, remembered, sensing=now - self._heard <= SILENT)
+        sensors = (self._sonar, self._bumpers, self._laser)
+        return Surroundings(
+            self._pose,
+            [(p.x, p.y) for sensor in sensors for p in sensor.recent],
+            [(p.x, p.y) for sensor in sensors for p in sensor.remembered],
+            sensing=now - self._heard <= SILENT or self._laser.sensing(now),
+        )
+
+    def _forget_all(self) -> None:
+        self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
+        self._laser, self._heard = LaserMemory(), -inf
 
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:
         mounts = self.model.sonars

@@ -14,7 +14,7 @@ from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
 from pioneer3.robot.supervisor import Supervisor
-from pioneer3.state import Snapshot
+from pioneer3.state import Scan, Snapshot
 
 log = logging.getLogger(__name__)
 
@@ -40,6 +40,7 @@ class Helm:
     Attributes:
         decision: The last one.
         mode: The stack that was started last and has not ended, or `None`.
+        latest_scan: Returns what a laser last saw, while one is on.
         ended: How the last mode ended; `None` while one runs and before the first.
     """
 
@@ -47,6 +48,7 @@ class Helm:
         self.decision = Decision()
         self.mode: Stack | None = None
         self.ended: Ended | None = None
+        self.latest_scan: Callable[[], Scan | None] = lambda: None
         self._supervisor = supervisor
         self._remark = remark
         self._remarked: str | None = None
@@ -171,7 +173,7 @@ class Helm:
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
         if self._memory is not None:
-            self._memory.update(snapshot)
+            self._memory.update(snapshot, self.latest_scan())
         self.decide(renewed=True)
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)

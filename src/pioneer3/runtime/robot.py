@@ -34,6 +34,7 @@ class Robot:
         self.devices = Devices(supervisor)
         self._hold = Hold("program")
         helm.add(self._hold, PROGRAM)
+        helm.latest_scan = lambda: self.devices.laser.latest
 
     @property
     def info(self) -> RobotInfo:

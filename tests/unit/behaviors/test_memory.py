@@ -1,0 +1,188 @@
+"""What is remembered of sonar, bumpers and laser, by the numbers of arcos.md 7.2."""
+
+from dataclasses import replace
+from math import cos, inf, pi, radians, sin
+
+import pytest
+
+from pioneer3.behaviors.memory import RangeMemory
+from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.state import Bumpers, LinkQuality, Scan, Snapshot, Sonar
+from tests.unit.behaviors.support import P3AT, around, seen
+
+COUNT = len(P3AT.sonars)
+AHEAD = 3  # of the P3-AT: 10 degrees to the left
+
+
+def reading(
+    stamp: float, heard: dict[int, float] | None = None, pose: Pose2 = ORIGIN, sessions: int = 1
+) -> Snapshot:
+    ranges = [inf] * COUNT
+    for number, metres in (heard or {}).items():
+        ranges[number] = metres
+    return replace(
+        seen(stamp, pose=pose).snapshot,
+        sonar=Sonar(ranges=tuple(ranges), fresh=tuple(heard or ()), enabled=True),
+        link=LinkQuality(sessions=sessions),
+    )
+
+
+def remembering(*readings: Snapshot) -> RangeMemory:
+    memory = RangeMemory(P3AT)
+    for each in readings:
+        memory.update(each)
+    return memory
+
+
+def test_an_echo_is_where_its_transducer_heard_it() -> None:
+    mount = P3AT.sonars[AHEAD]
+    (point,) = remembering(reading(0.0, {AHEAD: 1.0})).around(0.0).points()
+    assert point.x == pytest.approx(mount.x + cos(mount.theta))
+    assert point.y == pytest.approx(mount.y + sin(mount.theta))
+
+
+def test_an_echo_is_placed_from_the_pose_before() -> None:
+    memory = remembering(reading(0.0), reading(0.1, {AHEAD: 1.0}, Pose2(0.5)))
+    (point,) = memory.around(0.1).points()
+    mount = P3AT.sonars[AHEAD]
+    assert point.x == pytest.approx(mount.x + cos(mount.theta) - 0.5)
+
+
+@pytest.mark.parametrize(("age", "left"), [(4.9, 1), (5.1, 0)])
+def test_an_echo_is_recent_for_five_seconds(age: float, left: int) -> None:
+    memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(age))
+    assert len(memory.around(age).points()) == left
+
+
+@pytest.mark.parametrize(("age", "metres", "left"), [(14.9, 2.0, 1), (15.1, 2.0, 0), (1.0, 2.9, 0)])
+def test_near_echoes_are_remembered_for_fifteen_seconds(
+    age: float, metres: float, left: int
+) -> None:
+    # the transducer sits 0.15 m before the centre: 2.9 m from there are more than 3 m
+    memory = remembering(reading(0.0, {AHEAD: metres}), reading(age))
+    assert len(memory.around(age).points(remembered=True)) == left
+
+
+def test_what_was_left_behind_is_forgotten() -> None:
+    memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(1.0, pose=Pose2(-2.5)))
+    assert memory.around(1.0).points(remembered=True) == ()
+    assert len(memory.around(1.0).points()) == 1
+
+
+def test_the_newest_24_are_recent_and_64_remembered() -> None:
+    memory = RangeMemory(P3AT)
+    for n in range(100):
+        memory.update(reading(n / 100, {AHEAD: 0.5 + n / 50}, Pose2(0.0, n / 1000)))
+    points = memory.around(1.0).points()
+    assert len(points) == 24
+    assert len(memory.around(1.0).points(remembered=True)) <= 64
+
+
+def test_an_echo_at_the_same_place_replaces_the_older_one() -> None:
+    memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(0.1, {AHEAD: 1.04}))
+    assert len(memory.around(0.1).points(remembered=True)) == 1
+    memory.update(reading(0.2, {AHEAD: 1.1}))
+    assert len(memory.around(0.2).points(remembered=True)) == 2
+
+
+def test_nothing_is_known_while_the_sonar_is_silent() -> None:
+    memory = remembering(reading(0.0))
+    assert not memory.around(0.0).sensing
+    memory.update(reading(0.1, {AHEAD: inf}))
+    assert memory.around(0.1).sensing
+    assert memory.around(1.1).sensing
+    assert not memory.around(1.2).sensing
+
+
+def test_a_new_session_knows_nothing_of_the_one_before() -> None:
+    memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(0.1, sessions=2))
+    assert memory.around(0.1).points() == ()
+    assert not memory.around(0.1).sensing
+
+
+@pytest.mark.parametrize(
+    ("bumpers", "bearing"),
+    [
+        # five segments of 135 / 5 = 27 degrees: the first is at 67.5 - 13.5 = 54 degrees
+        (Bumpers(front=(True, False, False, False, False)), 54),
+        (Bumpers(front=(False, False, True, False, False)), 0),
+        (Bumpers(rear=(True, False, False, False, False)), 54 + 180),
+    ],
+)
+def test_a_bumped_segment_is_a_point_on_the_radius(bumpers: Bumpers, bearing: float) -> None:
+    (point,) = remembering(replace(reading(0.0), bumpers=bumpers)).around(0.0).points()
+    assert point.distance == pytest.approx(P3AT.radius)
+    assert (point.bearing - radians(bearing)) % (2 * pi) == pytest.approx(0, abs=1e-9)
+
+
+def scan(stamp: float, ranges: dict[int, float], sequence: int = 0) -> Scan:
+    """Return a scan of one beam each degree; what is not given is free."""
+    return Scan(
+        stamp=stamp,
+        sequence=sequence,
+        robot_in_odom=ORIGIN,
+        sensor_in_robot=Pose2(0.1),
+        angles=tuple(radians(a) for a in range(-90, 91)),
+        ranges=tuple(ranges.get(a, inf) for a in range(-90, 91)),
+    )
+
+
+def test_a_scan_replaces_the_one_before() -> None:
+    memory = RangeMemory(P3AT)
+    memory.update(reading(0.0), scan(0.0, {0: 2.0, 90: 1.0}))
+    ahead, left = memory.around(0.0).points()
+    assert (ahead.x, ahead.y) == pytest.approx((2.1, 0.0))
+    assert (left.x, left.y) == pytest.approx((0.1, 1.0))
+    assert memory.around(0.0).sensing
+    memory.update(reading(0.1), scan(0.1, {0: 1.9}, 1))
+    assert [p.x for p in memory.around(0.1).points()] == [2.0]
+
+
+def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:
+    memory = RangeMemory(P3AT)
+    memory.update(reading(1.0), scan(1.0, {0: 2.0, 45: 1.0, 90: 3.5}))
+    assert len(memory.around(1.0).points(remembered=True)) == 2  # within 3 m
+    memory.update(reading(2.1), scan(2.1, {0: 2.5, 45: 1.05}, 1))
+    left = memory.around(2.1).points(remembered=True)
+    assert sorted(round(p.distance, 1) for p in left) == [1.1, 2.6]
+
+
+def test_an_old_scan_says_nothing() -> None:
+    memory = RangeMemory(P3AT)
+    memory.update(reading(0.0), scan(0.0, {0: 2.0}))
+    memory.update(reading(1.1), scan(0.0, {0: 2.0}))
+    assert memory.around(1.1).points() == ()
+    assert not memory.around(1.1).sensing
+
+
+class TestQueries:
+    HERE = around((1.0, 0.0), (0.8, radians(80)), (0.5, pi), (2.0, radians(-30)))
+
+    @pytest.mark.parametrize(
+        ("start", "end", "distance"),
+        [
+            (-70, 70, 1.0),
+            (70, -70, 0.5),  # counter-clockwise: around the back
+            (120, -120, 0.5),
+            (-40, -20, 2.0),
+            (-180, 180, 0.5),
+            (10, 20, inf),
+        ],
+    )
+    def test_sectors_go_counter_clockwise(self, start: float, end: float, distance: float) -> None:
+        echo = self.HERE.nearest(radians(start), radians(end))
+        assert echo.distance == pytest.approx(distance)
+        assert bool(echo) == (distance < inf)
+
+    @pytest.mark.parametrize("corners", [(0, -0.2, 3, 0.2), (3, 0.2, 0, -0.2)])
+    def test_boxes_take_their_corners_in_any_order(
+        self, corners: tuple[float, float, float, float]
+    ) -> None:
+        assert self.HERE.nearest_in_box(*corners).distance == pytest.approx(1.0)
+
+    def test_points_are_seen_from_where_the_robot_is(self) -> None:
+        pose = Pose2(1.0, 2.0, pi / 2)
+        (point,) = Surroundings(pose, [(1.0, 3.5)]).points()
+        assert (point.x, point.y) == pytest.approx((1.5, 0.0))
+        assert (point.distance, point.bearing) == pytest.approx((1.5, 0.0))
