@@ -1,7 +1,7 @@
 """Remembers what a laser saw, in odometry's frame (arcos.md 7.2, LMS2xx)."""
 
 from collections.abc import Callable, Iterable
-from math import atan2, floor, hypot, isfinite
+from math import atan2, cos, floor, hypot, isfinite, sin
 
 from pioneer3.behaviors.seen import Seen
 from pioneer3.geometry import Pose2, wrap
@@ -44,8 +44,9 @@ class LaserMemory:
         seen = []
         for angle, metres in zip(scan.angles, scan.ranges, strict=True):
             if isfinite(metres):
-                point = sensor @ Pose2(theta=angle) @ Pose2(metres)
-                seen.append(Seen(point.x, point.y, scan.stamp))
+                bearing = sensor.theta + angle
+                x, y = sensor.x + metres * cos(bearing), sensor.y + metres * sin(bearing)
+                seen.append(Seen(x, y, scan.stamp))
                 if metres <= NEAR:
                     self._remember(seen[-1])
         self.recent = tuple(seen)
@@ -62,11 +63,17 @@ class LaserMemory:
 
     def _remember(self, new: Seen) -> None:
         i, j = floor(new.x / SPACING), floor(new.y / SPACING)
+        if (i, j) in self._cells and self._near(self._cells[i, j], new):
+            return
         beside = (self._cells.get((i + di, j + dj)) for di in (-1, 0, 1) for dj in (-1, 0, 1))
-        if all(p is None or hypot(p.x - new.x, p.y - new.y) >= SPACING for p in beside):
+        if not any(p is not None and self._near(p, new) for p in beside):
             self._cells[i, j] = new
             if len(self._cells) > MOST:
                 del self._cells[next(iter(self._cells))]
+
+    @staticmethod
+    def _near(one: Seen, other: Seen) -> bool:
+        return hypot(one.x - other.x, one.y - other.y) < SPACING
 
     def _clean(self, scan: Scan, sensor: Pose2) -> None:
         """Forget points that the beam in their direction sees past."""
