@@ -1,0 +1,93 @@
+"""Drive to a place."""
+
+from dataclasses import dataclass, field
+from math import atan2, degrees, hypot, inf, radians, sqrt
+
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.situation import Situation
+from pioneer3.geometry import wrap
+
+SLOWING = 0.2
+"""Deceleration towards the goal [m/s^2]: ARIA's speed is the root of 400 mm/s^2 times the way."""
+BEHIND = radians(120)
+MOVED = 0.005
+"""A goal that moved farther [m] is a new one."""
+STANDING, ALIGNED, TURNING = 0.005, radians(3), radians(2)
+"""[m/s], [rad], [rad/s]."""
+
+
+@dataclass(slots=True)
+class Goto:
+    """Drives straight to a point of odometry's frame, around what slows it (arcos.md 7.6).
+
+    While a higher priority limits the speed below `speed_to_turn_at`, it turns away from the goal;
+    then it passes by, `turn_amount` off. Differences from ARIA's, whose figures these are: it
+    can end at a heading; it has not arrived while it rolls backwards through the goal; the side to
+    pass on changes once when the goal comes to lie behind, not at every reading.
+
+    Attributes:
+        x: [m].
+        y: [m].
+        heading: To turn to in the end [rad], or `None`.
+        close_distance: Near enough [m].
+        speed: Top speed [m/s].
+        speed_to_turn_at: [m/s].
+        turn_amount: [rad].
+        done: Whether it has arrived and stands; then it wants nothing.
+    """
+
+    x: float
+    y: float
+    heading: float | None = None
+    close_distance: float = 0.1
+    speed: float = 0.4
+    speed_to_turn_at: float = 0.15
+    turn_amount: float = radians(7)
+    name: str = "goto"
+    done: bool = field(default=False, init=False)
+    _there: bool = field(default=False, init=False)
+    _side: int = field(default=1, init=False)
+    _behind: bool = field(default=False, init=False)
+
+    def aim(self, x: float, y: float, heading: float | None = None) -> None:
+        """Set another goal; one that has hardly moved changes nothing."""
+        if hypot(x - self.x, y - self.y) > MOVED or heading != self.heading:
+            self.done = self._there = False
+        self.x, self.y, self.heading = x, y, heading
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return speed and heading, or `None` when arrived."""
+        if self.done:
+            return None
+        here = situation.pose
+        dx, dy = self.x - here.x, self.y - here.y
+        distance = hypot(dx, dy)
+        if distance < self.close_distance and abs(situation.twist.v) < STANDING:
+            self._there = True
+        if self._there:
+            return self._arrive(situation)
+        speed = 0.0
+        if distance >= self.close_distance:
+            speed = min(sqrt(2 * SLOWING * distance), self.speed)
+        return self._steer(speed, wrap(atan2(dy, dx)), situation, f"{distance:.2f} m to go")
+
+    def _steer(self, speed: float, goal: float, situation: Situation, reason: str) -> Desire:
+        theta, amount = situation.pose.theta, self.turn_amount
+        behind = abs(wrap(goal - theta)) > BEHIND
+        if behind and not self._behind:
+            self._side = -self._side
+        self._behind = behind
+        if situation.higher.limits.get("v_max", inf) < self.speed_to_turn_at:
+            return Desire(v=speed, turn=amount * self._side, reason=f"{reason}, blocked")
+        if abs(wrap(goal - (theta - amount * self._side))) > amount / 2:
+            return Desire(v=speed, heading=goal, reason=reason)
+        return Desire(v=speed, turn=-amount * self._side, reason=f"{reason}, passing by")
+
+    def _arrive(self, situation: Situation) -> Desire:
+        left = 0.0
+        if self.heading is not None:
+            left = wrap(self.heading - situation.pose.theta)
+        if abs(left) > ALIGNED:
+            return Desire(v=0.0, turn=left, reason=f"{round(degrees(left))} deg to turn")
+        self.done = abs(situation.twist.w) < TURNING
+        return Desire(v=0.0, turn=0.0, reason="there")

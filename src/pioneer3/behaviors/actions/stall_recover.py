@@ -1,0 +1,121 @@
+"""Get free when the wheels are blocked."""
+
+from dataclasses import dataclass, field
+from math import inf, radians
+from typing import NamedTuple
+
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.situation import Situation
+from pioneer3.geometry import wrap
+
+SAME_TROUBLE = 5.0
+"""A stall so soon after the last attempt [s] calls for the next one on the list."""
+ARRIVED = radians(3)
+AHEAD, SIDE_FROM, SIDE_TO = radians(120), radians(60), radians(120)
+
+
+class Way(NamedTuple):
+    """One attempt: which way to drive (1 forwards, -1 back), which way to turn (1 left)."""
+
+    words: str
+    drive: int = 0
+    turn: int | None = 0
+
+
+AWAY = None
+"""Turn to the side that a stalled wheel or an obstacle suggests."""
+WAYS = (
+    Way("back and turn", -1, AWAY),
+    Way("forward and turn", 1, AWAY),
+    Way("back", -1),
+    Way("forward", 1),
+    Way("turn left", 0, 1),
+    Way("turn right", 0, -1),
+    Way("back and left", -1, 1),
+    Way("back and right", -1, -1),
+    Way("forward and left", 1, 1),
+    Way("forward and right", 1, -1),
+)
+"""In this order (arcos.md 7.6)."""
+
+
+@dataclass(slots=True)
+class StallRecover:
+    """Tries ten ways out of a stall, one after the other (arcos.md 7.6).
+
+    What it wants is the answer to the stall, which ends every other motion. It leaves the robot
+    alone as soon as a higher priority has taken a channel of motion.
+
+    Attributes:
+        obstacle_distance: Nearer than this to the robot's circle is too near to go on after half of
+            the time [m].
+        seconds: Of one attempt; ARIA's 50 cycles [s].
+        speed: [m/s].
+        turn_amount: [rad].
+        enabled: Whether it does anything.
+    """
+
+    obstacle_distance: float = 0.225
+    seconds: float = 5.0
+    speed: float = 0.15
+    turn_amount: float = radians(45)
+    enabled: bool = True
+    name: str = "stall recover"
+    _way: Way | None = field(default=None, init=False)
+    _next: int = field(default=0, init=False)
+    _end: float = field(default=-inf, init=False)
+    _last: float = field(default=-inf, init=False)
+    _target: float | None = field(default=None, init=False)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the next moment of an attempt, if one is needed."""
+        if not self.enabled or situation.higher.owned:
+            self._way = None
+            return None
+        if self._way is None:
+            if not situation.snapshot.motors.stalled:
+                return None
+            self._begin(situation)
+        return self._go_on(situation)
+
+    def _begin(self, situation: Situation) -> None:
+        now = situation.now
+        self._next = (self._next + 1) % len(WAYS) if now - self._last <= SAME_TROUBLE else 0
+        self._way = way = WAYS[self._next]
+        self._end = now + self.seconds
+        turn = _away(situation) if way.turn is AWAY else way.turn
+        theta = situation.pose.theta
+        self._target = wrap(theta + turn * self.turn_amount) if turn else None
+
+    def _go_on(self, situation: Situation) -> Desire | None:
+        way, theta = self._way, situation.pose.theta
+        assert way is not None
+        self._last = situation.now
+        v = self._speed(way.drive, situation) if way.drive else 0.0
+        if self._target is not None and abs(wrap(self._target - theta)) <= ARRIVED:
+            self._target = None
+        if situation.now >= self._end or (v == 0.0 and self._target is None):
+            self._way = None
+            return Desire(v=0.0, w=0.0, reason="tried", despite_stall=True)
+        reason = f"stalled: {way.words}"
+        if self._target is None:
+            return Desire(v=v, w=0.0, reason=reason, despite_stall=True)
+        return Desire(v=v, heading=self._target, reason=reason, despite_stall=True)
+
+    def _speed(self, drive: int, situation: Situation) -> float:
+        around, left = situation.around, self._end - situation.now
+        echo = around.nearest(-AHEAD, AHEAD) if drive > 0 else around.nearest(AHEAD, -AHEAD)
+        room = echo.distance - situation.model.radius
+        if left <= self.seconds / 2 and 0 < room < self.obstacle_distance:
+            return 0.0
+        return drive * self.speed
+
+
+def _away(situation: Situation) -> int:
+    """Return 1 to turn left, -1 to turn right."""
+    motors = situation.snapshot.motors
+    if motors.left_stalled != motors.right_stalled:
+        return -1 if motors.left_stalled else 1
+    right = situation.around.nearest(-SIDE_TO, -SIDE_FROM).distance
+    left = situation.around.nearest(SIDE_FROM, SIDE_TO).distance
+    return 1 if right < left else -1
