@@ -7,6 +7,9 @@ from typing import Protocol
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
 
+MODE = 20
+"""Priority of modes against other stacks: below every hand and program at the controls."""
+
 
 class Action(Protocol):
     """Anything with a name that turns a situation into a desire. Its priority is its place."""
