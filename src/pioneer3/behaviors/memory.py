@@ -1,12 +1,13 @@
 """Remembers what the range sensors saw, in odometry's frame (arcos.md 7.2)."""
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, radians
 
 from pioneer3.behaviors.laser_memory import STALE, LaserMemory
 from pioneer3.behaviors.seen import Seen
-from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.behaviors.surroundings import LATELY, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel
 from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
@@ -108,8 +109,13 @@ class RangeMemory:
             self._pose,
             [(p.x, p.y) for sensor in sensors for p in sensor.recent],
             [(p.x, p.y) for sensor in sensors for p in sensor.remembered],
+            [(p.x, p.y) for p in self._seen_lately(now)],
             sensing=now - self._heard <= SILENT or self._laser.sensing(now),
         )
+
+    def _seen_lately(self, now: float) -> Iterable[Seen]:
+        points = (*self._sonar.recent, *self._sonar.remembered, *self._bumpers.recent)
+        return dict.fromkeys((*self._laser.recent, *(p for p in points if now - p.stamp <= LATELY)))
 
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)

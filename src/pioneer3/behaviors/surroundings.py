@@ -1,6 +1,7 @@
 """What is around the robot, as its range sensors see it and have seen it."""
 
 from collections.abc import Sequence
+from enum import Enum
 from math import atan2, cos, hypot, inf, sin
 from typing import NamedTuple
 
@@ -33,13 +34,33 @@ class Point(NamedTuple):
     bearing: float
 
 
+class Recall(Enum):
+    """How far back a query looks (arcos.md 7.2).
+
+    Sonars fire in turn and miss echoes, and new points push older ones out of what is recent: what
+    has to be sure that something is there, such as a limiter, asks for what was seen lately.
+    """
+
+    RECENT = 0
+    """As ARIA's current buffers: the newest points of each sensor."""
+    LATELY = 1
+    """Everything seen in the last :data:`LATELY` seconds."""
+    REMEMBERED = 2
+    """As ARIA's cumulative buffers: older points, too, of what is near."""
+
+
+LATELY = 2.0
+"""Six rounds of a ring of sonars that fire in turn [s]."""
+
+
 class Surroundings:
     """Points around the robot at one instant.
 
     Args:
         pose: The robot's, in the frame of the points.
-        current: Recent points in odometry's frame [m], (x, y) each.
+        recent: Points in odometry's frame [m], (x, y) each.
         remembered: Older ones, too.
+        lately: What was seen lately; what is recent if `None`.
         sensing: Whether any range sensor works. Without one, nothing is known of what is near, and
             limiters let no one move.
     """
@@ -47,44 +68,47 @@ class Surroundings:
     def __init__(
         self,
         pose: Pose2,
-        current: Sequence[tuple[float, float]] = (),
+        recent: Sequence[tuple[float, float]] = (),
         remembered: Sequence[tuple[float, float]] = (),
+        lately: Sequence[tuple[float, float]] | None = None,
         *,
         sensing: bool = True,
     ) -> None:
         self.sensing = sensing
         self._pose = pose
-        self._given = (current, remembered)
-        self._points: list[tuple[Point, ...] | None] = [None, None]
+        self._given = {
+            Recall.RECENT: recent,
+            Recall.LATELY: recent if lately is None else lately,
+            Recall.REMEMBERED: remembered,
+        }
+        self._points: dict[Recall, tuple[Point, ...]] = {}
 
-    def points(self, *, remembered: bool = False) -> tuple[Point, ...]:
-        """Return all points, recent ones or those remembered (arcos.md 7.2)."""
-        which = int(remembered)
-        points = self._points[which]
-        if points is None:
-            points = self._points[which] = _seen_from(self._pose, self._given[which])
-        return points
+    def points(self, recall: Recall = Recall.RECENT) -> tuple[Point, ...]:
+        """Return all points."""
+        if recall not in self._points:
+            self._points[recall] = _seen_from(self._pose, self._given[recall])
+        return self._points[recall]
 
-    def nearest(self, start: float, end: float, *, remembered: bool = False) -> Echo:
+    def nearest(self, start: float, end: float, recall: Recall = Recall.RECENT) -> Echo:
         """Return the nearest point between two bearings [rad], counter-clockwise from `start`.
 
         (-70 degrees, 70 degrees) is the front, (120, -120) the back (arcos.md 7.2).
         """
         span = min(end - start, TURN) if end > start else (end - start) % TURN
         best = SILENCE
-        for _, _, distance, bearing in self.points(remembered=remembered):
+        for _, _, distance, bearing in self.points(recall):
             if distance < best.distance and (bearing - start) % TURN <= span:
                 best = Echo(distance, bearing)
         return best
 
     def nearest_in_box(
-        self, x1: float, y1: float, x2: float, y2: float, *, remembered: bool = False
+        self, x1: float, y1: float, x2: float, y2: float, recall: Recall = Recall.RECENT
     ) -> Echo:
         """Return the point nearest to the centre in a box [m], any two opposite corners given."""
         left, right = (x1, x2) if x1 <= x2 else (x2, x1)
         low, high = (y1, y2) if y1 <= y2 else (y2, y1)
         best = SILENCE
-        for x, y, distance, bearing in self.points(remembered=remembered):
+        for x, y, distance, bearing in self.points(recall):
             if distance < best.distance and left <= x <= right and low <= y <= high:
                 best = Echo(distance, bearing)
         return best

@@ -1,7 +1,5 @@
 """`pioneer3 drive`."""
 
-import shutil
-import sys
 from pathlib import Path
 
 from pioneer3.cli.loop import run_until_told_to_leave
@@ -49,10 +47,10 @@ async def _drive(
     latch: bool,
     record: Path | None,
 ) -> int:
+    from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
     from pioneer3.errors import CommandError  # noqa: PLC0415
     from pioneer3.robot.limits import checked  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
-    from pioneer3.runtime.identity import kind  # noqa: PLC0415
     from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
     from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
@@ -70,14 +68,7 @@ async def _drive(
                 max_speed=limits.max_speed,
                 max_turn_rate=limits.max_turn_rate,
             )
-            print(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")  # noqa: T201
+            announce(robot, "waits for keys")
             print(KEYS)  # noqa: T201
-            await KeyboardDriver(robot, keyboard, _show).run(keys(terminal))
+            await KeyboardDriver(robot, keyboard, rewrite).run(keys(terminal))
     return 0
-
-
-def _show(line: str) -> None:
-    """Rewrite the live line, cut to the width of the terminal."""
-    width = shutil.get_terminal_size().columns
-    sys.stdout.write(f"\r\x1b[K{line[: width - 1]}")
-    sys.stdout.flush()

@@ -14,8 +14,10 @@ from pioneer3.cli.find_port import find_port
 from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
+from pioneer3.cli.motion import goto, move, turn
 from pioneer3.cli.run import run
 from pioneer3.cli.sim import sim
+from pioneer3.cli.wander import wander
 from pioneer3.errors import (
     CommandError,
     ConfigError,
@@ -47,7 +49,20 @@ app = App(
     help_format="plaintext",
     version=__version__,
 )
-for command in (run, sim, map_app, drive, info, monitor, doctor, find_port):
+for command in (
+    run,
+    sim,
+    map_app,
+    drive,
+    wander,
+    goto,
+    move,
+    turn,
+    info,
+    monitor,
+    doctor,
+    find_port,
+):
     app.command(command)
 
 

@@ -138,6 +138,12 @@ class BlockingRobot:
         """See :meth:`pioneer3.Robot.turn`."""
         self._wait(self._robot.turn(angle, rate))
 
+    def goto(
+        self, x: float, y: float, heading: float | None = None, *, speed: float | None = None
+    ) -> None:
+        """See :meth:`pioneer3.Robot.goto`."""
+        self._wait(self._robot.goto(x, y, heading, speed=speed))
+
     def run(self, mode: Stack, seconds: float = inf) -> None:
         """See :meth:`pioneer3.Robot.run`."""
         self._wait(self._robot.run(mode, seconds))

@@ -6,6 +6,7 @@ from math import inf, isfinite
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
+from pioneer3.behaviors.modes import goto
 from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked, finite
@@ -17,6 +18,8 @@ from pioneer3.state import Snapshot
 
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
+BLOCKED_PATIENCE = 10.0
+"""On the way somewhere, people may step aside within this time [s]."""
 STUCK_PATIENCE = 2.0
 """A motion that makes no headway for this long [s] has failed."""
 
@@ -131,15 +134,35 @@ class Robot:
             )
         )
 
-    async def run(self, mode: Stack, seconds: float = inf) -> None:
+    async def goto(
+        self, x: float, y: float, heading: float | None = None, *, speed: float | None = None
+    ) -> None:
+        """Drive to a point of odometry's frame [m], and turn to `heading` [rad] if that is given.
+
+        At `speed` [m/s] at most, slower near obstacles, and around those that are small.
+
+        Raises:
+            CommandError: not finite numbers.
+            MotionError: it did not get there; the message says why.
+        """
+        limits = self.info.limits
+        top = limits.max_speed if speed is None else _positive("speed", speed)
+        end = None if heading is None else finite("heading", heading)
+        mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
+        await self.run(mode, patience=BLOCKED_PATIENCE)
+
+    async def run(self, mode: Stack, seconds: float = inf, *, patience: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has done what it is for.
 
         A stack replaces the one before; hands on a keyboard, a stick or the page come before it.
 
         Raises:
-            MotionError: something else ended it; the message says what.
+            MotionError: something else ended it, or the robot stood for longer than `patience` [s];
+                the message says why.
         """
+        clock = asyncio.get_running_loop().time
         self.helm.start(mode)
+        moved_at = clock()
         try:
             async for _ in self.snapshots(seconds):
                 ended = self.helm.ended
@@ -148,6 +171,10 @@ class Robot:
                 if self.helm.mode is not mode:
                     why = ended.why if ended and ended.mode is mode else "another mode was started"
                     raise MotionError(f"{mode.name}: {why}")
+                if self.why_not_moving() is None:
+                    moved_at = clock()
+                elif clock() - moved_at > patience:
+                    raise MotionError(f"{mode.name}: {self.why_not_moving()}")
         finally:
             if self.helm.mode is mode:
                 self.helm.end_mode("its time was over")

@@ -6,7 +6,7 @@ from math import cos, inf, pi, radians, sin
 import pytest
 
 from pioneer3.behaviors.memory import RangeMemory
-from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.behaviors.surroundings import LATELY, Recall, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.state import Bumpers, LinkQuality, Scan, Snapshot, Sonar
 from tests.unit.behaviors.support import P3AT, around, seen
@@ -61,12 +61,12 @@ def test_near_echoes_are_remembered_for_fifteen_seconds(
 ) -> None:
     # the transducer sits 0.15 m before the centre: 2.9 m from there are more than 3 m
     memory = remembering(reading(0.0, {AHEAD: metres}), reading(age))
-    assert len(memory.around(age).points(remembered=True)) == left
+    assert len(memory.around(age).points(Recall.REMEMBERED)) == left
 
 
 def test_what_was_left_behind_is_forgotten() -> None:
     memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(1.0, pose=Pose2(-2.5)))
-    assert memory.around(1.0).points(remembered=True) == ()
+    assert memory.around(1.0).points(Recall.REMEMBERED) == ()
     assert len(memory.around(1.0).points()) == 1
 
 
@@ -76,14 +76,14 @@ def test_the_newest_24_are_recent_and_64_remembered() -> None:
         memory.update(reading(n / 100, {AHEAD: 0.5 + n / 50}, Pose2(0.0, n / 1000)))
     points = memory.around(1.0).points()
     assert len(points) == 24
-    assert len(memory.around(1.0).points(remembered=True)) <= 64
+    assert len(memory.around(1.0).points(Recall.REMEMBERED)) <= 64
 
 
 def test_an_echo_at_the_same_place_replaces_the_older_one() -> None:
     memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(0.1, {AHEAD: 1.04}))
-    assert len(memory.around(0.1).points(remembered=True)) == 1
+    assert len(memory.around(0.1).points(Recall.REMEMBERED)) == 1
     memory.update(reading(0.2, {AHEAD: 1.1}))
-    assert len(memory.around(0.2).points(remembered=True)) == 2
+    assert len(memory.around(0.2).points(Recall.REMEMBERED)) == 2
 
 
 def test_nothing_is_known_while_the_sonar_is_silent() -> None:
@@ -116,6 +116,19 @@ def test_a_bumped_segment_is_a_point_on_the_radius(bumpers: Bumpers, bearing: fl
     assert (point.bearing - radians(bearing)) % (2 * pi) == pytest.approx(0, abs=1e-9)
 
 
+def test_what_was_seen_lately_outlives_newer_echoes() -> None:
+    memory = remembering(reading(0.0, {AHEAD: 1.0}))
+    for n in range(1, 40):
+        memory.update(reading(n / 20, {6: 2.0 + n / 100}))
+    now = 39 / 20
+    assert now < LATELY
+    ahead = (-0.3, 0.3)
+    assert not memory.around(now).nearest(*ahead)
+    assert memory.around(now).nearest(*ahead, Recall.LATELY)
+    memory.update(reading(LATELY + 0.1))
+    assert not memory.around(LATELY + 0.1).nearest(*ahead, Recall.LATELY)
+
+
 def scan(stamp: float, ranges: dict[int, float], sequence: int = 0) -> Scan:
     """Return a scan of one beam each degree; what is not given is free."""
     return Scan(
@@ -142,9 +155,9 @@ def test_a_scan_replaces_the_one_before() -> None:
 def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:
     memory = RangeMemory(P3AT)
     memory.update(reading(1.0), scan(1.0, {0: 2.0, 45: 1.0, 90: 3.5}))
-    assert len(memory.around(1.0).points(remembered=True)) == 2  # within 3 m
+    assert len(memory.around(1.0).points(Recall.REMEMBERED)) == 2  # within 3 m
     memory.update(reading(2.1), scan(2.1, {0: 2.5, 45: 1.05}, 1))
-    left = memory.around(2.1).points(remembered=True)
+    left = memory.around(2.1).points(Recall.REMEMBERED)
     assert sorted(round(p.distance, 1) for p in left) == [1.1, 2.6]
 
 

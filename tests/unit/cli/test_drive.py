@@ -5,7 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from pioneer3.cli.drive import KEYS, _show
+from pioneer3.cli.drive import KEYS
+from pioneer3.cli.live import rewrite
 from pioneer3.cli.main import execute
 from pioneer3.teleop.terminal import SEQUENCES
 
@@ -37,7 +38,7 @@ def show(
     def shown(line: str, columns: int) -> str:
         with monkeypatch.context() as patched:
             patched.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((columns, 24)))
-            _show(line)
+            rewrite(line)
         text = capsys.readouterr().out
         assert text.startswith("\r\x1b[K")
         return text.removeprefix("\r\x1b[K")

@@ -8,7 +8,7 @@ from pioneer3.behaviors.actions.table import Table, table_seen
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.engine import TURNED
 from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.surroundings import Echo
+from pioneer3.behaviors.surroundings import Echo, Recall
 from pioneer3.geometry import wrap
 
 FRONT = radians(70)
@@ -43,7 +43,7 @@ class AvoidFront:
             self._turning = 0
         if not situation.around.sensing:
             return Desire(v=0.0, turn=0.0, reason=BLIND)
-        echo = situation.around.nearest(-FRONT, FRONT)
+        echo = situation.around.nearest(-FRONT, FRONT, Recall.LATELY)
         distance = echo.distance - situation.model.radius
         table = table_seen(situation) if self.use_table_sensor else Table()
         if distance > self.obstacle_distance and not table:

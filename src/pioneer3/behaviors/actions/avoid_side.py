@@ -6,6 +6,7 @@ from math import radians
 from pioneer3.behaviors.actions.reasons import beside
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Recall
 
 FROM, TO = radians(60), radians(120)
 
@@ -31,7 +32,7 @@ class AvoidSide:
         """Return the turn; the left side is looked at first."""
         radius = situation.model.radius
         for side, start, end, sign in (("left", FROM, TO, -1), ("right", -TO, -FROM, 1)):
-            distance = situation.around.nearest(start, end).distance - radius
+            distance = situation.around.nearest(start, end, Recall.LATELY).distance - radius
             if distance < self.obstacle_distance:
                 self._turning = True
                 return Desire(v=0.0, turn=sign * self.turn_amount, reason=beside(distance, side))

@@ -6,6 +6,7 @@ from math import inf, sqrt
 from pioneer3.behaviors.actions.reasons import BLIND, ahead, behind
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Recall
 
 FAR = 16.0
 """How far beyond the padding it looks [m]."""
@@ -79,7 +80,7 @@ class DeceleratingLimiter:
         model, way = situation.model, -1 if self.backwards else 1
         taken = model.length / 2 + self.clearance + padding
         half = model.width / 2 + side
-        echo = situation.around.nearest_in_box(0.0, -half, way * (taken + FAR), half)
+        echo = situation.around.nearest_in_box(0.0, -half, way * (taken + FAR), half, Recall.LATELY)
         edge = echo.distance - model.length / 2
         return echo.distance - taken, behind(edge) if self.backwards else ahead(edge, echo)
 

@@ -6,6 +6,7 @@ from pioneer3.behaviors.actions.reasons import BLIND, ahead, behind
 from pioneer3.behaviors.actions.table import table_seen
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Recall
 
 
 @dataclass(slots=True)
@@ -32,7 +33,7 @@ class LimiterForwards:
         model = situation.model
         side, front = model.width / 2 * self.width_ratio, model.length / 2
         reach = max(self.stop_distance, self.slow_distance) + front
-        echo = situation.around.nearest_in_box(0.0, -side, reach, side)
+        echo = situation.around.nearest_in_box(0.0, -side, reach, side, Recall.LATELY)
         distance = echo.distance - front
         if distance > self.slow_distance:
             return None
@@ -67,7 +68,7 @@ class LimiterBackwards:
         model = situation.model
         side = model.width / 2 * self.width_ratio
         reach = max(self.stop_distance, self.slow_distance) + max(model.length, model.radius)
-        echo = situation.around.nearest_in_box(0.0, -side, -reach, side)
+        echo = situation.around.nearest_in_box(0.0, -side, -reach, side, Recall.LATELY)
         distance = echo.distance - model.radius
         if distance > self.slow_distance:
             return Desire(back_max=self.max_speed, reason="nothing behind")

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Recall
 from pioneer3.geometry import wrap
 
 SAME_TROUBLE = 5.0
@@ -104,7 +105,11 @@ class StallRecover:
 
     def _speed(self, drive: int, situation: Situation) -> float:
         around, left = situation.around, self._end - situation.now
-        echo = around.nearest(-AHEAD, AHEAD) if drive > 0 else around.nearest(AHEAD, -AHEAD)
+        echo = (
+            around.nearest(-AHEAD, AHEAD, Recall.LATELY)
+            if drive > 0
+            else around.nearest(AHEAD, -AHEAD, Recall.LATELY)
+        )
         room = echo.distance - situation.model.radius
         if left <= self.seconds / 2 and 0 < room < self.obstacle_distance:
             return 0.0

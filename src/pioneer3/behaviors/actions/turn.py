@@ -1,7 +1,7 @@
 """Turn on the spot by an angle."""
 
 from dataclasses import dataclass, field
-from math import radians
+from math import degrees, radians
 
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.profile import approach
@@ -45,4 +45,4 @@ class Turn:
         rate = approach(remaining, self.rate, self.deceleration)
         if abs(rate) < SLOWEST:
             rate = SLOWEST if rate > 0 else -SLOWEST
-        return Desire(v=0.0, w=rate, reason=f"{remaining:.2f} rad to go")
+        return Desire(v=0.0, w=rate, reason=f"{degrees(remaining):.0f} deg to go")
