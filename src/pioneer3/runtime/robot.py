@@ -1,8 +1,8 @@
 """The robot as a program sees it, asynchronously."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from math import inf, isfinite
+from collections.abc import AsyncIterator, Callable
+from math import hypot, inf, isfinite
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
@@ -18,8 +18,10 @@ from pioneer3.state import Snapshot
 
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
-BLOCKED_PATIENCE = 10.0
+BLOCKED_PATIENCE = 15.0
 """On the way somewhere, people may step aside within this time [s]."""
+HEADWAY = 0.1
+"""Less than this in that time is none [m]."""
 STUCK_PATIENCE = 2.0
 """A motion that makes no headway for this long [s] has failed."""
 
@@ -149,32 +151,41 @@ class Robot:
         top = limits.max_speed if speed is None else _positive("speed", speed)
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
-        await self.run(mode, patience=BLOCKED_PATIENCE)
+        await self.run(mode, headway=lambda now: _distance(now, x, y))
 
-    async def run(self, mode: Stack, seconds: float = inf, *, patience: float = inf) -> None:
+    async def run(
+        self,
+        mode: Stack,
+        seconds: float = inf,
+        *,
+        headway: Callable[[Snapshot], float] | None = None,
+    ) -> None:
         """Let `mode` drive for `seconds`, or until it has done what it is for.
 
         A stack replaces the one before; hands on a keyboard, a stick or the page come before it.
 
+        Args:
+            mode: A fresh one.
+            seconds: How long.
+            headway: Returns how far there is to go [m], where that must shrink.
+
         Raises:
-            MotionError: something else ended it, or the robot stood for longer than `patience` [s];
-                the message says why.
+            MotionError: something else ended it, or it made no headway for a while; the message
+                says why.
         """
-        clock = asyncio.get_running_loop().time
         self.helm.start(mode)
-        moved_at = clock()
+        left = Shrinking(asyncio.get_running_loop().time())
         try:
-            async for _ in self.snapshots(seconds):
+            async for snapshot in self.snapshots(seconds):
                 ended = self.helm.ended
                 if ended is not None and ended.mode is mode and ended.done:
                     return
                 if self.helm.mode is not mode:
                     why = ended.why if ended and ended.mode is mode else "another mode was started"
                     raise MotionError(f"{mode.name}: {why}")
-                if self.why_not_moving() is None:
-                    moved_at = clock()
-                elif clock() - moved_at > patience:
-                    raise MotionError(f"{mode.name}: {self.why_not_moving()}")
+                if headway and not left.goes_on(headway(snapshot), snapshot.stamp):
+                    told = "; ".join(self.helm.told)
+                    raise MotionError(f"{mode.name}: something is in the way: {told}")
         finally:
             if self.helm.mode is mode:
                 self.helm.end_mode("its time was over")
@@ -228,6 +239,24 @@ class Robot:
             raise MotionError(f"{action.name}: {pilot.blocked}")
         if action not in self.helm:
             raise MotionError(f"{action.name}: somebody stopped the robot")
+
+
+class Shrinking:
+    """Watches a distance that must shrink."""
+
+    def __init__(self, now: float) -> None:
+        self._best, self._at = inf, now
+
+    def goes_on(self, distance: float, now: float) -> bool:
+        """Return whether it has shrunk at all lately."""
+        if distance < self._best - HEADWAY:
+            self._best, self._at = distance, now
+        return now - self._at < BLOCKED_PATIENCE
+
+
+def _distance(snapshot: Snapshot, x: float, y: float) -> float:
+    here = snapshot.odometry.robot_in_odom
+    return hypot(x - here.x, y - here.y)
 
 
 def _positive(name: str, value: float) -> float:
