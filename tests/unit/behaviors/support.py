@@ -2,13 +2,14 @@
 
 from math import cos, inf, sin
 
-from pioneer3.behaviors.merge import Merge
+from pioneer3.behaviors.desire import Desire, Wish, as_wish
+from pioneer3.behaviors.merge import Entry, Merge
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2
 from pioneer3.limits import Limits
-from pioneer3.models import load_model
-from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
+from pioneer3.models import RobotModel, load_model
+from pioneer3.state import Battery, Bumpers, Inputs, Motors, Odometry, Snapshot
 
 P3AT = load_model("p3at-sh")
 LIMITS = Limits(
@@ -30,21 +31,25 @@ def seen(
     bumpers: Bumpers | None = None,
     around: Surroundings | None = None,
     higher: Merge | None = None,
+    inputs: Inputs | None = None,
+    sequence: int = 1,
+    model: RobotModel = P3AT,
 ) -> Situation:
-    """Return a P3-AT's situation; nothing is around unless said."""
+    """Return a robot's situation, a P3-AT's unless said; nothing is around unless said."""
     odometry = Odometry(robot_in_odom=pose, twist=twist, left_speed=twist.v, right_speed=twist.v)
     snapshot = Snapshot(
         stamp=now,
-        sequence=1,
+        sequence=sequence,
         odometry=odometry,
         battery=Battery(voltage=12),
         motors=motors or Motors(enabled=True),
         bumpers=bumpers or Bumpers(),
+        inputs=inputs or Inputs(),
     )
     return Situation(
         now=now,
         snapshot=snapshot,
-        model=P3AT,
+        model=model,
         limits=LIMITS,
         around=around or Surroundings(pose),
         higher=higher or Merge(),
@@ -55,3 +60,14 @@ def around(*polar: tuple[float, float], pose: Pose2 = ORIGIN) -> Surroundings:
     """Return surroundings with points at (distance from the centre [m], bearing [rad])."""
     points = [pose @ Pose2(d * cos(b), d * sin(b)) for d, b in polar if d < inf]
     return Surroundings(pose, [(p.x, p.y) for p in points], [(p.x, p.y) for p in points])
+
+
+def above(desire: Desire) -> Merge:
+    """Return what a higher priority wants."""
+    return Merge().below([Entry("above", desire)], 0.0)
+
+
+def value(desire: Desire | None, channel: str) -> float | None:
+    """Return what is wanted of a channel, or `None`."""
+    wish: Wish | None = as_wish(getattr(desire, channel)) if desire is not None else None
+    return wish.value if wish else None
