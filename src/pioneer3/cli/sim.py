@@ -71,6 +71,7 @@ def sim(
         port=ports.first,
         host=ports.bind,
         ptys=ports.pty,
+        acts=ports.acts,
         realism=errors.realism(),
         pace=time.pace(),
         faults=errors.faults(),
@@ -102,6 +103,8 @@ def _greeting(running: "RunningSimulation") -> Iterator[str]:
         yield f"SIMULATOR: {who}{model.title} ({model.name}) in {where} on {pty}{robot.url}"
     if running.factory_url:
         yield f"SIMULATOR: a robot for every client in {where} on {running.factory_url}"
+    for robot, url in zip(robots, running.acts_urls, strict=False):
+        yield f"ACTS: what {robot.name} sees on {url}"
     yield f"Ctrl-C ends it. Another terminal drives it: pioneer3 drive --port {running.url}"
 
 

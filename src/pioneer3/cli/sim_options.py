@@ -67,11 +67,14 @@ class PortOptions:
         port: TCP port of the first robot (8101), the others have the next ones; 0 takes free ones.
         bind: Address to listen on, such as 0.0.0.0; not 127.0.0.1 lets the network drive.
         pty: A pseudo terminal for each robot besides, for programs that want a serial port.
+        acts: TCP port of an ACTS server (5001) that sees people, boxes and robots in channels 1,
+            2 and 3; further robots' have the next ones.
     """
 
     port: Annotated[TcpPort | None, Parameter(name=["--port", "-p"])] = None
     bind: Annotated[str, Parameter(name=["--bind", "--bind-to-address"])] = "127.0.0.1"
     pty: Flag = False
+    acts: Annotated[TcpPort | None, Parameter(show_default=False)] = None
 
     @property
     def first(self) -> int:

@@ -11,6 +11,7 @@ laser              scans of a simulator's laser; sweep puts its packets together
 camera             pan, tilt and zoom; cameras has the bytes, aux_port carries them
 status             flags and faults by name, safety systems
 configuration      CONFIG, asked for again
+acts               blobs of colour, from the ACTS server
 typed              a command as people type it
 stream             readings that are asked for while somebody wants them
 presence           whether the robot has a thing, and how one knows
@@ -23,6 +24,7 @@ from functools import cached_property
 
 from pioneer3.arcos.reports import Config
 from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.devices.acts import Acts
 from pioneer3.runtime.devices.camera import Camera, CameraName
 from pioneer3.runtime.devices.compass import TcmCompass
 from pioneer3.runtime.devices.configuration import ask_configuration
@@ -35,6 +37,7 @@ from pioneer3.runtime.devices.status import DetailedStatus, Safety, detailed_sta
 from pioneer3.runtime.devices.typed import parse_typed
 
 __all__ = [
+    "Acts",
     "Camera",
     "CameraName",
     "DetailedStatus",

@@ -36,6 +36,7 @@ class RunningSimulation:
         robots: In the order of their ports; those of a factory come and go.
         pace: How time passes; may be changed at any time.
         factory_url: Where every client gets a robot of its own, or `None`.
+        acts_urls: Where each of the first robots' colour trackers is; empty without.
         notes: What the person who started it should know, a line each.
     """
 
@@ -50,6 +51,7 @@ class RunningSimulation:
         self.robots = list(robots)
         self.pace: Pace = simulation.pace
         self.factory_url: str | None = None
+        self.acts_urls: list[str] = []
         self.notes: list[str] = []
         self._simulation = simulation
         self._rng = rng

@@ -12,6 +12,7 @@ from pioneer3.runtime.simulation.choice import KernelChoice, chosen_kernels
 from pioneer3.runtime.simulation.factory import robot_factory
 from pioneer3.runtime.simulation.robot import SimulatedRobot
 from pioneer3.runtime.simulation.running import RunningSimulation
+from pioneer3.runtime.simulation.trackers import colour_trackers
 from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
@@ -42,6 +43,7 @@ async def simulator(
     pace: Pace | None = None,
     faults: LinkFaults | None = None,
     ptys: bool = False,
+    acts: int | None = None,
     kernels: KernelChoice = "auto",
 ) -> AsyncIterator[RunningSimulation]:
     """Run a simulator in this event loop.
@@ -58,6 +60,8 @@ async def simulator(
         pace: How time passes; in real time if not given.
         faults: What is wrong with every robot's cable.
         ptys: Whether each robot has a pseudo terminal besides.
+        acts: TCP port of the first robot's ACTS server, the others have the next ones; 0 takes
+            free ones, `None` has no such servers.
         kernels: What computes motion and rays; the same seed gives the same run to the last bit
             only with the same ones.
 
@@ -97,6 +101,9 @@ async def simulator(
         if product:
             door = robot_factory(here, product, port, host)
             here.factory_url = await stack.enter_async_context(door)
+        if acts is not None:
+            trackers = colour_trackers(world, here.robots[:], acts, host)
+            here.acts_urls = await stack.enter_async_context(trackers)
         yield here
 
 
