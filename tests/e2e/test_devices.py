@@ -11,6 +11,7 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, GripperAction, Request, SimLaserMode, Tcm2Mode
+from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
@@ -193,6 +194,21 @@ class TestGripper:
             assert "GRIPPER packet" in str(gripper.presence)
             with pytest.raises(DeviceError, match="no gripper"):
                 await gripper.reading()
+
+    async def test_where_the_standard_report_ends_early_packets_are_asked_for(self) -> None:
+        async with SimulatedRobot(equipment=EVERYTHING) as robot:
+            robot.edit = shorten
+            async with connect_async(robot.open) as driver:
+                gripper = driver.devices.gripper
+                with gripper.wanted():
+                    await asyncio.sleep(0.5)
+                    gripper.close()
+                    await until(
+                        lambda: gripper.latest and gripper.latest.paddles is Paddles.CLOSED, 5
+                    )
+                assert sent(robot, commands.GripperPacRequest(Request.STREAM)) == 1
+                await asyncio.sleep(0.1)
+                assert sent(robot, commands.GripperPacRequest(Request.STOP)) == 1
 
     async def test_the_exercise_goes_round_until_a_key_halts_it(self) -> None:
         async with (
@@ -448,6 +464,27 @@ class TestConfigurationAndSafety:
             assert safety.latest.laser_system == "failure"
 
 
+class TestBuiltIn:
+    async def test_bumpers_and_sonars_are_in_config(self) -> None:
+        robot = SimulatedRobot(model="peoplebot-sh")
+        async with robot, connect_async(robot.open) as driver:
+            assert "5 segments in front, 5 behind" in str(driver.devices.bumpers)
+            assert driver.devices.sonars == Presence(
+                True, "The robot has sonars: front and rear, says its CONFIG."
+            )
+            info = driver.info
+            assert info.config is not None
+            none = replace(info.config, front_bumpers=0, rear_bumpers=0, has_front_sonar=0)
+            bare = replace(info.model, front_bumpers=0, rear_bumpers=0)
+            config = replace(none, has_rear_sonar=0)
+            driver.supervisor.info = replace(info, config=config, model=bare)
+            assert driver.devices.bumpers.there is False
+            assert driver.devices.sonars.there is False
+            driver.supervisor.info = replace(info, config=None, model=bare)
+            assert driver.devices.bumpers.there is None
+            assert driver.devices.sonars.there
+
+
 class TestRawCommands:
     @pytest.mark.parametrize(
         "command",
@@ -503,6 +540,18 @@ class TestRawCommands:
                     assert robot.speed == 0
             await asyncio.sleep(2)
             assert robot.speed == 0
+
+
+def shorten(data: bytes) -> bytes:
+    """Cut every standard report off after the sonars, as old firmware does."""
+    return b"".join(
+        encode(payload[: 20 + 3 * payload[19]] if is_standard(payload) else payload)
+        for payload in PacketReader().feed(data, 0.0)
+    )
+
+
+def is_standard(payload: bytes) -> bool:
+    return isinstance(reports.from_payload(payload), reports.Sip)
 
 
 def drop(command: Command) -> Callable[[bytes], tuple[bytes, ...]]:

@@ -3,12 +3,14 @@
 import asyncio
 import re
 import signal
+from contextlib import aclosing
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.runtime.devices import Acts
 from tests.e2e.processes import COMMAND, Command, environment, p3, running, until
 
 pytestmark = pytest.mark.realtime
@@ -212,3 +214,18 @@ def test_a_crowd_without_room_is_refused(tmp_path: Path) -> None:
     ended = p3("sim", "-p", "0", "-m", str(world))
     assert ended.returncode == 2
     assert "no room left for a p3at-sh" in ended.stderr
+
+
+async def test_a_colour_tracker_for_each_robot_is_told_and_answers() -> None:
+    two = ("-r", "p3dx:a", "-r", "p3dx:b")
+    async with running("sim", "-p", "0", "--acts", "0", *two) as sim:
+        for _ in range(2):
+            assert LINE.fullmatch(await sim.line())
+        urls = []
+        for name in "ab":
+            line = await sim.line()
+            assert line.startswith(f"ACTS: what {name} sees on tcp://127.0.0.1:")
+            urls.append(line.rpartition(" ")[2])
+        for url in urls:
+            async with aclosing(Acts(url).pictures()) as pictures:
+                assert len((await anext(pictures)).channels) == 32

@@ -25,7 +25,7 @@ class WorldOptions:
 
     Attributes:
         start: x,y,th [mm, deg], home, random or outside; once for all robots, or for each.
-        fit: Accessories of all robots, such as gripper,compass,gyro,joystick,camera=vcc4.
+        fit: Accessories of all robots, such as gripper,bumpers,compass,gyro,camera=vcc4.
         seed: Whole number that makes everything random repeatable, such as 7.
     """
 

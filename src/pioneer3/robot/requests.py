@@ -10,7 +10,7 @@ Rules:
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pioneer3.arcos.commands import Command
+from pioneer3.arcos.commands import Command, to_payload
 from pioneer3.arcos.reports import Report
 
 RENEW = 2.0
@@ -25,11 +25,19 @@ class Request:
         begin: Asks for it; harmless when said twice.
         end: Asks for no more of it.
         answers: The reports that come; empty if none do.
+
+    Raises:
+        CommandError: a command does not fit the protocol.
     """
 
     begin: tuple[Command, ...]
     end: tuple[Command, ...]
     answers: tuple[type[Report], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Find out now: nobody could be told when it is sent."""
+        for command in self.begin + self.end:
+            to_payload(command)
 
 
 @dataclass(slots=True)

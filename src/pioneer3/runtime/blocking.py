@@ -156,6 +156,10 @@ class BlockingRobot:
         """See :meth:`pioneer3.Robot.send`."""
         self._call(lambda: self._robot.send(command))
 
+    def send_unsafe(self, command: Command) -> None:
+        """See :meth:`pioneer3.Robot.send_unsafe`."""
+        self._call(lambda: self._robot.send_unsafe(command))
+
     async def _leave(self) -> None:
         """End the session, and whatever was interrupted before there was one."""
         await self._stack.aclose()

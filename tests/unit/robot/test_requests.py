@@ -1,7 +1,10 @@
 """What a robot is to go on sending, over sessions and lost frames."""
 
+import pytest
+
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request as How
+from pioneer3.errors import CommandError
 from pioneer3.robot.requests import RENEW, Request, Requests
 
 ON, OFF = commands.IoRequest(How.STREAM), commands.IoRequest(How.STOP)
@@ -74,6 +77,11 @@ def test_another_way_of_asking_lasts_as_long_as_it_is_wanted() -> None:
     requests.session_lost()
     requests.session_opened(1.0)
     assert requests.outgoing() == [once]
+
+
+def test_what_does_not_fit_the_protocol_is_refused_at_once() -> None:
+    with pytest.raises(CommandError):
+        Request(begin=(commands.DigOut(mask=256, values=0),), end=())
 
 
 def test_the_farewell_ends_all_that_is_wanted() -> None:

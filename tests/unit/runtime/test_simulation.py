@@ -31,6 +31,7 @@ from pioneer3.sim.worldfile import Box, Fitting, Person, RobotSpec
 from pioneer3.sim.worldfile.arguments import Wishes
 from tests.support import SYNCS, frame, until
 
+BUMPERS = Fitting(bumpers=5)
 MAP = """2D-Map
 NumLines: 1
 LineMinPos: 5000 -1000
@@ -431,3 +432,16 @@ def test_addresses_become_urls(host: str, url: str) -> None:
 def test_who_listens_everywhere_is_reached_at_the_machines_address() -> None:
     assert url_of("0.0.0.0", 8101) == f"tcp://{machine_address()}:8101"
     assert machine_address() not in {"", "0.0.0.0"}
+
+
+@pytest.mark.realtime
+async def test_fitted_bumpers_are_told_to_the_host_and_feel() -> None:
+    wishes = Wishes(robots=(RobotSpec(model="p3dx-sh"),), equipment=BUMPERS)
+    async with simulator(map_name="empty", port=0, wishes=wishes) as running:
+        added = await running.add_robot(RobotSpec(model="p3dx-sh", port=0, equipment=BUMPERS))
+        for robot in (running.robots[0], added):
+            async with connect_async(robot.url) as driver:
+                assert driver.info.config is not None
+                assert driver.info.config.front_bumpers == driver.info.config.rear_bumpers == 5
+                assert driver.snapshot is not None
+                assert driver.snapshot.bumpers.front == (False,) * 5

@@ -13,13 +13,14 @@ from pioneer3.sim.worldfile import Fitting, parse_fitting, parse_world, to_toml
 from pioneer3.sim.worldfile.fitting import KEYS
 
 AT, PEOPLEBOT = load_model("p3at-sh"), load_model("peoplebot-sh")
-ALL = """{ gripper = true, compass = true, gyro = 2, joystick = true, camera = "sony",
+ALL = """{ gripper = true, compass = true, gyro = 2, bumpers = 4, joystick = true, camera = "sony",
 camera_port = 3, table_ir = "old", north_deg = 45, compass_noise_deg = 1.5,
 gyro_bias_deg_s = -0.5, gyro_noise_deg_s = 0.25 }""".replace("\n", " ")
 READ = Fitting(
     gripper=True,
     compass=True,
     gyro_type=2,
+    bumpers=4,
     joystick=True,
     camera="sony",
     camera_port=3,
@@ -32,7 +33,9 @@ READ = Fitting(
 
 
 def test_every_choice_of_the_equipment_can_be_made() -> None:
-    assert {field.name for field in fields(Fitting)} == {field.name for field in fields(Equipment)}
+    on_the_model = {"bumpers"}
+    choices = {field.name for field in fields(Fitting)} - on_the_model
+    assert choices == {field.name for field in fields(Equipment)}
     assert len(KEYS) == len(fields(Fitting))
 
 
@@ -53,8 +56,12 @@ def test_what_is_not_said_is_as_the_model_comes() -> None:
 
 def test_all_of_it_reaches_the_robot() -> None:
     fitted = READ.on(AT)
-    for field in fields(Fitting):
+    for field in fields(Equipment):
         assert getattr(fitted, field.name) == getattr(READ, field.name)
+    model = READ.to(AT)
+    assert (model.front_bumpers, model.rear_bumpers) == (4, 4)
+    assert Fitting().to(AT) == AT
+    assert Fitting(bumpers=0).to(PEOPLEBOT).front_bumpers == 0
 
 
 @pytest.mark.parametrize(
@@ -64,6 +71,8 @@ def test_all_of_it_reaches_the_robot() -> None:
         ("gripper", Fitting(gripper=True)),
         ("gripper=false", Fitting(gripper=False)),
         ("gyro", Fitting(gyro_type=1)),
+        ("bumpers", Fitting(bumpers=5)),
+        ("bumpers=7", Fitting(bumpers=7)),
         ("gyro=2", Fitting(gyro_type=2)),
         ("table-ir", Fitting(table_ir="new")),
         (" compass , joystick,", Fitting(compass=True, joystick=True)),

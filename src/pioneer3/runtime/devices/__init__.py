@@ -12,6 +12,7 @@ camera             pan, tilt and zoom; cameras has the bytes, aux_port carries t
 status             flags and faults by name, safety systems
 configuration      CONFIG, asked for again
 acts               blobs of colour, from the ACTS server
+built_in           whether there are bumpers and sonars
 typed              a command as people type it
 stream             readings that are asked for while somebody wants them
 presence           whether the robot has a thing, and how one knows
@@ -20,11 +21,13 @@ presence           whether the robot has a thing, and how one knows
 Devices move no wheels: motion is the helm's.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 from pioneer3.arcos.reports import Config
-from pioneer3.robot.supervisor import Supervisor
+from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.devices.acts import Acts
+from pioneer3.runtime.devices.built_in import bumpers_of, sonars_of
 from pioneer3.runtime.devices.camera import Camera, CameraName
 from pioneer3.runtime.devices.compass import TcmCompass
 from pioneer3.runtime.devices.configuration import ask_configuration
@@ -91,6 +94,16 @@ class Devices:
         """The safety systems of MTX robots; texts of the firmware."""
         return Safety(self._supervisor)
 
+    @property
+    def bumpers(self) -> Presence:
+        """Whether there are bumpers; snapshots show what they touch."""
+        return self._built_in(bumpers_of)
+
+    @property
+    def sonars(self) -> Presence:
+        """Whether there are sonars; snapshots have their ranges."""
+        return self._built_in(sonars_of)
+
     def camera(self, name: CameraName, port: int = 1) -> Camera:
         """Return the camera of this make on AUX `port`, always the same one.
 
@@ -109,3 +122,7 @@ class Devices:
             CommandError: no robot is connected.
         """
         return await ask_configuration(self._supervisor)
+
+    def _built_in(self, presence_of: Callable[[RobotInfo], Presence]) -> Presence:
+        info = self._supervisor.info
+        return presence_of(info) if info else Presence(None, "No robot has been connected yet.")

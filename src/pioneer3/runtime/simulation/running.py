@@ -113,7 +113,7 @@ class RunningSimulation:
             ConfigError: Its model or name is wrong, or there is no room for it.
             LinkError: Its port cannot be listened on.
         """
-        model = load_model(spec.model)
+        model = spec.equipment.to(load_model(spec.model))
         equipment = spec.equipment.on(model)
         async with self._adding:
             name = new_name(spec.name or model.name, {robot.name for robot in self.robots})

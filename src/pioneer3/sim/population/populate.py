@@ -54,7 +54,7 @@ def populate(world: WorldFile, line_map: LineMap, rng: Generator) -> tuple[Inhab
         ConfigError: A model or a name is wrong, or there is no room for a robot.
     """
     load = cache(load_model)
-    models = [load(robot.model) for robot in world.robots]
+    models = [robot.equipment.to(load(robot.model)) for robot in world.robots]
     names = names_of(world.robots, models)
     obstacles = outlines(world)
     newcomers = [

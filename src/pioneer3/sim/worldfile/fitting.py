@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from pioneer3.models import RobotModel
+from pioneer3.models.bounds import BUMPERS
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.worldfile.table import Source, Table
 from pioneer3.units import DEGREE
@@ -18,6 +19,7 @@ KEYS = (
     "gripper",
     "compass",
     "gyro",
+    "bumpers",
     "joystick",
     "camera",
     "camera_port",
@@ -28,7 +30,14 @@ KEYS = (
     "gyro_noise_deg_s",
 )
 """Of the table `equipment` of a robot, and the words of `--fit`."""
-_ALONE = {"gripper": "true", "compass": "true", "joystick": "true", "gyro": "1", "table_ir": "new"}
+_ALONE = {
+    "gripper": "true",
+    "bumpers": "5",
+    "compass": "true",
+    "joystick": "true",
+    "gyro": "1",
+    "table_ir": "new",
+}
 """What a word of `--fit` without a value means."""
 
 
@@ -38,6 +47,7 @@ class Fitting:
 
     Attributes:
         gripper: Whether there is one.
+        bumpers: Segments in front, and as many behind; part of the model that :meth:`to` returns.
         compass: Whether there is a TCM2.
         gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
         joystick: Whether there is one at the robot.
@@ -51,6 +61,7 @@ class Fitting:
     """
 
     gripper: bool | None = None
+    bumpers: int | None = None
     compass: bool | None = None
     gyro_type: int | None = None
     joystick: bool | None = None
@@ -67,7 +78,14 @@ class Fitting:
         chosen: dict[str, Any] = {
             key: None if value == NONE else value for key, value in self._said().items()
         }
+        chosen.pop("bumpers", None)
         return replace(Equipment.of(model), **chosen)
+
+    def to(self, model: RobotModel) -> RobotModel:
+        """Return `model` with the bumpers that are chosen: they belong to a robot's outline."""
+        if self.bumpers is None:
+            return model
+        return replace(model, front_bumpers=self.bumpers, rear_bumpers=self.bumpers)
 
     def but(self, other: "Fitting") -> "Fitting":
         """Return this, but as `other` says wherever it says anything."""
@@ -90,6 +108,7 @@ def read_fitting(table: Table) -> Fitting:
     table.only(KEYS)
     return Fitting(
         gripper=_flag(table, "gripper"),
+        bumpers=table.whole("bumpers", 0, int(BUMPERS.high)),
         compass=_flag(table, "compass"),
         gyro_type=table.whole("gyro", 0, 2),
         joystick=_flag(table, "joystick"),

@@ -67,6 +67,7 @@ def _fitting(fitting: Fitting) -> Iterator[str]:
         ("gripper", fitting.gripper),
         ("compass", fitting.compass),
         ("gyro", fitting.gyro_type),
+        ("bumpers", fitting.bumpers),
         ("joystick", fitting.joystick),
         ("camera", fitting.camera),
         ("camera_port", fitting.camera_port),
