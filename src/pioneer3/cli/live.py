@@ -1,6 +1,5 @@
 """Shows what a robot does while a motion or mode drives it."""
 
-import asyncio
 import shutil
 import sys
 from collections.abc import Callable, Coroutine
@@ -50,6 +49,8 @@ async def show_while(
     Raises:
         MotionError: as `motion` does.
     """
+    import asyncio  # noqa: PLC0415
+
     showing = asyncio.ensure_future(_show(robot, json=json))
     try:
         await motion
@@ -106,6 +107,8 @@ async def _show(robot: "Robot", *, json: bool) -> None:
         async for _ in robot.snapshots():
             rewrite(line(robot))
     else:
+        import asyncio  # noqa: PLC0415
+
         while True:
             await asyncio.sleep(QUIET)
             write_line(line(robot))

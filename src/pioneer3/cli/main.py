@@ -17,6 +17,7 @@ from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import goto, move, turn
 from pioneer3.cli.run import run
 from pioneer3.cli.sim import sim
+from pioneer3.cli.sonar import sonar
 from pioneer3.cli.wander import wander
 from pioneer3.errors import (
     CommandError,
@@ -60,6 +61,7 @@ for command in (
     turn,
     info,
     monitor,
+    sonar,
     doctor,
     find_port,
 ):

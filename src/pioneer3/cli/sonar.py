@@ -1,0 +1,123 @@
+"""`pioneer3 sonar`."""
+
+import sys
+from math import hypot, inf, isfinite
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+from cyclopts.validators import Number
+
+from pioneer3.cli.flags import Flag
+from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.geometry import Pose2
+from pioneer3.units import MM
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from pioneer3.demo.drawing import Canvas
+    from pioneer3.models import RobotModel
+    from pioneer3.robot.supervisor import RobotInfo
+    from pioneer3.runtime.robot import Robot
+    from pioneer3.state import Snapshot
+
+BODY = (160, 220, 240, 240, 240, 240, 220, 160)
+"""From the robot's centre to its hull in front of each front sonar, as the lab's p3_sonar takes
+off [mm]."""
+NUMBER = 6
+"""Columns of a distance."""
+
+
+def sonar(
+    *,
+    port: Port = DEFAULT_PORT,
+    baud: Baud = None,
+    seconds: Annotated[float | None, Parameter(validator=Number(gt=0))] = None,
+    json: Flag = False,
+) -> int:
+    """Show the sonars: the distances of the front eight, and a picture to scale.
+
+    Distances are in millimetres from the robot's hull, as the lab's p3_sonar has them; - where
+    nothing echoes within 5 m. Nothing moves. Without a terminal, a line for each reading.
+
+    Example: pioneer3 sonar --port /dev/ttyUSB0
+
+    Args:
+        port: The robot: /dev/ttyUSB0, tcp://localhost:8101, replay:FILE.
+        baud: Serial speed to try first.
+        seconds: End after this time [s].
+        json: One JSON object for each reading, a line each.
+    """
+    length = inf if seconds is None else seconds
+    return run_until_told_to_leave(_sonar(port, baud, length, json=json))
+
+
+def hull_distances(model: "RobotModel", ranges: tuple[float, ...]) -> list[int | None]:
+    """Return the distance of each front sonar's echo from the hull [mm]; `None` without an echo.
+
+    It is the distance from the robot's centre less :data:`BODY`.
+    """
+    distances: list[int | None] = []
+    for mount, metres, body in zip(model.sonars, ranges, BODY, strict=False):
+        echo = Pose2(mount.x, mount.y, mount.theta) @ Pose2(metres) if isfinite(metres) else None
+        distances.append(None if echo is None else round(hypot(echo.x, echo.y) / MM) - body)
+    return distances
+
+
+def line(distances: list[int | None]) -> str:
+    """Return the distances side by side, a column each."""
+    return "".join(f"{'-' if mm is None else mm:>{NUMBER}}" for mm in distances)
+
+
+async def _sonar(port: str, baud: int | None, seconds: float, *, json: bool) -> None:
+    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
+
+    async with connect_async(port, baud=baud, auto_enable=False) as robot:
+        if not json and sys.stdout.isatty():
+            await _show(robot, seconds)
+            return
+        if not json:
+            write_line("".join(f"{number:>{NUMBER}}" for number in range(len(BODY))))
+        async for snapshot in robot.snapshots(seconds):
+            distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
+            if json:
+                write_json({"stamp": snapshot.stamp, "hull_mm": distances, "sonar": snapshot.sonar})
+            else:
+                write_line(line(distances))
+
+
+async def _show(robot: "Robot", seconds: float) -> None:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.live import Live  # noqa: PLC0415
+
+    from pioneer3.demo.drawing import reach_for, ring  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    reach = 3.0
+    with Live(console=console, screen=True, auto_refresh=False) as live:
+        async for snapshot in robot.snapshots(seconds):
+            ranges = snapshot.sonar.ranges
+            reach = reach_for(ranges, reach)
+            rows = max(4, console.height - 5)
+            picture = ring(robot.info.model, ranges, console.width, rows, reach=reach)
+            live.update(_view(robot.info, snapshot, picture), refresh=True)
+
+
+def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "RenderableType":
+    from rich.console import Group  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    from pioneer3.runtime.identity import kind  # noqa: PLC0415
+
+    drawn = picture.text()
+    drawn.end = "\n"
+    state = "pinging" if snapshot.sonar.enabled else "SWITCHED OFF"
+    return Group(
+        Text(f"{kind(info)} {info.identity.name}, {info.model.title}, sonar {state}", "bold"),
+        drawn,
+        Text("sonar " + "".join(f"{number:>{NUMBER}}" for number in range(len(BODY))), "dim"),
+        Text("mm    " + line(hull_distances(info.model, snapshot.sonar.ranges)), "bold"),
+        Text("from the hull, front left to front right; Ctrl-C ends", "dim"),
+    )

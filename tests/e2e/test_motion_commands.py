@@ -1,0 +1,68 @@
+"""`pioneer3 move`, `turn`, `goto`, `wander` and `sonar` as people and programs run them."""
+
+import json
+import signal
+from math import degrees, hypot, pi
+
+import pytest
+
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.simulation import simulator
+from tests.e2e.processes import running
+from tests.e2e.test_diagnosis_commands import pioneer3
+
+pytestmark = pytest.mark.realtime
+
+
+@pytest.mark.parametrize(
+    ("command", "end"),
+    [
+        (("move", "-0.2"), Pose2(-0.2)),
+        (("turn", "-90"), Pose2(0, 0, -pi / 2)),
+        (("goto", "0.5", "0", "90"), Pose2(0.5, 0, pi / 2)),
+    ],
+)
+async def test_a_motion_ends_where_it_was_to(command: tuple[str, ...], end: Pose2) -> None:
+    async with simulator(port=0) as simulated:
+        begin = simulated.body.robot_in_world
+        code, out, err = await pioneer3(*command, "--port", simulated.url)
+        there = begin.inverse() @ simulated.body.robot_in_world
+        assert not simulated.body.drive.powered
+    assert (code, err) == (0, "")
+    assert out.startswith("SIMULATOR: ")
+    assert hypot(there.x - end.x, there.y - end.y) < 0.12
+    assert degrees(there.theta - end.theta) == pytest.approx(0, abs=4)
+
+
+async def test_wander_drives_for_its_time_and_says_who_decides() -> None:
+    async with simulator(port=0) as simulated:
+        begin = simulated.body.robot_in_world
+        code, out, _ = await pioneer3("wander", "--seconds", "2", "--json", "-p", simulated.url)
+        there = simulated.body.robot_in_world
+    told = [json.loads(text) for text in out.splitlines()]
+    assert code == 0
+    assert hypot(there.x - begin.x, there.y - begin.y) > 0.1
+    assert all(reading["mode"] in {"wander", None} for reading in told)
+    assert any("constant velocity" in " ".join(reading["decided"]) for reading in told)
+
+
+async def test_ctrl_c_stops_a_robot_that_wanders() -> None:
+    async with simulator(port=0) as simulated:
+        async with running("wander", "--port", simulated.url) as command:
+            while "constant velocity" not in await command.line():
+                pass
+            code, _ = await command.end(signal.SIGINT)
+        assert simulated.body.drive.linear.velocity == 0.0
+        assert not simulated.body.drive.powered
+    assert code == 130
+
+
+async def test_sonar_prints_the_front_eight_and_moves_nothing() -> None:
+    async with simulator(port=0) as simulated:
+        code, out, _ = await pioneer3("sonar", "--seconds", "1", "-p", simulated.url)
+        assert not simulated.body.drive.powered
+    head, *lines = (text.split() for text in out.splitlines())
+    assert code == 0
+    assert head == [*map(str, range(8))]
+    assert lines
+    assert all(len(line) == 8 for line in lines)
