@@ -14,8 +14,8 @@ def test_a_distance_counts_from_the_centre_less_the_body() -> None:
     ranges = (inf, inf, inf, 1.0, nan, inf, inf, 1.0)
     distances = hull_distances(MODEL, (*ranges, *(1.0,) * 8))
     # number 3 at (0.245, 0.027) looks to 10 degrees: 1 m on is (1.230, 0.201), 1.246 m away
-    # number 7 at (0.192, -0.137) looks to the right: 1 m on is (0.192, -1.137), 1.153 m away
-    assert distances == [None, None, None, 1246 - 240, None, None, None, 1153 - 160]
+    # number 7 at (0.147, -0.136) looks to the right: 1 m on is (0.147, -1.136), 1.145 m away
+    assert distances == [None, None, None, 1246 - 240, None, None, None, 1145 - 160]
 
 
 def test_a_line_has_a_column_for_each_front_sonar() -> None:
