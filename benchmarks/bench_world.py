@@ -21,7 +21,7 @@ from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels
 from pioneer3.sim.kernels.drives import STALLED
 from pioneer3.sim.maps import LineMap
-from pioneer3.sim.realism import Realism
+from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.world import World
 
 Float = NDArray[np.float64]
@@ -37,6 +37,7 @@ BARS = {
     ("numpy", True): (400, 200, 15, 1.5),
 }
 """Times real time with 16 sonars, then also with 181 beams."""
+IN_TURN, AT_ONCE = Realism(), Realism(sonar=SonarErrors(cycle=0.0))
 NEAR, TOO_NEAR = 1.0, 0.5
 """Wandering robots slow down and turn where an echo is nearer, turn on the spot here [m]."""
 CRUISE, SLOW, RATE = 0.4, 0.1, 1.0
@@ -154,8 +155,10 @@ def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
     for count in COUNTS:
         copies = 16 if count == 1000 else 1
         plain = factor(crowded(kernels, count, copies), control, laser=False)
-        real = factor(crowded(kernels, count, copies, Realism()), control, laser=False)
+        real = factor(crowded(kernels, count, copies, IN_TURN), control, laser=False)
         yield Row(f"{name}: {count} robots, realism costs", plain / real, "times", 3)
+        real = factor(crowded(kernels, count, copies, AT_ONCE), control, laser=False)
+        yield Row(f"{name}: {count} robots, all sonars at once cost", plain / real, "times", None)
     few = factor(crowded(kernels, 10, 1), control, laser=True)
     many = factor(crowded(kernels, 1000, 100), control, laser=True)
     yield Row(f"{name}: a robot among 1000 as against 10", few / many / 100, "times", 1.5)

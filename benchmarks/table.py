@@ -6,24 +6,29 @@ from statistics import median, quantiles
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One line of the table: what, how much, and the bar."""
+    """One line of the table: what, how much, and the bar; `None` where it is only good to know."""
 
     what: str
     measured: float
     unit: str
-    bar: float
+    bar: float | None
     more_is_better: bool = False
 
     @property
     def met(self) -> bool:
-        """Whether the bar is met."""
+        """Whether the bar is met, if there is one."""
+        if self.bar is None:
+            return True
         return self.measured >= self.bar if self.more_is_better else self.measured <= self.bar
 
     def __str__(self) -> str:
+        measured = f"{self.what:<58} {self.measured:>10.3f} {self.unit:<5}"
+        if self.bar is None:
+            return measured.rstrip()
         sign = ">=" if self.more_is_better else "<="
         verdict = "met" if self.met else "MISSED"
         bar = f"{sign} {self.bar:g} {self.unit}"
-        return f"{self.what:<58} {self.measured:>10.3f} {self.unit:<5} {bar:>14}  {verdict}"
+        return f"{measured} {bar:>14}  {verdict}"
 
 
 def percentile_99(values: list[float]) -> float:

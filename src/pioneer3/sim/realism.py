@@ -157,9 +157,13 @@ class SonarErrors:
 
     def blurred(self, ranges: Float, limit: float, rng: Generator) -> Float:
         """Return exact `ranges` of any shape as they are measured, up to `limit` [m]."""
-        heard = ranges.copy()
         if self.noise:
-            heard *= 1 + self.noise * rng.standard_normal(ranges.shape)
+            heard = rng.standard_normal(ranges.shape)
+            heard *= self.noise
+            heard += 1
+            heard *= ranges
+        else:
+            heard = ranges.copy()
         if self.quantum:
             np.rint(np.multiply(heard, 1 / self.quantum, out=heard), out=heard)
             heard *= self.quantum

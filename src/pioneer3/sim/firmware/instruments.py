@@ -1,6 +1,5 @@
 """What the controller measures of its robot: the standard report's contents (arcos.md 4)."""
 
-from itertools import islice
 from math import degrees
 
 import numpy as np
@@ -151,8 +150,7 @@ class Instruments:
     def _sonar(self) -> tuple[SonarReading, ...]:
         numbers, ranges = self._world.fresh_sonar(self._body)
         raw = np.rint(ranges / self._body.model.range_factor).astype(int)
-        pairs = zip(numbers.tolist(), raw.tolist(), strict=True)
-        return tuple(SonarReading(*pair) for pair in islice(pairs, MOST_READINGS))
+        return tuple(map(SonarReading, numbers[:MOST_READINGS].tolist(), raw.tolist()))
 
 
 def _charge_state(percent: int) -> int:

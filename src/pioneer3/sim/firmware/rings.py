@@ -5,6 +5,7 @@ of eight has an order of its own and a switch of its own.
 """
 
 from collections.abc import Sequence
+from itertools import compress
 
 from pioneer3.arcos.reports import SipFlag
 from pioneer3.sim.firing import ARRAY, Firing, in_order
@@ -15,36 +16,29 @@ LONGEST = 16
 
 
 class Rings:
-    """The arrays of a robot with `count` transducers, each as delivered and off at first."""
+    """The arrays of a robot with `count` transducers, each as delivered and off at first.
+
+    Attributes:
+        firing: What fires.
+        flags: Which arrays are on.
+    """
 
     def __init__(self, count: int) -> None:
         self._count = count
         self.reset(on=False)
 
-    @property
-    def firing(self) -> Firing:
-        """What fires."""
-        pairs = zip(self._orders, self._on, strict=False)
-        return tuple(order if on else () for order, on in pairs)
-
-    @property
-    def flags(self) -> SipFlag:
-        """Which arrays are on."""
-        flags = SipFlag(0)
-        for flag, on in zip(FLAGS, self._on, strict=True):
-            flags |= flag if on else SipFlag(0)
-        return flags
-
     def reset(self, *, on: bool) -> None:
         """Go back to the order as delivered."""
         self._orders = [*in_order(self._count)]
         self._on = [on] * len(FLAGS)
+        self._tell()
 
     def switch(self, on: bool, array: int) -> None:
         """Switch one array, 1 to 4, or all of them, 0."""
         for each in range(len(FLAGS)):
             if array in {0, each + 1}:
                 self._on[each] = on
+        self._tell()
 
     def poll(self, numbers: Sequence[int]) -> None:
         """Set the order of those arrays that `numbers`, from 1, are of; none switch all off."""
@@ -55,3 +49,11 @@ class Rings:
             order = tuple(number - 1 for number in numbers if number - 1 in those)
             if order:
                 self._orders[array] = order[:LONGEST]
+        self._tell()
+
+    def _tell(self) -> None:
+        pairs = zip(self._orders, self._on, strict=False)
+        self.firing: Firing = tuple(order if on else () for order, on in pairs)
+        self.flags = SipFlag(0)
+        for flag in compress(FLAGS, self._on):
+            self.flags |= flag

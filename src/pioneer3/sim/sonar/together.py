@@ -1,6 +1,7 @@
 """Sonars that all measure whenever they are asked: what an ideal robot has."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.sim.body import Body
+from pioneer3.sim.firing import Firing
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.sensors import SONAR_MIN, SONAR_RANGE
 from pioneer3.sim.sonar.base import Cast
@@ -72,7 +74,7 @@ class Together:
         return heard
 
     def fresh(self, body: Body) -> tuple[Int, Float]:
-        numbers = np.array(sorted({*chain(*body.firing)}), dtype=np.int64)
+        numbers = _numbers(body.firing)
         return numbers, self.of(body)[numbers]
 
     def _heard(self, ranges: Float, rng: Generator) -> Float:
@@ -80,3 +82,9 @@ class Together:
         if self._spoils:
             ranges = self._errors.spoil(ranges, SONAR_RANGE, rng)
         return np.maximum(ranges, SONAR_MIN)
+
+
+@lru_cache(maxsize=64)
+def _numbers(firing: Firing) -> Int:
+    """Return the transducers that fire, ascending; not to be changed."""
+    return np.array(sorted({*chain(*firing)}), dtype=np.int64)
