@@ -12,7 +12,9 @@ OPENING_TIME = 2.0
 LIFTING_TIME = 3.0
 """From the lower to the upper end [s]."""
 CONTACT = 1e-9
-"""The paddles touch from this distance on [m]."""
+"""The paddles touch from this distance on [m]: steps of any length end at the same time."""
+SAME = 1e-9
+"""Heights and times [s] that differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,14 +64,15 @@ class Paddles:
         """Move for `dt` [s]; they cannot come closer than `closest` [m]."""
         way = OPENING / OPENING_TIME * dt
         if self._direction > 0:
-            self.opening = min(OPENING, self.opening + way)
-            if self.opening == OPENING:
+            self.opening += way
+            if self.opening >= OPENING - CONTACT:
+                self.opening = OPENING
                 self.drive(0)
         elif self._direction < 0:
             free = max(0.0, self.opening - closest)
             self.opening -= min(way, free)
-            if way >= free:
-                self._pressed += (way - free) / OPENING * OPENING_TIME
+            if way >= free - CONTACT:
+                self._pressed += max(0.0, way - free) / OPENING * OPENING_TIME
                 if self._pressed >= self.squeeze:
                     self.drive(0)
 
@@ -107,7 +110,8 @@ class Lift:
         time = min(dt, self._left)
         self._left -= time
         self.height += copysign(time / LIFTING_TIME, self._direction)
-        self.height = max(0.0, min(1.0, self.height))
         end = 1.0 if self._direction > 0 else 0.0
-        if self.height == end or self._left <= 0.0:
+        if (self.height - end) * self._direction >= -SAME:
+            self.height = end
+        if self.height == end or self._left <= SAME:
             self.drive(0)
