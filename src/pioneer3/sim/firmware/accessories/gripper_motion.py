@@ -73,7 +73,7 @@ class Paddles:
             self.opening -= min(way, free)
             if way >= free - CONTACT:
                 self._pressed += max(0.0, way - free) / OPENING * OPENING_TIME
-                if self._pressed >= self.squeeze:
+                if self._pressed >= self.squeeze - SAME:
                     self.drive(0)
 
 
