@@ -19,7 +19,9 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.maps import LineMap
+from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 
 TICK = 0.02
@@ -66,6 +68,7 @@ class SimulatedRobot:
         to_host: The same on the way back.
         plugged: Whether :meth:`open` works.
         silent: Nothing passes, either way; the cable stays whole.
+        stepped: Called after each step of the world.
         wires: What came over each connection, also through a fault, also while silent.
     """
 
@@ -80,9 +83,12 @@ class SimulatedRobot:
         to_host: Fault = clean,
         speeds: Sequence[int] = (),
         url: str = "memory:host",
+        seed: int = 0,
+        realism: Realism | None = None,
+        kernels: Kernels | None = None,
     ) -> None:
         self.body = Body(load_model(model), home)
-        self.world = World(line_map, [self.body])
+        self.world = World(line_map, [self.body], kernels, seed=seed, realism=realism)
         self.equipment = equipment
         self.firmware = Firmware(self.world, self.body, equipment=equipment)
         self.to_robot, self.to_host = to_robot, to_host
@@ -91,6 +97,7 @@ class SimulatedRobot:
         self.plugged, self.silent = True, False
         self.wires: list[Wire] = []
         self.edit: Callable[[bytes], bytes] = lambda data: data
+        self.stepped: Callable[[], None] = lambda: None
         self._link: MemoryLink | None = None
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -131,6 +138,13 @@ class SimulatedRobot:
         if link is not None:
             await link.close()
 
+    def delay(self, seconds: float) -> None:
+        """Let bytes travel so long, each way, from now on."""
+        assert self._link is not None
+        for end in (self._link, self._link.peer):
+            assert end is not None
+            end.delay = seconds
+
     def power_cycle(self) -> None:
         """Switch the robot off and on: it knows nothing any more; the cable stays in."""
         self.body.session_ended()
@@ -163,6 +177,7 @@ class SimulatedRobot:
     async def _live(self) -> None:
         while True:
             self.world.step(TICK)
+            self.stepped()
             self.firmware.tick(self._clock())
             await self._flush()
             await asyncio.sleep(TICK)

@@ -169,7 +169,7 @@ class Device:
             for (speed, question), words in self.answers.items():
                 back += words if speed == ours.speed and question in data else b""
             if back:
-                theirs._peer = ours
+                theirs.peer = ours
                 theirs._deliver(back)
             return ()
 

@@ -147,7 +147,7 @@ async def test_a_dead_line_is_given_up_with_the_reason() -> None:
 async def test_an_echo_of_our_own_bytes_is_no_robot() -> None:
     async def open_loopback() -> Link:
         link = MemoryLink("memory:loopback")
-        link._peer = link
+        link.peer = link
         return link
 
     with pytest.raises(NoRobotError):
@@ -158,7 +158,7 @@ async def test_an_echo_of_our_own_bytes_is_no_robot() -> None:
 async def test_something_that_is_no_robot_is_called_so() -> None:
     async def open_modem() -> Link:
         link = MemoryLink("memory:modem", lambda data: (b"ERROR\r\n",))
-        link._peer = link
+        link.peer = link
         return link
 
     with pytest.raises(NoRobotError, match="something answers, but not as a Pioneer"):

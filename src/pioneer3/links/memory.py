@@ -52,6 +52,7 @@ class MemoryLink:
     Attributes:
         fault: May be changed at any time.
         delay: How long bytes travel from this end [s].
+        peer: The far end, or `None` without a cable.
         speed: Line speed [baud]; bytes between ends of different speed arrive as noise.
     """
 
@@ -61,7 +62,7 @@ class MemoryLink:
         self.fault = fault
         self.delay = 0.0
         self.speed = speeds[0] if speeds else None
-        self._peer: MemoryLink | None = None
+        self.peer: MemoryLink | None = None
         self._inbox: asyncio.Queue[bytes] = asyncio.Queue()
         self._closed = False
 
@@ -76,7 +77,7 @@ class MemoryLink:
 
     async def write(self, data: bytes) -> None:
         """Send `data` through the faults of this end."""
-        if self._closed or self._peer is None:
+        if self._closed or self.peer is None:
             raise LinkError(f"{self.url}: the far end has closed")
         for piece in self.fault(data):
             if piece:
@@ -91,11 +92,11 @@ class MemoryLink:
         if not self._closed:
             self._closed = True
             self._inbox.put_nowait(b"")
-            if self._peer is not None:
-                self._peer._hang_up(self.delay)
+            if self.peer is not None:
+                self.peer._hang_up(self.delay)
 
     def _deliver(self, piece: bytes) -> None:
-        peer = self._peer
+        peer = self.peer
         if peer is None or peer._closed:
             return
         if self.speed != peer.speed:  # what a UART makes of the wrong speed
@@ -119,5 +120,5 @@ def null_modem(
     """Return the two ends of a cable; `fault` applies to both directions."""
     ours = MemoryLink("memory:host", fault, speeds)
     theirs = MemoryLink("memory:robot", fault, speeds)
-    ours._peer, theirs._peer = theirs, ours
+    ours.peer, theirs.peer = theirs, ours
     return ours, theirs

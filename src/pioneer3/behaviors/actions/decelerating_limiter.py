@@ -23,9 +23,10 @@ class DeceleratingLimiter:
     """Limits the speed one way so that the robot can stop before what is there (arcos.md 7.6).
 
     The room it keeps grows with the speed. Outside of it the speed may be as high as
-    `preferred_decel` can end in time: v^2 = 2 a d. ARIA says speed 0 at that distance and lets
-    the deceleration make the curve. Our driver brakes harder than ARIA's by itself: the robot would
-    stop and start over and over on its way, and from rest it might speed up at any distance.
+    `preferred_decel` can end in time, `reaction` after it was seen. ARIA says speed 0 at that
+    distance and lets the deceleration make the curve, with no time to react. Our driver brakes
+    harder than ARIA's by itself: the robot would stop and start over and over on its way, and from
+    rest it might speed up at any distance.
 
     Attributes:
         backwards: Which way.
@@ -37,6 +38,8 @@ class DeceleratingLimiter:
         slow_speed: At and below it the former of two hold [m/s]; between the speeds, in proportion.
         fast_speed: At and above it the latter hold [m/s].
         preferred_decel: [m/s^2].
+        reaction: From an echo until the robot obeys [s]: a report's cycle and 0.3 s each way, as
+            over a bad radio link.
         emergency_decel: When something is nearer than `clearance` [m/s^2]; 0 for the robot's own.
     """
 
@@ -49,6 +52,7 @@ class DeceleratingLimiter:
     slow_speed: float = 0.2
     fast_speed: float = 1.0
     preferred_decel: float = 0.6
+    reaction: float = 0.7
     emergency_decel: float = 0.0
     name: str = ""
 
@@ -70,10 +74,15 @@ class DeceleratingLimiter:
         if inside < INSIDE:
             return self._too_near(v, situation.limits.deceleration, reason)
         room, reason = self._room(situation, side, padding)
-        fastest = sqrt(2 * self.preferred_decel * max(0.0, room))
+        fastest = self._fastest(max(0.0, room))
         if fastest >= situation.limits.max_speed:
             return None
         return self._limit(fastest, reason, self._braking(v, room, inside, situation))
+
+    def _fastest(self, room: float) -> float:
+        """Return the speed [m/s] that ends within `room` [m]: v t + v^2 / (2 a) = room."""
+        a, t = self.preferred_decel, self.reaction
+        return a * (sqrt(t**2 + 2 * room / a) - t)
 
     def _room(self, situation: Situation, side: float, padding: float) -> tuple[float, str]:
         """Return how far one may go [m], and why not farther."""
