@@ -68,6 +68,7 @@ class SimulatedRobot:
         to_host: The same on the way back.
         plugged: Whether :meth:`open` works.
         silent: Nothing passes, either way; the cable stays whole.
+        latency: How long bytes travel, each way, over cables laid from now on [s].
         stepped: Called after each step of the world.
         wires: What came over each connection, also through a fault, also while silent.
     """
@@ -95,6 +96,7 @@ class SimulatedRobot:
         self.speeds, self.url = tuple(speeds), url
         self.robot_speed = self.speeds[-1] if self.speeds else None
         self.plugged, self.silent = True, False
+        self.latency = 0.0
         self.wires: list[Wire] = []
         self.edit: Callable[[bytes], bytes] = lambda data: data
         self.stepped: Callable[[], None] = lambda: None
@@ -124,6 +126,7 @@ class SimulatedRobot:
             raise PortNotFoundError("memory: no such port")
         ours, theirs = null_modem(speeds=self.speeds)
         ours.url = self.url
+        ours.delay = theirs.delay = self.latency
         ours.fault, theirs.fault = self._spoil_to_robot, self._spoil_to_host
         theirs.speed = self.robot_speed
         self._link = theirs
@@ -137,13 +140,6 @@ class SimulatedRobot:
         link, self._link = self._link, None
         if link is not None:
             await link.close()
-
-    def delay(self, seconds: float) -> None:
-        """Let bytes travel so long, each way, from now on."""
-        assert self._link is not None
-        for end in (self._link, self._link.peer):
-            assert end is not None
-            end.delay = seconds
 
     def power_cycle(self) -> None:
         """Switch the robot off and on: it knows nothing any more; the cable stays in."""

@@ -403,7 +403,8 @@ async def test_a_signal_ends_it_whatever_it_is_doing(pace: str) -> None:
         if child.returncode is None:
             child.kill()
             await child.wait()
-    assert errors == b""
+    slow = b"Executing <"  # what development mode says of a busy machine
+    assert [line for line in errors.splitlines() if not line.startswith(slow)] == []
     assert child.returncode == 128 + 15
 
 

@@ -42,6 +42,9 @@ from pioneer3.state import Identity
 
 TRIES_PER_SPEED: Final = 2
 DISLODGE_EVERY: Final = 0.1
+SLOWEST_RETRY: Final = 2.0
+"""Networks may be slower than robots: without speeds to try, each try is as patient as two before,
+up to this [s]."""
 
 
 class Host:
@@ -67,6 +70,7 @@ class Host:
         self.config: reports.Config | None = None
         self.reader = PacketReader()
         self._timing = timing or Timing()
+        self._retry = self._timing.retry
         self._speeds = tuple(speeds)
         self._speed_index = 0
         self._tries = 0
@@ -149,6 +153,8 @@ class Host:
             self._tries = 0
         if self._speeds and self._tries == 0:
             events.append(SpeedWanted(self._speeds[self._speed_index]))
+        if self._tries and not self._speeds:
+            self._retry = min(2 * self._retry, SLOWEST_RETRY)
         self._tries += 1
         self._queue(commands.Stop(), now)
         self._sync(State.SYNC0, now)
@@ -157,7 +163,7 @@ class Host:
     def _sync(self, state: State, now: float) -> None:
         self.state = state
         self._queue_payload(bytes([state.value]), now)
-        self.deadline = now + self._timing.retry
+        self.deadline = min(now + self._retry, self._began + self._timing.give_up)
 
     def _shake_hands(self, payload: bytes, now: float) -> list[Event]:
         answer = reports.from_payload(payload)

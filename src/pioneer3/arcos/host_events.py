@@ -13,7 +13,7 @@ class Timing:
     """How patient the host is, all in [s].
 
     Attributes:
-        retry: Between unanswered SYNC packets; a robot answers within 30 ms.
+        retry: Between the first unanswered SYNC packets; a robot answers within 30 ms.
         drain: Silence to wait for after closing an earlier session.
         config_retry: Between requests for CONFIG.
         config_patience: After which the session goes on without CONFIG.

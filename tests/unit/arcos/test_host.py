@@ -298,9 +298,9 @@ def test_a_robot_may_end_the_session(number: int) -> None:
 
 
 def test_patience_is_a_parameter() -> None:
-    host = Host(0.0, timing=Timing(retry=0.1, give_up=0.3))
+    host = Host(0.0, timing=Timing(retry=0.1, give_up=0.5))
     assert later(host, 1.0) == [Lost("nothing answers")]
-    assert host.outgoing().count(SYNC[0]) == 3
+    assert host.outgoing().count(SYNC[0]) == 3  # at 0, 0.1 and 0.3 s
 
 
 def test_without_a_session_commands_are_refused() -> None:
