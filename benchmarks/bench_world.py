@@ -5,6 +5,7 @@ import os
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib.util import find_spec
 from math import pi
 from statistics import median
@@ -131,10 +132,16 @@ def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6)
     return median(factors)
 
 
-def controls(name: str) -> Control:
-    """Return the wander that suits the kernels."""
-    if name == "numpy":
-        return wander_in_arrays
+def controls(name: str, count: int) -> Control:
+    """Return the wander that is fastest with these kernels and so many robots."""
+    if name == "numba":
+        return compiled_wander()
+    return wander if count == 1 else wander_in_arrays
+
+
+@cache
+def compiled_wander() -> Control:
+    """Return the loop over robots, compiled."""
     import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: PLC0415
 
     compile_: Any = numba.njit
@@ -144,21 +151,22 @@ def controls(name: str) -> Control:
 
 def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
     """Measure one implementation."""
-    control, threads = controls(name), min(2, os.cpu_count() or 1)
+    threads = min(2, os.cpu_count() or 1)
     kernels = load_kernels(name, threads=threads)
     for laser in (False, True):
         for count, bar in zip(COUNTS, BARS[name, laser], strict=True):
             world = crowded(kernels, count, 16 if count == 1000 else 1)
             what = "sonars and 181 beams" if laser else "16 sonars"
-            measured = factor(world, control, laser=laser)
+            measured = factor(world, controls(name, count), laser=laser)
             yield Row(f"{name}: {count} robots, {what}", measured, "x", bar, True)
     for count in COUNTS:
-        copies = 16 if count == 1000 else 1
+        copies, control = 16 if count == 1000 else 1, controls(name, count)
         plain = factor(crowded(kernels, count, copies), control, laser=False)
         real = factor(crowded(kernels, count, copies, IN_TURN), control, laser=False)
         yield Row(f"{name}: {count} robots, realism costs", plain / real, "times", 3)
         real = factor(crowded(kernels, count, copies, AT_ONCE), control, laser=False)
         yield Row(f"{name}: {count} robots, all sonars at once cost", plain / real, "times", None)
+    control = controls(name, 10)
     few = factor(crowded(kernels, 10, 1), control, laser=True)
     many = factor(crowded(kernels, 1000, 100), control, laser=True)
     yield Row(f"{name}: a robot among 1000 as against 10", few / many / 100, "times", 1.5)

@@ -5,6 +5,7 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.kernels.numpy_truth import indices_of
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import SLACK, Grid, ranges
 
@@ -137,7 +138,7 @@ def near_robots(
         dx *= dx
         dy *= dy
         dx += dy
-        near = np.flatnonzero(dx <= (reach + shapes[:, 2] + SLACK) ** 2)
+        near = indices_of(dx <= (reach + shapes[:, 2] + SLACK) ** 2)
         points, others = np.divmod(near, len(shapes))
         seen = others != skip[points]
         return points[seen], others[seen]

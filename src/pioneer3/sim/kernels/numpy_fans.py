@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.mounts import Fan
 from pioneer3.sim.kernels.numpy_rays import measured
+from pioneer3.sim.kernels.numpy_truth import any_of, indices_of
 from pioneer3.sim.kernels.walls import SLACK, ranges
 
 Float = NDArray[np.float64]
@@ -48,7 +49,7 @@ def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = np.array([ey, -ex]) / turn
     doubts = _spread(row, (low, span), inverse, fan, out)
-    touched = np.flatnonzero(close)
+    touched = indices_of(close)
     if len(touched):
         doubts.append((touched, np.zeros(len(touched)), np.full(len(touched), np.inf)))
     for which, lower, upper in doubts:
@@ -63,9 +64,7 @@ def _in_front(seen: Float, fan: Fan) -> Int:
     if width > pi:
         return np.arange(seen.shape[1])
     c, s = cos(start + width / 2), sin(start + width / 2)
-    return np.flatnonzero(
-        np.maximum(c * seen[0] + s * seen[1], c * seen[2] + s * seen[3]) >= -SLACK
-    )
+    return indices_of(np.maximum(c * seen[0] + s * seen[1], c * seen[2] + s * seen[3]) >= -SLACK)
 
 
 def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
@@ -89,7 +88,7 @@ def _spread(
     doubts = []
     low = low - np.floor((low + np.maximum(span, 0) + margin) * (1 / circle)) * circle
     for turns in range(ceil((beams + margin) / circle) + 1):
-        here = np.flatnonzero((low < beams + margin - turns * circle) & (span >= 0))
+        here = indices_of((low < beams + margin - turns * circle) & (span >= 0))
         if len(here) == 0:
             break
         begin = low[here] + turns * circle
@@ -99,7 +98,7 @@ def _spread(
         lower = np.array([np.ceil(begin - margin), np.maximum(last + 1, sure)])
         upper = np.array([sure - 1, np.floor(end + margin)])
         doubt = lower <= upper
-        if doubt.any():
+        if any_of(doubt):
             doubts.append((here[np.nonzero(doubt)[1]], lower[doubt], upper[doubt]))
     return doubts
 
@@ -116,7 +115,7 @@ def _surely(row: Int, inverse: Float, beams: tuple[Int, Int], fan: Fan, out: Flo
     flat, headings = out.reshape(-1), fan.headings
     first, counts = beams
     total = counts.cumsum() // BLOCK
-    blocks = np.flatnonzero(total[1:] != total[:-1]) + 1
+    blocks = indices_of(total[1:] != total[:-1]) + 1
     for begin, end in pairwise([0, *blocks.tolist(), len(counts)]):
         some = counts[begin:end]
         beam = ranges(first[begin:end], some)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.kernels.numpy_truth import indices_of
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid, ranges, rasterise
 from pioneer3.sim.raycast import PAIRS, TOUCH, directions, meetings
@@ -19,7 +20,7 @@ def march(grid: Grid, origins: Float, angles: Float, limit: float, out: Float) -
     out[:] = limit
     headings = directions(angles)
     near, far = _interval(grid, origins)
-    rays = np.flatnonzero(near < np.minimum(far, limit))
+    rays = indices_of(near < np.minimum(far, limit))
     start, reach = float(near[rays].min(initial=np.inf)), FIRST_REACH
     end = min(float(far[rays].max(initial=0.0)), limit)
     while len(rays) and start < end:

@@ -38,6 +38,7 @@ from pioneer3.sim.kernels.drives import (
     Drives,
 )
 from pioneer3.sim.kernels.numpy_ramps import turn_axes
+from pioneer3.sim.kernels.numpy_truth import all_of, any_of, indices_of
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -77,13 +78,13 @@ def wishes(drives: Drives, dt: float, noise: Float | None) -> Float:
         the wheels, shape (8, N).
     """
     velocities = np.isnan(drives.axes[REMAINING])
-    if velocities.all():
+    if all_of(velocities):
         wish = _run(drives, dt, 1)
     else:
         fine = ~velocities.all(axis=0)
         wish = np.zeros((8, len(drives)))
         for which, pieces in ((~fine, 1), (fine, max(1, ceil(dt / SUBSTEP - 1e-9)))):
-            some = np.flatnonzero(which)
+            some = indices_of(which)
             part = drives.only(some)
             wish[:, some] = _run(part, dt, pieces)
             drives.axes[:, :, some], drives.flags[:, some] = part.axes, part.flags
@@ -101,7 +102,7 @@ def _run(drives: Drives, dt: float, pieces: int) -> Float:
     off = flags[POWERED] == 0
     held, hard = off | (flags[HELD] != 0), off | (flags[BRAKING] != 0)
     brake = np.where(hard, HARD, axes[DECELERATION])
-    blind = not (errors[:WAY_NOISE] == EXACT).all()
+    blind = not all_of(errors[:WAY_NOISE] == EXACT)
     wish = np.zeros((8, len(drives)))
     for _ in range(pieces):
         ways = turn_axes(axes, held, brake, dt / pieces)
@@ -111,7 +112,7 @@ def _run(drives: Drives, dt: float, pieces: int) -> Float:
         wish[6:] += ways
     if not blind:
         wish[:3] = wish[3:6]
-    if flags[BRAKING].any():
+    if any_of(flags[BRAKING]):
         flags[BRAKING] &= axes[VELOCITY].any(axis=0)
     return wish
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.kernels.numpy_truth import any_of
 from pioneer3.sim.kernels.robots import Robots
 
 Float = NDArray[np.float64]
@@ -21,7 +22,7 @@ LEFT = np.array([1, 1, -1, -1])
 def place(robots: Robots, which: slice | Int = EVERYONE) -> None:
     """Bring middles, radii and corners of all or some up to date with the poses."""
     x, y, theta, front, rear, half, _, hidden = robots.state[:, which]
-    if hidden.any():
+    if any_of(hidden):
         x, y = np.where(hidden, NOWHERE, x), np.where(hidden, NOWHERE, y)
     # points as complex numbers: to turn one is to multiply
     at, heading = np.empty((2, len(x), 1), dtype=np.complex128)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.drives import ACCELERATION, ARRIVED, REMAINING, TARGET, TOP, VELOCITY
+from pioneer3.sim.kernels.numpy_truth import all_of, any_of
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -14,17 +15,17 @@ def turn_axes(axes: Float, held: Bool, brake: Float, dt: float) -> Float:
     v, remaining, top = axes[VELOCITY], axes[REMAINING], axes[TOP]
     goal = np.minimum(np.maximum(axes[TARGET], -top), top)
     covers = ~np.isnan(remaining)
-    if held.any():
+    if any_of(held):
         goal[:, held], covers[:, held] = 0.0, False
-    if covers.any():
+    if any_of(covers):
         room = np.maximum(abs(remaining) - abs(v) * (dt / 2), 0.0)
         speed = np.copysign(np.minimum(top, np.sqrt(2 * brake * room)), remaining)
         goal = np.where(covers, speed, goal)
-    if (goal == v).all():
+    if all_of(goal == v):
         ways = v * dt
     else:
         axes[VELOCITY], ways = _ramp(v, goal, axes[ACCELERATION], brake, dt)
-    if covers.any():
+    if any_of(covers):
         left = remaining - ways
         there = covers & (np.copysign(1.0, remaining) * left <= ARRIVED)
         ways = np.where(there, remaining, ways)
@@ -41,13 +42,13 @@ def _ramp(
     slows = turns_round | (abs(goal) < abs(v))
     middle, left = v, dt
     time: Float | float = 0.0
-    if slows.any():
+    if any_of(slows):
         first = np.where(turns_round, 0.0, np.where(slows, goal, v))
         middle, time = _towards(v, first, brake, dt)
         left = dt - time
     end: Float = middle
     time_up: Float | float = 0.0
-    if not (middle == goal).all():
+    if not all_of(middle == goal):
         rises = (abs(goal) >= abs(middle)) & (left > 0)
         end, time_up = _towards(middle, np.where(rises, goal, middle), acceleration, left)
     way = (v + middle) / 2 * time + (middle + end) / 2 * time_up + end * (left - time_up)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.numpy_frames import sides
+from pioneer3.sim.kernels.numpy_truth import all_of, indices_of
 from pioneer3.sim.raycast import PAIRS, TOUCH
 
 Float = NDArray[np.float64]
@@ -33,7 +34,7 @@ def _met(across: Float, along: Float) -> Float:
     gap = one - other
     with np.errstate(divide="ignore", invalid="ignore"):
         met: Float = along[0] + (along[1] - along[0]) * (one / gap)
-    if not gap.all():
+    if not all_of(gap):
         lies_along = (gap == 0) & (one == 0)
         near, far = along[:, lies_along]
         met[lies_along] = np.where(near * far <= 0, 0.0, np.minimum(near, far))
@@ -81,7 +82,7 @@ class Rays:
             across = np.empty((2, self.count, some.shape[1]))
             np.matmul(self._across, some[:3], out=across[0])
             np.matmul(self._across, some[3:], out=across[1])
-            maybe = np.flatnonzero(across[0] * across[1] <= MAYBE)
+            maybe = indices_of(across[0] * across[1] <= MAYBE)
             ray, wall = np.divmod(maybe, some.shape[1])
             ends = some.take(wall, axis=1)
             dx, dy, start = self._along.take(ray, axis=1)
@@ -106,7 +107,7 @@ class Rays:
         """
         points = np.ones((3, len(owners)))
         points[:2] = circles[:2]
-        maybe = np.flatnonzero(abs(self._across @ points) <= circles[2] + TOUCH)
+        maybe = indices_of(abs(self._across @ points) <= circles[2] + TOUCH)
         ray, robot = np.divmod(maybe, len(owners))
         dx, dy, start = self._along.take(ray, axis=1)
         x, y, radius = circles.take(robot, axis=1)

@@ -11,6 +11,7 @@ from pioneer3.sim.kernels.near import near_robots
 from pioneer3.sim.kernels.numpy_around import TOGETHER, Around
 from pioneer3.sim.kernels.numpy_frames import frames_of, joined, outlines_from, seen_from
 from pioneer3.sim.kernels.numpy_rays import Rays
+from pioneer3.sim.kernels.numpy_truth import indices_of
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
 from pioneer3.sim.raycast import TOUCH
@@ -66,7 +67,7 @@ class Sonar:
             self._rays[mounts] = [Rays(table) for table in tables]
         kinds = mounts.kinds[who]
         for kind, rays in enumerate(self._rays[mounts]):
-            rows = np.flatnonzero(kinds == kind)
+            rows = indices_of(kinds == kind)
             for first in range(0, len(rows) if rays.mounts else 0, TOGETHER):
                 some = rows[first : first + TOGETHER]
                 listening = Listening(rays, who[some], limit, limit + mounts.reach, steep)

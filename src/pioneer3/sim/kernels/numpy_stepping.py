@@ -19,6 +19,7 @@ from pioneer3.sim.kernels.numpy_contact import hit_after, may_meet, room_of_othe
 from pioneer3.sim.kernels.numpy_frames import boxes_of, frames_of, largest, rounded
 from pioneer3.sim.kernels.numpy_motion import live, reached, roll, wants_to_move, wishes, wrapped
 from pioneer3.sim.kernels.numpy_outlines import place, reach_into
+from pioneer3.sim.kernels.numpy_truth import any_of, indices_of
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
 
@@ -58,7 +59,7 @@ class Stepping:
         moves = wants_to_move(drives)
         drives.flags[STALLED] = 0
         drives.flags[TOUCHED] &= ~moves
-        if not moves.any():
+        if not any_of(moves):
             return
         wish = wishes(drives, dt, noise)
         poses = robots.poses[:, : len(drives)]
@@ -113,18 +114,18 @@ class Stepping:
         free -= way
         free[OTHERS] -= farthest
         used_up = free.min(axis=1, keepdims=True) <= 0
-        if not used_up.any():
+        if not any_of(used_up):
             return NOBODY, NOBODY, SURE
         # looking at some more at once is cheaper than again soon
         short = (free <= SOON) & moves & used_up
         stands = np.zeros(count, dtype=np.bool_)
-        who = np.flatnonzero(short[WALLS])
+        who = indices_of(short[WALLS])
         if len(who):
             room = self._room(grid, after[:, who]) - size[who]
             free[WALLS, who] = np.maximum(room, 0.0)
             who = who[room <= 0]
             stands[who] = self._stands(grid, robots, who, frames_of(*after[:, who]))
-        who, crowd, clear = np.flatnonzero(short[OTHERS]), NOBODY, SURE
+        who, crowd, clear = indices_of(short[OTHERS]), NOBODY, SURE
         if len(who):
             # both may still move, as may those looked at next
             room = room_of_others(robots, who, after[:, who]) - size[who] - farthest
@@ -135,7 +136,7 @@ class Stepping:
             meets, clear = may_meet(robots, who, frames_of(*after[:, who]), ways)
             crowd, clear = who[meets], clear[meets] & ~stands[who[meets]]
             stands[crowd] = False
-        alone = np.flatnonzero(stands)
+        alone = indices_of(stands)
         for stopped in (alone, crowd):
             free[:, stopped] -= way[stopped]
         return alone, crowd, clear
@@ -154,7 +155,7 @@ class Stepping:
         around = self._around.seen(grid, robots, frames, rounded(reach), who)
         boxes = boxes_of(robots, who)
         shares = np.ones(len(who))
-        stuck = np.flatnonzero(hit_after(around, boxes, motions, shares[:, None]))
+        stuck = indices_of(hit_after(around, boxes, motions, shares[:, None]))
         shares[stuck] = 0.0
         part, stuck = 1.0, stuck[abs(motions[:, stuck]).max(axis=0) > NEGLIGIBLE]
         for _ in range(2 if len(stuck) else 0):
