@@ -74,6 +74,7 @@ def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
         ActionError: an action failed, or wants what is no number.
     """
     theta, merge = situation.pose.theta, Merge()
+    seen = replace(situation, higher=merge)
     ranked = sorted(
         (
             (-stack.priority, -ranked.priority, stack.name, ranked.action)
@@ -83,10 +84,10 @@ def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
         key=lambda entry: entry[:2],
     )
     for _, group in groupby(ranked, key=lambda entry: entry[:2]):
-        seen = replace(situation, higher=merge)
-        asked = (_ask(stack, action, seen) for _, _, stack, action in group)
+        asked = [_ask(stack, action, seen) for _, _, stack, action in group]
         if entries := [entry for entry in asked if entry is not None]:
             merge = merge.below(entries, theta)
+            seen = replace(situation, higher=merge)
     return _decision(merge, situation.limits)
 
 

@@ -34,6 +34,10 @@ class Point(NamedTuple):
     bearing: float
 
 
+_POINT = Point._make
+"""Half of the time of calling the class, and there are many."""
+
+
 class Recall(Enum):
     """How far back a query looks (arcos.md 7.2).
 
@@ -82,11 +86,12 @@ class Surroundings:
             Recall.REMEMBERED: remembered,
         }
         self._points: dict[Recall, tuple[Point, ...]] = {}
+        self._known: dict[tuple[float, float], Point] = {}
 
     def points(self, recall: Recall = Recall.RECENT) -> tuple[Point, ...]:
         """Return all points."""
         if recall not in self._points:
-            self._points[recall] = _seen_from(self._pose, self._given[recall])
+            self._points[recall] = _seen_from(self._pose, self._given[recall], self._known)
         return self._points[recall]
 
     def nearest(self, start: float, end: float, recall: Recall = Recall.RECENT) -> Echo:
@@ -114,14 +119,17 @@ class Surroundings:
         return best
 
 
-def _seen_from(pose: Pose2, points: Sequence[tuple[float, float]]) -> tuple[Point, ...]:
+def _seen_from(
+    pose: Pose2, points: Sequence[tuple[float, float]], known: dict[tuple[float, float], Point]
+) -> tuple[Point, ...]:
+    """Return points in the frame of `pose`; `known` holds those worked out before."""
     c, s = cos(pose.theta), sin(pose.theta)
-    seen = []
-    for px, py in points:
-        dx, dy = px - pose.x, py - pose.y
-        x, y = c * dx + s * dy, c * dy - s * dx
-        seen.append(Point(x, y, hypot(x, y), atan2(y, x)))
-    return tuple(seen)
+    for point in points:
+        if point not in known:
+            dx, dy = point[0] - pose.x, point[1] - pose.y
+            x, y = c * dx + s * dy, c * dy - s * dx
+            known[point] = _POINT((x, y, hypot(x, y), atan2(y, x)))
+    return tuple([known[point] for point in points])
 
 
 NOTHING_SENSED = Surroundings(Pose2(), sensing=False)
