@@ -10,17 +10,20 @@ from pioneer3.behaviors.actions import (
     Bumpers,
     ConstantVelocity,
     DeceleratingLimiter,
+    Explore,
     Goto,
     LimiterBackwards,
     LimiterForwards,
+    LimiterSweep,
     LimiterTableSensor,
     RatioInput,
     StallRecover,
     Stop,
+    Unstick,
 )
 from pioneer3.behaviors.stack import MODE, Ranked, Stack
 
-Preset = Literal["lab", "aria"]
+Preset = Literal["lab", "aria", "explore"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +45,10 @@ def wander(*, preset: Preset = "lab", speed: float | None = None, priority: int 
     """Return the stack that drives about and keeps clear of what is in the way.
 
     Args:
-        preset: `lab` as the lab's seed has it, `aria` as ARIA's wander group.
-        speed: When nothing is near [m/s]; the preset's own if `None`: 0.15 and 0.4.
+        preset: `lab` as the lab's seed has it, `aria` as ARIA's wander group, both with two actions
+            more: a limiter that knows the robot's corners, and a way out where they would turn for
+            ever. `explore` seeks new ground, through doors that the others take for walls.
+        speed: When nothing is near [m/s]; the preset's own if `None`: 0.15, 0.4 and 0.3.
         priority: Against other stacks.
 
     Raises:
@@ -107,6 +112,8 @@ def _lab(speed: float) -> list[Ranked]:
         Ranked(100, StallRecover()),
         Ranked(95, LimiterForwards(0.3, 0.6, 0.25, name="near limiter")),
         Ranked(90, LimiterForwards(0.3, 1.1, 0.2, name="far limiter")),
+        Ranked(85, LimiterSweep()),
+        Ranked(55, Unstick()),
         Ranked(50, AvoidFront(0.5, avoid_velocity=0.0, name="avoid near")),
         Ranked(49, AvoidFront(name="avoid far")),
         Ranked(25, ConstantVelocity(speed)),
@@ -117,13 +124,26 @@ def _aria(speed: float) -> list[Ranked]:
     return [
         Ranked(100, Bumpers()),
         Ranked(90, StallRecover()),
+        Ranked(85, LimiterSweep()),
+        Ranked(80, Unstick()),
         Ranked(79, AvoidFront()),
         Ranked(50, ConstantVelocity(speed)),
     ]
 
 
+def _explore(speed: float) -> list[Ranked]:
+    return [
+        Ranked(110, Bumpers()),
+        Ranked(100, StallRecover()),
+        Ranked(95, LimiterForwards(0.3, 0.6, 0.25, name="near limiter")),
+        Ranked(90, LimiterForwards(0.3, 1.1, 0.4, name="far limiter")),
+        Ranked(85, LimiterSweep()),
+        Ranked(25, Explore(speed)),
+    ]
+
+
 _WANDERING: Mapping[str, tuple[float, Callable[[float], list[Ranked]]]] = MappingProxyType(
-    {"lab": (0.15, _lab), "aria": (0.4, _aria)}
+    {"lab": (0.15, _lab), "aria": (0.4, _aria), "explore": (0.3, _explore)}
 )
 
 MODES: Mapping[str, Mode] = MappingProxyType(

@@ -6,10 +6,12 @@ from pioneer3.behaviors.actions.bumpers import Bumpers
 from pioneer3.behaviors.actions.color_follow import Blob, BlobSource, ColorFollow
 from pioneer3.behaviors.actions.constant_velocity import ConstantVelocity
 from pioneer3.behaviors.actions.decelerating_limiter import DeceleratingLimiter
+from pioneer3.behaviors.actions.explore import Explore
 from pioneer3.behaviors.actions.goto import Goto
 from pioneer3.behaviors.actions.hold import Hold
 from pioneer3.behaviors.actions.joy_drive import JoyDrive, Stick
 from pioneer3.behaviors.actions.key_drive import KeyDrive
+from pioneer3.behaviors.actions.limiter_sweep import LimiterSweep
 from pioneer3.behaviors.actions.limiters import (
     LimiterBackwards,
     LimiterForwards,
@@ -22,6 +24,7 @@ from pioneer3.behaviors.actions.stall_recover import StallRecover
 from pioneer3.behaviors.actions.stop import Stop
 from pioneer3.behaviors.actions.turn import Turn
 from pioneer3.behaviors.actions.turn_away import TurnAway
+from pioneer3.behaviors.actions.unstick import Unstick
 
 __all__ = [
     "AvoidFront",
@@ -32,6 +35,7 @@ __all__ = [
     "ColorFollow",
     "ConstantVelocity",
     "DeceleratingLimiter",
+    "Explore",
     "Goto",
     "Hold",
     "Input",
@@ -39,6 +43,7 @@ __all__ = [
     "KeyDrive",
     "LimiterBackwards",
     "LimiterForwards",
+    "LimiterSweep",
     "LimiterTableSensor",
     "Move",
     "RatioInput",
@@ -47,4 +52,5 @@ __all__ = [
     "Stop",
     "Turn",
     "TurnAway",
+    "Unstick",
 ]

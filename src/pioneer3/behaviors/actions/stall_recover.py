@@ -45,7 +45,8 @@ class StallRecover:
     """Tries ten ways out of a stall, one after the other (arcos.md 7.6).
 
     What it wants is the answer to the stall, which ends every other motion. It leaves the robot
-    alone as soon as a higher priority has taken a channel of motion.
+    alone as soon as a higher priority has taken a channel of motion. It turns more slowly than
+    ARIA's, as fast as the robot can: a corner of a robot that stands at a wall swings into it.
 
     Attributes:
         obstacle_distance: Nearer than this to the robot's circle is too near to go on after half of
@@ -53,6 +54,7 @@ class StallRecover:
         seconds: Of one attempt; ARIA's 50 cycles [s].
         speed: [m/s].
         turn_amount: [rad].
+        turn_rate: Highest [rad/s].
         enabled: Whether it does anything.
     """
 
@@ -60,6 +62,7 @@ class StallRecover:
     seconds: float = 5.0
     speed: float = 0.15
     turn_amount: float = radians(45)
+    turn_rate: float = radians(10)
     enabled: bool = True
     name: str = "stall recover"
     _way: Way | None = field(default=None, init=False)
@@ -101,7 +104,14 @@ class StallRecover:
         reason = f"stalled: {way.words}"
         if self._target is None:
             return Desire(v=v, w=0.0, reason=reason, despite_stall=True)
-        return Desire(v=v, heading=self._target, reason=reason, despite_stall=True)
+        return Desire(
+            v=v,
+            heading=self._target,
+            left_max=self.turn_rate,
+            right_max=self.turn_rate,
+            reason=reason,
+            despite_stall=True,
+        )
 
     def _speed(self, drive: int, situation: Situation) -> float:
         around, left = situation.around, self._end - situation.now

@@ -1,0 +1,119 @@
+"""Go where there is room, and rather where one has not been."""
+
+from dataclasses import dataclass, field
+from math import cos, inf, pi, radians, sin
+
+from pioneer3.behaviors.actions.reasons import BLIND
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.surroundings import Point, Recall
+from pioneer3.geometry import TURN, Pose2, wrap
+
+CELL = 0.5
+"""Side of the squares in which it notes where it has been [m]."""
+HEADINGS = 36
+LOOK = 2.5
+"""How far it looks for ways [m]."""
+AGAIN = 2.0
+"""It thinks again after this long [s]."""
+STEEP = radians(30)
+"""Farther off its heading it turns where it stands."""
+KEEP, TURNING, ROOM = 0.5, 1.0, 0.3
+"""What going on is worth, what turning around costs, what each metre of room is worth; a new
+square is worth 1."""
+
+
+@dataclass(slots=True)
+class Explore:
+    """Chooses the heading with most room and most new ground, and drives there.
+
+    Ways count as free where what is seen and remembered leaves the robot's width and twice
+    `side_clearance`. So it passes doors that :class:`AvoidFront`, which keeps a circle clear of
+    everything, takes for walls. Limiters belong above it.
+
+    Attributes:
+        speed: [m/s].
+        side_clearance: [m].
+        front_clearance: Nearer than this it takes another way [m].
+    """
+
+    speed: float = 0.3
+    side_clearance: float = 0.08
+    front_clearance: float = 0.35
+    name: str = "explore"
+    _heading: float | None = field(default=None, init=False)
+    _chosen: float = field(default=-inf, init=False)
+    _visits: dict[tuple[int, int], int] = field(default_factory=dict, init=False)
+    _cell: tuple[int, int] | None = field(default=None, init=False)
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return speed and heading."""
+        pose, around = situation.pose, situation.around
+        self._note(pose)
+        if not around.sensing:
+            return Desire(v=0.0, turn=0.0, reason=BLIND)
+        model = situation.model
+        half, front = model.width / 2 + self.side_clearance, model.length_front
+        heading = self._heading
+        points = (*around.points(Recall.LATELY), *around.points(Recall.REMEMBERED))
+        if (
+            heading is None
+            or situation.now - self._chosen > AGAIN
+            or room(points, wrap(heading - pose.theta), half) - front < self.front_clearance
+        ):
+            heading = self._heading = self._choose(pose, points, half, front)
+            self._chosen = situation.now
+        off = abs(wrap(heading - pose.theta))
+        free = min(LOOK, room(points, wrap(heading - pose.theta), half) - front)
+        return Desire(
+            v=self.speed * max(0.0, 1 - off / STEEP),
+            heading=heading,
+            reason=f"{free:.1f} m of room",
+        )
+
+    def _note(self, pose: Pose2) -> None:
+        cell = _cell(pose.x, pose.y)
+        if cell != self._cell:
+            self._visits[cell] = self._visits.get(cell, 0) + 1
+            self._cell = cell
+
+    def _choose(self, pose: Pose2, points: tuple[Point, ...], half: float, front: float) -> float:
+        best, found = -inf, pose.theta
+        for n in range(HEADINGS):
+            bearing = wrap(n * TURN / HEADINGS)
+            free = min(LOOK, room(points, bearing, half) - front)
+            heading = wrap(pose.theta + bearing)
+            worth = ROOM * free - TURNING * abs(bearing) / pi
+            if free > self.front_clearance:
+                worth += self._news(pose, heading, free + front)
+                if self._heading is not None and abs(wrap(heading - self._heading)) < STEEP / 2:
+                    worth += KEEP
+            else:
+                worth -= LOOK / CELL
+            if worth > best:
+                best, found = worth, heading
+        return found
+
+    def _news(self, pose: Pose2, heading: float, reach: float) -> float:
+        """Return how much new ground a way of so many metres has; each square at most 1."""
+        news, away = 0.0, CELL
+        while away <= reach:
+            x, y = pose.x + away * cos(heading), pose.y + away * sin(heading)
+            news += 1 / (1 + self._visits.get(_cell(x, y), 0))
+            away += CELL
+        return news
+
+
+def room(points: tuple[Point, ...], bearing: float, half: float) -> float:
+    """Return how far the nearest point is along a bearing, in a strip `half` to each side [m]."""
+    c, s = cos(bearing), sin(bearing)
+    nearest = inf
+    for x, y, _, _ in points:
+        along = c * x + s * y
+        if 0 < along < nearest and -half < c * y - s * x < half:
+            nearest = along
+    return nearest
+
+
+def _cell(x: float, y: float) -> tuple[int, int]:
+    return int(x // CELL), int(y // CELL)

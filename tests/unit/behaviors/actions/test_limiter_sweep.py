@@ -1,0 +1,64 @@
+"""Of a P3-AT: ends at 0.313 m, sides at 0.2525 m; corners at 0.402 m, 38.9 degrees."""
+
+from math import atan2, hypot, inf, pi, radians, sqrt
+
+import pytest
+
+from pioneer3.behaviors.actions import LimiterSweep
+from pioneer3.behaviors.surroundings import Surroundings
+from tests.unit.behaviors.support import around, seen, value
+
+CORNER = atan2(0.2525, 0.313)
+CREEP = 0.04 / hypot(0.313, 0.2525)
+"""Turn rate at which a corner moves at 0.04 m/s [rad/s]."""
+
+
+@pytest.mark.parametrize(
+    ("gap", "limit"),
+    [
+        (0.45, sqrt(2 * 0.3 * 0.40)),  # 0.05 m is kept
+        (0.1, sqrt(2 * 0.3 * 0.05)),
+        (0.05, 0.04),  # never less than a creep
+        (-0.1, 0.04),  # memory is wrong about what is inside of the robot
+        (1.0, None),  # 0.755 m/s: more than the robot can do
+        (inf, None),
+    ],
+)
+def test_it_may_go_as_fast_as_it_can_stop(gap: float, limit: float | None) -> None:
+    desire = LimiterSweep().decide(seen(around=around((0.313 + gap, 0.0))))
+    assert value(desire, "v_max") == (limit if limit is None else pytest.approx(limit))
+
+
+def test_the_width_and_a_margin_count() -> None:
+    # 0.2525 + 0.05 = 0.3025 m to either side
+    for y, limited in ((0.30, True), (-0.30, True), (0.31, False)):
+        place = seen(around=around((hypot(0.5, y), atan2(y, 0.5))))
+        assert (value(LimiterSweep().decide(place), "v_max") is not None) == limited
+
+
+def test_what_is_remembered_counts() -> None:
+    place = seen(around=Surroundings(seen().pose, (), [(0.413, 0.0)]))
+    assert value(LimiterSweep().decide(place), "v_max") == pytest.approx(sqrt(2 * 0.3 * 0.05))
+
+
+@pytest.mark.parametrize(
+    ("off", "left", "right"),
+    [
+        # to the left of the front left corner by 40 degrees: it may turn (40 - 10) degrees / 0.6 s;
+        # the rear left corner is 180 - 38.9 - 38.9 - 40 = 62.2 degrees away, from the other side
+        (40, radians(30) / 0.6, radians(52.2) / 0.6),
+        (5, CREEP, radians(87.2) / 0.6),  # within 10 degrees: it may be there already
+    ],
+)
+def test_a_corner_does_not_swing_into_something(off: float, left: float, right: float) -> None:
+    desire = LimiterSweep().decide(seen(around=around((0.42, CORNER + radians(off)))))
+    assert value(desire, "left_max") == pytest.approx(left, abs=1e-3)
+    assert value(desire, "right_max") == pytest.approx(right, abs=1e-3)
+    mirrored = LimiterSweep().decide(seen(around=around((0.42, -CORNER - radians(off)))))
+    assert value(mirrored, "right_max") == pytest.approx(left, abs=1e-3)
+    assert value(mirrored, "left_max") == pytest.approx(right, abs=1e-3)
+
+
+def test_what_no_corner_reaches_does_not_count() -> None:
+    assert LimiterSweep().decide(seen(around=around((0.46, pi / 2)))) is None
+    assert LimiterSweep().decide(seen()) is None

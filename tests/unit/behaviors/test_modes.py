@@ -1,0 +1,95 @@
+"""The stacks that people choose."""
+
+import pytest
+
+from pioneer3.behaviors.actions import RatioInput
+from pioneer3.behaviors.engine import resolve
+from pioneer3.behaviors.modes import MODES, goto, teleop, unguarded, wander
+from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.surroundings import NOTHING_SENSED
+from pioneer3.geometry import Twist2
+from tests.unit.behaviors.support import around, seen
+
+
+def places(stack: Stack) -> list[tuple[int, str]]:
+    return [(ranked.priority, ranked.action.name) for ranked in stack.actions]
+
+
+def test_the_lab_wanders_as_its_seed_has_it() -> None:
+    # arcos.md 7.7; the limiter of the sweep and the way out are ours
+    assert places(wander()) == [
+        (100, "stall recover"),
+        (95, "near limiter"),
+        (90, "far limiter"),
+        (85, "limiter sweep"),
+        (55, "unstick"),
+        (50, "avoid near"),
+        (49, "avoid far"),
+        (25, "constant velocity"),
+    ]
+
+
+def test_aria_wanders_as_its_group_has_it() -> None:
+    assert places(wander(preset="aria")) == [
+        (100, "bumpers"),
+        (90, "stall recover"),
+        (85, "limiter sweep"),
+        (80, "unstick"),
+        (79, "avoid front"),
+        (50, "constant velocity"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("preset", "speed", "v"),
+    [("lab", None, 0.15), ("aria", None, 0.4), ("explore", None, 0.3), ("lab", 0.1, 0.1)],
+)
+def test_speeds_of_wandering(preset: str, speed: float | None, v: float) -> None:
+    stack = wander(preset=preset, speed=speed)  # type: ignore[arg-type]
+    assert resolve([stack], seen()).twist == Twist2(v, 0.0)
+
+
+def test_there_are_no_other_presets() -> None:
+    with pytest.raises(ValueError, match="no preset 'fast'; take lab or aria"):
+        wander(preset="fast")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("distance", "v"),
+    # front at 0.313: 0.2 * (d - 0.3) / 0.8 of the far limiter; 0.25 * (d - 0.3) / 0.3 of the near
+    [(1.013, 0.1), (0.613, 0.0), (0.5, 0.0)],
+)
+def test_the_lab_slows_down_before_a_wall(distance: float, v: float) -> None:
+    decision = resolve([wander()], seen(around=around((distance, 0.0))))
+    assert decision.twist.v == pytest.approx(v)
+
+
+@pytest.mark.parametrize("preset", ["lab", "explore"])
+def test_nobody_wanders_blind(preset: str) -> None:
+    stack = wander(preset=preset)  # type: ignore[arg-type]
+    assert resolve([stack], seen(around=NOTHING_SENSED)).twist.v == 0.0
+
+
+def test_teleop_is_guarded_and_unguarded_is_not() -> None:
+    ratios, wall = RatioInput(), seen(around=around((0.45, 0.0)))
+    ratios.push(1.0, 0.0)
+    assert resolve([teleop(ratios)], wall).twist.v == 0.0
+    assert resolve([unguarded(ratios)], wall).twist.v == 0.75
+
+
+def test_each_stack_has_actions_of_its_own() -> None:
+    one, other = wander(), wander()
+    assert not {id(r.action) for r in one.actions} & {id(r.action) for r in other.actions}
+
+
+def test_a_mode_is_found_by_its_name() -> None:
+    for name, mode in MODES.items():
+        stack = mode.make(2.0, 0.5) if name == "goto" else mode.make()
+        assert (stack.name, stack.hint) == (name, mode.hint)
+        assert stack.priority == 20
+
+
+def test_goto_is_done_where_it_was_sent() -> None:
+    stack = goto(0.05, 0.0)
+    resolve([stack], seen())
+    assert stack.done
