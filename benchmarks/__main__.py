@@ -3,6 +3,7 @@
 import sys
 
 from benchmarks import (
+    bench_behaviors,
     bench_codec,
     bench_firmware,
     bench_fleet,
@@ -17,6 +18,7 @@ BENCHMARKS = {
     "latency": bench_latency,
     "start": bench_start,
     "codec": bench_codec,
+    "behaviors": bench_behaviors,
     "kernels": bench_kernels,
     "world": bench_world,
     "firmware": bench_firmware,

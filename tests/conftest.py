@@ -21,6 +21,10 @@ class _Autojump(selectors.SelectSelector):
     now = 0.0
     spins = 0
 
+    def __init__(self, longest: float) -> None:
+        super().__init__()
+        self._longest = longest
+
     def select(self, timeout: float | None = None) -> list[Any]:
         ready = super().select(0)
         self.spins = 0 if timeout else self.spins + 1
@@ -29,8 +33,8 @@ class _Autojump(selectors.SelectSelector):
         if not ready:
             if timeout is None:
                 raise RuntimeError("deadlock: every task waits and no timer is set")
-            if self.now <= LONGEST < self.now + timeout:
-                raise RuntimeError(f"hanging: nothing has ended after {LONGEST:g} s")
+            if self.now <= self._longest < self.now + timeout:
+                raise RuntimeError(f"hanging: nothing has ended after {self._longest:g} s")
             self.now += timeout
         return ready
 
@@ -38,8 +42,8 @@ class _Autojump(selectors.SelectSelector):
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop whose clock jumps from timer to timer."""
 
-    def __init__(self) -> None:
-        self._autojump = _Autojump()
+    def __init__(self, longest: float = LONGEST) -> None:
+        self._autojump = _Autojump(longest)
         super().__init__(self._autojump)
 
     def time(self) -> float:
