@@ -18,7 +18,7 @@ def wander(
     *,
     port: Port = DEFAULT_PORT,
     baud: Baud = None,
-    preset: Literal["lab", "aria"] = "lab",
+    preset: Literal["lab", "aria", "explore"] = "lab",
     speed: Positive = None,
     seconds: Positive = None,
     json: Flag = False,
@@ -33,8 +33,8 @@ def wander(
     Args:
         port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
         baud: Serial speed to try first.
-        preset: lab: slow, two limiters, as the lab's robotWander; aria: as ARIA's wander.
-        speed: Where nothing is near [m/s]; 0.15 of lab, 0.4 of aria.
+        preset: lab: slow, as its robotWander; aria: as ARIA's; explore: seeks new ground.
+        speed: Where nothing is near [m/s]; 0.15 of lab, 0.4 of aria, 0.3 of explore.
         seconds: Stop after this time [s].
         json: One JSON object for each reading, a line each.
         record: New file for every byte on the wire and every decision.
