@@ -103,6 +103,7 @@ def _guards() -> list[Ranked]:
         Ranked(100, LimiterTableSensor()),
         Ranked(90, LimiterForwards(0.3, 0.6, 0.25, name="near limiter")),
         Ranked(89, LimiterForwards(0.3, 1.1, 0.4, name="far limiter")),
+        Ranked(85, LimiterSweep(creep=0.0, turn_time=1.2)),
         Ranked(80, LimiterBackwards()),
     ]
 

@@ -10,6 +10,8 @@ from pioneer3.geometry import wrap
 SLOWING = 0.2
 """Deceleration towards the goal [m/s^2]: ARIA's speed is the root of 400 mm/s^2 times the way."""
 BEHIND = radians(120)
+STEEP = radians(30)
+"""Farther off the goal it turns where it stands: limiters see what is ahead, not along a curve."""
 MOVED = 0.005
 """A goal that moved farther [m] is a new one."""
 STANDING, ALIGNED, TURNING = 0.005, radians(3), radians(2)
@@ -21,9 +23,10 @@ class Goto:
     """Drives straight to a point of odometry's frame, around what slows it (arcos.md 7.6).
 
     While a higher priority limits the speed below `speed_to_turn_at`, it turns away from the goal;
-    then it passes by, `turn_amount` off. Differences from ARIA's, whose figures these are: it
-    can end at a heading; it has not arrived while it rolls backwards through the goal; the side to
-    pass on changes once when the goal comes to lie behind, not at every reading.
+    then it passes by, `turn_amount` off. Differences from ARIA's, whose figures these are: it can
+    end at a heading; it slows down where it turns; it has not arrived while it rolls backwards
+    through the goal; the side to pass on changes once when the goal comes to lie behind, not at
+    every reading.
 
     Attributes:
         x: [m].
@@ -80,7 +83,8 @@ class Goto:
         if situation.higher.limits.get("v_max", inf) < self.speed_to_turn_at:
             return Desire(v=speed, turn=amount * self._side, reason=f"{reason}, blocked")
         if abs(wrap(goal - (theta - amount * self._side))) > amount / 2:
-            return Desire(v=speed, heading=goal, reason=reason)
+            facing = max(0.0, 1 - abs(wrap(goal - theta)) / STEEP)
+            return Desire(v=speed * facing, heading=goal, reason=reason)
         return Desire(v=speed, turn=-amount * self._side, reason=f"{reason}, passing by")
 
     def _arrive(self, situation: Situation) -> Desire:
