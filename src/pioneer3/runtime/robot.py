@@ -1,7 +1,7 @@
 """The robot as a program sees it, asynchronously."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from math import hypot, inf, isfinite
 
 from pioneer3.arcos.commands import Command
@@ -13,17 +13,12 @@ from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.devices import Devices
 from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.motions import carry_out, run_mode
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
 
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
-BLOCKED_PATIENCE = 15.0
-"""On the way somewhere, people may step aside within this time [s]."""
-HEADWAY = 0.1
-"""Less than this in that time is none [m]."""
-STUCK_PATIENCE = 2.0
-"""A motion that makes no headway for this long [s] has failed."""
 
 
 class Robot:
@@ -151,44 +146,21 @@ class Robot:
         top = limits.max_speed if speed is None else _positive("speed", speed)
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
-        await self.run(mode, headway=lambda now: _distance(now, x, y))
+        await run_mode(
+            mode, self.helm, self.snapshots(), until=inf, left=lambda now: _distance(now, x, y)
+        )
 
-    async def run(
-        self,
-        mode: Stack,
-        seconds: float = inf,
-        *,
-        headway: Callable[[Snapshot], float] | None = None,
-    ) -> None:
+    async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has done what it is for.
 
-        A stack replaces the one before; hands on a keyboard, a stick or the page come before it.
-
-        Args:
-            mode: A fresh one.
-            seconds: How long.
-            headway: Returns how far there is to go [m], where that must shrink.
+        It must be a fresh one, and replaces the one before. Hands on a keyboard, a stick or the
+        page come before it.
 
         Raises:
-            MotionError: something else ended it, or it made no headway for a while; the message
-                says why.
+            MotionError: something else ended it; the message says what.
         """
-        self.helm.start(mode)
-        left = Shrinking(asyncio.get_running_loop().time())
-        try:
-            async for snapshot in self.snapshots(seconds):
-                ended = self.helm.ended
-                if ended is not None and ended.mode is mode and ended.done:
-                    return
-                if self.helm.mode is not mode:
-                    why = ended.why if ended and ended.mode is mode else "another mode was started"
-                    raise MotionError(f"{mode.name}: {why}")
-                if headway and not left.goes_on(headway(snapshot), snapshot.stamp):
-                    told = "; ".join(self.helm.told)
-                    raise MotionError(f"{mode.name}: something is in the way: {told}")
-        finally:
-            if self.helm.mode is mode:
-                self.helm.end_mode("its time was over")
+        until = asyncio.get_running_loop().time() + seconds
+        await run_mode(mode, self.helm, self.snapshots(seconds), until=until)
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
@@ -212,46 +184,8 @@ class Robot:
         self.supervisor.send_unsafe(command)
 
     async def _carry_out(self, action: Move | Turn) -> None:
-        loop = asyncio.get_running_loop()
         self._hold.release()
-        self.supervisor.stop()  # a fresh command: whatever was held before is over
-        self.helm.add(action, PROGRAM)
-        try:
-            async with asyncio.timeout(STUCK_PATIENCE) as patience:
-                async for _ in self.snapshots():
-                    if action.done:
-                        return
-                    self._check(action)
-                    if self.why_not_moving() is None or self.helm.driver != action.name:
-                        patience.reschedule(loop.time() + STUCK_PATIENCE)
-            raise MotionError(f"{action.name}: the connection was closed")
-        except TimeoutError:
-            raise MotionError(f"{action.name}: {self.why_not_moving()}") from None
-        finally:
-            self.helm.remove(action)
-
-    def _check(self, action: Move | Turn) -> None:
-        """Raise MotionError if something has ended `action`."""
-        pilot = self.supervisor.pilot
-        if pilot.emergency:
-            raise MotionError(f"{action.name}: the emergency stop is latched")
-        if pilot.blocked:
-            raise MotionError(f"{action.name}: {pilot.blocked}")
-        if action not in self.helm:
-            raise MotionError(f"{action.name}: somebody stopped the robot")
-
-
-class Shrinking:
-    """Watches a distance that must shrink."""
-
-    def __init__(self, now: float) -> None:
-        self._best, self._at = inf, now
-
-    def goes_on(self, distance: float, now: float) -> bool:
-        """Return whether it has shrunk at all lately."""
-        if distance < self._best - HEADWAY:
-            self._best, self._at = distance, now
-        return now - self._at < BLOCKED_PATIENCE
+        await carry_out(action, self.helm, self.supervisor, self.snapshots())
 
 
 def _distance(snapshot: Snapshot, x: float, y: float) -> float:

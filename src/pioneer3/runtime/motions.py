@@ -1,0 +1,104 @@
+"""Motions that take a while: waits until they are done, or says what ended them."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from math import inf
+
+from pioneer3.behaviors.actions import Move, Turn
+from pioneer3.behaviors.stack import Stack
+from pioneer3.errors import MotionError
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.state import Snapshot
+
+STUCK_PATIENCE = 2.0
+"""A motion that makes no headway for this long [s] has failed."""
+BLOCKED_PATIENCE = 15.0
+"""On the way somewhere, people may step aside within this time [s]."""
+HEADWAY = 0.1
+"""Less than this in that time is none [m]."""
+
+Readings = AsyncIterator[Snapshot]
+Left = Callable[[Snapshot], float]
+"""Returns how far there is to go [m]."""
+
+
+async def carry_out(
+    action: Move | Turn, helm: Helm, supervisor: Supervisor, readings: Readings
+) -> None:
+    """Let `action` drive until it is done.
+
+    Raises:
+        MotionError: something else ended it, or it got stuck; the message says why.
+    """
+    clock = asyncio.get_running_loop().time
+    supervisor.stop()  # a fresh command: whatever was held before is over
+    helm.add(action, PROGRAM)
+    try:
+        async with asyncio.timeout(STUCK_PATIENCE) as patience:
+            async for _ in readings:
+                if action.done:
+                    return
+                _check(action, helm, supervisor)
+                if helm.why_not_moving() is None or helm.driver != action.name:
+                    patience.reschedule(clock() + STUCK_PATIENCE)
+        raise MotionError(f"{action.name}: the connection was closed")
+    except TimeoutError:
+        raise MotionError(f"{action.name}: {helm.why_not_moving()}") from None
+    finally:
+        helm.remove(action)
+
+
+async def run_mode(
+    mode: Stack, helm: Helm, readings: Readings, *, until: float, left: Left | None = None
+) -> None:
+    """Let `mode` drive `until` then [s, loop time], or until it has done what it is for.
+
+    Raises:
+        MotionError: something else ended it, or what is `left` has not shrunk for a while; the
+            message says why.
+    """
+    clock = asyncio.get_running_loop().time
+    helm.start(mode)
+    headway = _Headway(clock())
+    try:
+        async for snapshot in readings:
+            ended = helm.ended
+            if ended is not None and ended.mode is mode and ended.done:
+                return
+            if helm.mode is not mode:
+                why = ended.why if ended and ended.mode is mode else "another mode was started"
+                raise MotionError(f"{mode.name}: {why}")
+            if left and not headway.made(left(snapshot), snapshot.stamp):
+                told = "; ".join(helm.told)
+                raise MotionError(f"{mode.name}: something is in the way: {told}")
+        if clock() < until:
+            raise MotionError(f"{mode.name}: the connection was closed")
+    finally:
+        if helm.mode is mode:
+            helm.end_mode("its time was over")
+
+
+class _Headway:
+    """Watches a distance that must shrink."""
+
+    def __init__(self, now: float) -> None:
+        self._best, self._at = inf, now
+
+    def made(self, distance: float, now: float) -> bool:
+        """Return whether it has shrunk lately."""
+        if distance < self._best - HEADWAY:
+            self._best, self._at = distance, now
+        return now - self._at < BLOCKED_PATIENCE
+
+
+def _check(action: Move | Turn, helm: Helm, supervisor: Supervisor) -> None:
+    """Raise MotionError if something has ended `action`."""
+    pilot = supervisor.pilot
+    if pilot.emergency:
+        raise MotionError(f"{action.name}: the emergency stop is latched")
+    if pilot.blocked:
+        raise MotionError(f"{action.name}: {pilot.blocked}")
+    if action not in helm:
+        raise MotionError(f"{action.name}: somebody stopped the robot")
