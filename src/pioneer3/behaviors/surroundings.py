@@ -123,10 +123,10 @@ def _seen_from(
     pose: Pose2, points: Sequence[tuple[float, float]], known: dict[tuple[float, float], Point]
 ) -> tuple[Point, ...]:
     """Return points in the frame of `pose`; `known` holds those worked out before."""
-    c, s = cos(pose.theta), sin(pose.theta)
+    c, s, here_x, here_y = cos(pose.theta), sin(pose.theta), pose.x, pose.y
     for point in points:
         if point not in known:
-            dx, dy = point[0] - pose.x, point[1] - pose.y
+            dx, dy = point[0] - here_x, point[1] - here_y
             x, y = c * dx + s * dy, c * dy - s * dx
             known[point] = _POINT((x, y, hypot(x, y), atan2(y, x)))
     return tuple([known[point] for point in points])

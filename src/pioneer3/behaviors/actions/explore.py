@@ -54,21 +54,19 @@ class Explore:
             return Desire(v=0.0, turn=0.0, reason=BLIND)
         model = situation.model
         half, front = model.width / 2 + self.side_clearance, model.length_front
-        heading = self._heading
         points = (*around.points(Recall.LATELY), *around.points(Recall.REMEMBERED))
-        if (
-            heading is None
-            or situation.now - self._chosen > AGAIN
-            or room(points, wrap(heading - pose.theta), half) - front < self.front_clearance
-        ):
+        heading, free = self._heading, 0.0
+        if heading is not None:
+            free = room(points, wrap(heading - pose.theta), half) - front
+        if heading is None or situation.now - self._chosen > AGAIN or free < self.front_clearance:
             heading = self._heading = self._choose(pose, points, half, front)
+            free = room(points, wrap(heading - pose.theta), half) - front
             self._chosen = situation.now
         off = abs(wrap(heading - pose.theta))
-        free = min(LOOK, room(points, wrap(heading - pose.theta), half) - front)
         return Desire(
             v=self.speed * max(0.0, 1 - off / STEEP),
             heading=heading,
-            reason=f"{free:.1f} m of room",
+            reason=f"{min(free, LOOK):.1f} m of room",
         )
 
     def _note(self, pose: Pose2) -> None:
