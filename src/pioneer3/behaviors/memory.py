@@ -14,6 +14,8 @@ from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
 
 SILENT = 1.0
 """A sonar that has told nothing new for this long [s] does not work."""
+CREEP = 0.02
+"""Slower than this [m/s] says nothing of where the robot goes."""
 BUMPER_ARC = radians(135)
 """The angle over which the segments of one end are spread (arcos.md 4.7)."""
 
@@ -96,6 +98,7 @@ class RangeMemory:
         # readings were made on the way here: the pose before is as near (arcos.md 7.2)
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
+        self._push(snapshot, here, now)
         if scan is not None and now - scan.stamp <= STALE:
             self._laser.add(scan)
         for buffer in (self._sonar, self._bumpers, self._laser):
@@ -119,7 +122,7 @@ class RangeMemory:
 
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
-        self._laser, self._heard = LaserMemory(), -inf
+        self._laser, self._heard, self._forwards = LaserMemory(), -inf, True
 
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:
         mounts = self.model.sonars
@@ -133,6 +136,19 @@ class RangeMemory:
                 echo = Pose2(mount.x, mount.y, mount.theta) @ Pose2(metres)
                 point = pose @ echo
                 self._sonar.add(Seen(point.x, point.y, now), hypot(echo.x, echo.y))
+
+    def _push(self, snapshot: Snapshot, pose: Pose2, now: float) -> None:
+        """Take a stall for something at the corners it drove with: sonars had not seen it."""
+        v, motors = snapshot.odometry.twist.v, snapshot.motors
+        if not motors.stalled:
+            self._forwards = v > 0 if abs(v) > CREEP else self._forwards
+            return
+        model = self.model
+        x = model.length_front if self._forwards else -model.length_rear
+        for stalled, side in ((motors.left_stalled, 1), (motors.right_stalled, -1)):
+            if stalled:
+                point = pose @ Pose2(x, side * model.width / 2)
+                self._bumpers.add(Seen(point.x, point.y, now), model.radius)
 
     def _feel(self, bumpers: Bumpers, pose: Pose2, now: float) -> None:
         for behind, segments in ((0.0, bumpers.front), (radians(180), bumpers.rear)):

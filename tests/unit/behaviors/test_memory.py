@@ -7,8 +7,8 @@ import pytest
 
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.behaviors.surroundings import LATELY, Recall, Surroundings
-from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.state import Bumpers, LinkQuality, Scan, Snapshot, Sonar
+from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.state import Bumpers, LinkQuality, Motors, Scan, Snapshot, Sonar
 from tests.unit.behaviors.support import P3AT, around, seen
 
 COUNT = len(P3AT.sonars)
@@ -127,6 +127,26 @@ def test_what_was_seen_lately_outlives_newer_echoes() -> None:
     assert memory.around(now).nearest(*ahead, Recall.LATELY)
     memory.update(reading(LATELY + 0.1))
     assert not memory.around(LATELY + 0.1).nearest(*ahead, Recall.LATELY)
+
+
+@pytest.mark.parametrize(
+    ("v", "left", "right", "corners"),
+    [
+        (0.2, True, True, [(0.313, 0.2525), (0.313, -0.2525)]),
+        (0.2, False, True, [(0.313, -0.2525)]),
+        (-0.2, True, False, [(-0.313, 0.2525)]),
+    ],
+)
+def test_a_stall_is_something_at_the_corners(
+    v: float, left: bool, right: bool, corners: list[tuple[float, float]]
+) -> None:
+    motors = Motors(enabled=True, left_stalled=left, right_stalled=right)
+    moving = seen(0.0, twist=Twist2(v, 0.0)).snapshot
+    stalled = seen(0.1, motors=motors).snapshot
+    memory = remembering(moving, stalled)
+    for recall in Recall:
+        found = [(p.x, p.y) for p in memory.around(0.1).points(recall)]
+        assert found == [pytest.approx(corner) for corner in corners]
 
 
 def scan(stamp: float, ranges: dict[int, float], sequence: int = 0) -> Scan:
