@@ -6,8 +6,8 @@ import re
 import sys
 import termios
 import tty
-from collections.abc import AsyncIterator, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import AsyncGenerator, AsyncIterator, Iterator
+from contextlib import aclosing, contextmanager, suppress
 
 from pioneer3.errors import ConfigError
 from pioneer3.teleop.keyboard import Key
@@ -79,7 +79,15 @@ def raw_terminal() -> Iterator[int]:
 
 
 async def keys(descriptor: int) -> AsyncIterator[Key]:
-    """Yield keys as they are pressed; ends when the terminal goes away."""
+    """Yield keys that mean something as they are pressed; ends when the terminal goes away."""
+    async with aclosing(tokens(descriptor)) as pressed:
+        async for token in pressed:
+            for key in keys_in(token):
+                yield key
+
+
+async def tokens(descriptor: int) -> AsyncGenerator[str, None]:
+    """Yield what each key sends, a character or an escape sequence; ends with the terminal."""
     loop = asyncio.get_running_loop()
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
 
@@ -96,8 +104,8 @@ async def keys(descriptor: int) -> AsyncIterator[Key]:
                 if not (rest := await _soon(chunks)):
                     break
                 chunk += rest
-            for key in keys_in(chunk.decode("utf-8", "ignore")):
-                yield key
+            for token in TOKEN.findall(chunk.decode("utf-8", "ignore")):
+                yield token
     finally:
         loop.remove_reader(descriptor)
 
