@@ -8,6 +8,7 @@ from typing import Literal
 from pioneer3.behaviors.actions import (
     AvoidFront,
     Bumpers,
+    ColorFollow,
     ConstantVelocity,
     DeceleratingLimiter,
     Explore,
@@ -85,6 +86,12 @@ def goto(
 ) -> Stack:
     """Return the stack that drives to a point of odometry's frame; see :class:`Goto`."""
     return _stack("goto", [*_guards(), Ranked(50, Goto(x, y, heading, speed=speed))], priority)
+
+
+def color_follow(follow: ColorFollow, *, priority: int = MODE) -> Stack:
+    """Return the stack that drives after a colour and stops before obstacles."""
+    actions = [*_guards(), Ranked(70, follow)]
+    return Stack.of("color follow", priority, actions, "drives after a colour that a camera sees")
 
 
 def stop(*, priority: int = MODE) -> Stack:

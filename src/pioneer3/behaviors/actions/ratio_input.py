@@ -55,9 +55,20 @@ class RatioInput:
     name: str = "ratio input"
     _keyed: float = field(default=0.0, init=False)
     _key_turn: int = field(default=0, init=False)
+    _pressed: int = field(default=0, init=False)
     _reading: int | None = field(default=None, init=False)
     _pushed: Ratios | None = field(default=None, init=False)
     _until: float = field(default=inf, init=False)
+
+    @property
+    def keyed(self) -> float:
+        """Share of full speed set by keys, -1 to 1."""
+        return round(self._keyed, 6)
+
+    @property
+    def too_little(self) -> bool:
+        """Whether keys have set a share that moves nothing."""
+        return 0 < abs(self.keyed) <= DEAD_DRIVE
 
     def up(self) -> None:
         """Faster forwards."""
@@ -68,16 +79,16 @@ class RatioInput:
         self._keyed = max(-1.0, self._keyed - self.key_step)
 
     def left(self) -> None:
-        """Turn left until the next reading."""
-        self._key_turn, self._reading = 1, None
+        """Turn left, at once and for the next reading."""
+        self._pressed = 1
 
     def right(self) -> None:
-        """Turn right until the next reading."""
-        self._key_turn, self._reading = -1, None
+        """Turn right, at once and for the next reading."""
+        self._pressed = -1
 
     def space(self) -> None:
         """Stand still."""
-        self._keyed, self._key_turn, self._pushed = 0.0, 0, None
+        self._keyed, self._key_turn, self._pressed, self._pushed = 0.0, 0, 0, None
 
     def push(self, drive: float, turn: float, throttle: float = 1.0, *, until: float = inf) -> None:
         """Push a stick: shares -1 to 1 forwards and counter-clockwise, until released.
@@ -89,7 +100,7 @@ class RatioInput:
             ValueError: a share is out of range.
         """
         self._pushed, self._until = Ratios(drive, turn, throttle), until
-        self._keyed, self._key_turn = 0.0, 0
+        self._keyed, self._key_turn, self._pressed = 0.0, 0, 0
 
     def release(self) -> None:
         """Let go of the stick."""
@@ -100,7 +111,7 @@ class RatioInput:
         if self._pushed is not None and situation.now >= self._until:
             self._pushed = None
         stick = self._pushed
-        keys = Ratios(round(self._keyed, 6), self._turn_once(situation))
+        keys = Ratios(self.keyed, self._turn_once(situation))
         given = stick or keys
         model, twist = situation.model, situation.twist
         v, w = self._velocity(given, situation)
@@ -131,13 +142,14 @@ class RatioInput:
         return drive * full * given.throttle, turn * rate * given.throttle
 
     def _turn_once(self, situation: Situation) -> int:
-        """Return the turn of a key for the whole of one reading, however often asked during it."""
+        """Return the turn of a key: at once, and for the whole of the reading that follows.
+
+        A held key repeats faster than readings come, so that it turns without a gap.
+        """
         reading = situation.snapshot.sequence
-        if self._reading is None:
-            self._reading = reading
-        elif self._reading != reading:
-            self._key_turn = 0
-        return self._key_turn
+        if reading != self._reading:
+            self._reading, self._key_turn, self._pressed = reading, self._pressed, 0
+        return self._pressed or self._key_turn
 
 
 def _against(ratio: float, speed: float) -> bool:

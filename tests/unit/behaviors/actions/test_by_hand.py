@@ -129,6 +129,18 @@ def test_turning_keys_last_one_reading() -> None:
     assert ratios.decide(at(2)).w == pytest.approx(radians(-50))
 
 
+def test_a_turning_key_that_repeats_turns_without_a_gap() -> None:
+    ratios = RatioInput()
+    turned = []
+    for reading in range(1, 6):
+        turned.append(ratios.decide(at(reading)).w)  # when the reading comes
+        if reading in {2, 3}:
+            ratios.left()  # between this reading and the next
+            turned.append(ratios.decide(at(reading)).w)
+    rate = pytest.approx(radians(50))
+    assert turned == [0, 0, rate, rate, rate, rate, 0]
+
+
 def test_a_stick_comes_before_keys_and_ends_them() -> None:
     ratios = RatioInput()
     for _ in range(10):
