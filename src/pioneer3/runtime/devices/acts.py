@@ -5,7 +5,7 @@ from collections.abc import AsyncGenerator
 from functools import partial
 
 from pioneer3.acts import PORT, REQUEST, Picture, PictureReader
-from pioneer3.errors import DeviceError, LinkError
+from pioneer3.errors import DeviceError, LinkError, PortNotFoundError
 from pioneer3.links import Link, Opener, open_link
 from pioneer3.runtime.devices.presence import Presence
 
@@ -51,6 +51,10 @@ class Acts:
                     yield self.latest
             finally:
                 await link.close()
+        except PortNotFoundError:
+            raise self._failed(
+                f"{self._where}: nobody listens there; does it run? Simulators have one: --acts."
+            ) from None
         except LinkError as error:
             raise self._failed(f"{self._where}: {error}; does it run?") from None
         except TimeoutError:
