@@ -26,8 +26,9 @@ def run_until_told_to_leave(command: Coroutine[Any, Any, int | None]) -> int:
         return await command
 
     try:
-        return asyncio.run(guarded()) or 0
+        code = asyncio.run(guarded()) or 0
     except asyncio.CancelledError:
         if not received:
             raise
-        return 128 + received[0]
+        code = 0
+    return 128 + received[0] if received else code
