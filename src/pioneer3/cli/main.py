@@ -8,6 +8,7 @@ from enum import IntEnum
 from cyclopts import App, CycloptsError
 
 from pioneer3 import __version__
+from pioneer3.cli.demo import demo
 from pioneer3.cli.doctor import doctor
 from pioneer3.cli.drive import drive
 from pioneer3.cli.find_port import find_port
@@ -55,6 +56,7 @@ for command in (
     sim,
     map_app,
     drive,
+    demo,
     wander,
     goto,
     move,

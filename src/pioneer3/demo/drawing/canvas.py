@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable
 from enum import StrEnum
+from itertools import groupby
 from math import ceil, cos, hypot, inf, pi, sin
+from operator import itemgetter
 from typing import Final
 
 from rich.text import Text
@@ -105,8 +107,9 @@ class Canvas:
         text = Text(no_wrap=True, overflow="crop", end="")
         for number, row in enumerate(self._cells()):
             text.append("\n" if number else "")
-            for letter, ink in row:
-                text.append(letter, None if ink is None else ink.value)
+            for ink, cells in groupby(row, key=itemgetter(1)):
+                letters = "".join(letter for letter, _ in cells)
+                text.append(letters, None if ink is None else ink.value)
         return text
 
     def _cells(self) -> Iterable[list[tuple[str, Ink | None]]]:

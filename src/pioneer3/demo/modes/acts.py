@@ -1,0 +1,120 @@
+"""Driving after a colour that ACTS sees (arcos.md 8.12)."""
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from pioneer3.acts import Picture
+from pioneer3.behaviors import modes as stacks
+from pioneer3.behaviors.actions import Blob, ColorFollow
+from pioneer3.behaviors.stack import Stack
+from pioneer3.demo.modes.cockpit import Cockpit
+from pioneer3.demo.modes.mode import Mode
+from pioneer3.demo.modes.row import Row
+from pioneer3.errors import DeviceError
+from pioneer3.runtime.devices import Presence
+
+WIDTH, HEIGHT = 160, 120
+"""Of ACTS's pictures [pixels]; it does not tell."""
+PAUSE = 2.0
+"""Before ACTS is looked for again [s]."""
+CHANNELS = frozenset("12345678")
+
+
+def acts(cockpit: Cockpit) -> Mode:
+    """Return the mode that follows a colour."""
+    chase = _Chase(cockpit)
+    return Mode(
+        key="a",
+        name="acts",
+        help=(
+            "1-8: channel",
+            "z: drive after it",
+            "space: stop",
+            "x: look for what is lost",
+        ),
+        presence=chase.presence,
+        enter=chase.enter,
+        on_key=chase.on_key,
+        row=chase.row,
+    )
+
+
+class Eyes:
+    """The blobs of the last picture, as actions want them."""
+
+    def __init__(self) -> None:
+        self._picture: Picture | None = None
+        self._stamp = 0.0
+
+    def take(self, picture: Picture | None, stamp: float) -> None:
+        """Look at another picture, taken at `stamp` [s]; `None` is none."""
+        self._picture, self._stamp = picture, stamp
+
+    def largest(self, channel: int) -> Blob | None:
+        """Return the largest blob of a channel, or `None`."""
+        blobs = self._picture.channel(channel) if self._picture else ()
+        if not blobs:
+            return None
+        return Blob(
+            x=(blobs[0].x + 0.5) / WIDTH * 2 - 1,
+            y=1 - (blobs[0].y + 0.5) / HEIGHT * 2,
+            area=blobs[0].area / (WIDTH * HEIGHT),
+            stamp=self._stamp,
+        )
+
+
+class _Chase:
+    def __init__(self, cockpit: Cockpit) -> None:
+        self._cockpit = cockpit
+        self._eyes = Eyes()
+        self._follow = ColorFollow(self._eyes)
+        self._stack: Stack | None = None
+
+    def presence(self) -> Presence:
+        """ACTS may be started at any time."""
+        now = self._cockpit.acts.presence
+        return Presence(now.there or None, now.reason)
+
+    @contextmanager
+    def enter(self) -> Iterator[None]:
+        self._follow.moving = False
+        self._cockpit.work(self._watch())
+        yield
+
+    def on_key(self, key: str) -> bool:
+        match key.lower():
+            case _ if key in CHANNELS:
+                self._follow.channel = int(key)
+            case "z":
+                self._follow.moving = True
+                self._stack = stacks.color_follow(self._follow)
+                self._cockpit.start(self._stack)
+            case "space":
+                self._cockpit.robot.helm.stop()
+            case "x":
+                self._follow.acquiring = not self._follow.acquiring
+            case _:
+                return False
+        return True
+
+    def row(self) -> Row:
+        follow = self._follow
+        seen = self._eyes.largest(follow.channel) is not None
+        return Row(
+            tail=(
+                f"Channel: {follow.channel}"
+                f"  movement {'on' if self._cockpit.drives(self._stack) else 'off'}"
+                f"  {'actively' if follow.acquiring else 'passively'} acquiring"
+                f"  {'blob in sight' if seen else 'no blob in sight'}"
+            )
+        )
+
+    async def _watch(self) -> None:
+        clock = asyncio.get_running_loop().time
+        while True:
+            with suppress(DeviceError):  # the presence tells it
+                async for picture in self._cockpit.acts.pictures():
+                    self._eyes.take(picture, clock())
+            self._eyes.take(None, clock())
+            await asyncio.sleep(PAUSE)

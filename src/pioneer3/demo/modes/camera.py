@@ -1,0 +1,155 @@
+"""A pan-tilt-zoom camera by hand: its make, its port, then its keys (arcos.md 8.6)."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from math import radians
+from types import MappingProxyType
+
+from pioneer3.demo.modes.cockpit import Cockpit
+from pioneer3.demo.modes.mode import Gauge, Mode
+from pioneer3.errors import PioneerError
+from pioneer3.runtime.devices import Camera, CameraName, Presence
+from pioneer3.units import DEGREE
+
+PAN, TILT, ZOOM = radians(5), radians(3), 0.01
+"""Of one key."""
+ON_AUX: Mapping[str, CameraName] = MappingProxyType(
+    {"1": "sony", "2": "vcc4", "5": "vcc4-inverted"}
+)
+UNKNOWN = {"3": "DPPTU", "4": "AMPTU"}
+ON_COMPUTER = "!@#$%^"
+CHOICES = (
+    "on the robot's AUX port:",
+    "1: Sony",
+    "2: Canon VCC4",
+    "5: inverted Canon",
+    "3, 4: DPPTU, AMPTU",
+    "!@#$%^: on the computer",
+)
+PORTS = ("1: AUX1", "2: AUX2")
+HELP = (
+    "up, down: tilt 3°",
+    "left, right: pan 5°",
+    "z, x: zoom ±1 %",
+    "space: centre, zoom out",
+    "e: exercise until a key",
+)
+
+
+def camera(cockpit: Cockpit) -> Mode:
+    """Return the mode that aims a camera."""
+    hand = _Hand(cockpit)
+    return Mode(
+        key="c",
+        name="camera",
+        help=HELP,
+        presence=hand.presence,
+        enter=hand.enter,
+        on_key=hand.on_key,
+        gauges=hand.gauges,
+        details=hand.details,
+    )
+
+
+class _Hand:
+    def __init__(self, cockpit: Cockpit) -> None:
+        self._cockpit = cockpit
+        self._make: CameraName | None = None
+        self._camera: Camera | None = None
+        self._end_exercise: Callable[[], None] = lambda: None
+
+    def presence(self) -> Presence:
+        if self._camera is not None:
+            return self._camera.presence
+        return Presence(None, "CONFIG does not tell of cameras: choose one, and it is asked.")
+
+    @contextmanager
+    def enter(self) -> Iterator[None]:
+        """Begin with the choice, as long as no camera has been chosen that answers."""
+        if self._camera is None or not self._camera.presence.there:
+            self._make = self._camera = None
+        yield
+
+    def on_key(self, key: str) -> bool:
+        if self._camera is not None:
+            return self._aim(self._camera, key)
+        if self._make is not None:
+            return self._choose_port(self._make, key)
+        return self._choose_make(key)
+
+    def gauges(self) -> tuple[Gauge, ...]:
+        if self._camera is None:
+            return ()
+        aim, kind = self._camera.aim, self._camera.kind
+        return (
+            Gauge(
+                name="pan",
+                share=-aim.pan / max(kind.pan.high, -kind.pan.low),
+                text=f"{aim.pan / DEGREE:+.0f}°",
+                signed=True,
+            ),
+            Gauge(
+                name="tilt",
+                share=aim.tilt / max(kind.tilt.high, -kind.tilt.low),
+                text=f"{aim.tilt / DEGREE:+.0f}°",
+                signed=True,
+            ),
+            Gauge(name="zoom", share=aim.zoom, text=f"{100 * aim.zoom:.0f} %"),
+        )
+
+    def details(self) -> tuple[str, ...]:
+        if self._camera is not None:
+            return (str(self._camera.presence),)
+        return CHOICES if self._make is None else (f"{self._make} on which port?", *PORTS)
+
+    def _choose_make(self, key: str) -> bool:
+        if key in ON_AUX:
+            self._make = ON_AUX[key]
+            self._cockpit.say(f"Camera {self._make}. On which port? {', '.join(PORTS)}")
+        elif key in UNKNOWN:
+            self._cockpit.say(f"{UNKNOWN[key]}: the bytes of this unit are not documented.")
+        elif len(key) == 1 and key in ON_COMPUTER:
+            self._cockpit.say("Cameras on a port of the computer are not built; AUX ports are.")
+        else:
+            return False
+        return True
+
+    def _choose_port(self, make: CameraName, key: str) -> bool:
+        if key not in {"1", "2"}:
+            return False
+        self._camera = self._cockpit.robot.devices.camera(make, int(key))
+        self._cockpit.work(self._connect(self._camera))
+        return True
+
+    async def _connect(self, camera: Camera) -> None:
+        try:
+            await camera.connect()
+        except PioneerError:
+            self._make = self._camera = None  # choose again
+            raise
+        self._cockpit.say(str(camera.presence))
+
+    def _aim(self, camera: Camera, key: str) -> bool:
+        match key.lower():
+            case "up":
+                camera.turn(tilt=TILT)
+            case "down":
+                camera.turn(tilt=-TILT)
+            case "left":
+                camera.turn(pan=PAN)
+            case "right":
+                camera.turn(pan=-PAN)
+            case "space":
+                camera.centre()
+            case "z":
+                camera.zoom(camera.aim.zoom + ZOOM)
+            case "x":
+                camera.zoom(camera.aim.zoom - ZOOM)
+            case "e":
+                self._end_exercise()
+                self._end_exercise = self._cockpit.work(camera.exercise())
+                return True
+            case _:
+                return False
+        self._end_exercise()
+        return True

@@ -1,0 +1,249 @@
+"""The demo without a face: modes, keys, and everything that must stop the robot."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine, Iterable, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from typing import Any, Protocol, TypeVar
+
+from pioneer3.demo.keys import HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEYS
+from pioneer3.demo.modes import ALL, Cockpit, Gauge, Mode, Row
+from pioneer3.errors import PioneerError
+from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.devices import Acts, Presence
+from pioneer3.runtime.helm import STOPPED
+from pioneer3.runtime.robot import Robot
+
+log = logging.getLogger(__name__)
+
+TICK = 0.1
+PATIENCE = 10.0
+"""A speed set by hand ends after so long without a key [s]: a frozen terminal cannot be seen."""
+Maker = Callable[[Cockpit], Mode]
+T = TypeVar("T")
+
+
+class Face(Protocol):
+    """What shows the demo to people."""
+
+    def show_help(self) -> None:
+        """Show which keys there are."""
+
+    def show_mode(self) -> None:
+        """Another mode is active."""
+
+    def say(self, text: str) -> None:
+        """Tell a sentence."""
+
+
+class Program:
+    """Holds the modes; one of them is active. Every way out of :meth:`run` stops the robot.
+
+    Args:
+        robot: Connected.
+        face: Shows what happens.
+        first: Key of the mode to begin with.
+        patience: How long a speed set by hand lasts without a key [s]; `inf` is for ever.
+        acts: The colour tracker.
+        makers: Of the modes, in the order in which they are listed.
+
+    Attributes:
+        active: The mode that the keys are for.
+        over: Set when the demo shall end.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        face: Face,
+        *,
+        first: str = "t",
+        patience: float = PATIENCE,
+        acts: Acts | None = None,
+        makers: Iterable[Maker] = ALL,
+    ) -> None:
+        self.robot = robot
+        self.over = asyncio.Event()
+        self.cockpit = Cockpit(robot, face.say, self._work, acts or Acts())
+        made = (_careful(make(self.cockpit)) for make in makers)
+        self.modes = {mode.key: mode for mode in made}
+        self.active = self.modes[first]
+        self._face = face
+        self._patience = patience
+        self._held = ExitStack()
+        self._tasks: set[asyncio.Task[object]] = set()
+        self._clock = asyncio.get_running_loop().time
+        self._broken: set[str] = set()
+        self._last_key = self._clock()
+        self._status = robot.supervisor.status.latest
+        self._ended = robot.helm.ended
+
+    async def run(self) -> None:
+        """Serve until :attr:`over`."""
+        try:
+            self._guard("motors", lambda: self.robot.helm.set_motors(on=True))
+            self._enter(self.active)
+            while not self.over.is_set():
+                self._look()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(TICK):
+                        await self.over.wait()
+        finally:
+            try:
+                self.robot.helm.stop()
+            finally:
+                tasks = list(self._tasks)
+                self._leave()
+                await asyncio.gather(*tasks, return_exceptions=True)
+
+    def press(self, key: str) -> None:
+        """Take a key: a character, or a name such as `up`, `space`, `pageup`, `ctrl+r`."""
+        self._last_key = self._clock()
+        if key in STOP_KEYS:
+            self.robot.emergency_stop()
+            self._face.say("EMERGENCY STOP. Ctrl-R releases it; the motors stay off.")
+        elif key in QUIT_KEYS:
+            self.robot.helm.stop()
+            self.over.set()
+        elif key == RESET_KEY:
+            self.robot.reset_emergency_stop()
+            self._face.say("The emergency stop is released; e in teleop, or driving, brings power.")
+        elif key in HELP_KEYS:
+            self._face.show_help()
+        elif key.lower() in self.modes:
+            self.choose(self.modes[key.lower()])
+        else:
+            self._guard(self.active.name, lambda: self.active.on_key(key))
+
+    def choose(self, mode: Mode) -> None:
+        """Make `mode` the active one; the robot stops. Choosing the active one is up to it."""
+        if mode is self.active:
+            self._guard(mode.name, mode.again)
+            return
+        self._leave()
+        self.robot.helm.stop()
+        self.active = mode
+        self._enter(mode)
+
+    def let_go(self, why: str) -> None:
+        """End what was set by hand: nobody is near any more."""
+        if self.active.by_hand and self._moves():
+            self.robot.helm.stop()
+            self._face.say(f"Stopped: {why}.")
+
+    def help(self) -> list[str]:
+        """Return which keys there are, a line each (arcos.md 8.1)."""
+        return [
+            "quit: escape",
+            "help: 'h', 'H', '?' or '/'",
+            "emergency stop: 'k' or 'K'; release it: Ctrl-R",
+            *(f"{m.name} mode: '{m.key}' or '{m.key.upper()}'" for m in self.modes.values()),
+            f"current mode: {self.active.name}",
+            *self.active.help,
+        ]
+
+    def row(self) -> Row | None:
+        """Return the columns of the active mode, if there is anything to show."""
+        if self.active.presence().there is False:
+            return None
+        return self._shown(self.active.row, None)
+
+    def gauges(self) -> Sequence[Gauge]:
+        """Return the bars of the active mode."""
+        return self._shown(self.active.gauges, ())
+
+    def details(self) -> Sequence[str]:
+        """Return the longer texts of the active mode."""
+        return self._shown(self.active.details, ())
+
+    def _enter(self, mode: Mode) -> None:
+        self._broken.discard(mode.key)
+        self._face.show_mode()
+        if mode.presence().there is False:
+            self._face.say(f"{mode.name}: {mode.presence()}")
+        else:
+            self._guard(mode.name, lambda: self._held.enter_context(mode.enter()))
+
+    def _leave(self) -> None:
+        for task in self._tasks:
+            task.cancel()
+        self._guard(self.active.name, self._held.close)
+
+    def _guard(self, what: str, act: Callable[[], object]) -> None:
+        """Do it; a failure stops the robot and is told, and the demo goes on."""
+        try:
+            act()
+        except Exception as error:
+            self._failed(what, error)
+
+    def _failed(self, what: str, error: Exception) -> None:
+        self.robot.helm.stop()
+        if isinstance(error, PioneerError):
+            self._face.say(str(error))
+        else:
+            log.error("%s failed: %s: %s", what, type(error).__name__, error, exc_info=error)
+            self._face.say(f"{what} failed, the robot is stopped: {type(error).__name__}: {error}")
+
+    def _shown(self, part: Callable[[], T], otherwise: T) -> T:
+        """Return a part of the active mode to show, or `otherwise` if that fails."""
+        mode = self.active
+        if mode.key in self._broken:
+            return otherwise
+        try:
+            return part()
+        except Exception as error:
+            self._broken.add(mode.key)  # it would be told ten times a second
+            self._failed(mode.name, error)
+            return otherwise
+
+    def _work(self, coroutine: Coroutine[Any, Any, object]) -> Callable[[], None]:
+        """Run it until the mode is left; return what ends it before."""
+        name = self.active.name
+        task = asyncio.ensure_future(coroutine)
+        self._tasks.add(task)
+
+        def ended(task: asyncio.Task[object]) -> None:
+            self._tasks.discard(task)
+            error = None if task.cancelled() else task.exception()
+            if isinstance(error, Exception):
+                self._failed(name, error)
+
+        task.add_done_callback(ended)
+
+        def end() -> None:
+            task.cancel()
+
+        return end
+
+    def _look(self) -> None:
+        """Tell what has happened since the last look; end what nobody holds."""
+        status, ended = self.robot.supervisor.status.latest, self.robot.helm.ended
+        if status is not None and status is not self._status:
+            lost = status.connection is Connection.LOST
+            more = ". What drove it must be started anew" if lost else ""
+            self._face.say(f"{status.connection.value.upper()}: {status.message}{more}")
+        new = ended is not None and ended is not self._ended
+        if ended is not None and new and not ended.done and ended.why != STOPPED:
+            self._face.say(f"{ended.mode.name} ended: {ended.why}")
+        self._status, self._ended = status, ended
+        if self._clock() - self._last_key >= self._patience:
+            self.let_go(f"no key for {self._patience:g} s. The next key starts anew")
+
+    def _moves(self) -> bool:
+        snapshot, pilot = self.robot.snapshot, self.robot.supervisor.pilot
+        if snapshot is None:
+            return False
+        return snapshot.motors.moving or not pilot.asked(self._clock()).is_zero
+
+
+def _careful(mode: Mode) -> Mode:
+    """Return `mode` with a presence that cannot fail: all of them are asked all the time."""
+
+    def presence() -> Presence:
+        try:
+            return mode.presence()
+        except Exception as error:
+            return Presence(None, f"{mode.name} cannot tell: {type(error).__name__}: {error}")
+
+    return replace(mode, presence=presence)

@@ -1,0 +1,40 @@
+"""Puts a face on the demo and runs it until a key, or the end of the terminal, ends it."""
+
+import sys
+from contextlib import nullcontext
+from functools import partial
+
+from pioneer3.demo.plain import Plain, serve_plain, typed
+from pioneer3.demo.program import Program
+from pioneer3.runtime.devices import Acts
+from pioneer3.runtime.identity import kind
+from pioneer3.runtime.robot import Robot
+from pioneer3.teleop.terminal import raw_terminal
+
+
+async def start_screen(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
+    """Run the demo on the whole terminal; return the exit code."""
+    from pioneer3.demo.app import DemoApp  # noqa: PLC0415  textual takes its time
+    from pioneer3.demo.notes import log_told_by  # noqa: PLC0415
+
+    app = DemoApp(partial(Program, robot, first=first, patience=patience, acts=acts))
+    with log_told_by(app.say):
+        await app.run_async()
+    app.raise_failure()
+    return app.return_code or 0
+
+
+async def start_plain(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
+    """Run the demo as lines on standard output, with keys from standard input."""
+    face = Plain(_write)
+    _write(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
+    program = Program(robot, face, first=first, patience=patience, acts=acts)
+    is_terminal = sys.stdin is not None and sys.stdin.isatty()
+    with raw_terminal() if is_terminal else nullcontext(0) as descriptor:
+        await serve_plain(program, face, typed(descriptor))
+    return 0
+
+
+def _write(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
