@@ -123,7 +123,7 @@ class RatioInput:
                 HARD * model.turn_deceleration if _against(given.turn, twist.w) else None
             ),
             until=self._until if stick else inf,
-            reason="by stick" if stick else "by keys",
+            reason=("by stick" if stick else "by keys") if v or w else "no speed is set",
         )
 
     def _velocity(self, given: Ratios, situation: Situation) -> tuple[float, float]:

@@ -155,7 +155,7 @@ def test_a_stick_that_nobody_renews_is_let_go() -> None:
     ratios = RatioInput()
     ratios.push(1.0, 0.0, until=0.45)
     assert ratios.decide(at(4)).until == 0.45
-    assert ratios.decide(at(5)) == Desire(v=0.0, w=0.0, until=inf, reason="by keys")
+    assert ratios.decide(at(5)) == Desire(v=0.0, w=0.0, until=inf, reason="no speed is set")
 
 
 def test_a_stick_against_the_motion_brakes_harder() -> None:
