@@ -12,6 +12,7 @@ from pioneer3.cli.demo import demo
 from pioneer3.cli.doctor import doctor
 from pioneer3.cli.drive import drive
 from pioneer3.cli.find_port import find_port
+from pioneer3.cli.follow import follow
 from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
@@ -58,6 +59,7 @@ for command in (
     drive,
     demo,
     wander,
+    follow,
     goto,
     move,
     turn,

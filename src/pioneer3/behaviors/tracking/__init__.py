@@ -1,0 +1,1 @@
+"""Where somebody is and goes, from echoes of sonars; pure."""

@@ -1,0 +1,133 @@
+"""Somebody who is followed: takes the echoes that are theirs, expects them where they went."""
+
+from collections.abc import Sequence
+from math import asin, copysign, cos, hypot, inf, radians, sin, sqrt
+
+from pioneer3.behaviors.tracking.clutter import Clutter
+from pioneer3.behaviors.tracking.estimate import Estimate
+from pioneer3.behaviors.tracking.pings import HALF_BEAM, RING, Ping
+
+RADIUS = 0.25
+"""Of somebody who walks, seen from above [m]."""
+RANGE_SIGMA = 0.06
+"""Of the distance to the middle of somebody whose outline is no circle [m]."""
+BLUR = radians(5)
+"""Who is so far beside the beam is measured half as well [rad]."""
+MISS_SIGMA = radians(28)
+"""Of the bearing of who is not heard [rad]."""
+FACE_SIGMA = radians(8)
+"""Of the bearing of what several transducers hear [rad]."""
+GATE = 2.7
+"""Echoes that differ from the expectation by more standard deviations are somebody else's."""
+CORE = radians(12)
+"""Who is this near to the axis of a transducer is heard [rad]."""
+OUT = radians(20)
+"""Who is not heard is so far from the axis [rad]."""
+WALKED = 0.6
+"""Who has come this far has walked [m]; noise does not get that far."""
+
+
+class Target:
+    """Somebody, as told by sonar.
+
+    An echo says how far away they are and, roughly, in which direction; silence from where they are
+    expected says that they are beside the beam.
+
+    Attributes:
+        estimate: Of their middle, in odometry's frame.
+        heard: When their last echo came [s].
+        found: When their first echo came [s].
+        walked: Whether they have ever left the place where they were first heard.
+        echoes: The last one of each transducer that has heard them, by its number.
+    """
+
+    def __init__(self, ping: Ping) -> None:
+        reach = ping.distance + RADIUS
+        x, y = ping.x + reach * cos(ping.axis), ping.y + reach * sin(ping.axis)
+        self.estimate = Estimate(x, y, ping.stamp, sigma=0.15)
+        self.heard = self.found = ping.stamp
+        self.walked = False
+        self.echoes = {ping.number: ping}
+        self._first = x, y
+
+    def hear(self, pings: Sequence[Ping], clutter: Clutter) -> list[Ping]:
+        """Take in those echoes that are theirs; return the others."""
+        if pings:
+            self.estimate.advance(pings[0].stamp)
+        others = []
+        for ping in sorted(pings, key=self.differs):
+            if self.differs(ping) < GATE and not self._is_furniture(ping, clutter):
+                self._take(ping)
+            else:
+                self._miss(ping)
+                others.append(ping)
+        if len(others) < len(pings):
+            self._face()
+        x, y = self.estimate.position
+        if hypot(x - self._first[0], y - self._first[1]) > WALKED:
+            self.walked = True
+        return others
+
+    def differs(self, ping: Ping) -> float:
+        """Return how unlike them an echo is, in standard deviations; `inf` if it cannot be theirs.
+
+        Its bearing counts little as long as the beam and they are wide enough to meet.
+        """
+        if ping.distance == inf:
+            return inf
+        away, off = ping.seen(*self.estimate.position)
+        nx, ny = cos(ping.axis + off), sin(ping.axis + off)
+        wide = asin(RADIUS / max(away, RADIUS))
+        along = self.estimate.variance(nx, ny) + RANGE_SIGMA**2
+        doubt = self.estimate.variance(-ny, nx) / max(away, RADIUS) ** 2
+        if _outside(off) > wide + sqrt(doubt):
+            return inf
+        longer = ping.distance - expected_range(away, off)
+        return sqrt(longer**2 / along + off**2 / (doubt + ((HALF_BEAM + wide) / 2) ** 2))
+
+    def _is_furniture(self, ping: Ping, clutter: Clutter) -> bool:
+        longer = ping.distance - expected_range(*ping.seen(*self.estimate.position))
+        return abs(longer) > 1.5 * abs(clutter.explains(ping)) + 0.05
+
+    def _take(self, ping: Ping) -> None:
+        self.heard = ping.stamp
+        self.echoes[ping.number] = ping
+        away, off = ping.seen(*self.estimate.position)
+        nx, ny = cos(ping.axis + off), sin(ping.axis + off)
+        longer = ping.distance - expected_range(away, off)
+        self.estimate.correct(nx, ny, longer, RANGE_SIGMA * (1 + _outside(off) / BLUR))
+
+    def _face(self) -> None:
+        """Take in that they are amid the transducers that have heard them in this turn of the ring.
+
+        All of these at once: one after the other, they would pull them to and fro.
+        """
+        recent = [p for p in self.echoes.values() if self.heard - p.stamp <= RING]
+        off = sum(p.seen(*self.estimate.at(p.stamp))[1] for p in recent) / len(recent)
+        last = max(recent, key=lambda p: p.stamp)
+        away, aside = last.seen(*self.estimate.position)
+        nx, ny = cos(last.axis + aside), sin(last.axis + aside)
+        self.estimate.correct(-ny, nx, -away * sin(off), away * FACE_SIGMA)
+
+    def _miss(self, ping: Ping) -> None:
+        """Take in that a transducer hears past where they are expected."""
+        away, off = ping.seen(*self.estimate.position)
+        if abs(off) < CORE and ping.distance > away + RADIUS and RADIUS < away < 2:
+            nx, ny = cos(ping.axis + off), sin(ping.axis + off)
+            aside = away * (copysign(OUT, off) - off)
+            self.estimate.correct(-ny, nx, aside, away * MISS_SIGMA)
+
+
+def expected_range(away: float, off: float) -> float:
+    """Return the range of a round person whose middle is `away` [m] and `off` the axis [rad].
+
+    Who is beside the beam is met by its edge, which is farther away than their nearest point. No
+    beam has a sharp edge, so it is taken to reach half as far out again as they are.
+    """
+    outside = _outside(off) / 2
+    across = min(away * sin(outside), RADIUS)
+    return away * cos(outside) - sqrt(RADIUS * RADIUS - across * across)
+
+
+def _outside(off: float) -> float:
+    return max(0.0, abs(off) - HALF_BEAM)

@@ -1,0 +1,146 @@
+"""Somebody walks a course, and a robot follows them: what came of it."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass, field
+from math import atan2, hypot, radians
+
+from pioneer3.behaviors.follow import Rule, follow
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.robot import Robot
+from pioneer3.sim.body import Body
+from pioneer3.sim.kernels.drives import TOUCHED
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import Person
+from tests.conftest import VirtualTimeLoop
+from tests.e2e.follow_course import Course
+from tests.support import TICK, SimulatedRobot
+
+SPEED = 0.4
+"""Of the person [m/s]."""
+START = 0.6
+"""Between robot and person in the beginning [m]."""
+WAIT = 4.0
+"""The person stands still for this long; then they walk, and are watched from then on [s]."""
+NEAR, FAR = 0.15, 0.6
+"""Between the outlines [m]; in between, the person is kept."""
+LOST, LOST_FOR = 1.5, 2.0
+"""Farther away [m] for so long [s], the person is lost."""
+ASIDE, MISTAKEN_FOR = radians(65), 1.0
+"""Farther aside than this [rad], or lost, the person cannot be heard. A rule that says for so long
+[s] that it follows them then takes something else for them."""
+
+
+@dataclass(slots=True)
+class Outcome:
+    """Of one walk; shares are of the time that the person was watched.
+
+    Attributes:
+        gaps: Between the outlines, every 20 ms [m].
+        lost: How often the person was lost.
+        walls: How often something else was taken for them.
+        contacts: How often the robot touched something, or somebody.
+        ended: Why the mode ended before the walk, or `None`.
+    """
+
+    gaps: list[float] = field(default_factory=list)
+    lost: int = 0
+    walls: int = 0
+    contacts: int = 0
+    ended: str | None = None
+
+    def share(self, low: float = NEAR, high: float = FAR) -> float:
+        """Return the share of the time with the outlines so far apart [m]."""
+        return sum(low <= gap <= high for gap in self.gaps) / len(self.gaps)
+
+
+class Judge:
+    """Watches robot and person."""
+
+    def __init__(self, robot: Robot, body: Body, person: Obstacle) -> None:
+        self.outcome = Outcome()
+        self._robot, self._body, self._person = robot, body, person
+        self._far = self._mistaken = 0.0
+        self._touching = False
+
+    def look(self) -> None:
+        """Look, every `TICK`."""
+        outcome, (gap, bearing) = self.outcome, gap_to(self._person.pose, self._body)
+        outcome.gaps.append(gap)
+        before, self._far = self._far, self._far + TICK if gap > LOST else 0.0
+        outcome.lost += before < LOST_FOR <= self._far
+        wrong = (gap > LOST or abs(bearing) > ASIDE) and self._says_it_follows()
+        before, self._mistaken = self._mistaken, self._mistaken + TICK if wrong else 0.0
+        outcome.walls += before < MISTAKEN_FOR <= self._mistaken
+        touches = bool(self._body.drives.flags.item(TOUCHED, self._body.number))
+        outcome.contacts += touches and not self._touching
+        self._touching = touches
+        ended = self._robot.helm.ended
+        outcome.ended = ended.why if ended else None
+
+    def _says_it_follows(self) -> bool:
+        shares = self._robot.helm.decision.shares
+        return any(s.action == "follow" and s.reason.startswith("follows") for s in shares)
+
+
+def gap_to(person: Pose2, body: Body, radius: float = 0.25) -> tuple[float, float]:
+    """Return the distance between the outlines [m], and where the person is [rad]."""
+    there, model = body.robot_in_world.inverse() @ person, body.model
+    ahead = max(there.x - model.length_front, -model.length_rear - there.x, 0.0)
+    aside = max(abs(there.y) - model.width / 2, 0.0)
+    return hypot(ahead, aside) - radius, atan2(there.y, there.x)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Walk:
+    """Somebody walks a course.
+
+    Attributes:
+        course: Where.
+        seed: Of all chances.
+        rule: That the robot follows.
+        model: The robot's.
+        seconds: How long.
+        speed: Of the person [m/s].
+        realism: Of the simulation.
+        watch: Called every `TICK`.
+    """
+
+    course: Course
+    seed: int
+    rule: Rule
+    model: str = "p3at-sh"
+    seconds: float = 60.0
+    speed: float = SPEED
+    realism: Realism = field(default_factory=Realism)
+    watch: Callable[[Robot, Body, Obstacle], None] = lambda *_: None
+
+    def run(self) -> Outcome:
+        """Return what came of it; takes about a second."""
+        with closing(VirtualTimeLoop()) as loop:
+            return loop.run_until_complete(self.walk())
+
+    async def walk(self) -> Outcome:
+        """Return what came of it."""
+        path = self.course.path
+        standing = Person(path=path[:1])
+        robot = SimulatedRobot(
+            self.course.room, model=self.model, realism=self.realism, seed=self.seed
+        )
+        reach = robot.body.model.length_front + START + standing.radius
+        robot.body.robot_in_world = Pose2(*path[0], self.course.heading) @ Pose2(-reach)
+        waiting = robot.world.add_obstacle(standing)
+        async with robot, connect_async(robot.open) as driver:
+            driver.helm.start(follow(self.rule))
+            await asyncio.sleep(WAIT)
+            robot.world.remove_obstacle(waiting)
+            person = robot.world.add_obstacle(Person(path=path, speed=self.speed, loop=False))
+            judge = Judge(driver, robot.body, person)
+            for _ in range(round(self.seconds / TICK)):
+                await asyncio.sleep(TICK)
+                judge.look()
+                self.watch(driver, robot.body, person)
+        return judge.outcome
