@@ -22,6 +22,7 @@ from pioneer3.behaviors.actions import (
     Stop,
     Unstick,
 )
+from pioneer3.behaviors.follow import HINT, follow
 from pioneer3.behaviors.stack import MODE, Ranked, Stack
 
 Preset = Literal["lab", "aria", "explore"]
@@ -164,6 +165,7 @@ MODES: Mapping[str, Mode] = MappingProxyType(
                 "unguarded", "drives by keys or stick; NOTHING keeps it from obstacles", unguarded
             ),
             Mode("goto", "drives to a point", goto),
+            Mode("follow", HINT, follow),
             Mode("stop", "stands still", stop),
         )
     }
