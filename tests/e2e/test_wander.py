@@ -1,34 +1,27 @@
 """Wandering through the whole driver, in an office, with all errors of wheels and sensors.
 
-Simulated sonars hear nothing of an edge, and nothing of a wall that they look at too steeply: a
-robot that has nothing else cannot but meet some. Where it is about meeting nothing they hear every
-wall, from any angle. `python -m benchmarks.wander` says how often the others hit something.
+Simulated sonars hear edges from a metre off, and walls that they do not look at too steeply.
+`python -m benchmarks.wander` says how often robots hit something in more and longer runs.
 """
 
-from dataclasses import replace
-from math import radians
 from pathlib import Path
 
 import pytest
 
 from pioneer3.behaviors.modes import Preset, wander
 from pioneer3.sim.maps.shipped import load_map
-from pioneer3.sim.realism import Realism
 from tests.wandering import drive_by_itself, start_in
 
-HEARING = replace(Realism(), sonar=replace(Realism().sonar, critical=radians(90)))
 COLUMBIA = Path(__file__).parents[3] / "shared" / "maps" / "columbia.map"
 SECONDS = 121.0
 """Two whole minutes, and a little."""
 
 
 @pytest.mark.parametrize(("preset", "seed"), [("lab", 1), ("lab", 4), ("explore", 2)])
-async def test_it_meets_nothing_that_it_can_hear(preset: Preset, seed: int) -> None:
+async def test_it_meets_nothing(preset: Preset, seed: int) -> None:
     office = load_map("office")
     home = start_in(office, seed)
-    log = await drive_by_itself(
-        wander(preset=preset), office, home, SECONDS, seed=seed, realism=HEARING
-    )
+    log = await drive_by_itself(wander(preset=preset), office, home, SECONDS, seed=seed)
     assert log.ended is None
     assert log.hardest <= 0.05
     assert len(log.ways) == 2

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels, sonar_mounts
+from pioneer3.sim.kernels import (
+    Echoes,
+    Kernels,
+    find_edges,
+    laser_fan,
+    load_kernels,
+    sonar_mounts,
+)
+from pioneer3.sim.kernels.echoes import ALL, SHADE
 from pioneer3.sim.maps import read_map
 from pioneer3.sim.raycast import cast_reference
 from tests.property.scenes import (
@@ -29,6 +37,9 @@ from tests.property.scenes import (
 
 Float = NDArray[np.float64]
 
+WIDTH = 0.5
+"""Of a beam [rad]."""
+
 
 @pytest.fixture(params=NAMES, scope="module")
 def kernels(request: pytest.FixtureRequest) -> Kernels:
@@ -46,7 +57,7 @@ def check_rays(kernels: Kernels, scene: Scene, rays: Float, limit: float) -> Non
         np.testing.assert_allclose(found[k], plain[0], rtol=0, atol=1e-6)
 
 
-def echoes(
+def reflected(
     origin: Float, angle: float, walls: Float, others: Float, *, limit: float, steep: float
 ) -> Float:
     """Return the range at which a ray echoes, at least and at most [m].
@@ -76,35 +87,59 @@ def within(walls: Float, origin: Float, reach: float) -> Float:
     return walls[(low & high).all(axis=1)]
 
 
+def edges_heard(origin: Float, axis: float, walls: Float, echoes: Echoes, limit: float) -> Float:
+    """Return the range to the nearest edge in a beam [m], at least and at most, up to `limit`.
+
+    They differ where rounding decides whether an edge is in the beam, near enough or in sight.
+    """
+    found = [[limit], [limit]]
+    if echoes.edges is not None:
+        for x, y in (echoes.edges.walls[:, :2] - origin).tolist():
+            away, bearing = np.hypot(x, y), np.arctan2(y, x)
+            sight = cast_reference(origin, np.array([bearing]), walls, limit)[0]
+            off = abs(float(np.angle(np.exp(1j * (bearing - axis))))) if away > 1e-9 else 0.0
+            for near, slack in zip(found, (1e-6, -1e-6), strict=True):
+                if (
+                    away < echoes.edge_range + slack
+                    and off <= WIDTH / 2 + slack
+                    and sight >= away - SHADE - slack
+                ):
+                    near.append(away)
+    return np.array([min(near) for near in found])
+
+
 def check_sonar(
-    kernels: Kernels, scene: Scene, limit: float, rays: int, *, steep: float = 0.0
+    kernels: Kernels, scene: Scene, limit: float, rays: int, *, echoes: Echoes = ALL
 ) -> None:
     """Compare all transducers, then those of some robots alone, then some transducers."""
     kinds = [n % 2 for n in range(len(scene.robots))]
-    mounts = sonar_mounts(MOUNTS, kinds, rays=rays, width=0.5)
-    found = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep)
-    spread: Float = np.linspace(-0.25, 0.25, rays) if rays > 1 else np.zeros(1)
+    mounts = sonar_mounts(MOUNTS, kinds, rays=rays, width=WIDTH)
+    found = kernels.sonar(scene.grid, scene.robots, mounts, limit, echoes=echoes)
+    spread: Float = np.linspace(-WIDTH / 2, WIDTH / 2, rays) if rays > 1 else np.zeros(1)
     for n, kind in enumerate(kinds):
         pose, expected = scene.pose(n), np.full((3, 2), limit)
         for m, mount in enumerate(MOUNTS[kind].tolist()):
             at = pose @ Pose2(*mount)
             origin, turns = np.array([at.x, at.y]), pose.theta + mount[2] + spread
-            if steep > 0:
+            if echoes is not ALL:
                 walls, others = within(scene.grid.walls, origin, limit), scene.others(n)
                 each = [
-                    echoes(origin, turn, walls, others, limit=limit, steep=steep)
+                    reflected(origin, turn, walls, others, limit=limit, steep=echoes.steep)
                     for turn in turns.tolist()
                 ]
+                if rays > 1:
+                    axis = pose.theta + mount[2]
+                    each.append(edges_heard(origin, axis, walls, echoes, limit))
                 expected[m] = np.min(each, axis=0)
             else:
                 expected[m] = cast_reference(origin, turns, scene.around(n), limit).min()
         low, high = expected.T - [[1e-6], [-1e-6]]
         assert ((low <= found[n]) & (found[n] <= high)).all(), (n, found[n], expected)
     some = np.arange(len(kinds), dtype=np.int32)[::-2]
-    heard = kernels.sonar(scene.grid, scene.robots, mounts, limit, steep=steep, owners=some)
+    heard = kernels.sonar(scene.grid, scene.robots, mounts, limit, echoes=echoes, owners=some)
     np.testing.assert_array_equal(heard, found[some])
     few = mounts.only([[2, 0], []])
-    heard = kernels.sonar(scene.grid, scene.robots, few, limit, steep=steep)
+    heard = kernels.sonar(scene.grid, scene.robots, few, limit, echoes=echoes)
     np.testing.assert_allclose(heard[::2], found[::2, [2, 0]], rtol=0, atol=1e-9)
     assert (heard[1::2] == limit).all()
 
@@ -171,7 +206,27 @@ def test_only_walls_that_are_met_steeply_echo(
 ) -> None:
     rays, critical = beam
     scene, steep = scene_of(kernels, walls, bodies), cos(np.radians(critical))
-    check_sonar(kernels, scene, limit, rays, steep=steep)
+    check_sonar(kernels, scene, limit, rays, echoes=Echoes(steep=steep))
+
+
+@given(
+    LONG_WALLS,
+    ODD_BODIES,
+    FINITE_LIMITS,
+    st.tuples(st.sampled_from([2, 5]), st.sampled_from([0.7, 2.1]), st.sampled_from([0, 0.9, 1.1])),
+)
+@settings(max_examples=100, deadline=None)
+def test_edges_that_are_near_and_in_sight_echo(
+    kernels: Kernels,
+    walls: Float,
+    bodies: list[tuple[float, ...]],
+    limit: float,
+    beam: tuple[int, float, float],
+) -> None:
+    rays, edge_range, steep = beam
+    scene = scene_of(kernels, walls, bodies)
+    echoes = Echoes(steep=steep, edges=find_edges(scene.grid), edge_range=edge_range)
+    check_sonar(kernels, scene, limit, rays, echoes=echoes)
 
 
 @given(WALLS, ODD_BODIES, RAYS, FINITE_LIMITS)
@@ -261,6 +316,9 @@ def test_every_map_agrees_with_the_reference(kernels: Kernels, name: str) -> Non
     rays = np.concatenate([bodies[:, :3], np.column_stack([walls[::2000, :2], along])])
     check_rays(kernels, scene, rays, 30.0)
     check_sonar(kernels, scene, 5.0, 5)
-    check_sonar(kernels, scene, 5.0, 1, steep=cos(np.radians(27)))
+    steep = cos(np.radians(27))
+    check_sonar(kernels, scene, 5.0, 1, echoes=Echoes(steep=steep))
+    edges = find_edges(scene.grid)
+    check_sonar(kernels, scene, 5.0, 5, echoes=Echoes(steep=steep, edges=edges, edge_range=1.0))
     check_fan(kernels, scene, (-pi / 2, pi / 60, 61), 8.0)
     check_blocked(kernels, scene, scene.robots.poses.copy())

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
+from pioneer3.sim.kernels import Echoes, Grid, find_edges
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -106,6 +107,8 @@ class SonarErrors:
         rays: That make up its beam; the nearest echo counts.
         width: Full angle of the beam [rad].
         critical: From this angle between a ray and the wall's normal on, no echo comes back [rad].
+        edge_range: An edge or a corner of walls is heard from nearer than this [m], if it lies in
+            the beam; 0 if never.
         noise: Standard deviation of a range, as a share of it.
         quantum: Ranges come in steps of this [m]; 0 for none.
         drop_out: Chance that an echo is missed.
@@ -118,6 +121,7 @@ class SonarErrors:
     rays: int = 5
     width: float = radians(30)
     critical: float = radians(27)
+    edge_range: float = 1.0
     noise: float = 0.005
     quantum: float = 0.001
     drop_out: float = 0.005
@@ -130,15 +134,19 @@ class SonarErrors:
             raise ConfigError(f"sonar rays: {self.rays}, but it takes 1 to 99")
         _within("sonar width", self.width, 0.0, radians(120))
         _within("sonar critical angle", self.critical, radians(1), radians(90))
+        _within("sonar edge_range", self.edge_range, 0.0, 5.0)
         for name in ("noise", "quantum", "drop_out", "cross_talk"):
             _within(f"sonar {name}", getattr(self, name), 0.0, 1.0)
         _within("sonar cycle", self.cycle, 0.0, 1.0)
         _within("sonar drop_out and cross_talk together", self.drop_out + self.cross_talk, 0.0, 1.0)
 
-    @property
-    def steep(self) -> float:
-        """Sine of the least angle between a ray and a wall that sends it back."""
-        return float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0
+    def echoes(self, grid: Grid) -> Echoes:
+        """Return what of the walls of a map is heard."""
+        return Echoes(
+            steep=float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0,
+            edges=find_edges(grid) if self.edge_range else None,
+            edge_range=self.edge_range,
+        )
 
     @property
     def spoils(self) -> bool:
@@ -218,6 +226,7 @@ class Realism:
             rays=1,
             width=0.0,
             critical=radians(90),
+            edge_range=0.0,
             noise=0.0,
             quantum=0.0,
             drop_out=0.0,

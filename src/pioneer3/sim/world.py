@@ -201,6 +201,7 @@ class World:
         """Replace what stands still; robots and obstacles stay where they are."""
         self.map = line_map
         self._grid = build_grid(line_map.walls)
+        self._echoes = self.realism.sonar.echoes(self._grid)
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
@@ -256,9 +257,8 @@ class World:
         """Return exact ranges of transducers of some robots or all, shape (F, mounts.most)."""
         if self.outlines.stale:
             self._place()
-        steep = self.realism.sonar.steep
         return self.kernels.sonar(
-            self._grid, self.outlines, mounts, SONAR_RANGE, steep=steep, owners=owners
+            self._grid, self.outlines, mounts, SONAR_RANGE, echoes=self._echoes, owners=owners
         )
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:

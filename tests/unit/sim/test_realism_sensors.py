@@ -14,6 +14,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import build_grid
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import OdometryErrors, OdometryMode, Realism, SonarErrors
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE
@@ -98,6 +99,17 @@ def test_transducers_that_a_robot_has_not_hear_nothing() -> None:
     assert world.sonar(bodies[1]).shape == (8,)
 
 
+def test_a_corner_that_no_face_of_echoes_is_heard_from_near() -> None:
+    box = np.array([[0.0, 0, 1, 1], [1, 1, 2, 0], [2, 0, 1, -1], [1, -1, 0, 0]])
+    line_map = LineMap(name="box", walls=box)
+    always = SonarErrors(cycle=0.0, drop_out=0.0, cross_talk=0.0, noise=0.0)
+    mount, realism = DX.sonars[3], replace(IDEAL, sonar=always)
+    for away, expected in ((0.99, 0.99), (1.01, SONAR_RANGE)):
+        at = Pose2(-away) @ Pose2(mount.x, mount.y, mount.theta).inverse()
+        body = Body(DX, at)
+        assert World(line_map, [body], realism=realism).sonar(body)[3] == pytest.approx(expected)
+
+
 def test_a_laser_is_as_noisy_as_said_and_silent_where_nothing_is() -> None:
     body = Body(DX)
     wall = LineMap(name="wall", walls=np.array([[5.0, -5.0, 5.0, 5.0]]))
@@ -121,6 +133,7 @@ def test_a_laser_is_as_noisy_as_said_and_silent_where_nothing_is() -> None:
         lambda: SonarErrors(width=pi),
         lambda: SonarErrors(drop_out=1.5),
         lambda: SonarErrors(cycle=-0.04),
+        lambda: SonarErrors(edge_range=-0.1),
         lambda: SonarErrors(drop_out=0.6, cross_talk=0.6),
         lambda: Realism(laser_noise=float("inf")),
     ],
@@ -131,7 +144,8 @@ def test_what_no_robot_does_is_refused(wrong: Callable[[], object]) -> None:
 
 
 def test_ideal_is_all_off_and_another_mode_changes_nothing_else() -> None:
-    assert IDEAL.sonar.steep == 0.0
+    echoes = IDEAL.sonar.echoes(build_grid(np.array([[0.0, 0.0, 1.0, 0.0]])))
+    assert (echoes.steep, echoes.edges, echoes.edge_range) == (0.0, None, 0.0)
     assert IDEAL.odometry.mode == "none"
     assert not World(None, [Body(DX)], realism=IDEAL).drives.noisy
     noisy = IDEAL.with_odometry("all")

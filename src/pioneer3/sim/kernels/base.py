@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.drives import Drives
+from pioneer3.sim.kernels.echoes import ALL, Echoes
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
@@ -63,22 +64,21 @@ class Kernels(Protocol):
         mounts: Mounts,
         limit: float,
         *,
-        steep: float = 0.0,
+        echoes: Echoes = ALL,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
         """Return the range per robot and transducer [m], shape (F, mounts.most).
 
-        The nearest of a transducer's rays that echoes counts. No robot hears itself. Columns that
-        a robot's type does not have read `limit`.
+        The nearest echo counts, of a transducer's rays or of an edge between them. No robot hears
+        itself. Columns that a robot's type does not have read `limit`.
 
         Args:
             grid: The walls.
             robots: Heard where they were placed.
             mounts: The transducers of the robots, which may be the first few of `robots`.
             limit: Longest range [m].
-            steep: Sine of the smallest angle between a ray and a wall that sends it back; robots
-                and other things that move always do. What it meets first hides what is behind,
+            echoes: What walls and edges send back. What a ray meets first hides what is behind,
                 echo or not.
             owners: The F robots that listen; `None` means all that `mounts` has.
             out: For the ranges, shape (F, mounts.most).

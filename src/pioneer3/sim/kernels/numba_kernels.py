@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.compiled import fans, motion, rays, table
 from pioneer3.sim.kernels.drives import Drives
+from pioneer3.sim.kernels.echoes import ALL, Echoes
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid
@@ -24,6 +25,7 @@ WHOLE = (np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([0, 1], dtype=np.int32))
 
 
 NO_NOISE = np.empty((3, 0))
+NO_ECHOES = 0.0, 0.0
 
 
 class NumbaKernels:
@@ -60,7 +62,9 @@ class NumbaKernels:
         walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
 
         def work(first: int, last: int) -> None:
-            rays.sonar(first, last, limit, 0.0, poses, owner, mounts, walls, others, rows)
+            rays.sonar(
+                first, last, limit, NO_ECHOES, poses, owner, mounts, walls, walls, others, rows
+            )
 
         self._share(count, work)
         return ranges
@@ -72,7 +76,7 @@ class NumbaKernels:
         mounts: Mounts,
         limit: float,
         *,
-        steep: float = 0.0,
+        echoes: Echoes = ALL,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
@@ -84,9 +88,13 @@ class NumbaKernels:
         count = len(owners)
         ranges = np.empty((count, mounts.most)) if out is None else out
         walls, others = grid.arrays, robots.arrays
+        edges = walls if echoes.edges is None else echoes.edges.arrays
+        heard = echoes.steep, echoes.edge_range if echoes.edges else 0.0
 
         def work(first: int, last: int) -> None:
-            rays.sonar(first, last, limit, steep, poses, owners, table, walls, others, ranges)
+            rays.sonar(
+                first, last, limit, heard, poses, owners, table, walls, edges, others, ranges
+            )
 
         self._share(count, work)
         return ranges

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.drives import Drives
+from pioneer3.sim.kernels.echoes import ALL, Echoes
 from pioneer3.sim.kernels.mounts import Fan, Mounts
 from pioneer3.sim.kernels.near import near_robots
 from pioneer3.sim.kernels.numpy_around import TOGETHER, Around
@@ -57,11 +58,13 @@ class NumpyKernels:
         mounts: Mounts,
         limit: float,
         *,
-        steep: float = 0.0,
+        echoes: Echoes = ALL,
         owners: Int32 | None = None,
         out: Float | None = None,
     ) -> Float:
-        return self._sonar.measure(grid, robots, mounts, limit, steep=steep, owners=owners, out=out)
+        return self._sonar.measure(
+            grid, robots, mounts, limit, echoes=echoes, owners=owners, out=out
+        )
 
     def cast_fans(
         self,

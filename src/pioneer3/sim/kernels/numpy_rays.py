@@ -49,11 +49,13 @@ class Rays:
         table: Of each mount x, y [m], then cosine and sine of each of its rays, shape (M, 2 + 2 k).
 
     Attributes:
+        table: The same.
         mounts: M.
         count: Of rays, M * k.
     """
 
     def __init__(self, table: Float) -> None:
+        self.table = table
         self.mounts, self.count = len(table), table[:, 2:].size // 2
         x, y = np.repeat(table[:, :2].T, self.count // max(1, self.mounts), axis=1)
         dx, dy = table[:, 2:].reshape(-1, 2).T

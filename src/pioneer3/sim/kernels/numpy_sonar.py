@@ -6,9 +6,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.sim.kernels.echoes import Echoes
 from pioneer3.sim.kernels.mounts import Mounts
 from pioneer3.sim.kernels.near import near_robots
 from pioneer3.sim.kernels.numpy_around import TOGETHER, Around
+from pioneer3.sim.kernels.numpy_edges import hear_edges
 from pioneer3.sim.kernels.numpy_frames import frames_of, joined, outlines_from, seen_from
 from pioneer3.sim.kernels.numpy_rays import Rays
 from pioneer3.sim.kernels.numpy_truth import indices_of
@@ -30,14 +32,14 @@ class Listening(NamedTuple):
     """Who listens with what.
 
     That is rays of one robot type, robots (F,), limit and distance from a robot at which its rays
-    may end [m], and steepness.
+    may end [m], and what walls send back.
     """
 
     rays: Rays
     owners: Int32
     limit: float
     reach: float
-    steep: float
+    echoes: Echoes
 
 
 class Sonar:
@@ -54,7 +56,7 @@ class Sonar:
         mounts: Mounts,
         limit: float,
         *,
-        steep: float,
+        echoes: Echoes,
         owners: Int32 | None,
         out: Float | None,
     ) -> Float:
@@ -70,25 +72,25 @@ class Sonar:
             rows = indices_of(kinds == kind)
             for first in range(0, len(rows) if rays.mounts else 0, TOGETHER):
                 some = rows[first : first + TOGETHER]
-                listening = Listening(rays, who[some], limit, limit + mounts.reach, steep)
+                listening = Listening(rays, who[some], limit, limit + mounts.reach, echoes)
                 ranges[some, : rays.mounts] = self._of_few(grid, robots, listening)
         return ranges
 
     def _of_few(self, grid: Grid, robots: Robots, listening: Listening) -> Float:
         """Return the ranges of a few robots of one type, shape (owners, transducers)."""
-        rays, owners, limit, reach, steep = listening
+        rays, owners, limit, reach, echoes = listening
         ranges = np.full((len(owners), rays.count), limit)
-        echoes = ranges.copy() if steep > 0 else None
+        heard = ranges.copy() if echoes.steep > 0 else None
         frames = frames_of(*robots.poses[:, owners])
         whose, ends = self._around.lists(grid, reach).around(frames[:2])
         beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
-        if echoes is None and len(others) <= FEW:
+        if heard is None and len(others) <= FEW:
             whose, ends = joined(whose, ends, robots, beside, others)
             others = NOBODY
-        rays.meet_walls(whose, seen_from(frames, whose, ends), ranges, steep, echoes)
-        if echoes is not None:
+        rays.meet_walls(whose, seen_from(frames, whose, ends), ranges, echoes.steep, heard)
+        if heard is not None:
             # what sends nothing back still hides what is behind
-            lost, nearest = echoes > ranges + TOUCH, ranges.copy()
+            lost, nearest = heard > ranges + TOUCH, ranges.copy()
         if len(others):
             circles = robots.shapes.T[:3].take(others, axis=1)
             circles[:2] = seen_from(frames, beside, circles[:2])
@@ -97,9 +99,9 @@ class Sonar:
                 return outlines_from(robots, frames, beside[some], others[some])
 
             rays.meet_robots(beside, circles, outlines, ranges)
-        if echoes is not None:
+        if heard is not None:
             ranges[lost & (ranges >= nearest)] = limit
-        if rays.count == rays.mounts:
-            return ranges
-        shortest: Float = ranges.reshape(len(owners), rays.mounts, -1).min(axis=2)
-        return shortest
+        if rays.count > rays.mounts:
+            ranges = ranges.reshape(len(owners), rays.mounts, -1).min(axis=2)
+        hear_edges(self._around, grid, echoes, frames=frames, table=rays.table, out=ranges)
+        return ranges

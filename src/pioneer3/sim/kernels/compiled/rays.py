@@ -1,12 +1,13 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Sonar and single rays: from cell to cell through the grid."""
 
-from math import cos, floor, inf, sin
+from math import cos, floor, inf, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.compiled.table import FAR, Others, Walls, neighbours
+from pioneer3.sim.kernels.compiled.table import FAR, Others, Walls, cells, neighbours
+from pioneer3.sim.kernels.echoes import SHADE
 from pioneer3.sim.kernels.jit import compiled, inlined
 from pioneer3.sim.raycast import TOUCH
 
@@ -144,29 +145,68 @@ def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float)
 
 
 @compiled
+def _nearest_edge(
+    ox: float,
+    oy: float,
+    ax: float,
+    ay: float,
+    wide: float,
+    reach: float,
+    edges: Walls,
+    walls: Walls,
+) -> float:
+    """Return the range to the nearest edge in a beam and in sight, or `reach` if that is nearer.
+
+    The beam is given by the sum (ax, ay) of the unit vectors of its outermost rays, and by `wide`,
+    what this is along either of them.
+    """
+    frame, starts, pieces = edges
+    columns, rows = int(frame[4]), int(frame[5])
+    west, east = cells(ox - reach, ox + reach, frame[0], frame[3])
+    south, north = cells(oy - reach, oy + reach, frame[1], frame[3])
+    west, east = max(west, 0), min(east, columns - 1)
+    south, north = max(south, 0), min(north, rows - 1)
+    for row in range(south, north + 1 if west <= east else south):
+        for k in range(starts[row * columns + west], starts[row * columns + east + 1]):
+            ex, ey = pieces[k, 0] - ox, pieces[k, 1] - oy
+            away = sqrt(ex * ex + ey * ey)
+            if away < reach and ax * ex + ay * ey >= wide * away:
+                sight = max(away - SHADE, 0.0)
+                scale = 1.0 / max(away, TOUCH)
+                best, _ = _walk(ox, oy, ex * scale, ey * scale, sight, 0.0, walls)
+                if best >= sight:
+                    reach = away
+    return reach
+
+
+@compiled
 def sonar(
     first: int,
     last: int,
     limit: float,
-    steep: float,
+    echoes: tuple[float, float],
     poses: Float,
     owners: Int32,
     mounts: tuple[Float, Int32, Int32],
     walls: Walls,
+    edges: Walls,
     others: Others,
     out: Float,
 ) -> None:
     """Fill rows `first` to `last` of `out` with what the transducers of `owners` hear.
 
-    That is the nearest of a transducer's rays that comes back. A wall met at a smaller angle than
-    that of `steep`, its sine, sends the ray elsewhere; a robot is never so smooth.
+    That is the nearest of a transducer's rays that comes back, or of the edges between them. A wall
+    met at a smaller angle than that of `steep`, its sine, sends the ray elsewhere; a robot is never
+    so smooth. `echoes` are `steep` and how far edges are heard.
     """
+    steep, edge_range = echoes
     table, offsets, kinds = mounts
     shapes, per_mount = others[1], (table.shape[1] - 2) // 2
     rays, found = np.empty((8, out.shape[1] * per_mount)), np.empty(len(shapes) + 1, np.int32)
     for n in range(first, last):
         x, y, c, s = poses[0, n], poses[1, n], cos(poses[2, n]), sin(poses[2, n])
         begin, count, reach = offsets[kinds[n]], 0, 0.0
+        out[n, :] = limit
         for m in range(begin, offsets[kinds[n] + 1]):
             mx, my = table[m, 0], table[m, 1]
             ox, oy = x + c * mx - s * my, y + s * mx + c * my
@@ -187,6 +227,14 @@ def sonar(
                 rays[7, count] = best if echo else limit
                 reach = max(reach, best + abs(ox - x) + abs(oy - y))
                 count += 1
+            reached = min(edge_range, nearest)
+            if reached > 0.0:
+                k = table.shape[1] - 2
+                ax, ay = table[m, 2] + table[m, k], table[m, 3] + table[m, k + 1]
+                wide = ax * table[m, 2] + ay * table[m, 3]
+                ax, ay = c * ax - s * ay, s * ax + c * ay
+                edge = _nearest_edge(ox, oy, ax, ay, wide, reached, edges, walls)
+                out[n, m - begin] = edge if edge < reached else limit
         near = (
             neighbours(x, y, reach, owners[n], others, found)
             if len(shapes) > 1 or owners[n] < 0
@@ -194,7 +242,6 @@ def sonar(
         )
         if near > 0:
             _see_robots(near, found, shapes, count, rays)
-        out[n, :] = limit
         for k in range(count):
             nearer = rays[4, k] if rays[4, k] < rays[6, k] else rays[7, k]
             out[n, k // per_mount] = min(out[n, k // per_mount], nearer)
