@@ -10,8 +10,8 @@ from pioneer3.behaviors.surroundings import Point, Recall
 from pioneer3.geometry import TURN, wrap
 from pioneer3.models import RobotModel
 
-UNSURE = radians(10)
-"""How far off its axis a sonar's echo may come from, more or less."""
+UNSURE = radians(20)
+"""How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
 
 
 @dataclass(slots=True)
@@ -32,7 +32,7 @@ class LimiterSweep:
     creep: float = 0.04
     margin: float = 0.05
     deceleration: float = 0.3
-    turn_time: float = 0.6
+    turn_time: float = 1.2
     name: str = "limiter sweep"
 
     def decide(self, situation: Situation) -> Desire | None:

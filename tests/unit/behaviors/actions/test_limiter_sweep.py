@@ -44,10 +44,10 @@ def test_what_is_remembered_counts() -> None:
 @pytest.mark.parametrize(
     ("off", "left", "right"),
     [
-        # to the left of the front left corner by 40 degrees: it may turn (40 - 10) degrees / 0.6 s;
+        # to the left of the front left corner by 40 degrees: it may turn (40 - 20) degrees / 1.2 s;
         # the rear left corner is 180 - 38.9 - 38.9 - 40 = 62.2 degrees away, from the other side
-        (40, radians(30) / 0.6, radians(52.2) / 0.6),
-        (5, CREEP, radians(87.2) / 0.6),  # within 10 degrees: it may be there already
+        (40, radians(20) / 1.2, radians(42.2) / 1.2),
+        (15, CREEP, radians(67.2) / 1.2),  # within 20 degrees: it may be there already
     ],
 )
 def test_a_corner_does_not_swing_into_something(off: float, left: float, right: float) -> None:
