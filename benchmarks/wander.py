@@ -95,6 +95,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10)
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--map", action="append", help=f"{', '.join(MAPS)} or a file")
     parser.add_argument("--preset", default="lab", choices=("lab", "aria", "explore"))
     parser.add_argument("--speed", type=float)
@@ -103,7 +104,7 @@ def main() -> int:
     courses = [
         Course(where, seed, given.preset, given.minutes, given.speed, given.edges)
         for where in given.map or MAPS
-        for seed in range(given.seeds)
+        for seed in range(given.first_seed, given.first_seed + given.seeds)
     ]
     logs = {}
     for number, course in enumerate(courses, 1):

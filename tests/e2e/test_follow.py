@@ -1,10 +1,19 @@
 """A robot follows somebody through a furnished room: virtual time, errors as of a real robot."""
 
+import asyncio
+from math import radians
+
 import pytest
 
-from pioneer3.behaviors.follow import Rule
+from pioneer3.behaviors.follow import RULES, Rule, follow
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.connect import connect_async
+from pioneer3.sim.kernels.drives import TOUCHED
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import Person
 from tests.e2e.follow_course import make_course
-from tests.e2e.follow_walk import Outcome, Walk
+from tests.e2e.follow_walk import Outcome, Walk, gap_to
+from tests.support import SimulatedRobot
 
 
 def walked(seed: int, rule: Rule, model: str, seconds: float = 60.0) -> Outcome:
@@ -29,3 +38,48 @@ def test_the_labs_rule_stays_farther_behind() -> None:
 def test_the_same_seed_gives_the_same_walk() -> None:
     one, other = (walked(103, "tracking", "p3dx-sh", seconds=10.0) for _ in range(2))
     assert one.gaps == other.gaps
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+async def test_nobody_is_touched_however_slow_the_link(
+    model: str, rule: Rule, latency: float
+) -> None:
+    """Somebody stands 0.9 m ahead; then they step up to 0.15 m before the robot."""
+    sim = SimulatedRobot(model=model, realism=Realism(), seed=7)
+    sim.latency = latency
+    touched = []
+    sim.stepped = lambda: touched.append(bool(sim.body.drives.flags[TOUCHED, sim.body.number]))
+    front = sim.body.model.length_front + 0.25
+    person = sim.world.add_obstacle(Person(path=((front + 0.9, 0.0),)))
+    async with sim, connect_async(sim.open) as robot:
+        robot.helm.start(follow(rule))
+        await asyncio.sleep(6.0)
+        assert sim.body.robot_in_world.x > 0.3
+        sim.world.move_obstacle(person, sim.body.robot_in_world @ Pose2(front + 0.15))
+        await asyncio.sleep(3.0)
+        assert robot.helm.mode is not None
+    assert not any(touched)
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.3])
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+async def test_it_stands_still_before_somebody_who_does(model: str, aside: float) -> None:
+    """Neither to and fro nor from side to side, though echoes come one by one."""
+    sim = SimulatedRobot(model=model, realism=Realism(), seed=1)
+    front = sim.body.model.length_front
+    path = ((front + 0.85, aside), (front + 2.85, aside))
+    person = sim.world.add_obstacle(Person(path=path, speed=0.4, pause=2.0, loop=False))
+    turned = []
+    async with sim, connect_async(sim.open) as robot:
+        robot.helm.start(follow())
+        await asyncio.sleep(7.0)  # they wait for 2 s and walk for 5 s
+        sim.world.remove_obstacle(person)
+        person = sim.world.add_obstacle(Person(path=path[1:]))
+        await asyncio.sleep(4.0)
+        sim.stepped = lambda: turned.append(abs(sim.body.drive.angular.velocity))
+        await asyncio.sleep(6.0)
+    gap, _ = gap_to(person.pose, sim.body)
+    assert gap == pytest.approx(0.3, abs=0.05)
+    assert sum(turned) / len(turned) < radians(2)

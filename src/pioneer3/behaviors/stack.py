@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.goal import Goal
 from pioneer3.behaviors.situation import Situation
 
 MODE = 20
@@ -50,6 +51,12 @@ class Stack:
     def done(self) -> bool:
         """Whether one of its actions has done what it was for (its `done`); most never are."""
         return any(getattr(ranked.action, "done", False) for ranked in self.actions)
+
+    @property
+    def goal(self) -> Goal | None:
+        """Where one of its actions is going to (its `goal`); most go nowhere."""
+        goals = (getattr(ranked.action, "goal", None) for ranked in self.actions)
+        return next((goal for goal in goals if goal is not None), None)
 
     @classmethod
     def of(cls, name: str, priority: int, actions: Iterable[Ranked], hint: str = "") -> "Stack":

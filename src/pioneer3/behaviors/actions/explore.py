@@ -18,6 +18,12 @@ AGAIN = 2.0
 """It thinks again after this long [s]."""
 STEEP = radians(30)
 """Farther off its heading it turns where it stands."""
+HELD = 0.3
+"""Who may turn no faster has a corner near something [rad/s]: to :class:`LimiterSweep`, 20 degrees
+from it."""
+ARC = 1.0
+"""Radius to turn on in place of a turn where it stands [m]. The rear corner of a P3-AT that leaves
+a wall so swings out by 4 cm, hypot(0.31, 1.25) - 1.25; where it stands by 15 cm."""
 KEEP, TURNING, ROOM = 0.5, 1.0, 0.3
 """What going on is worth, what turning around costs, what each metre of room is worth; a new
 square is worth 1."""
@@ -30,6 +36,10 @@ class Explore:
     Ways count as free where what is seen and remembered leaves the robot's width and twice
     `side_clearance`. So it passes doors that :class:`AvoidFront`, which keeps a circle clear of
     everything, takes for walls. Limiters belong above it.
+
+    Where a corner has no room for a turn on the spot it drives on, on an arc. It often comes that
+    close: without arcs 20 of 60 runs of 10 minutes touched something, 626 times, nearly always
+    with a rear corner that swung into the wall beside the robot; with them 1, 32 times.
 
     Attributes:
         speed: [m/s].
@@ -62,12 +72,13 @@ class Explore:
             heading = self._heading = self._choose(pose, points, half, front)
             free = room(points, wrap(heading - pose.theta), half) - front
             self._chosen = situation.now
-        off = abs(wrap(heading - pose.theta))
-        return Desire(
-            v=self.speed * max(0.0, 1 - off / STEEP),
-            heading=heading,
-            reason=f"{min(free, LOOK):.1f} m of room",
-        )
+        off, reason = wrap(heading - pose.theta), f"{min(free, LOOK):.1f} m of room"
+        v = self.speed * max(0.0, 1 - abs(off) / STEEP)
+        rate = situation.higher.limits.get("left_max" if off > 0 else "right_max", inf)
+        slow = min(self.speed, ARC * rate)
+        if rate < HELD and v < slow and room(points, 0.0, half) - front > self.front_clearance:
+            v, reason = slow, f"{reason}, on an arc"
+        return Desire(v=v, heading=heading, reason=reason)
 
     def _note(self, pose: Pose2) -> None:
         cell = _cell(pose.x, pose.y)

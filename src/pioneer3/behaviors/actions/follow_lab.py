@@ -1,10 +1,12 @@
 """The lab's rule to follow somebody: turn to the nearest echo, keep a distance from it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, radians
 
 from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.goal import Goal
 from pioneer3.behaviors.situation import Situation
+from pioneer3.geometry import Pose2
 
 BEARINGS = {
     1: radians(40),
@@ -39,18 +41,22 @@ class FollowLab:
 
     Attributes:
         keep: Range to keep [m].
+        goal: Where it takes the nearest echo to come from; `None` without any.
     """
 
     keep: float = 0.3
     name: str = "follow"
+    goal: Goal | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return speed and turn rate for the nearest echo."""
         ranges = situation.snapshot.sonar.ranges
         near = [(ranges[i], i) for i in BEARINGS if i < len(ranges) and ranges[i] <= REACH]
         distance, number = min(near, default=(inf, -1))
+        self.goal = None
         if distance == inf:
             return Desire(v=0.0, w=0.0, reason="looks for somebody")
+        self.goal = _place(situation, number, distance)
         speed = (distance - self.keep) / SECONDS
         turn_rate = BEARINGS[number] / SECONDS
         return Desire(
@@ -58,3 +64,13 @@ class FollowLab:
             w=max(-FASTEST_TURN, min(FASTEST_TURN, turn_rate)),
             reason=f"follows at {distance:.2f} m, sonar {number}",
         )
+
+
+def _place(situation: Situation, number: int, distance: float) -> Goal | None:
+    """Return what is `distance` [m] before a transducer; `None` where it sits is not known."""
+    sonars = situation.model.sonars
+    if number >= len(sonars):
+        return None
+    mount = Pose2(sonars[number].x, sonars[number].y, sonars[number].theta)
+    echo = situation.pose @ mount @ Pose2(distance)
+    return Goal(x=echo.x, y=echo.y, person=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from math import atan2, copysign, cos, degrees, hypot, pi, radians
 
 from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.goal import Goal
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.tracking.acquire import Hearing
 from pioneer3.behaviors.tracking.clutter import Clutter
@@ -54,6 +55,14 @@ class FollowTracking:
     _listener: Listener = field(default_factory=Listener, init=False)
     _clutter: Clutter = field(default_factory=Clutter, init=False)
     _lost: Target | None = field(default=None, init=False)
+
+    @property
+    def goal(self) -> Goal | None:
+        """Where whom it follows was taken to be at the last echo or silence."""
+        if self.target is None:
+            return None
+        x, y = self.target.estimate.position
+        return Goal(x=x, y=y, person=True)
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the motion towards somebody, or stand still and look for them."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from math import atan2, degrees, hypot, inf, radians, sqrt
 
 from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.goal import Goal
 from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import wrap
 
@@ -51,6 +52,11 @@ class Goto:
     _there: bool = field(default=False, init=False)
     _side: int = field(default=1, init=False)
     _behind: bool = field(default=False, init=False)
+
+    @property
+    def goal(self) -> Goal:
+        """Where it is going to."""
+        return Goal(x=self.x, y=self.y, heading=self.heading)
 
     def aim(self, x: float, y: float, heading: float | None = None) -> None:
         """Set another goal; one that has hardly moved changes nothing."""

@@ -36,8 +36,12 @@ class Hold:
         """Want nothing until what is held at `now` has been let go."""
         self.muted = now < self._until
 
+    def holds(self, now: float) -> bool:
+        """Return whether this wants something at `now`."""
+        return not self.muted and now < self._until
+
     def decide(self, situation: Situation) -> Desire | None:
         """Return the twist while it lasts."""
-        if self.muted or situation.now >= self._until:
+        if not self.holds(situation.now):
             return None
         return Desire(v=self._twist.v, w=self._twist.w, until=self._until, reason="held")

@@ -17,8 +17,10 @@ MISS_SIGMA = radians(28)
 """Of the bearing of who is not heard [rad]."""
 FACE_SIGMA = radians(8)
 """Of the bearing of what several transducers hear [rad]."""
-GATE = 2.7
+GATE = 2.5
 """Echoes that differ from the expectation by more standard deviations are somebody else's."""
+ALIKE = 0.18
+"""Side by side, transducers whose ranges differ less hear the same person [m]."""
 CORE = radians(12)
 """Who is this near to the axis of a transducer is heard [rad]."""
 OUT = radians(20)
@@ -56,7 +58,8 @@ class Target:
             self.estimate.advance(pings[0].stamp)
         others = []
         for ping in sorted(pings, key=self.differs):
-            if self.differs(ping) < GATE and not self._is_furniture(ping, clutter):
+            theirs = self.differs(ping) < GATE or self._continues(ping)
+            if theirs and not self._is_furniture(ping, clutter):
                 self._take(ping)
             else:
                 self._miss(ping)
@@ -85,6 +88,15 @@ class Target:
         longer = ping.distance - expected_range(away, off)
         return sqrt(longer**2 / along + off**2 / (doubt + ((HALF_BEAM + wide) / 2) ** 2))
 
+    def _continues(self, ping: Ping) -> bool:
+        """Return whether a transducer hears them beside one that does, hardly farther away."""
+        recent = self._recent(ping.stamp)
+        beside = any(abs(echo.number - ping.number) == 1 for echo in recent)
+        return beside and abs(ping.distance - min(e.distance for e in recent)) < ALIKE
+
+    def _recent(self, stamp: float) -> list[Ping]:
+        return [echo for echo in self.echoes.values() if stamp - echo.stamp <= RING]
+
     def _is_furniture(self, ping: Ping, clutter: Clutter) -> bool:
         longer = ping.distance - expected_range(*ping.seen(*self.estimate.position))
         return abs(longer) > 1.5 * abs(clutter.explains(ping)) + 0.05
@@ -102,7 +114,7 @@ class Target:
 
         All of these at once: one after the other, they would pull them to and fro.
         """
-        recent = [p for p in self.echoes.values() if self.heard - p.stamp <= RING]
+        recent = self._recent(self.heard)
         off = sum(p.seen(*self.estimate.at(p.stamp))[1] for p in recent) / len(recent)
         last = max(recent, key=lambda p: p.stamp)
         away, aside = last.seen(*self.estimate.position)

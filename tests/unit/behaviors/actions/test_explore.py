@@ -7,6 +7,7 @@ import pytest
 from pioneer3.behaviors.actions import Explore, Unstick
 from pioneer3.behaviors.actions.explore import room
 from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.merge import Entry, Merge
 from pioneer3.behaviors.surroundings import NOTHING_SENSED, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2
 from tests.unit.behaviors.support import around, seen, value
@@ -68,6 +69,37 @@ def test_it_prefers_where_it_has_not_been() -> None:
     heading = value(back_home, "heading")
     assert heading is not None
     assert abs(heading) > radians(15)
+
+
+def beside_a_wall(*points: tuple[float, float], rate: float = 0.1) -> Desire:
+    """Return what a robot wants that has to turn left, with a wall to its right.
+
+    It sees new ground to the left only; something above lets it turn left at `rate` [rad/s].
+    """
+    right = [(0.1 * n - 3.0, -0.34) for n in range(60)]
+    far = [*row(1.5, -0.3, 3.0), *row(-1.5, -0.3, 3.0), *points]
+    limiter = Entry("limiter sweep", Desire(left_max=rate, right_max=rate))
+    higher = Merge().below([limiter], 0.0)
+    return Explore().decide(seen(around=walls(*right, *far), higher=higher))
+
+
+def test_with_room_to_turn_it_turns_where_it_stands() -> None:
+    desire = beside_a_wall(rate=0.3)
+    assert value(desire, "heading") == pytest.approx(pi / 2, abs=radians(31))
+    assert desire.v == 0.0
+
+
+@pytest.mark.parametrize(("rate", "speed"), [(0.1, 0.1), (0.29, 0.29), (0.0, 0.0)])
+def test_beside_a_wall_it_turns_on_an_arc_of_a_metre(rate: float, speed: float) -> None:
+    desire = beside_a_wall(rate=rate)
+    assert value(desire, "heading") == pytest.approx(pi / 2, abs=radians(31))
+    assert desire.v == pytest.approx(speed)
+
+
+@pytest.mark.parametrize(("x", "speed"), [(0.67, 0.1), (0.65, 0.0)])
+def test_there_is_no_arc_without_a_way_on(x: float, speed: float) -> None:
+    # its front end is at 0.313 m, and 0.35 m are kept
+    assert beside_a_wall((x, 0.0)).v == pytest.approx(speed)
 
 
 def test_without_range_sensors_it_stands() -> None:

@@ -81,6 +81,17 @@ def test_who_is_beside_the_beam_is_met_by_its_edge() -> None:
     assert expected_range(1.0, radians(-25)) == expected_range(1.0, radians(25))
 
 
+def test_what_the_transducer_beside_hears_as_near_is_theirs_too() -> None:
+    def heard(distance: float, number: int) -> bool:
+        target = Target(ping(0.4, number=3))
+        # 80 degrees off: no beam is that wide
+        return target.hear([ping(distance, axis=80.0, stamp=0.1, number=number)], Clutter()) == []
+
+    assert heard(0.5, 2)
+    assert not heard(0.6, 2)
+    assert not heard(0.5, 1)
+
+
 def test_furniture_beside_them_does_not_pull_them_away() -> None:
     clutter = Clutter()
     clutter.learn([ping(0.95)])
