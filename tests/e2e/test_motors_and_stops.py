@@ -1,6 +1,7 @@
 """Motors, buttons, stalls, bumpers and the emergency stop: driver against firmware."""
 
 import asyncio
+from dataclasses import replace
 from math import radians
 
 import pytest
@@ -314,3 +315,16 @@ async def test_a_silent_host_lets_the_robot_brake_within_2_1_seconds() -> None:
         await asyncio.sleep(2.1)
         assert robot.body.drive.held
         assert robot.speed < 0.3
+
+
+async def test_changed_limits_hold_at_once_and_after_a_reconnection() -> None:
+    async with SimulatedRobot() as simulated, connect_async(simulated.open) as robot:
+        robot.supervisor.change_limits(lambda limits: replace(limits, acceleration=0.1))
+        await hold(robot, 0.5, seconds=1.0)
+        assert commands.SetA(acceleration=0.1) in simulated.wires[-1].commands
+        assert 0 < simulated.speed < 0.2
+        await simulated.unplug()
+        simulated.plugged = True
+        await until(lambda: robot.snapshot is not None and len(simulated.wires) == 2)
+        assert robot.info.limits.acceleration == 0.1
+        assert commands.SetA(acceleration=0.1) in simulated.wires[-1].commands

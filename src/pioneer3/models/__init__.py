@@ -2,15 +2,18 @@
 
 from pioneer3.models.catalog import find_model, generic_model, load_model, model_names
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount
+from pioneer3.models.shape import Shape, shape_of
 
 __all__ = [
     "Drive",
     "IrMount",
     "LaserMount",
     "RobotModel",
+    "Shape",
     "SonarMount",
     "find_model",
     "generic_model",
     "load_model",
     "model_names",
+    "shape_of",
 ]

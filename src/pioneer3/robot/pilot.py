@@ -42,13 +42,14 @@ class Pilot:
         deadline: When :meth:`tick` must next be called [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
         emergency: Whether the emergency stop is latched.
+        auto_enable: Whether a fresh command switches the motors on.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
         self.deadline = inf
         self.limits: Limits | None = None
         self.emergency = False
-        self._auto_enable = auto_enable
+        self.auto_enable = auto_enable
         self._outbox: list[Command] = []
         self._snapshot: Snapshot | None = None
         self._request = STILL
@@ -129,7 +130,7 @@ class Pilot:
         self._request, self._until = twist, min(now + expiry, until)
         self._despite_stall, self._pace = despite_stall, pace
         given_up = fresh and self.enable_failed
-        if not twist.is_zero and self._auto_enable and (given_up or not self._motors_wanted):
+        if not twist.is_zero and self.auto_enable and (given_up or not self._motors_wanted):
             self._want_motors(on=True)
         self._steer(now)
         return None
@@ -210,6 +211,11 @@ class Pilot:
     def asked(self, now: float) -> Twist2:
         """Return what the robot is asked to do at this moment, before limits."""
         return self._request if now < self._until else STILL
+
+    @property
+    def sent(self) -> Twist2 | None:
+        """What the robot was last told to do [m/s, rad/s]; `None` while others tell it."""
+        return self._sent
 
     @property
     def expired(self) -> bool:

@@ -19,6 +19,7 @@ from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
+from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot
 from pioneer3.robot.reports import Reports
 from pioneer3.robot.requests import Request, Requests
@@ -103,6 +104,7 @@ class Supervisor:
         self._open_link = open_link
         self._model = model
         self._restrict = restrict
+        self._change: Callable[[Limits], Limits] = lambda limits: limits
         self._timing = timing
         self._session: Session | None = None
         self._clock = asyncio.get_running_loop().time
@@ -168,6 +170,14 @@ class Supervisor:
         """Switch the motors' power; return why not, or `None`."""
         return self._after(self.pilot.set_motors(on=on, now=self._clock()))
 
+    def change_limits(self, change: Callable[[Limits], Limits]) -> None:
+        """Keep to what `change` makes of the robot's limits from now on, in place of the last."""
+        self._change = change
+        if self.info is not None:
+            limits = self._restricted(limits_for(self.info.model, self.info.config))
+            self.info = replace(self.info, limits=limits)
+            self.pilot.limits = limits
+
     def send(self, command: Command) -> None:
         """Send any command that is not about motion.
 
@@ -213,6 +223,9 @@ class Supervisor:
         """Ask in another way for what somebody has :meth:`requested`."""
         self._requests.change(name, request, self._clock())
         self._after()
+
+    def _restricted(self, limits: Limits) -> Limits:
+        return self._change(self._restrict(limits))
 
     def _send(self, command: Command) -> None:
         if self._session is None:
@@ -267,7 +280,7 @@ class Supervisor:
                 assembler=self.assembler,
                 listener=self,
                 model=self._model,
-                restrict=self._restrict,
+                restrict=self._restricted,
                 timing=self._timing,
             )
             await self._session.run()

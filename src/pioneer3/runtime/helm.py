@@ -13,7 +13,7 @@ from pioneer3.behaviors.stack import Action, Stack
 from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
-from pioneer3.robot.supervisor import Supervisor
+from pioneer3.runtime.driven import Drivable
 from pioneer3.state import Scan, Snapshot
 
 log = logging.getLogger(__name__)
@@ -44,7 +44,7 @@ class Helm:
         ended: How the last mode ended; `None` while one runs and before the first.
     """
 
-    def __init__(self, supervisor: Supervisor, remark: Callable[[str], None] | None = None) -> None:
+    def __init__(self, supervisor: Drivable, remark: Callable[[str], None] | None = None) -> None:
         self.decision = Decision()
         self.mode: Stack | None = None
         self.ended: Ended | None = None

@@ -16,6 +16,8 @@ STUCK_PATIENCE = 2.0
 """A motion that makes no headway for this long [s] has failed."""
 BLOCKED_PATIENCE = 15.0
 """On the way somewhere, people may step aside within this time [s]."""
+EARLY = 1e-6
+"""A loop may call somebody so much too early [s]."""
 HEADWAY = 0.1
 """Less than this in that time is none [m]."""
 
@@ -73,7 +75,7 @@ async def run_mode(
             if left and not headway.made(left(snapshot), snapshot.stamp):
                 told = "; ".join(helm.told)
                 raise MotionError(f"{mode.name}: something is in the way: {told}")
-        if clock() < until:
+        if clock() < until - EARLY:
             raise MotionError(f"{mode.name}: the connection was closed")
     finally:
         if helm.mode is mode:

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from math import hypot, inf, isfinite
+from math import hypot, inf
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
@@ -47,17 +47,9 @@ class Robot:
         """The latest reading, or `None` while the link is lost."""
         return self.supervisor.snapshot
 
-    async def snapshots(self, seconds: float = inf) -> AsyncIterator[Snapshot]:
+    def snapshots(self, seconds: float = inf) -> AsyncIterator[Snapshot]:
         """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow."""
-        end = asyncio.get_running_loop().time() + seconds
-        values = self.supervisor.snapshots.values()
-        while True:
-            try:
-                async with asyncio.timeout_at(end if isfinite(end) else None):
-                    snapshot = await anext(values)
-            except (TimeoutError, StopAsyncIteration):
-                return
-            yield snapshot
+        return self.supervisor.snapshots.values_for(seconds)
 
     def drive(self, speed: float, turn_rate: float = 0.0) -> None:
         """Drive at `speed` [m/s] and `turn_rate` [rad/s] until that expires.

@@ -31,3 +31,15 @@ class Scene:
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
         """Return the pose to draw [m, rad]: the true one if it is known."""
         return self.truth() if self.truth else self.odom_in_map @ robot_in_odom
+
+    @property
+    def map_now(self) -> LineMap | None:
+        """The map; clients of a simulator may have loaded another since."""
+        return self.simulated[0].world.map if self.simulated else self.map
+
+    def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
+        """Return where the odometry's origin seems to lie [m, rad], given what odometry says now.
+
+        It wanders where the true pose is known and odometry drifts.
+        """
+        return self.robot_in_map(robot_in_odom) @ robot_in_odom.inverse()

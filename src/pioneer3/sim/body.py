@@ -73,6 +73,10 @@ class Battery:
         """Share of the capacity that is left, 0 to 1."""
         return self.energy / CAPACITY
 
+    def fill(self, share: float) -> None:
+        """Leave `share` of the capacity, 0 to 1; a voltage that a test has set is forgotten."""
+        self.energy, self.fixed = share * CAPACITY, None
+
     @property
     def voltage(self) -> float:
         """Terminal voltage, lower while the motors draw current [V]."""

@@ -153,7 +153,7 @@ def check_state(facts: Facts) -> Iterator[Finding]:
     now = heard.snapshot
     yield _stop_button(now)
     yield from _motors(now)
-    yield _battery(now, facts.info)
+    yield battery_finding(now, facts.info)
     yield from _sonar(heard, facts.info)
     yield from _faults(now)
 
@@ -192,7 +192,8 @@ def _motors(now: Snapshot) -> Iterator[Finding]:
         )
 
 
-def _battery(now: Snapshot, info: RobotInfo) -> Finding:
+def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
+    """Does the battery last?"""
     volts = now.battery.voltage
     shutdown = (info.config.shutdown_decivolts or 0) * DECIVOLT if info.config else 0.0
     found = f"{volts:.1f} V" + (f", {now.battery.charge:.0%}" if now.battery.charge else "")

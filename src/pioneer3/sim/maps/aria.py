@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.sim.maps.cairns import cairn, object_types
+from pioneer3.sim.maps.cells import Cells, cells_of
 from pioneer3.sim.maps.line_map import LineMap, MapObject, solid_walls
 from pioneer3.sim.maps.outline import outline
 from pioneer3.sim.maps.text import Line, lines_of, shown, wrong
@@ -95,17 +96,27 @@ class AriaFile:
             ConfigError: A resolution is wrong.
         """
         objects = tuple(place.item for place in self.places)
-        parts = [
-            section.metres()
-            if section.kind == "LINES"
-            else outline(section.metres(), self._resolution(section.source))
-            for section in self.sections
-        ]
+        parts: list[Float] = []
+        lines: list[Float] = []
+        cells: list[Cells] = []
+        for section in self.sections:
+            rows, grid = section.metres(), None
+            if section.kind == "DATA":
+                side = self._resolution(section.source)
+                grid, rows = cells_of(rows, side), outline(rows, side)
+            parts.append(rows)
+            if grid is None:
+                lines.append(rows)
+            else:
+                cells.append(grid)
+        solid = solid_walls(objects)
         return LineMap(
             name=self.path.stem,
-            walls=np.concatenate([*parts, solid_walls(objects)]),
+            walls=np.concatenate([*parts, solid]),
             homes=tuple(item.pose for item in objects if item.kind == "RobotHome"),
             objects=objects,
+            cells=tuple(cells),
+            lines=np.concatenate([*lines, solid]),
         )
 
     def _resolution(self, source: str) -> float:

@@ -13,9 +13,10 @@ What the simulator makes of them, after MobileSim and AMRISim (their README, `Ma
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import cos, radians, sin
+from types import MappingProxyType
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.maps.line_map import MapObject
@@ -38,10 +39,14 @@ class ObjectTypes:
     Attributes:
         lines: Types whose four numbers are the ends of a line; all others are areas.
         solids: Types whose outline becomes walls.
+        declared: The class of each type that a MapInfo declares, such as `GoalType`.
+        turned_to: Types whose MapInfo says `Heading=Required` or `Optional`.
     """
 
     lines: frozenset[str] = field(default=STANDARD_LINES)
     solids: frozenset[str] = field(default=STANDARD_SOLIDS)
+    declared: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    turned_to: frozenset[str] = frozenset()
 
 
 def words(text: str) -> list[str]:
@@ -52,10 +57,15 @@ def words(text: str) -> list[str]:
 def object_types(infos: Iterable[str]) -> ObjectTypes:
     """Return what the values of the MapInfo lines declare."""
     lines, solids = set(STANDARD_LINES), set(STANDARD_SOLIDS)
+    declared: dict[str, str] = {}
+    turned_to: set[str] = set()
     for info in infos:
         kind, *settings = words(info) or [""]
         given = dict(word.split("=", 1) for word in settings if "=" in word)
         name = given.get("Name", "")
+        declared[name] = kind
+        if given.get("Heading", "").lower() in ("required", "optional"):
+            turned_to.add(name)
         is_line = kind == "BoundaryType"
         if is_line:
             lines.add(name)
@@ -68,7 +78,9 @@ def object_types(infos: Iterable[str]) -> ObjectTypes:
             or (is_line and _reflects(given.get("Sim.LaserReflect", "")))
         ):
             solids.add(name)
-    return ObjectTypes(frozenset(lines), frozenset(solids))
+    return ObjectTypes(
+        frozenset(lines), frozenset(solids), MappingProxyType(declared), frozenset(turned_to)
+    )
 
 
 def _reflects(value: str) -> bool:
@@ -103,6 +115,8 @@ def cairn(line: Line, value: str, types: ObjectTypes) -> MapObject:
         pose=Pose2(MM * x_mm, MM * y_mm, wrap(theta)),
         outline=outline,
         solid=bool(outline) and kind in types.solids,
+        declared=types.declared.get(kind, ""),
+        turned_to=not outline and kind in types.turned_to,
     )
 
 

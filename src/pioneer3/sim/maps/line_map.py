@@ -1,15 +1,17 @@
 """A map as the simulator sees it: wall segments and named places, in SI."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.sim.maps.cells import Cells
 
 Float = NDArray[np.float64]
+Role = Literal["goal", "dock", "home", "place", "line", "area"]
 
 
 class Bounds(NamedTuple):
@@ -32,6 +34,9 @@ class MapObject:
         outline: Points `(x, y)` [m] in the map frame: none for a place, the two ends of a line,
             the four corners of an area in order.
         solid: Its outline is among the walls of the map: a box, a reflector.
+        declared: What a MapInfo says of its type: `GoalType`, `DockType`, `LocationType`...; empty
+            for a type that needs none.
+        turned_to: A MapInfo says that robots turn to its heading.
     """
 
     kind: str
@@ -39,6 +44,29 @@ class MapObject:
     pose: Pose2
     outline: tuple[tuple[float, float], ...] = ()
     solid: bool = False
+    declared: str = ""
+    turned_to: bool = False
+
+    @property
+    def role(self) -> Role:
+        """What it is to people."""
+        if self.outline:
+            return "line" if len(self.outline) == 2 else "area"
+        if self.kind in ("Goal", "GoalWithHeading") or self.declared == "GoalType":
+            return "goal"
+        if self.kind.startswith("Dock") or self.declared == "DockType":
+            return "dock"
+        return "home" if self.kind == "RobotHome" else "place"
+
+    @property
+    def heads(self) -> bool:
+        """Whether the heading of its pose means anything."""
+        return self.kind == "GoalWithHeading" or self.turned_to or self.role in ("dock", "home")
+
+    @property
+    def forbidden(self) -> bool:
+        """Whether robots must not drive over it."""
+        return bool(self.outline) and self.kind.startswith("Forbidden")
 
     @property
     def sides(self) -> tuple[tuple[float, float, float, float], ...]:
@@ -64,18 +92,21 @@ class LineMap:
             sides of solid objects are among them.
         homes: Poses a robot may start at, in file order.
         objects: Every cairn in file order, the homes and obstacles among them.
+        cells: Grids whose occupied cells are outlined by some of the walls.
+        lines: Those of the walls that outline no cells [m], shape (L, 4); all where there are none.
     """
 
     name: str
     walls: Float
     homes: tuple[Pose2, ...] = ()
     objects: tuple[MapObject, ...] = ()
+    cells: tuple[Cells, ...] = ()
+    lines: Float = field(default_factory=lambda: np.empty((0, 4)))
 
     def __post_init__(self) -> None:
-        """Keep a copy of the walls that nobody can change."""
-        walls = np.array(self.walls, dtype=np.float64).reshape(-1, 4)
-        walls.setflags(write=False)
-        object.__setattr__(self, "walls", walls)
+        """Keep copies of the segments that nobody can change."""
+        object.__setattr__(self, "walls", _frozen(self.walls))
+        object.__setattr__(self, "lines", _frozen(self.lines) if self.cells else self.walls)
 
     @property
     def bounds(self) -> Bounds:
@@ -84,6 +115,12 @@ class LineMap:
             return Bounds(0.0, 0.0, 0.0, 0.0)
         x, y = self.walls[:, ::2], self.walls[:, 1::2]
         return Bounds(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
+
+
+def _frozen(segments: Float) -> Float:
+    copy = np.array(segments, dtype=np.float64).reshape(-1, 4)
+    copy.setflags(write=False)
+    return copy
 
 
 def empty_map() -> LineMap:

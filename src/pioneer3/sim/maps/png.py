@@ -63,12 +63,16 @@ def parse_png(path: Path, raw: bytes) -> Image:
 
 
 def to_png(pixels: Bytes) -> bytes:
-    """Return 8-bit RGB `pixels`, shape (H, W, 3), row 0 the top, as a picture file."""
-    height, width, _ = pixels.shape
-    rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
+    """Return 8-bit `pixels`, row 0 the top, as a picture file.
+
+    Shape (H, W, 3) is red, green, blue; shape (H, W) is grey.
+    """
+    height, width = pixels.shape[:2]
+    grey = pixels.ndim == 2
+    rows = np.zeros((height, 1 + (1 if grey else 3) * width), dtype=np.uint8)
     rows[:, 1:] = pixels.reshape(height, -1)
     parts = (
-        (b"IHDR", pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
+        (b"IHDR", pack(">IIBBBBB", width, height, 8, 0 if grey else 2, 0, 0, 0)),
         (b"IDAT", zlib.compress(rows.tobytes(), 9)),
         (b"IEND", b""),
     )

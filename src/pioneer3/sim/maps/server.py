@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.sim.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, States
 from pioneer3.sim.maps.flat import Field, read_flat
 from pioneer3.sim.maps.image import LARGEST_IMAGE, Image
 from pioneer3.sim.maps.line_map import LineMap
@@ -47,6 +48,7 @@ class ServerFile:
         origin: Lower left corner of the picture, and how it is turned, in the map frame.
         negate: Bright is occupied.
         occupied_thresh: Above it [0 to 1] a pixel is a wall.
+        free_thresh: Below it [0 to 1] a pixel is known to be free.
         mode: `trinary`, `scale` or `raw`.
     """
 
@@ -57,6 +59,7 @@ class ServerFile:
     origin: Pose2
     negate: bool
     occupied_thresh: float
+    free_thresh: float
     mode: str
 
     def line_map(self) -> LineMap:
@@ -65,26 +68,44 @@ class ServerFile:
         Raises:
             ConfigError: The picture cannot be read.
         """
-        occupied = self._occupied(read_image(self.image))
+        states = self._states(read_image(self.image))[::-1]
         try:
-            cells = raster_outline(occupied[::-1])
+            edges = raster_outline(states == OCCUPIED)
         except OverflowError:
             most = f"{MOST_WALLS / 1e6:.0f} million"
             raise wrong(self.image, f" pixels: more than {most} edges; no map of rooms") from None
-        return LineMap(name=self.path.stem, walls=placed(cells * self.resolution, self.origin))
+        return LineMap(
+            name=self.path.stem,
+            walls=placed(edges * self.resolution, self.origin),
+            cells=(Cells(states=states, side=self.resolution, corner=self.origin),),
+            lines=np.empty((0, 4)),
+        )
 
-    def _occupied(self, image: Image) -> NDArray[np.bool_]:
-        # a table of 256 answers instead of 33 million numbers
-        shades = np.arange(256, dtype=np.float64)
-        if self.negate:
-            shades = 255 - shades
-        if self.mode == "raw":
-            return ((shades > 100 * self.occupied_thresh) & (shades <= 100))[image.shades]
+    def _states(self, image: Image) -> States:
+        """Return the cells as :class:`Cells` has them; row 0 is the top."""
+        # a table of answers instead of 33 million numbers
         if self.mode == "trinary" and image.alpha is not None:
             total = 3 * image.shades.astype(np.uint16) + image.alpha
-            limit = 4 * 255 * self.occupied_thresh
-            return total > limit if self.negate else 4 * 255 - total > limit
-        return ((255 - shades) / 255 > self.occupied_thresh)[image.shades]
+            judged: States = self._judged(4 * 255)[total]
+            return judged
+        if self.mode == "raw":
+            shades = np.arange(256, dtype=np.float64)
+            shades = 255 - shades if self.negate else shades
+            states = self._compared(shades / 100)
+            states[shades > 100] = UNKNOWN
+            return states[image.shades]
+        return self._judged(255)[image.shades]
+
+    def _judged(self, white: int) -> States:
+        """Return the states of the shades from 0, black, to `white`, shape (white + 1,)."""
+        shades = np.arange(white + 1)
+        return self._compared((shades if self.negate else white - shades) / white)
+
+    def _compared(self, occupancy: NDArray[np.float64]) -> States:
+        states = np.full(occupancy.shape, UNKNOWN, dtype=np.uint8)
+        states[occupancy < self.free_thresh] = FREE
+        states[occupancy > self.occupied_thresh] = OCCUPIED
+        return states
 
 
 def parse_server(path: Path, text: str) -> ServerFile:
@@ -111,6 +132,7 @@ def parse_server(path: Path, text: str) -> ServerFile:
         origin=Pose2(x, y, wrap(yaw)),
         negate="negate" in fields and fields["negate"].flag(),
         occupied_thresh=occupied,
+        free_thresh=free,
         mode=_mode(fields.get("mode")),
     )
 

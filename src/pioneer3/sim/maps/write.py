@@ -24,6 +24,8 @@ KNOWN = frozenset(
     {"Goal", "GoalWithHeading", "Dock", "RobotHome", "ForbiddenLine", "ForbiddenArea"}
 )
 """Types that need no MapInfo."""
+POINTS = ("LocationType", "GoalType", "DockType")
+"""Classes of types that are places."""
 
 
 def write_aria_map(line_map: LineMap, path: Path) -> None:
@@ -74,7 +76,10 @@ def _info(item: MapObject) -> str:
         if item.kind in KNOWN | STANDARD_SOLIDS:
             return ""
         return f"MapInfo: SectorType {name}" + (" Sim.Obstacle=yes" if item.solid else "")
-    return "" if item.kind in KNOWN else f"MapInfo: LocationType {name}"
+    if item.kind in KNOWN:
+        return ""
+    declared = item.declared if item.declared in POINTS else POINTS[0]
+    return f"MapInfo: {declared} {name}" + (" Heading=Required" if item.turned_to else "")
 
 
 def _cairn(item: MapObject) -> str:

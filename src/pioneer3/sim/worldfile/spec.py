@@ -149,13 +149,15 @@ class WorldFile:
         base = self.base_map()
         fixed = tuple(box.as_object() for box in self.boxes if not box.movable)
         places = tuple(MapObject(kind=p.kind, name=p.name, pose=p.pose) for p in self.places)
-        walls = [base.walls, *(wall.segments for wall in self.walls), solid_walls(fixed)]
+        added = [*(wall.segments for wall in self.walls), solid_walls(fixed)]
         homes = tuple(place.pose for place in self.places if place.kind == "RobotHome")
         return LineMap(
             name=self.name,
-            walls=np.concatenate(walls),
+            walls=np.concatenate([base.walls, *added]),
             homes=homes + base.homes,
             objects=base.objects + places + fixed,
+            cells=base.cells,
+            lines=np.concatenate([base.lines, *added]),
         )
 
     @property
