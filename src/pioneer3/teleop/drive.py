@@ -5,8 +5,8 @@ from collections.abc import AsyncIterator, Callable
 from math import isfinite
 
 from pioneer3.behaviors.actions import Hold
+from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.priorities import KEYBOARD
-from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.units import degrees
 
@@ -25,7 +25,7 @@ class KeyboardDriver:
         show: Given the live line, again and again.
     """
 
-    def __init__(self, robot: Robot, keyboard: Keyboard, show: Callable[[str], None]) -> None:
+    def __init__(self, robot: Driven, keyboard: Keyboard, show: Callable[[str], None]) -> None:
         self._robot = robot
         self._keyboard = keyboard
         self._show = show

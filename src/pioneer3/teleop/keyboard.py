@@ -4,7 +4,10 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import inf
 
+from pioneer3.errors import CommandError
 from pioneer3.geometry import Twist2
+from pioneer3.limits import Limits
+from pioneer3.robot.limits import checked
 
 HOLD = 0.6
 """How long a key acts [s]: longer than the pause before a keyboard begins to repeat."""
@@ -57,6 +60,26 @@ class Keyboard:
     max_turn_rate: float = inf
     _forward: tuple[int, float] = field(default=(0, -inf), init=False)
     _turn: tuple[int, float] = field(default=(0, -inf), init=False)
+
+    @classmethod
+    def within(
+        cls, limits: Limits, speed: float, turn_rate: float, *, latch: bool = False
+    ) -> "Keyboard":
+        """Return one that asks for no more than a robot can do.
+
+        Raises:
+            CommandError: a speed is not a positive number.
+        """
+        wanted = checked(speed, turn_rate)
+        if wanted.v <= 0 or wanted.w <= 0:
+            raise CommandError("speed and turn rate must be positive")
+        return cls(
+            speed=min(wanted.v, limits.max_speed),
+            turn_rate=min(wanted.w, limits.max_turn_rate),
+            latch=latch,
+            max_speed=limits.max_speed,
+            max_turn_rate=limits.max_turn_rate,
+        )
 
     def press(self, key: Key, now: float) -> None:
         """Take a key at `now` [s, monotonic]; keys that are not about motion are ignored."""

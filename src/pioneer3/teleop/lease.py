@@ -16,12 +16,17 @@ class Lease(Generic[W]):
         self._holder: W | None = None
         self._until = float("-inf")
 
-    def take(self, who: W, now: float) -> bool:
-        """Take or renew the lease at `now` [s, monotonic]; return whether `who` holds it."""
+    def take(self, who: W, now: float, term: float | None = None) -> bool:
+        """Take or renew the lease at `now` [s, monotonic]; return whether `who` holds it.
+
+        It lasts for `term` [s], or longer if it did already.
+        """
         holder = self.holder(now)
         if holder is not None and holder != who:
             return False
-        self._holder, self._until = who, now + self._term
+        until = now + (self._term if term is None else term)
+        self._until = max(self._until, until) if holder == who else until
+        self._holder = who
         return True
 
     def holder(self, now: float) -> W | None:

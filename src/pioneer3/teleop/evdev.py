@@ -1,0 +1,181 @@
+"""Gamepads of this Linux machine: which are there, what they are, and what they say.
+
+Read straight from the kernel (Documentation/input/event-codes.rst, linux/input.h): the `evdev`
+package has to be compiled on most machines that robots carry.
+"""
+
+import asyncio
+import os
+import struct
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from pioneer3.errors import ConfigError, PortPermissionError
+from pioneer3.teleop.input_events import ABS_X, ABS_Y, AXES, BTN_SOUTH, EV_ABS, EV_KEY, Range
+
+DEVICES, FACTS = Path("/dev/input"), Path("/sys/class/input")
+ABSINFO = struct.Struct("@6i")
+"""Value, minimum, maximum, fuzz, flat, resolution."""
+LONGEST = 256
+READ = 2
+"""Direction of an ioctl that reads, in its number (asm-generic/ioctl.h)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """An open gamepad.
+
+    Attributes:
+        path: Where it was found.
+        name: What it calls itself.
+        descriptor: To read events from; does not block.
+        ranges: Of its axes, by code.
+        start: What its axes said when it was opened, by code.
+    """
+
+    path: Path
+    name: str
+    descriptor: int
+    ranges: dict[int, Range]
+    start: dict[int, int]
+
+
+@contextmanager
+def open_gamepad(wanted: str = "") -> Iterator[Device | None]:
+    """Open the gamepad that is `wanted`: by path, by a part of its name, or the first.
+
+    Yields:
+        It, or `None` while there is none.
+
+    Raises:
+        ConfigError: this is no Linux, or the path is no gamepad's.
+        PortPermissionError: this user may not read it; the message says what to do.
+    """
+    if sys.platform != "linux":
+        raise ConfigError("gamepads are read on Linux only; the page takes them everywhere")
+    device = _find(wanted)
+    try:
+        yield device
+    finally:
+        if device is not None:
+            os.close(device.descriptor)
+
+
+async def read(device: Device) -> AsyncIterator[bytes]:
+    """Yield what the gamepad says as it comes; ends when it is unplugged."""
+    loop = asyncio.get_running_loop()
+    chunks: asyncio.Queue[bytes] = asyncio.Queue()
+
+    def ready() -> None:
+        try:
+            chunk = os.read(device.descriptor, 4096)
+        except BlockingIOError:
+            return
+        except OSError:  # ENODEV: unplugged
+            chunk = b""
+        if not chunk:
+            loop.remove_reader(device.descriptor)
+        chunks.put_nowait(chunk)
+
+    loop.add_reader(device.descriptor, ready)
+    try:
+        while chunk := await chunks.get():
+            yield chunk
+    finally:
+        loop.remove_reader(device.descriptor)
+
+
+def _find(wanted: str) -> Device | None:
+    if wanted.startswith("/"):
+        return _open(Path(wanted), must=True)
+    for path in sorted(DEVICES.glob("event*"), key=lambda path: (len(path.name), path.name)):
+        try:
+            device = _open(path)
+        except PortPermissionError:
+            if _may_be_gamepad(path):
+                raise
+            continue
+        if device is not None:
+            if wanted.lower() in device.name.lower():
+                return device
+            os.close(device.descriptor)
+    return None
+
+
+def _may_be_gamepad(path: Path) -> bool:
+    """Return whether it has a gamepad's buttons, as everybody may know; `True` if that is not told.
+
+    Words of the kernel's `unsigned long`, the highest first.
+    """
+    try:
+        words = (FACTS / path.name / "device/capabilities/key").read_text("ascii").split()
+        word, bit = divmod(BTN_SOUTH, 8 * struct.calcsize("@l"))
+        return word < len(words) and bool(int(words[-1 - word], 16) >> bit & 1)
+    except (OSError, ValueError):
+        return True
+
+
+def _open(path: Path, *, must: bool = False) -> Device | None:
+    """Open `path` if it is a gamepad's; `None` if it is not, or not there.
+
+    Raises:
+        ConfigError: it is there, `must` be one, and is not.
+        PortPermissionError: this user may not read it.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except PermissionError:
+        raise PortPermissionError(
+            f"{path}: this user may not read it; let them with: sudo usermod -aG input $USER, "
+            "then log in again"
+        ) from None
+    except OSError:
+        return None
+    with suppress(OSError):
+        device = _describe(path, descriptor)
+        if device is not None:
+            return device
+    os.close(descriptor)
+    if must:
+        raise ConfigError(f"{path}: this is no gamepad")
+    return None
+
+
+def _describe(path: Path, descriptor: int) -> Device | None:
+    """Return what is open there, `None` if it is no gamepad.
+
+    Raises:
+        OSError: it is no input device at all.
+    """
+    keys, axes = _bits(descriptor, EV_KEY), _bits(descriptor, EV_ABS)
+    if not (keys >> BTN_SOUTH & 1 and axes >> ABS_X & 1 and axes >> ABS_Y & 1):
+        return None
+    name = _get(descriptor, 0x06, LONGEST).split(b"\0")[0].decode("utf-8", "replace")
+    info = {axis: ABSINFO.unpack(_get(descriptor, 0x40 + axis, ABSINFO.size)) for axis in AXES}
+    return Device(
+        path,
+        name,
+        descriptor,
+        {axis: Range(low, high) for axis, (_, low, high, *_) in info.items()},
+        {axis: value for axis, (value, *_) in info.items()},
+    )
+
+
+def _bits(descriptor: int, kind: int) -> int:
+    """Return which codes of a kind of event the device has, a bit for each."""
+    return int.from_bytes(_get(descriptor, 0x20 + kind, LONGEST), sys.byteorder)
+
+
+def _get(descriptor: int, number: int, size: int) -> bytes:
+    """Ask the device: EVIOCGNAME 0x06, EVIOCGBIT 0x20 + kind, EVIOCGABS 0x40 + axis."""
+    from fcntl import ioctl  # noqa: PLC0415
+
+    return ioctl(descriptor, request(number, size), bytes(size))
+
+
+def request(number: int, size: int) -> int:
+    """Return the number of an ioctl that reads so many bytes from an input device."""
+    return READ << 30 | size << 16 | ord("E") << 8 | number
