@@ -3,10 +3,11 @@
 import asyncio
 import shutil
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass
+from typing import TypeVar
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -15,9 +16,12 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.sim.worldfile import WorldFile
 from pioneer3.web.live import PATIENT
-from pioneer3.web.server import serve_page
+from pioneer3.web.page import Page as WebPage
+from pioneer3.web.server import serve
 
+T = TypeVar("T")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 QUIET = (
     "--no-sandbox",
@@ -37,6 +41,16 @@ class Product:
     address: str
     simulation: RunningSimulation
     robot: Robot
+    web: WebPage
+    loop: asyncio.AbstractEventLoop
+
+    def call(self, act: Callable[[], T]) -> T:
+        """Return what `act` returns in the product's thread."""
+
+        async def run() -> T:
+            return act()
+
+        return asyncio.run_coroutine_threadsafe(run(), self.loop).result(20)
 
 
 @pytest.fixture
@@ -47,22 +61,37 @@ def product() -> Iterator[Product]:
 
 
 @contextmanager
-def running_product(*, editable: bool = True) -> Iterator[Product]:
-    """Run the product while the block lasts; not editable, it is like one with a real robot."""
+def running_product(
+    *,
+    editable: bool = True,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    world: WorldFile | str | None = None,
+) -> Iterator[Product]:
+    """Run the product while the block lasts; not editable, it is like one with a real robot.
+
+    All robots of `world` are connected; in a map, of which it may be the name, and in the office,
+    which is taken without one, there is a P3-AT.
+    """
     ready: Future[Product] = Future()
     loop = asyncio.new_event_loop()
     leave = asyncio.Event()
 
-    async def serve() -> None:
+    async def live() -> None:
         async with AsyncExitStack() as stack:
-            running = await stack.enter_async_context(simulator(port=0))
-            robot = await stack.enter_async_context(connect_async(running.url, timing=PATIENT))
-            scene = running.scene if editable else Scene(running.world.map)
-            address = await stack.enter_async_context(serve_page(robot, scene, port=0))
-            ready.set_result(Product(address, running, robot))
+            running = await stack.enter_async_context(simulator(map_name=world or "office", port=0))
+            web = WebPage()
+            for one in running.robots:
+                robot = await stack.enter_async_context(connect_async(one.url, timing=PATIENT))
+                scene = running.scene_of(one) if editable else Scene(running.world.map)
+                name = one.name if len(running.robots) > 1 else ""
+                await stack.enter_async_context(web.hosting(robot, scene, name))
+            served = await stack.enter_async_context(serve(web, host=host, port=port))
+            first = web.stations[1].robot
+            ready.set_result(Product(served.http, running, first, web, loop))
             await leave.wait()
 
-    thread = threading.Thread(target=loop.run_until_complete, args=(serve(),))
+    thread = threading.Thread(target=loop.run_until_complete, args=(live(),))
     thread.start()
     try:
         yield ready.result(20)

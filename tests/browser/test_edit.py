@@ -262,7 +262,7 @@ def test_everybody_sees_what_one_changes(bench: Page, product: Product) -> None:
     wait_for_the_robot(second)
     bench.locator("#tool-box").click()
     bench.mouse.click(*spot(bench, 8.0, 7.4))
-    until(lambda: len(things(second, "box")) == 1)
+    until(lambda: all(len(things(page, "box")) == 1 for page in (bench, second)))
     box = things(second, "box")[0]
     drag(bench, (8.0, 7.4), (9.0, 7.0))
     until(lambda: things(second, "box")[0]["pose"] != box["pose"])

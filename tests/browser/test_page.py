@@ -69,10 +69,10 @@ def test_a_pressed_button_drives_until_it_is_let_go(page: Page, product: Product
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
 
 
-def test_space_stops_while_an_arrow_is_still_held(page: Page, product: Product) -> None:
+def test_x_stops_while_an_arrow_is_still_held(page: Page, product: Product) -> None:
     page.keyboard.down("ArrowUp")
     until(lambda: speed(product) > 0.25)
-    page.keyboard.press("Space")
+    page.keyboard.press("x")
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
     page.wait_for_timeout(700)
     assert speed(product) == 0.0
@@ -122,7 +122,7 @@ def test_the_emergency_stop_latches_until_it_is_reset(page: Page, product: Produ
     page.keyboard.down("ArrowUp")
     page.wait_for_timeout(500)
     assert speed(product) == 0.0
-    assert "emergency stop" in page.locator("#why").inner_text()
+    assert "EMERGENCY STOP" in page.locator("#alarm").inner_text()
     page.keyboard.up("ArrowUp")
 
 
@@ -139,7 +139,7 @@ def test_the_page_fits_a_phone_380_pixels_wide(browser: Browser, product: Produc
     page.goto(product.address)
     wait_for_the_robot(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= phone["width"]
-    for name in ("#stop", "#pad-forward", "#pad-back", "#pad-left", "#pad-right", "#badge"):
+    for name in ("#stop", "#estop", "#stick", "#way-keys", "#way-tilt", "#badge"):
         box = page.locator(name).bounding_box()
         assert box is not None
         assert box["x"] >= 0

@@ -1,84 +1,70 @@
-"""Routes and the rules of the house: who may load the page, and from where."""
+"""Routes: the page, its parts, its WebSocket and the API."""
 
-from ipaddress import ip_address
+from collections.abc import Awaitable, Callable
 from pathlib import Path
-from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
-from starlette.middleware import Middleware
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
+from pioneer3.web import problem
+from pioneer3.web.access.gate import POLICY_VIOLATION, Gate, session_of
+from pioneer3.web.access.names import LOCAL_NAMES
+from pioneer3.web.api.routes import api_routes
 from pioneer3.web.page import Page
 from pioneer3.web.visitor import Visitor
 
 STATIC = Path(__file__).with_name("static")
-HEADERS = {
-    b"content-security-policy": b"default-src 'self'; frame-ancestors 'none'; base-uri 'none'",
-    b"x-content-type-options": b"nosniff",
-    b"referrer-policy": b"no-referrer",
-    b"cache-control": b"no-cache",
+PAGES = {
+    "/": "index.html",
+    "/pair": "pair/pair.html",
+    "/api": "api/api.html",
+    "/app.webmanifest": "app/app.webmanifest",
+    "/worker.js": "app/worker.js",  # here, for it may serve what is beside it and below only
 }
-LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
-POLICY_VIOLATION = 1008
 
 
-class HouseRules:
-    """Refuses names that are not ours (DNS rebinding), and sends the security headers."""
+def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
+    """Return the application; it answers to `names` only.
 
-    def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
-        self._app = app
-        self._names = names
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
-        if scope["type"] == "http" and not is_ours(Request(scope).headers.get("host"), self._names):
-            await PlainTextResponse("unknown host name", 421)(scope, receive, send)
-            return
-
-        async def send_with_headers(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                message["headers"] = [*message.get("headers", ()), *HEADERS.items()]
-            await send(message)
-
-        await self._app(scope, receive, send_with_headers)
-
-
-def is_ours(host: str | None, names: frozenset[str]) -> bool:
-    """Whether `host`, a header such as `localhost:8080`, is a name this server goes by.
-
-    So is every number: a name is what DNS rebinding needs.
+    The files of the page are no secret; the robot is behind the WebSocket and the API.
     """
-    try:
-        name = urlsplit(f"//{host}").hostname or ""
-        return name in names or bool(ip_address(name))
-    except ValueError:
-        return False
-
-
-def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> Starlette:
-    """Return the application; it answers to `names` only."""
-
-    async def index(_: Request) -> Response:
-        return FileResponse(STATIC / "index.html")
 
     async def visit(socket: WebSocket) -> None:
-        host, origin = socket.headers.get("host"), socket.headers.get("origin")
-        same = origin in {None, f"http://{host}", f"https://{host}"}
-        if not is_ours(host, names) or not same:
+        session = session_of(socket)
+        if session is None:
             await socket.close(POLICY_VIOLATION)
             return
-        await Visitor(page, socket).serve()
+        await Visitor(page, socket, session).serve()
 
-    return Starlette(
+    async def authority(_: Request) -> Response:
+        if page.access.authority is None:
+            raise HTTPException(404, "there is no certificate of ours to trust")
+        return FileResponse(page.access.authority, media_type="application/x-x509-ca-cert")
+
+    app = Starlette(
         routes=[
-            Route("/", index),
+            Route("/ca.crt", authority),
+            *(Route(path, _file(name)) for path, name in PAGES.items()),
             WebSocketRoute("/ws", visit),
+            *api_routes(page),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
-        middleware=[Middleware(HouseRules, names=names)],
+        exception_handlers={
+            HTTPException: problem.of_http_exception,
+            Exception: problem.of_failure,
+        },
     )
+    return Gate(app, page.access, names)
+
+
+def _file(name: str) -> Callable[[Request], Awaitable[Response]]:
+    async def serve(_: Request) -> Response:
+        return FileResponse(STATIC / name)
+
+    return serve

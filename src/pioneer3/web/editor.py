@@ -1,8 +1,8 @@
 """Changes to the simulated world that people make on the page, and who may make them.
 
 Who moves a thing keeps it until they leave it alone for a moment; so it is with the wheel, and the
-robot that is driven, and time itself, belong to who has the wheel. Everybody may press a stop
-button.
+robots that are driven belong to who has theirs. Time belongs to who drives, if nobody else does.
+Everybody may press a stop button.
 """
 
 import asyncio
@@ -33,15 +33,16 @@ class Editor:
 
     Args:
         view: The world.
-        take_wheel: Gives the wheel to somebody if it is free; whether it is theirs.
-        stop: Stops the driven robot; what is held must be let go before it counts again.
+        take_wheel: Gives the wheel of a driven robot, by its number on the page, or of all of them
+            to somebody if it is free; whether it is theirs.
+        stop: Stops a driven robot; what is held must be let go before it counts again.
     """
 
     def __init__(
         self,
         view: WorldView,
-        take_wheel: Callable[[object], bool],
-        stop: Callable[[], None],
+        take_wheel: Callable[[object, int | None], bool],
+        stop: Callable[[int], None],
     ) -> None:
         self._view = view
         self._simulation = view.simulation
@@ -98,18 +99,22 @@ class Editor:
     async def _change(
         self,
         who: object,
-        edit: requests.Move | requests.Remove | requests.PressStopButton | requests.PlugCable,
+        edit: requests.Move
+        | requests.Remove
+        | requests.PressStopButton
+        | requests.PlugCable
+        | requests.SetCharge,
     ) -> None:
         item = self._view.find(edit.id)
         if not (isinstance(edit, requests.PressStopButton) and edit.pressed):
             self._take(who, edit.id, item)
         match edit, item:
             case requests.Move(), _:
-                if item is self._view.own:
-                    self._stop()  # who lifts a robot stops it
+                if (own := self._own(item)) is not None:
+                    self._stop(own)  # who lifts a robot stops it
                 self._simulation.move(item, _pose(edit))
             case requests.Remove(), SimulatedRobot():
-                if item is self._view.own:
+                if self._own(item) is not None:
                     raise CommandError(f"{item.name}: this page drives it; it stays")
                 await asyncio.shield(self._simulation.remove_robot(item))
             case requests.Remove(), Obstacle():
@@ -118,13 +123,15 @@ class Editor:
                 item.body.stop_button = pressed
             case requests.PlugCable(_, plugged), SimulatedRobot():
                 item.port.faults.unplugged = not plugged
+            case requests.SetCharge(_, charge), SimulatedRobot():
+                item.body.battery.fill(charge)
             case _:
-                raise CommandError("only robots have a stop button and a cable")
+                raise CommandError("only robots have a stop button, a cable and a battery")
 
     def _set_pace(
         self, who: object, edit: requests.Pause | requests.Step | requests.SetSpeed
     ) -> None:
-        if not self._take_wheel(who):
+        if not self._take_wheel(who, None):
             raise CommandError("somebody else drives")
         pace = self._simulation.pace
         match edit:
@@ -135,10 +142,14 @@ class Editor:
             case requests.SetSpeed(speed):
                 pace.speed = speed
 
+    def _own(self, item: Item) -> int | None:
+        """Return the page's number of a robot that it drives, `None` of anything else."""
+        return self._view.driven.get(item) if isinstance(item, SimulatedRobot) else None
+
     def _take(self, who: object, number: int, item: Item) -> None:
         """Let `who` have `item`, or refuse it."""
-        if item is self._view.own:
-            if not self._take_wheel(who):
+        if (own := self._own(item)) is not None:
+            if not self._take_wheel(who, own):
                 raise CommandError("somebody else drives")
             return
         now, held = self._clock(), self._leases

@@ -1,25 +1,27 @@
-"""The main job: a robot or an embedded simulator, the driver, and the page, in one loop."""
+"""The main job: robots or an embedded simulator, their drivers, and the page, in one loop."""
 
 import asyncio
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AsyncExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.models import load_model
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.identity import kind
-from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import simulator
+from pioneer3.runtime.simulation import RunningSimulation, simulator
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.worldfile import load_world
+from pioneer3.sim.worldfile import RobotSpec, load_world
 from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
-from pioneer3.web.server import serve_page
+from pioneer3.web.access.certificate import digest
+from pioneer3.web.access.sessions import free_name
+from pioneer3.web.access.sharing import certificate_for, invitation_lines
+from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.page import Page
+from pioneer3.web.server import serve
 
-LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 PATIENT = Timing(silence=inf)
 """Towards a simulator in this program: it may be paused, and when it ends, so does the link."""
 
@@ -29,28 +31,36 @@ class Options:
     """What to run.
 
     Attributes:
-        port: URL of the robot; `None` starts a simulator.
+        ports: URLs of the robots; none starts a simulator.
         baud: Serial speed to try first.
         map_name: Shipped map or file; `None` is the office for a simulator, none for a robot.
-        robot: Model to simulate, or to use whatever the robot says it is.
-        wishes: What to change in the simulated world before it begins.
-        ideal: Simulate a robot without any error.
-        sim_port: TCP port of the simulator; 0 takes a free one.
+        robots: Models and names to simulate; with ports one for all or one for each, to use
+            whatever the robots say they are.
+        wishes: What else to change in the simulated world before it begins.
+        ideal: Simulate robots without any error.
+        sim_port: TCP port of the first simulated robot; 0 takes free ones.
         web_port: TCP port of the page; 0 takes a free one.
-        host: Address the page is served on.
+        host: Address the page is served on; from elsewhere than this machine it takes pairing.
+        cert: The owner's certificate for https; `None` makes one where others are let in.
+        key: Its private key.
+        show_tokens: Whether `tell` writes to where nothing is kept, so that it may show tokens.
         max_speed: Keep below this [m/s].
-        record: New file for every byte on the wire.
+        record: New file for every byte on the wire; of several robots each has its own, with its
+            name added.
     """
 
-    port: str | None = None
+    ports: tuple[str, ...] = ()
     baud: int | None = None
     map_name: str | None = None
-    robot: str | None = None
+    robots: tuple[RobotSpec, ...] = ()
     wishes: Wishes = AS_IT_IS
     ideal: bool = False
     sim_port: int = 8101
     web_port: int = 8080
     host: str = "127.0.0.1"
+    cert: Path | None = None
+    key: Path | None = None
+    show_tokens: bool = False
     max_speed: float | None = None
     record: Path | None = None
 
@@ -62,58 +72,98 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
         PioneerError: something could not be started; the message says what to do.
     """
     async with AsyncExitStack() as stack:
-        url, scene = await _robot_and_scene(options, stack, tell)
-        robot = await stack.enter_async_context(
-            connect_async(
-                url,
-                baud=options.baud,
-                model=load_model(options.robot) if options.robot else None,
-                max_speed=options.max_speed,
-                record=options.record,
-                timing=PATIENT if scene.simulated else None,
-            )
+        if options.ports:
+            targets = _real(options)
+        else:
+            targets = _simulated(await _simulation(options, stack, tell))
+        page = Page()
+        certificate = certificate_for(options.host, options.cert, options.key)
+        served = await stack.enter_async_context(
+            serve(page, host=options.host, port=options.web_port, certificate=certificate)
         )
-        address = await stack.enter_async_context(
-            serve_page(robot, scene, host=options.host, port=options.web_port)
-        )
-        tell(f"Connected to a {kind(robot.info)}: {_who(robot)}")
-        tell(f"Drive it at {address}   (Ctrl-C ends)")
-        if options.host not in LOOPBACK:
-            tell(f"WARNING: anybody who reaches {options.host} can drive this robot.")
-        await _tell_of_changes(robot, tell)
+        # the page waits for the robots, so that a port in use is told before anything else
+        await stack.enter_async_context(hosted(page, _with_options(targets, options), tell))
+        it = "it" if len(targets) == 1 else "them"
+        tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
+        for line in _how_to_come_in(page, show_tokens=options.show_tokens):
+            tell(line)
+        await asyncio.get_running_loop().create_future()
     return 0
 
 
-async def _robot_and_scene(
+def _real(options: Options) -> list[Target]:
+    known = load_world(options.map_name).line_map() if options.map_name else None
+    specs = options.robots
+    if len(specs) <= 1:
+        specs = (specs or (RobotSpec(model=""),)) * len(options.ports)
+    return [
+        Target(
+            url=url,
+            scene=Scene(known),
+            name=spec.name,
+            model=load_model(spec.model) if spec.model else None,
+        )
+        for url, spec in zip(options.ports, specs, strict=True)
+    ]
+
+
+async def _simulation(
     options: Options, stack: AsyncExitStack, tell: Callable[[str], None]
-) -> tuple[str, Scene]:
-    if options.port is not None:
-        known = load_world(options.map_name).line_map() if options.map_name else None
-        return options.port, Scene(known)
+) -> RunningSimulation:
+    wishes = replace(options.wishes, robots=options.robots or options.wishes.robots)
     running = await stack.enter_async_context(
         simulator(
             map_name=options.map_name or "office",
-            robot=options.robot,
             port=options.sim_port,
-            wishes=options.wishes,
+            wishes=wishes,
             realism=Realism.ideal() if options.ideal else Realism(),
         )
     )
-    for other in running.robots[1:]:
-        tell(f"Also simulated: {other.name}, {other.model.title}, on {other.url}")
     for note in running.notes:
         tell(f"WARNING: {note}")
-    return running.url, running.scene
+    return running
 
 
-async def _tell_of_changes(robot: Robot, tell: Callable[[str], None]) -> None:
-    """Say when the link is lost and restored, for as long as the robot is served."""
-    async for status in robot.supervisor.status.values():
-        tell(f"{status.connection.value}: {status.message}")
-    await asyncio.sleep(0)
+def _simulated(running: RunningSimulation) -> list[Target]:
+    several = len(running.robots) > 1
+    return [
+        Target(
+            url=robot.url,
+            scene=running.scene_of(robot),
+            name=robot.name if several else "",
+            timing=PATIENT,
+        )
+        for robot in running.robots
+    ]
 
 
-def _who(robot: Robot) -> str:
-    info = robot.info
-    speed = f" at {info.speed} baud" if info.speed else ""
-    return f"{info.identity.name}, {info.model.title} ({info.model.name}), on {info.url}{speed}"
+def _with_options(targets: Sequence[Target], options: Options) -> list[Target]:
+    """Return `targets` with what is the same for all, and each with a file of its own."""
+    files: list[Path | None] = [options.record] * len(targets)
+    if options.record is not None and len(targets) > 1:
+        files = own_files(options.record, targets)
+    return [
+        replace(target, baud=options.baud, max_speed=options.max_speed, record=file)
+        for target, file in zip(targets, files, strict=True)
+    ]
+
+
+def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
+    """Return `walk-bob.txt` for `walk.txt` and bob; who has no name goes by the address."""
+    labels: list[str] = []
+    for target in targets:
+        words = re.findall(r"[\w.]+", target.name or target.url.partition(":")[2])
+        labels.append(free_name("-".join(words) or "robot", set(labels)))
+    return [path.with_stem(f"{path.stem}-{label}") for label in labels]
+
+
+def _how_to_come_in(page: Page, *, show_tokens: bool) -> Iterator[str]:
+    """Yield what others need who want to join; nothing where nobody can."""
+    if not page.access.urls:
+        return
+    yield f"From other devices, once paired: {'  '.join(page.access.urls)}"
+    if page.access.authority is not None:
+        yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
+    if show_tokens:
+        yield from invitation_lines(page.access)
+    yield "Who is in, one more invitation, showing somebody out: pioneer3 access --help"

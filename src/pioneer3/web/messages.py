@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from math import isfinite
-from typing import Any, Literal
+from typing import Any
 
 import msgspec
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.robot.supervisor import RobotInfo, Status
+from pioneer3.runtime.helm import Ended
 from pioneer3.runtime.identity import kind
-from pioneer3.runtime.scene import Scene
-from pioneer3.sim.maps import LineMap
 from pioneer3.state import Snapshot
+from pioneer3.teleop.gamepad import SCHEME
+from pioneer3.web.guest import Guest
 
 SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
@@ -26,43 +27,68 @@ def encode(message: dict[str, Any]) -> str:
 
 def hello(
     version: str,
-    info: RobotInfo | None,
-    scene: Scene,
+    robots: Sequence[dict[str, Any]],
     models: list[dict[str, str]] | None = None,
 ) -> dict[str, Any]:
-    """Say what is connected, how it looks, where it drives, and what `models` can join it there.
+    """Say what is here: `robots` as :func:`robot` tells of them, and what can join them.
 
     Without models the world is not the page's to change.
     """
     return {
         "type": "hello",
         "version": version,
+        "robots": robots,
+        "models": models,
+        "gamepad": msgspec.to_builtins(SCHEME),
+    }
+
+
+def robot(number: int, name: str, info: RobotInfo | None, *, laser: bool = False) -> dict[str, Any]:
+    """Say what a robot is and looks like, how fast it may be driven, and if it has a laser."""
+    return {
+        "id": number,
+        "name": name,
         "connection": kind(info) if info else "ROBOT",
         "url": info.url if info else "",
-        "robot": _robot(info.identity.name, info.model) if info else None,
+        "robot": _shape(info.identity.name, info.model) if info else None,
         "limits": _limits(info.limits) if info else None,
-        "map": _map(scene.map) if scene.map else None,
-        "models": models,
+        "laser": laser,
+    }
+
+
+def status(number: int, now: Status) -> dict[str, Any]:
+    """Say how it stands with the link of a robot."""
+    return {
+        "type": "status",
+        "robot": number,
+        "state": now.connection.value,
+        "message": now.message,
     }
 
 
 def snapshot(
+    number: int,
     now: Snapshot,
     *,
     pose: Pose2,
     why: str | None,
     emergency_stop: bool,
-    driver: Literal["you", "other"] | None,
+    driver: dict[str, Any] | None,
     mode: str | None = None,
     decided: Sequence[str] = (),
+    ended: Ended | None = None,
+    commanded: Twist2 | None = None,
+    target: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Say how it stands, ten times a second.
+    """Say how it stands with a robot, ten times a second.
 
-    `pose` is the robot's in the map; `decided` says who in the running `mode` decides what.
+    `pose` is the robot's in the map; `driver` is as :func:`somebody` tells; `decided` says who in
+    the running `mode` decides what, `target` as :func:`goal` tells where it is going, and `ended`
+    how the last one ended; `commanded` is what the robot was last told to do.
     """
     battery, motors = now.battery, now.motors
     return {
-        "type": "snapshot",
+        "robot": number,
         "sequence": now.sequence,
         "pose": _pose(pose),
         "twist": _twist(now.odometry.twist),
@@ -95,10 +121,40 @@ def snapshot(
         "driver": driver,
         "mode": mode,
         "decided": decided,
+        "ended": {"mode": ended.mode.name, "done": ended.done, "why": ended.why} if ended else None,
+        "commanded": _twist(commanded) if commanded else None,
+        "target": target,
     }
 
 
-def _robot(name: str, model: RobotModel) -> dict[str, Any]:
+def goal(place: Pose2, *, heads: bool, person: bool) -> dict[str, Any]:
+    """Say where a robot is going, in the map; `person` if it follows whom it takes to be there."""
+    return {
+        "x": round(place.x, 3),
+        "y": round(place.y, 3),
+        "heading": round(place.theta, 3) if heads else None,
+        "person": person,
+    }
+
+
+def somebody(name: str, number: int | None) -> dict[str, Any]:
+    """Say who it is: `id` is the number of a guest, `None` for a script or the like."""
+    return {"id": number, "name": name}
+
+
+def people(you: Guest, number: int, wheels: msgspec.Raw, guests: msgspec.Raw) -> dict[str, Any]:
+    """Say who you are, who else is here, and who has which wheel."""
+    return {
+        "type": "people",
+        "id": number,
+        "name": you.name,
+        "role": you.role.value,
+        "wheels": wheels,
+        "guests": guests,
+    }
+
+
+def _shape(name: str, model: RobotModel) -> dict[str, Any]:
     return {
         "name": name,
         "model": model.name,
@@ -120,10 +176,6 @@ def _limits(limits: Limits) -> dict[str, float]:
         "default_speed": min(DEFAULT_SPEED, limits.max_speed),
         "default_turn_rate": min(DEFAULT_TURN_RATE, limits.max_turn_rate),
     }
-
-
-def _map(line_map: LineMap) -> dict[str, Any]:
-    return {"name": line_map.name, "walls": line_map.walls.round(4).tolist()}
 
 
 def _pose(pose: Pose2) -> dict[str, float]:

@@ -5,11 +5,17 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from pioneer3.web.hands import Input
+from pioneer3.web.modes import Mode
+
 Metre = Annotated[float, Meta(ge=-1e4, le=1e4)]
 """A coordinate in the map [m]."""
 Radian = Annotated[float, Meta(ge=-100.0, le=100.0)]
 Side = Annotated[float, Meta(ge=0.1, le=20.0)]
 """Of a box [m]."""
+Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
+"""At most so fast [m/s]."""
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 
 
@@ -17,27 +23,87 @@ class Request(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
     """Anything the page asks for."""
 
 
-class Drive(Request, tag="drive"):
-    """Hold this velocity [m/s, rad/s] until it expires; 0, 0 lets go."""
+class RobotRequest(Request, kw_only=True):
+    """Anything asked of a robot: its number on the page; without one the first is meant."""
+
+    robot: int | None = None
+
+
+class Drive(RobotRequest, tag="drive"):
+    """Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go."""
 
     v: float
     w: float
+    input: Input = "touch"
 
 
-class Stop(Request, tag="stop"):
+class Stop(RobotRequest, tag="stop"):
     """Stand still, whoever drives."""
 
 
-class EmergencyStop(Request, tag="emergency_stop"):
-    """Stop hard, latched."""
+class EmergencyStop(RobotRequest, tag="emergency_stop"):
+    """Stop hard, latched; without a number all robots do: nobody has to pick first."""
 
 
-class ResetEmergencyStop(Request, tag="reset_emergency_stop"):
+class ResetEmergencyStop(RobotRequest, tag="reset_emergency_stop"):
     """Release the latch."""
 
 
-class SwitchMotors(Request, tag="motors"):
+class SwitchMotors(RobotRequest, tag="motors"):
     """Switch the motors' power."""
+
+    on: bool
+
+
+class TakeWheel(RobotRequest, tag="take_wheel"):
+    """Take the wheel if it is free, and keep it."""
+
+
+class TakeOver(RobotRequest, tag="take_over"):
+    """Stop the robot, then have the wheel, whoever has it now."""
+
+
+class HandOver(RobotRequest, tag="hand_over"):
+    """Stop the robot, and give the wheel to another guest."""
+
+    to: int
+
+
+class GiveUpWheel(RobotRequest, tag="give_up_wheel"):
+    """Leave the wheel to whoever wants it."""
+
+
+class StartMode(RobotRequest, tag="start_mode"):
+    """Stop, then let the robot drive by itself for who asks; `goto` in odometry's frame."""
+
+    mode: Mode
+
+
+class Goto(RobotRequest, tag="goto"):
+    """Drive straight to a place of the map, and turn to a heading there if one is given."""
+
+    x: Metre
+    y: Metre
+    heading: Radian | None = None
+    speed: Speed = 0.3
+
+
+class EndMode(RobotRequest, tag="end_mode"):
+    """End what the robot does by itself; its motion ends at once."""
+
+
+class WatchDetails(RobotRequest, tag="watch_details"):
+    """Open the details of the robot in place of any other's, or close them."""
+
+    on: bool
+
+
+class AskConfig(RobotRequest, tag="ask_config"):
+    """Ask the robot for its CONFIG."""
+
+
+class WatchLasers(Request, tag="watch_lasers"):
+    """Asks to be told what lasers see, or not any more; they are on while anybody wants it."""
 
     on: bool
 
@@ -102,6 +168,13 @@ class PlugCable(Request, tag="cable"):
     plugged: bool
 
 
+class SetCharge(Request, tag="charge"):
+    """Drain or fill the battery of a simulated robot, to this share of its capacity."""
+
+    id: int
+    charge: Share
+
+
 class Pause(Request, tag="pause"):
     """Stop simulated time, or let it pass again."""
 
@@ -121,7 +194,15 @@ class SetSpeed(Request, tag="speed"):
 
 
 Wish = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | Ping
-"""What concerns the robot alone, be it real or simulated."""
+"""What concerns robots alone, be they real or simulated."""
+WheelRequest = TakeWheel | TakeOver | HandOver | GiveUpWheel
+"""What concerns who drives."""
+ModeRequest = StartMode | Goto | EndMode
+"""What concerns driving by itself."""
+Look = WatchDetails | AskConfig | WatchLasers
+"""What concerns this page alone."""
+FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
+"""What everybody may ask who sees the page; the rest is for drivers."""
 Edit = (
     AddBox
     | AddPerson
@@ -130,12 +211,13 @@ Edit = (
     | Remove
     | PressStopButton
     | PlugCable
+    | SetCharge
     | Pause
     | Step
     | SetSpeed
 )
 """What concerns the simulated world."""
-AnyRequest = Wish | Edit
+AnyRequest = Wish | WheelRequest | ModeRequest | Look | Edit
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 
 

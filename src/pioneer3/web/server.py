@@ -4,56 +4,133 @@ import asyncio
 import errno
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
 
 import uvicorn
 
 from pioneer3.errors import LinkError, PortBusyError
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
-from pioneer3.web.app import LOCAL_NAMES, make_app
+from pioneer3.runtime.tasks import running
+from pioneer3.web.access.certificate import Certificate
+from pioneer3.web.access.names import is_loopback, own_names
+from pioneer3.web.access.sharing import others_urls
+from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
+from pioneer3.web.patience import ShortSocket
 
 GOODBYE = 1
 """How long open pages are waited for at the end [s]."""
+ANY = frozenset({"0.0.0.0", "::"})
+"""Hosts that mean every address of this machine."""
 FRAME_LIMIT = 4096
 """Longest message taken from a page [bytes]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """Addresses of a page that is served; `https` is `None` without a certificate."""
+
+    http: str
+    https: str | None = None
 
 
 @asynccontextmanager
 async def serve_page(
     robot: Robot, scene: Scene, *, host: str = "127.0.0.1", port: int = 8080
 ) -> AsyncIterator[str]:
-    """Serve the live page; yield its address.
+    """Serve a live page of its own; yield its address. See :func:`serve`."""
+    page = Page()
+    async with page.hosting(robot, scene), serve(page, host=host, port=port) as served:
+        yield served.http
+
+
+@asynccontextmanager
+async def serve(
+    page: Page,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    certificate: Certificate | None = None,
+) -> AsyncIterator[Served]:
+    """Serve `page`; yield where.
 
     Args:
-        robot: What is shown and driven.
-        scene: What surrounds it.
-        host: Address to listen on; anything but loopback lets the whole network drive.
+        page: What is served.
+        host: Address to listen on; who comes from elsewhere needs a session of :attr:`Page.access`.
         port: TCP port; 0 takes a free one.
+        certificate: To serve https with as well, on the next port.
 
     Raises:
-        PortBusyError, LinkError: the port cannot be listened on.
+        PortBusyError, LinkError: the ports cannot be listened on.
     """
-    with _bind(host, port) as listener:
-        names = LOCAL_NAMES | {host.lower()} | _own_names(host)
-        config = uvicorn.Config(
-            make_app(Page(robot, scene), names),
-            ws="websockets-sansio",
-            ws_max_size=FRAME_LIMIT,
-            log_config=None,
-            access_log=False,
-            lifespan="off",
-            timeout_graceful_shutdown=GOODBYE,
+    names = own_names(host)
+    async with AsyncExitStack() as stack:
+        await stack.enter_async_context(running(page.run()))
+        plain = _listen(host, port, stack)
+        await stack.enter_async_context(_running(page, names, plain))
+        served = Served(f"http://{shown(local_host(host))}:{_port(plain)}")
+        if certificate is not None:
+            secure = _listen(host, port and port + 1, stack)
+            await stack.enter_async_context(_running(page, names, secure, certificate))
+            served = Served(served.http, f"https://{shown(local_host(host))}:{_port(secure)}")
+        page.access.authority = certificate.authority if certificate else None
+        page.access.urls = others_urls(
+            host,
+            _port(plain),
+            _port(secure) if certificate else None,
+            trusted=certificate is not None and certificate.authority is None,
         )
-        server = uvicorn.Server(config)
-        # its own serve() would take the signals away from those who stop the robot
-        running = asyncio.ensure_future(server._serve([listener]))
-        try:
-            yield f"http://{_shown(host)}:{listener.getsockname()[1]}"
-        finally:
-            server.should_exit = True
-            await asyncio.gather(running, return_exceptions=True)
+        yield served
+
+
+@asynccontextmanager
+async def _running(
+    page: Page,
+    names: frozenset[str],
+    listeners: list[socket.socket],
+    certificate: Certificate | None = None,
+) -> AsyncIterator[None]:
+    config = uvicorn.Config(
+        make_app(page, names),
+        ws=ShortSocket,
+        ws_max_size=FRAME_LIMIT,
+        ws_per_message_deflate=False,
+        log_config=None,
+        access_log=False,
+        lifespan="off",
+        proxy_headers=False,
+        server_header=False,
+        ssl_certfile=certificate.chain if certificate else None,
+        ssl_keyfile=certificate.key if certificate else None,
+        timeout_graceful_shutdown=GOODBYE,
+    )
+    server = uvicorn.Server(config)
+    # its own serve() would take the signals away from those who stop the robot
+    serving = asyncio.ensure_future(server._serve(listeners))
+    try:
+        yield
+    finally:
+        server.should_exit = True
+        await asyncio.gather(serving, return_exceptions=True)
+
+
+def _listen(host: str, port: int, stack: AsyncExitStack) -> list[socket.socket]:
+    """Listen at `host`, and always at this very machine, where no token is needed."""
+    first = stack.enter_context(_bind(host, port))
+    if is_loopback(host) or host in ANY:
+        return [first]
+    return [first, stack.enter_context(_bind("127.0.0.1", _port([first])))]
+
+
+def _port(listeners: list[socket.socket]) -> int:
+    return int(listeners[0].getsockname()[1])
+
+
+def local_host(host: str) -> str:
+    """Return where this very machine finds a server on `host`."""
+    return host if is_loopback(host) else "127.0.0.1"
 
 
 def _bind(host: str, port: int) -> socket.socket:
@@ -74,13 +151,6 @@ def _bind(host: str, port: int) -> socket.socket:
     return listener
 
 
-def _own_names(host: str) -> frozenset[str]:
-    """Return the names this machine goes by when it listens beyond loopback."""
-    if host in LOCAL_NAMES:
-        return frozenset()
-    name = socket.gethostname().lower()
-    return frozenset({name, f"{name}.local"})
-
-
-def _shown(host: str) -> str:
+def shown(host: str) -> str:
+    """Return `host` as it stands in a URL."""
     return f"[{host}]" if ":" in host else host

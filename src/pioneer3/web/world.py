@@ -1,4 +1,4 @@
-"""The simulated world as pages see it: its things by number, and what has changed since."""
+"""The simulated world as pages see it: its things by number."""
 
 from functools import cached_property
 from itertools import count
@@ -19,14 +19,14 @@ Placed = tuple[float, float, float]
 class WorldView:
     """Numbers what is in a simulation; a number is given once.
 
-    Args:
+    Attributes:
         simulation: What is looked at.
-        own: The robot that the page drives.
+        driven: The robots that the page drives, and the page's number of each.
     """
 
-    def __init__(self, simulation: RunningSimulation, own: SimulatedRobot) -> None:
+    def __init__(self, simulation: RunningSimulation) -> None:
         self.simulation = simulation
-        self.own = own
+        self.driven: dict[SimulatedRobot, int] = {}
         self._numbers: dict[Item, int] = {}
         self._count = count(1)
 
@@ -65,7 +65,10 @@ class WorldView:
         }
 
     def describe(self, item: Item) -> dict[str, Any]:
-        """Say what an item is and looks like, but not where it is."""
+        """Say what an item is and looks like, but not where it is.
+
+        `own` is the page's number of a robot that it drives, `None` of all others.
+        """
         if isinstance(item, Obstacle):
             front, rear, side, _ = item.sizes
             kind = "box" if isinstance(item.kind, Box) else "person"
@@ -79,54 +82,15 @@ class WorldView:
                 "model": model.name,
                 "title": model.title,
                 "url": item.url,
-                "own": item is self.own,
+                "own": self.driven.get(item),
                 "connected": port.connected,
                 "stop_button": item.body.stop_button,
                 "plugged": not port.faults.unplugged,
+                "charge": round(item.body.battery.charge, 2),
             }
         return {"kind": kind, "name": name, "front": front, "rear": rear, "side": side, **more}
 
-
-class News:
-    """What one page has not been told yet."""
-
-    def __init__(self, view: WorldView) -> None:
-        self._view = view
-        self._known: dict[int, tuple[dict[str, Any], Placed]] = {}
-        self._clock: dict[str, Any] | None = None
-
-    def next(self) -> dict[str, Any] | None:
-        """Return the message that brings the page up to date, `None` if it is.
-
-        `things` are new or have changed, `moved` are only elsewhere; the first message has them
-        all, and says so.
-        """
-        view, before = self._view, self._known
-        first, clock = self._clock is None, view.clock()
-        self._known = {
-            number: (view.describe(item), _placed(item)) for item, number in view.items.items()
-        }
-        things, moved = [], []
-        for number, (thing, place) in self._known.items():
-            told = before.get(number)
-            if told is None or told[0] != thing:
-                things.append({"id": number, **thing, "pose": place})
-            elif told[1] != place:
-                moved.append((number, *place))
-        gone = [number for number in before if number not in self._known]
-        if not (first or things or moved or gone or clock != self._clock):
-            return None
-        self._clock = clock
-        return {
-            "type": "world",
-            "all": first,
-            "things": things,
-            "moved": moved,
-            "gone": gone,
-            "clock": clock,
-        }
-
-
-def _placed(item: Item) -> Placed:
-    pose: Pose2 = item.pose if isinstance(item, Obstacle) else item.body.robot_in_world
-    return round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)
+    def placed(self, item: Item) -> Placed:
+        """Say where an item is."""
+        pose: Pose2 = item.pose if isinstance(item, Obstacle) else item.body.robot_in_world
+        return round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)

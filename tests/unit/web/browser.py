@@ -7,10 +7,10 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import hypot
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 from numpy.random import default_rng
-from starlette.applications import Starlette
+from starlette.types import ASGIApp
 
 from pioneer3 import Robot, connect_async
 from pioneer3.geometry import Pose2
@@ -29,6 +29,8 @@ from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
+from pioneer3.web.station import Station
+from pioneer3.web.wheel import Wheel
 from tests.support import SimulatedRobot
 
 Message = MutableMapping[str, Any]
@@ -54,17 +56,31 @@ class Browser:
         closed: The code the application closed with, or `None`.
     """
 
-    def __init__(self, app: Starlette, *, host: str = HERE, origin: str | None = None) -> None:
-        headers = [(b"host", host.encode())]
-        if origin is not None:
-            headers.append((b"origin", origin.encode()))
-        self._scope = {"type": "websocket", "path": "/ws", "headers": headers, "query_string": b""}
+    def __init__(
+        self,
+        app: ASGIApp,
+        *,
+        host: str = HERE,
+        origin: str | None = None,
+        peer: str = "127.0.0.1",
+        **headers: str,
+    ) -> None:
+        named = {"host": host} | ({} if origin is None else {"origin": origin}) | headers
+        self._scope: dict[str, Any] = {
+            "type": "websocket",
+            "scheme": "ws",
+            "path": "/ws",
+            "headers": [(n.replace("_", "-").encode(), v.encode()) for n, v in named.items()],
+            "query_string": b"",
+            "client": (peer, 50000),
+            "server": ("127.0.0.1", 8080),
+        }
         self._app = app
         self._said: asyncio.Queue[Message] = asyncio.Queue()
         self.heard: list[dict[str, Any]] = []
         self.closed: int | None = None
 
-    async def __aenter__(self) -> "Browser":
+    async def __aenter__(self) -> Self:
         self._said.put_nowait({"type": "websocket.connect"})
         self.task = asyncio.ensure_future(self._app(self._scope, self._said.get, self._send))
         await asyncio.sleep(0.01)
@@ -107,6 +123,14 @@ class Browser:
             self.drive(v, w)
             await asyncio.sleep(0.066)
 
+    async def stay(self, seconds: float) -> None:
+        """Look at the page for so long: it pings, as real ones do."""
+        loop = asyncio.get_running_loop()
+        end = loop.time() + seconds
+        while loop.time() < end:
+            self.say("ping", t=0)
+            await asyncio.sleep(1.0)
+
     def all(self, type_: str) -> list[dict[str, Any]]:
         """Return the messages of one type so far."""
         return [message for message in self.heard if message["type"] == type_]
@@ -114,6 +138,24 @@ class Browser:
     def latest(self, type_: str) -> dict[str, Any]:
         """Return the newest message of one type."""
         return self.all(type_)[-1]
+
+    def snapshots(self, robot: int = 1) -> list[dict[str, Any]]:
+        """Return every snapshot of a robot so far."""
+        told = [snapshot for frame in self.all("robots") for snapshot in frame["snapshots"]]
+        return [snapshot for snapshot in told if snapshot["robot"] == robot]
+
+    @property
+    def snapshot(self) -> dict[str, Any]:
+        """The newest snapshot of the first robot."""
+        return self.snapshots()[-1]
+
+    @property
+    def driver(self) -> str | None:
+        """Who drives the first robot, `you` if it is this page."""
+        driver = self.snapshot["driver"]
+        if driver is None:
+            return None
+        return "you" if driver["id"] == self.latest("people")["id"] else str(driver["name"])
 
     async def _send(self, message: Message) -> None:
         match message["type"]:
@@ -130,7 +172,13 @@ class Product:
     sim: SimulatedRobot
     robot: Robot
     page: Page
-    app: Starlette
+    station: Station
+    app: ASGIApp
+
+    @property
+    def wheel(self) -> Wheel:
+        """Of the robot."""
+        return self.station.wheel
 
     @property
     def speed(self) -> float:
@@ -148,8 +196,9 @@ class Product:
 async def product(scene: Scene | None = None) -> AsyncIterator[Product]:
     """Join world, firmware, driver and page, in the loop's time."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        page = Page(robot, scene or Scene())
-        yield Product(sim, robot, page, make_app(page))
+        page = Page()
+        async with page.hosting(robot, scene or Scene()) as station, running(page.run()):
+            yield Product(sim, robot, page, station, make_app(page))
 
 
 def simulated(*poses: Pose2, line_map: LineMap | None = None) -> RunningSimulation:
@@ -177,7 +226,8 @@ class Playground:
     simulation: RunningSimulation
     robot: Robot
     page: Page
-    app: Starlette
+    wheel: Wheel
+    app: ASGIApp
 
 
 @asynccontextmanager
@@ -193,6 +243,7 @@ async def playground(*poses: Pose2, line_map: LineMap | None = None) -> AsyncIte
         return ours
 
     async with running(here._simulation.run()), connect_async(plug_in) as robot:
-        page = Page(robot, here.scene)
-        yield Playground(here, robot, page, make_app(page))
+        page = Page()
+        async with page.hosting(robot, here.scene) as station, running(page.run()):
+            yield Playground(here, robot, page, station.wheel, make_app(page))
     await asyncio.gather(*serving)

@@ -4,8 +4,7 @@ import asyncio
 
 import pytest
 
-from pioneer3.web.app import LOCAL_NAMES, is_ours
-from pioneer3.web.server import _own_names
+from pioneer3.web.access.names import LOCAL_NAMES, is_ours, own_names
 from tests.unit.web.browser import Browser, product
 
 POLICY_VIOLATION = 1008
@@ -47,15 +46,15 @@ def test_a_request_without_a_host_is_not_ours() -> None:
 
 def test_beyond_loopback_the_machine_goes_by_its_own_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("socket.gethostname", lambda: "Lab-PC")
-    assert _own_names("0.0.0.0") == {"lab-pc", "lab-pc.local"}
-    assert _own_names("127.0.0.1") == set()
+    assert own_names("0.0.0.0") == LOCAL_NAMES | {"0.0.0.0", "lab-pc", "lab-pc.local"}
+    assert own_names("127.0.0.1") == LOCAL_NAMES
 
 
 @pytest.mark.parametrize("origin", [None, "http://localhost:8080", "https://localhost:8080"])
 async def test_the_page_itself_and_programs_may_connect(origin: str | None) -> None:
     async with product() as the, Browser(the.app, origin=origin) as ann:
         assert ann.closed is None
-        assert ann.latest("hello")["robot"]["model"] == "p3at-sh"
+        assert ann.latest("hello")["robots"][0]["robot"]["model"] == "p3at-sh"
 
 
 @pytest.mark.parametrize(

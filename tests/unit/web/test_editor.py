@@ -51,10 +51,10 @@ async def test_a_box_is_added_where_it_is_asked_for() -> None:
 async def test_a_box_before_the_robot_is_what_its_sonar_hears() -> None:
     async with playground() as the, Browser(the.app) as ann:
         await asyncio.sleep(SOON)
-        assert set(ann.latest("snapshot")["sonar"]["ranges"]) == {None}
+        assert set(ann.snapshot["sonar"]["ranges"]) == {None}
         ann.say("add_box", x=1.5, y=0, theta=0, length=0.5, width=3)
         await asyncio.sleep(1.0)
-        ahead = min(filter(None, ann.latest("snapshot")["sonar"]["ranges"]))
+        ahead = min(filter(None, ann.snapshot["sonar"]["ranges"]))
         assert 0.8 < ahead < 1.3
 
 
@@ -103,7 +103,7 @@ async def test_robots_are_dragged_to_free_places_only() -> None:
         for x, y in ((5.0, 0.0), (0.0, 6.0)):
             answer = await answer_to(ann, "move", id=OWN, x=x, y=y, theta=0)
             assert answer["message"].startswith("robot-1: something stands at ")
-        assert ann.latest("snapshot")["pose"] == {"x": 2.0, "y": 1.0, "theta": 1.0}
+        assert ann.snapshot["pose"] == {"x": 2.0, "y": 1.0, "theta": 1.0}
 
 
 async def test_who_lifts_the_robot_stops_it() -> None:
@@ -134,7 +134,7 @@ async def test_nobody_lifts_a_robot_that_somebody_else_drives() -> None:
         assert answer == refusal("somebody else drives")
         await driving
         assert the.simulation.robots[0].body.robot_in_world.x > before.x
-        assert ann.latest("snapshot")["driver"] == "you"
+        assert ann.driver == "you"
 
 
 async def test_nobody_drives_a_robot_that_somebody_else_drags() -> None:
@@ -143,7 +143,7 @@ async def test_nobody_drives_a_robot_that_somebody_else_drags() -> None:
         await asyncio.sleep(0.1)
         bob.drive(0.3)
         await asyncio.sleep(TERM)
-        assert bob.all("refused")[0]["message"] == "somebody else drives"
+        assert bob.all("refused")[0]["message"] == "script has the wheel"
         await bob.keep_driving(0.3, 1.5)
         assert the.simulation.robots[0].body.drive.linear.velocity == pytest.approx(0.3)
 
@@ -198,7 +198,7 @@ async def test_anybody_presses_a_stop_button_and_who_may_drive_releases_it() -> 
         await asyncio.sleep(0.5)
         body = the.simulation.robots[0].body
         assert not body.drive.powered
-        assert ann.latest("snapshot")["motors"]["stop_button"]
+        assert ann.snapshot["motors"]["stop_button"]
         answer = await answer_to(bob, "stop_button", id=OWN, pressed=False)
         assert answer == refusal("somebody else drives")
         await driving
@@ -223,7 +223,7 @@ async def test_a_box_has_neither_button_nor_cable() -> None:
         await answer_to(ann, "add_box", x=3, y=0, theta=0, length=0.5, width=0.5)
         for type_, fields in (("stop_button", {"pressed": True}), ("cable", {"plugged": False})):
             answer = await answer_to(ann, type_, id=2, **fields)
-            assert answer == refusal("only robots have a stop button and a cable")
+            assert answer == refusal("only robots have a stop button, a cable and a battery")
 
 
 async def test_time_is_paused_stepped_and_sped_up() -> None:
@@ -266,14 +266,30 @@ async def test_a_page_does_not_fill_the_world() -> None:
         )
 
 
+async def test_a_battery_is_drained_and_filled() -> None:
+    async with playground() as the, Browser(the.app) as ann:
+        battery = the.simulation.robots[0].body.battery
+        ann.say("charge", id=OWN, charge=0.05)
+        await asyncio.sleep(SOON)
+        assert battery.charge == pytest.approx(0.05, abs=0.01)
+        assert ann.snapshot["battery"]["low"]
+        assert ann.latest("world")["things"][0]["charge"] == 0.05
+        ann.say("charge", id=OWN, charge=1)
+        await asyncio.sleep(SOON)
+        assert not ann.snapshot["battery"]["low"]
+        await answer_to(ann, "add_person", path=[[5, 5]])
+        answer = await answer_to(ann, "charge", id=2, charge=0.5)
+        assert answer["type"] == "edit_refused"
+
+
 async def test_another_map_is_shown_when_a_client_loads_one() -> None:
     async with playground() as the, Browser(the.app) as ann:
         await asyncio.sleep(SOON)
-        assert ann.latest("hello")["map"]["walls"] == []
+        assert ann.latest("map")["map"]["walls"] == []
         lab: LineMap = wall_at(5.0)
         the.simulation.world.change_map(lab)
         await asyncio.sleep(SOON)
-        assert ann.latest("hello")["map"]["walls"] == [[5.0, -5.0, 5.0, 5.0]]
+        assert ann.latest("map")["map"]["walls"] == [[5.0, -5.0, 5.0, 5.0]]
 
 
 async def test_the_world_of_a_real_robot_is_not_to_be_changed() -> None:
@@ -343,8 +359,8 @@ async def test_no_robot_begins_in_a_wall_a_box_or_another() -> None:
 @pytest.mark.realtime
 async def test_a_robot_comes_can_be_connected_to_and_goes() -> None:
     async with simulator(map_name="empty", port=0) as here:
-        view = WorldView(here, here.robots[0])
-        editor = Editor(view, take_wheel=lambda _: True, stop=lambda: None)
+        view = WorldView(here)
+        editor = Editor(view, take_wheel=lambda *_: True, stop=lambda _: None)
         answer = await editor.obey(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 1.0))
         assert answer == {"type": "added", "id": 2}
         added = here.robots[1]
@@ -361,7 +377,7 @@ async def test_a_robot_comes_can_be_connected_to_and_goes() -> None:
 @pytest.mark.realtime
 async def test_a_page_that_goes_leaves_a_whole_robot_or_none() -> None:
     async with simulator(map_name="empty", port=0) as here:
-        editor = Editor(WorldView(here, here.robots[0]), lambda _: True, lambda: None)
+        editor = Editor(WorldView(here), lambda *_: True, lambda _: None)
         adding = asyncio.ensure_future(
             editor.obey(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 0.0))
         )

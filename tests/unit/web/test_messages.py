@@ -5,7 +5,6 @@ from math import inf, nan
 from typing import Any
 
 import msgspec
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,8 +14,6 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import load_model
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.scene import Scene
-from pioneer3.sim.maps import LineMap
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
 from pioneer3.web import messages, requests
 from tests.unit.web.browser import strict
@@ -60,7 +57,7 @@ def said(message: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_hello_shows_the_robot_as_the_model_has_it() -> None:
-    robot = said(messages.hello("1.2", info(), Scene()))["robot"]
+    robot = said(messages.robot(1, "dora", info()))["robot"]
     assert robot == {
         "name": "dora",
         "model": "p3dx-sh",
@@ -76,16 +73,16 @@ def test_hello_shows_the_robot_as_the_model_has_it() -> None:
     assert len(robot["sonars"]) == 16
 
 
-def test_hello_says_where_and_what_in_capitals() -> None:
-    hello = said(messages.hello("1.2", info(), Scene()))
-    assert (hello["type"], hello["version"]) == ("hello", "1.2")
-    assert (hello["connection"], hello["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
-    assert said(messages.hello("1.2", info(serial="SIM"), Scene()))["connection"] == "SIMULATOR"
-    assert said(messages.hello("1.2", info(name="MobileSim"), Scene()))["connection"] == "SIMULATOR"
+def test_a_robot_is_told_with_its_number_its_name_and_what_it_is_in_capitals() -> None:
+    robot = said(messages.robot(3, "left", info()))
+    assert (robot["id"], robot["name"], robot["robot"]["name"]) == (3, "left", "dora")
+    assert (robot["connection"], robot["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
+    assert said(messages.robot(1, "", info(serial="SIM")))["connection"] == "SIMULATOR"
+    assert said(messages.robot(1, "", info(name="MobileSim")))["connection"] == "SIMULATOR"
 
 
-def test_hello_offers_moderate_speeds_to_begin_with() -> None:
-    assert said(messages.hello("1.2", info(), Scene()))["limits"] == {
+def test_moderate_speeds_are_offered_to_begin_with() -> None:
+    assert said(messages.robot(1, "dora", info()))["limits"] == {
         "speed": 0.75,
         "turn_rate": 1.5,
         "default_speed": 0.3,
@@ -93,33 +90,31 @@ def test_hello_offers_moderate_speeds_to_begin_with() -> None:
     }
 
 
-def test_hello_never_offers_more_than_the_limits() -> None:
-    slow = said(messages.hello("1.2", info(Limits(max_speed=0.1, max_turn_rate=0.2)), Scene()))
+def test_no_more_than_the_limits_is_ever_offered() -> None:
+    slow = said(messages.robot(1, "dora", info(Limits(max_speed=0.1, max_turn_rate=0.2))))
     assert (slow["limits"]["default_speed"], slow["limits"]["default_turn_rate"]) == (0.1, 0.2)
 
 
-def test_hello_draws_the_walls() -> None:
-    walls = np.array([[0.0, 1.0, 2.0, 1.0 / 3.0]])
-    hello = said(messages.hello("1.2", info(), Scene(LineMap(name="lab", walls=walls))))
-    assert hello["map"] == {"name": "lab", "walls": [[0.0, 1.0, 2.0, 0.3333]]}
-    assert said(messages.hello("1.2", info(), Scene()))["map"] is None
+def test_hello_says_what_it_is() -> None:
+    hello = said(messages.hello("1.2", []))
+    assert (hello["type"], hello["version"], hello["models"]) == ("hello", "1.2", None)
 
 
-def test_hello_before_any_robot_is_valid_too() -> None:
-    hello = said(messages.hello("1.2", None, Scene()))
-    assert (hello["robot"], hello["limits"], hello["url"]) == (None, None, "")
+def test_a_robot_that_nobody_has_met_is_told_too() -> None:
+    robot = said(messages.robot(1, "dora", None))
+    assert (robot["robot"], robot["limits"], robot["url"]) == (None, None, "")
 
 
 def test_a_snapshot_says_what_the_reading_says() -> None:
     pose = Pose2(1.0, 2.0, 3.0)
-    why, driver = "The motors are off.", "other"
+    why, driver = "The motors are off.", messages.somebody("ann", 2)
     told = said(
-        messages.snapshot(reading(0.5), pose=pose, why=why, emergency_stop=True, driver="other")
+        messages.snapshot(4, reading(0.5), pose=pose, why=why, emergency_stop=True, driver=driver)
     )
     assert told["pose"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
     assert told["twist"] == {"v": 0.5, "w": 0.5}
-    assert (told["type"], told["sequence"], told["why"]) == ("snapshot", 7, why)
-    assert (told["emergency_stop"], told["driver"]) == (True, driver)
+    assert (told["robot"], told["sequence"], told["why"]) == (4, 7, why)
+    assert (told["emergency_stop"], told["driver"]) == (True, {"id": 2, "name": "ann"})
     assert told["motors"] == {
         "enabled": True,
         "stalled": True,
@@ -134,7 +129,7 @@ def test_a_snapshot_says_what_the_reading_says() -> None:
 
 def test_what_no_sonar_has_seen_is_null() -> None:
     told = said(
-        messages.snapshot(reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
+        messages.snapshot(1, reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
     )
     assert told["sonar"] == {"ranges": [1.5, None, None, 0.0], "enabled": True}
 
@@ -143,7 +138,9 @@ def test_what_no_sonar_has_seen_is_null() -> None:
 def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> None:
     pose = Pose2(number, number, number)
     told = said(
-        messages.snapshot(reading(number), pose=pose, why=None, emergency_stop=False, driver=None)
+        messages.snapshot(
+            1, reading(number), pose=pose, why=None, emergency_stop=False, driver=None
+        )
     )
     assert told["pose"] == {"x": None, "y": None, "theta": None}
     assert told["battery"]["voltage"] is None
@@ -154,6 +151,7 @@ def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> Non
     [
         ('{"type":"drive","v":0.3,"w":-1}', requests.Drive(0.3, -1.0)),
         ('{"w":-1,"v":0.3,"type":"drive"}', requests.Drive(0.3, -1.0)),
+        ('{"type":"drive","v":0.3,"w":-1,"robot":2}', requests.Drive(0.3, -1.0, robot=2)),
         ('{"type":"stop"}', requests.Stop()),
         ('{"type":"emergency_stop"}', requests.EmergencyStop()),
         ('{"type":"reset_emergency_stop"}', requests.ResetEmergencyStop()),

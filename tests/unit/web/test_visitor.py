@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pioneer3.teleop.lease import TERM
-from pioneer3.web.page import EXPIRY
+from pioneer3.web.wheel import EXPIRY
 from tests.unit.web.browser import Browser, product
 
 BRAKING = 0.3
@@ -18,14 +18,16 @@ AT_ONCE = 0.05
 async def test_a_visitor_is_told_who_then_how_then_what() -> None:
     async with product() as the, Browser(the.app) as ann:
         await asyncio.sleep(0.25)
-        assert [message["type"] for message in ann.heard[:3]] == ["hello", "status", "snapshot"]
+        types = [message["type"] for message in ann.heard]
+        assert types[:2] == ["hello", "status"]
+        assert types.index("people") < types.index("robots")
         assert ann.latest("status")["state"] == "connected"
 
 
 async def test_ten_snapshots_arrive_in_a_second() -> None:
     async with product() as the, Browser(the.app) as ann:
         await asyncio.sleep(2.0)
-        sequences = [message["sequence"] for message in ann.all("snapshot")]
+        sequences = [message["sequence"] for message in ann.snapshots()]
         assert 18 <= len(sequences) <= 21
         assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
 
@@ -41,11 +43,11 @@ async def test_a_held_key_drives_and_letting_go_stops() -> None:
     async with product() as the, Browser(the.app) as ann:
         await ann.keep_driving(0.3, 2.0)
         assert the.speed == pytest.approx(0.3)
-        assert ann.latest("snapshot")["driver"] == "you"
+        assert ann.driver == "you"
         ann.drive(0.0)
         await asyncio.sleep(BRAKING)
         assert the.speed == 0.0
-        assert ann.latest("snapshot")["driver"] is None
+        assert ann.driver is None
 
 
 async def test_a_page_that_falls_silent_drives_half_a_second_more() -> None:
@@ -84,10 +86,10 @@ async def test_the_first_drives_and_the_second_is_refused() -> None:
         bob.drive(-0.3)
         await driving
         assert the.speed == pytest.approx(0.3)
-        assert bob.all("refused") == [{"type": "refused", "message": "somebody else drives"}]
+        assert bob.all("refused") == [{"type": "refused", "message": "script has the wheel"}]
         assert ann.all("refused") == []
-        assert ann.latest("snapshot")["driver"] == "you"
-        assert bob.latest("snapshot")["driver"] == "other"
+        assert ann.driver == "you"
+        assert bob.driver == "script"
 
 
 @pytest.mark.parametrize("request_", ["stop", "emergency_stop"])
@@ -153,7 +155,7 @@ async def test_motors_switched_off_while_a_key_is_held_stay_off() -> None:
             who.say("motors", on=False)
             await ann.keep_driving(0.3, 1.0)
             assert not the.sim.powered
-            assert "the robot switched" not in ann.latest("snapshot")["why"]  # people did
+            assert "the robot switched" not in ann.snapshot["why"]  # people did
             ann.drive(0.0)
 
 
@@ -172,14 +174,14 @@ async def test_the_emergency_stop_latches_until_it_is_reset() -> None:
         await ann.keep_driving(0.3, 1.0)
         assert the.speed == 0.0
         assert not the.sim.powered
-        assert ann.latest("snapshot")["emergency_stop"] is True
+        assert ann.snapshot["emergency_stop"] is True
         ann.say("motors", on=True)
         await asyncio.sleep(AT_ONCE)
         assert ann.latest("refused")["message"] == "the emergency stop is latched"
         ann.say("reset_emergency_stop")
         await asyncio.sleep(1.0)
         assert not the.sim.powered
-        assert ann.latest("snapshot")["emergency_stop"] is False
+        assert ann.snapshot["emergency_stop"] is False
         await ann.keep_driving(0.3, 1.5)
         assert the.speed == pytest.approx(0.3)
 
@@ -271,15 +273,15 @@ async def test_a_lost_link_and_its_return_are_told() -> None:
         await the.sim.unplug()
         await asyncio.sleep(2.0)
         assert ann.latest("status")["state"] in {"lost", "connecting"}
-        silent = len(ann.all("snapshot"))
+        silent = len(ann.snapshots())
         the.sim.plugged = True
         await asyncio.sleep(5.0)
         states = [status["state"] for status in ann.all("status")]
         assert states[0] == "connected"
         assert "lost" in states
         assert states[-1] == "connected"
-        assert ann.latest("hello")["robot"]["model"] == "p3at-sh"
-        assert len(ann.all("snapshot")) > silent
+        assert ann.latest("hello")["robots"][0]["robot"]["model"] == "p3at-sh"
+        assert len(ann.snapshots()) > silent
 
 
 async def test_a_key_held_through_a_lost_link_does_not_move_the_robot_again() -> None:
@@ -305,10 +307,10 @@ async def test_a_visitor_during_an_outage_is_told_of_it() -> None:
         await asyncio.sleep(0.5)
         async with Browser(the.app) as ann:
             assert ann.all("status")[0]["state"] in {"lost", "connecting"}
-            assert ann.all("hello")[0]["robot"]["model"] == "p3at-sh"
+            assert ann.all("hello")[0]["robots"][0]["robot"]["model"] == "p3at-sh"
             ann.drive(0.3)
             await asyncio.sleep(1.0)
-            assert ann.all("snapshot") == []
+            assert ann.snapshots() == []
 
 
 async def test_visitors_are_let_go_when_the_robot_is_closed() -> None:

@@ -8,8 +8,8 @@ from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
 from pioneer3.models import model_names
 from pioneer3.sim.worldfile import Box, Person
-from pioneer3.web.messages import encode
-from pioneer3.web.world import News, WorldView
+from pioneer3.web.world import WorldView
+from pioneer3.web.world_news import MOST_GONE, WorldNews
 from tests.unit.web.browser import simulated, strict
 
 BOX = Box(pose=Pose2(3.0, 1.0, 0.5), size=(1.0, 0.4), name="crate")
@@ -18,14 +18,30 @@ WALKER = Person(path=((5.0, 0.0), (5.0, 4.0)), name="Ada")
 
 def view_of(*poses: Pose2) -> WorldView:
     here = simulated(*poses)
-    return WorldView(here, here.robots[0])
+    view = WorldView(here)
+    view.driven[here.robots[0]] = 1
+    return view
+
+
+class News:
+    """What one page hears that has nothing else to do."""
+
+    def __init__(self, view: WorldView, shared: WorldNews | None = None) -> None:
+        self.shared = shared or WorldNews(view)
+        self._seen = 0
+
+    def next(self) -> str | None:
+        """Return the next message, `None` if there is none."""
+        self.shared.look()
+        texts, self._seen = self.shared.since(self._seen), self.shared.version
+        return texts[0] if texts else None
 
 
 def told(news: News) -> dict[str, Any]:
     """Return the next message as a browser gets it."""
     message = news.next()
     assert message is not None
-    return strict(encode(message))
+    return strict(message)
 
 
 def test_the_first_news_is_all_there_is() -> None:
@@ -44,19 +60,20 @@ def test_the_first_news_is_all_there_is() -> None:
         "id": 1,
         "kind": "robot",
         "name": "robot-1",
-        "front": view.own.model.length_front,
-        "rear": view.own.model.length_rear,
-        "side": view.own.model.width / 2,
+        "front": view.simulation.robots[0].model.length_front,
+        "rear": view.simulation.robots[0].model.length_rear,
+        "side": view.simulation.robots[0].model.width / 2,
         "model": "p3dx-sh",
         "title": "Pioneer 3-DX",
         "url": "memory:1",
-        "own": True,
+        "own": 1,
         "connected": False,
         "stop_button": False,
         "plugged": True,
+        "charge": 1.0,
         "pose": [1.0, 2.0, 0.5],
     }
-    assert (other["id"], other["own"], other["url"]) == (2, False, "memory:2")
+    assert (other["id"], other["own"], other["url"]) == (2, None, "memory:2")
     assert box == {
         "id": 3,
         "kind": "box",
@@ -77,7 +94,8 @@ def test_where_nothing_changes_there_is_no_news() -> None:
     news = News(view)
     told(news)
     assert news.next() is None
-    view.own.body.robot_in_world = Pose2(0.0001, 0.0, 0.0)  # less than a millimetre
+    less_than_a_millimetre = Pose2(0.0001, 0.0, 0.0)
+    view.simulation.robots[0].body.robot_in_world = less_than_a_millimetre
     assert news.next() is None
 
 
@@ -120,8 +138,8 @@ def test_a_pressed_button_and_a_pulled_cable_are_news() -> None:
     view = view_of(Pose2())
     news = News(view)
     told(news)
-    view.own.body.stop_button = True
-    view.own.port.faults.unplug()
+    view.simulation.robots[0].body.stop_button = True
+    view.simulation.robots[0].port.faults.unplug()
     (thing,) = told(news)["things"]
     assert (thing["stop_button"], thing["plugged"]) == (True, False)
 
@@ -132,7 +150,7 @@ def test_two_pages_hear_the_same_whenever_they_come() -> None:
     first = News(view)
     told(first)
     view.simulation.move(box, Pose2(4.0, 1.0))
-    second = told(News(view))["things"][1]
+    second = told(News(view, first.shared))["things"][1]
     assert second["id"] == told(first)["moved"][0][0] == 2
     assert second["pose"] == [4.0, 1.0, 0.0]
 
@@ -153,3 +171,32 @@ def test_every_shipped_model_can_be_added() -> None:
     models = view_of(Pose2()).models
     assert tuple(model["name"] for model in models) == model_names()
     assert all(model["title"] for model in models)
+
+
+def test_who_missed_some_hears_all_of_it_at_once_and_nothing_twice() -> None:
+    view = view_of(Pose2())
+    box, crate = view.simulation.add_box(BOX), view.simulation.add_box(BOX)
+    quick = News(view)
+    slow = News(view, quick.shared)
+    told(quick), told(slow)
+    view.simulation.move(box, Pose2(4.0, 1.0))
+    told(quick)
+    view.simulation.remove(crate)
+    assert told(quick)["moved"] == []
+    missed = told(slow)
+    assert ([number for number, *_ in missed["moved"]], missed["gone"]) == ([2], [3])
+    assert slow.next() is None
+
+
+def test_who_missed_more_than_is_remembered_is_told_all_anew() -> None:
+    view = view_of(Pose2())
+    quick = News(view)
+    slow = News(view, quick.shared)
+    told(slow)
+    for _ in range(MOST_GONE + 1):
+        box = view.simulation.add_box(BOX)
+        told(quick)
+        view.simulation.remove(box)
+        told(quick)
+    missed = told(slow)
+    assert (missed["all"], missed["gone"], len(missed["things"])) == (True, [], 1)

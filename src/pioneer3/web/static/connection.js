@@ -10,22 +10,25 @@ const QUEUE = 512; // bytes; a fuller queue would deliver old velocities late
 export class Connection {
   #onMessage;
   #onChange;
+  #onLost;
   #socket = null;
   #retry = FIRST_RETRY;
   #timer = 0;
   #heard = 0;
+  #pinged = -Infinity;
 
   /** Milliseconds from a ping to its answer, or null before the first. */
   roundTrip = null;
   /** When the next attempt is due [performance.now()], or null while connected or connecting. */
   retryAt = null;
 
-  constructor({ onMessage, onChange }) {
+  constructor({ onMessage, onChange, onLost }) {
     this.#onMessage = onMessage;
     this.#onChange = onChange;
+    this.#onLost = onLost;
     setInterval(() => this.#beat(), PING);
-    addEventListener("online", () => this.#retryNow());
-    document.addEventListener("visibilitychange", () => document.hidden || this.#retryNow());
+    addEventListener("online", () => this.hurry());
+    document.addEventListener("visibilitychange", () => document.hidden || this.hurry());
   }
 
   get open() {
@@ -57,6 +60,17 @@ export class Connection {
     return this.open && this.#socket.bufferedAmount < QUEUE && this.send(message);
   }
 
+  /** Asks for a pong, which also tells the server that somebody is here. */
+  ping() {
+    this.#pinged = performance.now();
+    return this.send({ type: "ping", t: this.#pinged });
+  }
+
+  /** Tries again at once, if it waits to. */
+  hurry() {
+    if (this.retryAt !== null) this.connect();
+  }
+
   #isCurrent(socket) {
     return socket === this.#socket;
   }
@@ -64,12 +78,14 @@ export class Connection {
   #opened() {
     this.#heard = performance.now();
     this.#onChange();
-    this.#ping();
+    this.ping();
   }
 
   #heardOf(text) {
     this.#heard = performance.now();
     this.#retry = FIRST_RETRY;
+    // A page behind others is woken once a minute by timers, but always by messages.
+    if (this.#heard - this.#pinged > 2 * PING) this.ping();
     let message;
     try {
       message = JSON.parse(text);
@@ -83,11 +99,7 @@ export class Connection {
   #beat() {
     if (this.#socket === null) return;
     if (performance.now() - this.#heard > SILENCE) this.#lost();
-    else this.#ping();
-  }
-
-  #ping() {
-    this.send({ type: "ping", t: performance.now() });
+    else this.ping();
   }
 
   #lost() {
@@ -99,9 +111,6 @@ export class Connection {
     this.#timer = setTimeout(() => this.connect(), this.#retry);
     this.#retry = Math.min(LAST_RETRY, this.#retry * 2);
     this.#onChange();
-  }
-
-  #retryNow() {
-    if (this.retryAt !== null) this.connect();
+    this.#onLost();
   }
 }

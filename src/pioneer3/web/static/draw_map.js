@@ -1,15 +1,39 @@
 // Grid, walls and scale bar. Walls are cut into tiles of Path2D, so that only what is seen is stroked.
 
+import { drawPlaceNames, drawPlaces, drawZones } from "./draw_places.js";
+
 const TILE = 8; // m
 const MANY = 2500; // walls seen at once above which the soft edge is left out
 
 export class Floor {
   #tiles = new Map(); // "column row" -> {path, count, box}
-  /** Extent of the walls, or null without any. */
+  #cells = [];
+  /** What the map names: {role, kind, name, x, y, theta, heads, forbidden, solid, points}. */
+  objects;
+  /** Extent of walls, cells and objects, or null without any. */
   bounds = null;
 
-  constructor(walls = []) {
-    for (const wall of walls) this.#add(wall);
+  /** @param map of the server, `cells` read as Cells */
+  constructor(map = null, cells = []) {
+    this.objects = map?.objects ?? [];
+    this.#cells = cells;
+    for (const wall of map?.walls ?? []) this.#add(wall);
+    for (const { outline } of cells) for (const [x, y] of outline) this.bounds = grow(this.bounds, x, y);
+    for (const { x, y, points } of this.objects) {
+      for (const [px, py] of points.length ? points : [[x, y]]) this.bounds = grow(this.bounds, px, py);
+    }
+  }
+
+  /** All that stands still, in world coordinates. @param shown function(layer) */
+  draw(context, camera, palette, ratio, shown) {
+    if (shown("grid")) drawGrid(context, camera, palette);
+    if (shown("map")) for (const cells of this.#cells) cells.draw(context, camera, palette, ratio);
+    if (shown("zones")) drawZones(context, camera, palette, this.objects);
+    if (shown("map")) this.drawWalls(context, camera, palette);
+    if (shown("places")) drawPlaces(context, camera, palette, this.objects);
+    if (!shown("names")) return;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    drawPlaceNames(context, camera, palette, this.objects, ({ points, solid }) => shown(points.length ? solid ? "map" : "zones" : "places"));
   }
 
   #add([x0, y0, x1, y1]) {

@@ -1,35 +1,6 @@
-// Where the robot was and, at this velocity, will be.
+// Where the robot will be at this velocity.
 
 const AHEAD = 1.5; // s
-const PIECES = 10; // shades from old to new
-
-/** In world coordinates. */
-export function drawTrail(context, view, palette, trail, pose) {
-  if (trail.length === 0) return;
-  context.strokeStyle = palette.trail;
-  context.lineWidth = 2.5 / view.scale;
-  context.lineCap = "butt";
-  context.lineJoin = "round";
-  const points = pose ? [...trail, [pose.x, pose.y]] : trail;
-  const size = Math.ceil(points.length / PIECES);
-  for (let first = 0; first < points.length; first += size) {
-    context.globalAlpha = 0.12 + (0.78 * Math.min(points.length, first + size)) / points.length;
-    strokePiece(context, points, first, Math.min(points.length - 1, first + size));
-  }
-  context.globalAlpha = 1;
-}
-
-function strokePiece(context, points, first, last) {
-  context.beginPath();
-  let drawing = false;
-  for (let index = first; index <= last; index += 1) {
-    const point = points[index];
-    if (point && drawing) context.lineTo(...point);
-    else if (point) context.moveTo(...point);
-    drawing = point !== null;
-  }
-  context.stroke();
-}
 
 /** In the robot's frame: the arc it would drive in the next moment. */
 export function drawPath(context, view, palette, { v, w }, start) {

@@ -3,16 +3,34 @@
 const SMALL = 26; // px; a shorter robot gets a ring to be found by
 const GENERIC = { model: "", length_front: 0.3, length_rear: 0.3, width: 0.45, front_bumpers: 0, rear_bumpers: 0 };
 
-export function drawRobot(context, view, palette, { robot, bumpers }) {
+/**
+ * @param sprites keeps the picture of the robot: all but what has been hit
+ * @param scale   device pixels per m
+ * @param bumpers {front, rear} of a snapshot, or null
+ */
+export function drawRobot(context, view, palette, { robot, bumpers }, sprites, scale) {
   const shape = robot ?? GENERIC;
   const ring = SMALL / view.scale / 2;
   if (shape.length_front < ring) drawRing(context, view, palette, ring);
+  const key = [shape.model, shape.length_front, shape.length_rear, shape.width, shape.front_bumpers, shape.rear_bumpers,
+    palette.body, palette.nose].join();
+  sprites.drawShape(context, key, around(shape, 24 / scale), scale, (own, at) => drawShape(own, { scale: at }, palette, shape));
+  if (bumpers?.front.includes(true)) drawBumper(context, palette, shape, 1, bumpers.front);
+  if (bumpers?.rear.includes(true)) drawBumper(context, palette, shape, -1, bumpers.rear);
+}
+
+/** @param margin [m], for the shadow */
+function around({ length_front, length_rear, width }, margin) {
+  return { left: -length_rear - margin, right: length_front + margin, bottom: -width / 2 - margin, top: width / 2 + margin };
+}
+
+function drawShape(context, view, palette, shape) {
   const front = shape.length_front - (shape.front_bumpers ? 0.055 : 0);
   const rear = shape.length_rear - (shape.rear_bumpers ? 0.055 : 0);
   drawWheels(context, palette, shape, front, rear);
   drawBody(context, view, palette, shape, front, rear);
-  drawBumper(context, palette, shape, 1, bumpers?.front ?? []);
-  drawBumper(context, palette, shape, -1, bumpers?.rear ?? []);
+  drawBumper(context, palette, shape, 1, Array(shape.front_bumpers).fill(false));
+  drawBumper(context, palette, shape, -1, Array(shape.rear_bumpers).fill(false));
 }
 
 function drawRing(context, view, palette, radius) {

@@ -6,54 +6,86 @@ const HALF = 0.2; // rad, half of the drawn cone
 const NEAR = 0.4; // m and below: fully warm
 const MIDDLE = 1.2;
 const FAR = 2.5; // m and above: fully cool
+const SHADES = 24; // colours from near to far
+const paints = new WeakMap(); // palette -> {none, echoes: [{colour, fill}]}
+const orders = new WeakMap(); // sonar of a snapshot -> numbers of transducers
 
-export function drawSonar(context, view, palette, { robot, sonar }) {
+/** @param faint of a robot that is not selected: only what echoes, and less of that */
+export function drawSonar(context, view, palette, { robot, sonar, faint = false }) {
   if (!robot || !sonar?.enabled) return;
-  // The far ones first, so that the near ones, which matter, lie on top.
-  const order = robot.sonars
-    .map((mount, index) => ({ mount, range: sonar.ranges[index] ?? null }))
-    .sort((a, b) => (b.range ?? Infinity) - (a.range ?? Infinity));
-  for (const { mount, range } of order) {
+  const { none, echoes } = paintsOf(context, palette);
+  context.lineCap = "round";
+  for (const number of orderOf(sonar)) {
+    const mount = robot.sonars[number];
+    const range = sonar.ranges[number];
+    if (!mount || (range === null && faint)) continue;
+    const reach = Math.max(range ?? robot.sonar_max ?? 5, 0.01);
     context.save();
     context.translate(mount.x, mount.y);
     context.rotate(mount.theta);
-    if (range === null) drawNothing(context, palette, robot.sonar_max ?? 5);
-    else drawEcho(context, view, colourOf(range, palette), range);
+    context.scale(reach, reach);
+    if (range === null) fillCone(context, none);
+    else drawEcho(context, echoes[shadeOf(range)], 2.5 / view.scale / reach, faint);
     context.restore();
   }
 }
 
-function cone(context, range) {
+/** A cone of length 1. */
+function fillCone(context, fill) {
   context.beginPath();
   context.moveTo(0, 0);
-  context.arc(0, 0, range, -HALF, HALF);
+  context.arc(0, 0, 1, -HALF, HALF);
   context.closePath();
+  context.fillStyle = fill;
+  context.fill();
 }
 
-function drawNothing(context, palette, range) {
-  cone(context, range);
-  const colour = mix(palette["sonar-none"], palette["sonar-none"], 0);
-  shade(context, colour, range, 0.12, 0.02);
-}
-
-function drawEcho(context, view, colour, range) {
-  cone(context, range);
-  shade(context, colour, range, 0.04, 0.3);
+function drawEcho(context, { colour, fill }, width, faint) {
+  if (!faint) fillCone(context, fill);
   context.beginPath();
-  context.arc(0, 0, range, -HALF, HALF);
+  context.arc(0, 0, 1, -HALF, HALF);
   context.strokeStyle = colour;
-  context.lineWidth = 2.5 / view.scale;
-  context.lineCap = "round";
+  context.lineWidth = width;
   context.stroke();
 }
 
-/** Fills the cone from one opacity at the transducer to another at its end. */
-function shade(context, colour, range, inner, outer) {
-  const fill = context.createRadialGradient(0, 0, 0, 0, 0, Math.max(range, 0.01));
+/** The far ones first, so that the near ones, which matter, lie on top. */
+function orderOf(sonar) {
+  let order = orders.get(sonar);
+  if (!order) {
+    order = sonar.ranges.map((_, number) => number);
+    order.sort((a, b) => (sonar.ranges[b] ?? Infinity) - (sonar.ranges[a] ?? Infinity));
+    orders.set(sonar, order);
+  }
+  return order;
+}
+
+/** The colours of a theme, made once. */
+function paintsOf(context, palette) {
+  let made = paints.get(palette);
+  if (!made) {
+    const echoes = Array.from({ length: SHADES }, (_, shade) => {
+      const colour = colourOf(NEAR + ((FAR - NEAR) * shade) / (SHADES - 1), palette);
+      return { colour, fill: fade(context, colour, 0.04, 0.3) };
+    });
+    const grey = mix(palette["sonar-none"], palette["sonar-none"], 0);
+    made = { none: fade(context, grey, 0.12, 0.02), echoes };
+    paints.set(palette, made);
+  }
+  return made;
+}
+
+/** From one opacity at the transducer to another at distance 1. */
+function fade(context, colour, inner, outer) {
+  const fill = context.createRadialGradient(0, 0, 0, 0, 0, 1);
   fill.addColorStop(0, colour.replace(")", ` / ${inner})`));
   fill.addColorStop(1, colour.replace(")", ` / ${outer})`));
-  context.fillStyle = fill;
-  context.fill();
+  return fill;
+}
+
+function shadeOf(range) {
+  const share = (range - NEAR) / (FAR - NEAR);
+  return Math.round(Math.min(1, Math.max(0, share)) * (SHADES - 1));
 }
 
 function colourOf(range, palette) {

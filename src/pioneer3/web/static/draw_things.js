@@ -6,19 +6,20 @@ import { labelOf } from "./world.js";
 const ORDER = ["box", "person", "robot"];
 const LEGIBLE = 22; // px per m; smaller pictures have no names
 const SMALL = 7; // px; people are not drawn smaller
+const shapes = new WeakMap(); // thing -> shape
 
 export function byLayer(things) {
   return [...things].sort((a, b) => ORDER.indexOf(a.kind) - ORDER.indexOf(b.kind));
 }
 
 /** In world coordinates. */
-export function drawThing(context, view, palette, thing, pose) {
+export function drawThing(context, view, palette, thing, pose, sprites, scale) {
   context.save();
   context.translate(pose.x, pose.y);
   context.rotate(pose.theta);
   if (thing.kind === "box") drawBox(context, view, palette, thing);
   else if (thing.kind === "person") drawPerson(context, view, palette, thing);
-  else drawOther(context, view, palette, thing);
+  else drawRobot(context, view, palette.stranger, { robot: shapeOf(thing), bumpers: null }, sprites, scale);
   context.restore();
 }
 
@@ -71,31 +72,24 @@ function drawPerson(context, view, palette, thing) {
   context.fill();
 }
 
-function drawOther(context, view, palette, thing) {
-  const robot = {
-    model: thing.model, length_front: thing.front, length_rear: thing.rear, width: 2 * thing.side,
-    front_bumpers: 0, rear_bumpers: 0,
-  };
-  const colours = { ...palette, body: palette.other, deck: palette["other-deck"], edge: palette["other-edge"], nose: palette["other-nose"] };
-  drawRobot(context, view, colours, { robot, bumpers: null });
+/** A robot of the world as robots are drawn. */
+function shapeOf(thing) {
+  if (!shapes.has(thing)) {
+    shapes.set(thing, {
+      model: thing.model, length_front: thing.front, length_rear: thing.rear, width: 2 * thing.side,
+      front_bumpers: 0, rear_bumpers: 0,
+    });
+  }
+  return shapes.get(thing);
 }
 
 /** In CSS pixels, below each thing that has a name of its own. */
-export function drawNames(context, view, palette, placed) {
+export function drawNames(context, view, palette, placed, sprites, ratio) {
   if (view.scale < LEGIBLE) return;
-  context.font = "600 12px system-ui, sans-serif";
-  context.textAlign = "center";
-  context.textBaseline = "top";
-  context.lineWidth = 3;
-  context.lineJoin = "round";
-  context.strokeStyle = palette.floor;
-  context.fillStyle = palette.label;
+  const look = { font: "600 12px system-ui, sans-serif", size: 12, colour: palette.label, halo: palette.floor };
   for (const [thing, pose] of placed) {
     if (!thing.name || thing.own) continue;
     const { x, y } = view.toScreen(pose.x, pose.y);
-    const below = y + Math.max(thing.side, thing.rear) * view.scale + 5;
-    context.strokeText(labelOf(thing), x, below);
-    context.fillText(labelOf(thing), x, below);
+    sprites.drawName(context, labelOf(thing), x, y + Math.max(thing.side, thing.rear) * view.scale + 5, look, ratio);
   }
-  context.textBaseline = "alphabetic";
 }

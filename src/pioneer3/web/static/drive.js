@@ -1,12 +1,16 @@
 // Held inputs -> requests. Sends a velocity while something is held, three zeros on release, then
 // nothing, so that others can drive. Every other way out is `stop`. Nothing survives a stop: what
-// is still held must be let go and pressed again.
+// is still held must be let go and pressed again. One source drives at a time; what one of a higher
+// rank puts aside counts again only when it is pressed anew.
 
 const PERIOD = 66; // ms, 15 Hz
 const ZEROS = 3;
+const RANK = { gamepad: 100, keyboard: 90, touch: 80, tilt: 80 }; // as in pioneer3.web.hands
+const LASTING = { gamepad: 300, tilt: 1000 }; // ms: what must be moved again and again, or is let go
 
 export class Drive {
-  #holds = new Map(); // input -> directions
+  #source = "touch"; // of all that is held
+  #holds = new Map(); // input -> {wish, until}
   #zeros = 0;
   #timer = 0;
   #send;
@@ -24,13 +28,31 @@ export class Drive {
     this.#onChange = onChange;
   }
 
+  /** What is asked for: {forward, left}, -1 to 1. Opposites held at once cancel. */
+  get wish() {
+    const wishes = [...this.#holds.values()].map(({ wish }) => wish);
+    return { forward: joined(wishes.map(({ forward }) => forward)), left: joined(wishes.map(({ left }) => left)) };
+  }
+
   /** Directions held now, a Set of "forward", "back", "left", "right". */
   get directions() {
-    return new Set([...this.#holds.values()].flat());
+    const { forward, left } = this.wish;
+    const held = { forward: forward > 0, back: forward < 0, left: left > 0, right: left < 0 };
+    return new Set(Object.keys(held).filter((direction) => held[direction]));
   }
 
   get holding() {
     return this.#holds.size > 0;
+  }
+
+  /** Whether this input is held. */
+  holds(input) {
+    return this.#holds.has(input);
+  }
+
+  /** What is driven with, or null. */
+  get source() {
+    return this.holding ? this.#source : null;
   }
 
   /** Whether requests are still being sent. */
@@ -38,14 +60,33 @@ export class Drive {
     return this.holding || this.#zeros > 0;
   }
 
-  /** An input (a key, a finger) begins to hold directions. */
-  press(input, directions) {
-    if (this.#holds.has(input)) return;
-    this.#holds.set(input, directions);
+  /**
+   * An input (a key, a finger) begins to hold. Says whether it does: it does not against a source
+   * of the same rank or a higher one.
+   *
+   * @param source "gamepad", "keyboard", "touch" or "tilt"
+   * @param wish   {forward, left}, -1 to 1, and maybe its own `limits`
+   */
+  press(source, input, wish) {
+    if (this.#holds.has(input)) return true;
+    if (this.holding && source !== this.#source) {
+      if (RANK[source] <= RANK[this.#source]) return false;
+      this.#holds.clear();
+    }
+    this.#source = source;
+    this.#keep(input, wish);
     this.#zeros = 0;
     this.#request();
     this.#timer ||= setInterval(() => this.#tick(), PERIOD);
     this.#onChange();
+    return true;
+  }
+
+  /** An input that is held asks for something else from now on. Says whether it still is. */
+  move(input, wish) {
+    if (!this.#holds.has(input)) return false;
+    this.#keep(input, wish);
+    return true;
   }
 
   /** An input lets go. Unknown inputs are ignored. */
@@ -79,17 +120,22 @@ export class Drive {
     this.#send({ type: "stop" });
   }
 
+  #keep(input, wish) {
+    this.#holds.set(input, { wish, until: performance.now() + (LASTING[this.#source] ?? Infinity) });
+  }
+
   #beginZeros() {
     this.#zeros = ZEROS;
     this.#tick();
   }
 
   #tick() {
+    for (const [input, { until }] of this.#holds) if (performance.now() > until) return this.release(input);
     if (this.holding) {
       this.#request();
     } else if (this.#zeros > 0) {
       this.#zeros -= 1;
-      this.#send({ type: "drive", v: 0, w: 0 });
+      this.#send({ type: "drive", v: 0, w: 0, input: this.#source });
     }
     if (!this.active) {
       clearInterval(this.#timer);
@@ -98,12 +144,11 @@ export class Drive {
   }
 
   #request() {
-    const held = this.directions;
-    const { speed, turnRate } = this.#limits();
-    this.#send({
-      type: "drive",
-      v: speed * (held.has("forward") - held.has("back")),
-      w: turnRate * (held.has("left") - held.has("right")),
-    });
+    const { forward, left } = this.wish;
+    const [{ wish }] = this.#holds.values();
+    const { speed, turnRate } = wish.limits ?? this.#limits();
+    this.#send({ type: "drive", v: speed * forward, w: turnRate * left, input: this.#source });
   }
 }
+
+const joined = (parts) => Math.max(0, ...parts) + Math.min(0, ...parts);

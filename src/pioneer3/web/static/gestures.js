@@ -1,36 +1,57 @@
-// Fingers and mouse on the canvas -> View: drag, pinch, wheel, double tap; or -> Editor, if it takes them.
+// Fingers and mouse on the canvas -> View: drag, pinch, wheel, double tap; or to who takes them.
 
 const DOUBLE_TAP = 320; // ms
 const TAP_RADIUS = 24; // px
+const HOLD = 500; // ms; a finger that stays this long means the place
 const WHEEL = 0.0016; // zoom per wheel pixel
 
 /**
- * @param editor {take, drag, drop, cancel, hovers, select}: gets the fingers that it takes
+ * @param takers  [{take, drag, drop, cancel, hovers}]: the first that takes a finger has it
  * @param changed function(), after the view has changed
+ * @param tap     function(point, pointerType): a tap that nobody has taken; says whether somebody
+ *                takes it now: it is no half of a double tap then
+ * @param twice   function(), after a double tap, which shows all or follows
+ * @param hold    function(point, pointerType): a finger stays; returns the taker that has it now, or null
  */
-export function listenToCanvas(canvas, view, editor, changed) {
+export function listenToCanvas(canvas, view, { takers, changed, tap, twice, hold }) {
   const fingers = new Map(); // pointerId -> {x, y}
-  let held = null; // the finger that the editor has: {id, at}
+  let held = null; // the finger that somebody has taken: {id, at, by}
   let lastTap = { at: -Infinity, x: 0, y: 0 };
   let moved = false;
+  let timer = 0;
 
   const place = (event) => ({ x: event.offsetX, y: event.offsetY });
 
   canvas.addEventListener("pointerdown", (event) => {
     if (event.pointerType === "mouse" && event.button !== 0) return;
     canvas.setPointerCapture(event.pointerId);
+    clearTimeout(timer);
+    const at = place(event);
     if (held) giveBack();
-    else if (fingers.size === 0 && editor.take(place(event), event.pointerType)) {
-      held = { id: event.pointerId, at: place(event) };
-      return;
+    else if (fingers.size === 0) {
+      const by = takers.find((taker) => taker.take(at, event.pointerType));
+      if (by) {
+        held = { id: event.pointerId, at, by };
+        return;
+      }
     }
-    fingers.set(event.pointerId, place(event));
-    if (fingers.size === 1) moved = false;
+    fingers.set(event.pointerId, at);
+    if (fingers.size > 1) return;
+    moved = false;
+    if (event.pointerType !== "mouse") timer = setTimeout(() => stay(event.pointerId, at, event.pointerType), HOLD);
   });
 
-  /** A second finger makes a pinch of what was the editor's. */
+  function stay(id, at, type) {
+    if (moved || fingers.size !== 1) return;
+    const by = hold(at, type);
+    if (!by) return;
+    fingers.delete(id);
+    held = { id, at, by };
+  }
+
+  /** A second finger makes a pinch of what somebody had taken. */
   function giveBack() {
-    editor.cancel();
+    held.by.cancel();
     fingers.set(held.id, held.at);
     held = null;
     moved = true;
@@ -39,11 +60,11 @@ export function listenToCanvas(canvas, view, editor, changed) {
   canvas.addEventListener("pointermove", (event) => {
     if (held?.id === event.pointerId) {
       held.at = place(event);
-      return editor.drag(held.at);
+      return held.by.drag(held.at);
     }
     const before = fingers.get(event.pointerId);
     if (!before) {
-      if (!held) canvas.classList.toggle("over", editor.hovers(place(event)));
+      if (!held) canvas.classList.toggle("over", takers.some((taker) => taker.hovers(place(event))));
       return;
     }
     const now = place(event);
@@ -65,19 +86,23 @@ export function listenToCanvas(canvas, view, editor, changed) {
 
   function lift(event) {
     if (held?.id === event.pointerId) {
+      const { by } = held;
       held = null;
-      if (event.type === "pointerup") editor.drop();
-      else editor.cancel();
+      if (event.type === "pointerup") by.drop();
+      else by.cancel();
       return;
     }
+    clearTimeout(timer);
     if (!fingers.delete(event.pointerId) || moved || event.type !== "pointerup") return;
     const { x, y } = place(event);
     const near = Math.hypot(x - lastTap.x, y - lastTap.y) < TAP_RADIUS;
-    editor.select(null); // the floor was tapped
     if (near && event.timeStamp - lastTap.at < DOUBLE_TAP) {
       view.toggle();
       lastTap.at = -Infinity;
+      twice();
       changed();
+    } else if (tap({ x, y }, event.pointerType)) {
+      lastTap.at = -Infinity;
     } else {
       lastTap = { at: event.timeStamp, x, y };
     }

@@ -2,18 +2,14 @@
 
 const byId = (id) => document.getElementById(id);
 
-const DRIVERS = {
-  you: ["You drive", "you"],
-  other: ["Someone else drives", "warn"],
-};
-
 function chip(id, text, level) {
   const element = byId(id);
   if (element.textContent !== text) element.textContent = text;
   if (element.dataset.level !== level) element.dataset.level = level;
 }
 
-export function showHello({ connection, robot, url }) {
+/** @param robot {connection, name, robot, url} of the selected one, or null before any is known */
+export function showRobot({ connection, name = "", robot = null, url = "" } = {}) {
   const badge = byId("badge");
   const known = Boolean(url); // without an address nothing has answered yet
   const label = known ? connection : "NOT CONNECTED";
@@ -21,18 +17,28 @@ export function showHello({ connection, robot, url }) {
   badge.dataset.kind = known ? connection.toLowerCase() : "none";
   document.body.dataset.kind = badge.dataset.kind;
   badge.title = url;
-  byId("name").textContent = robot?.name || "pioneer3";
+  byId("name").textContent = name || "pioneer3";
   byId("title").textContent = robot?.title ?? "waiting for the robot";
-  document.title = `${label}: ${robot?.name || "pioneer3"}`;
+  document.title = `${label}: ${name || "pioneer3"}`;
 }
 
-/** @param model Model @param retryAt when the socket tries again [performance.now()], or null */
-export function showConnection(model, retryAt) {
+/**
+ * @param model Model
+ * @param retryAt when the socket tries again [performance.now()], or null
+ * @param holder who has the wheel, "" for nobody
+ */
+export function showConnection(model, retryAt, holder) {
   if (!model.socketOpen) chip("connection", retryAt === null ? "Connecting" : "Reconnecting", "bad");
   else if (model.status?.state === "lost") chip("connection", "Robot lost", "bad");
   else if (model.status?.state === "connecting") chip("connection", "Connecting", "warn");
   else if (!model.live) chip("connection", "No news", "warn");
   else chip("connection", "Connected", "good");
   if (!model.live) chip("driver", "Driver unknown", "idle");
-  else chip("driver", ...(DRIVERS[model.snapshot.driver] ?? ["Nobody drives", "idle"]));
+  else chip("driver", ...driver(model, holder));
+}
+
+function driver({ driver: who, snapshot }, holder) {
+  if (who === "you") return ["You drive", "you"];
+  if (who === "other") return [`${snapshot.driver.name} drives`, "warn"];
+  return holder ? [`${holder} has the wheel`, "idle"] : ["Nobody drives", "idle"];
 }

@@ -1,17 +1,27 @@
 // Joins the parts: messages -> model -> picture and numbers; inputs -> drive -> messages.
 
+import { checkPairing } from "./access.js";
 import { Connection } from "./connection.js";
 import { Drive } from "./drive.js";
 import { Editor } from "./editor.js";
+import { Errand } from "./errand.js";
 import { listenToCanvas } from "./gestures.js";
 import { watchForLoss } from "./guard.js";
-import { showConnection, showHello } from "./header.js";
-import { listenToKeys } from "./keys.js";
+import { robotAt } from "./draw_robots.js";
+import { showConnection, showRobot } from "./header.js";
+import { Inputs } from "./inputs.js";
+import { Layers } from "./layers.js";
+import { Legend } from "./legend.js";
 import { Limits } from "./limits.js";
 import { Model } from "./model.js";
 import { showOverlay, showPause, showWhy, toast } from "./notices.js";
-import { listenToPad } from "./pad.js";
+import { showLatched, showTrouble } from "./panels/alarm.js";
+import { Panels } from "./panels/panels.js";
+import { StopPost } from "./panels/stop_post.js";
 import { showLink, showSnapshot, showUsable } from "./panel.js";
+import { People } from "./people.js";
+import { Picker } from "./picker.js";
+import { listenToPointer } from "./pointer.js";
 import { Scene } from "./scene.js";
 import { listenToStops, showStops } from "./stops.js";
 import { listenToDisclosures, listenToTools, showMode } from "./tools.js";
@@ -19,21 +29,29 @@ import { View } from "./view.js";
 import { Workbench } from "./workbench.js";
 
 const CHECK = 250; // ms between looks at the age of what is shown
+const NEWS = 1500; // ms in which news are not covered by a refusal
 const PHONE = "(max-width: 760px), (max-height: 520px)";
 
+let toldAt = -Infinity;
 const canvas = document.getElementById("canvas");
-const keys = [...document.querySelectorAll(".key")];
 const model = new Model();
 const limits = new Limits();
 const view = new View({ reducedMotion: () => matchMedia("(prefers-reduced-motion: reduce)").matches });
-const scene = new Scene(canvas, view, model);
-const connection = new Connection({ onMessage: receive, onChange: refresh });
+const layers = new Layers(showLayer);
+const legend = new Legend(layers);
+const scene = new Scene(canvas, view, model, layers);
+const connection = new Connection({ onMessage: receive, onChange: connected, onLost: checkPairing });
 const drive = new Drive({
-  send: (message) => (message.type === "drive" ? connection.sendFresh(message) : connection.send(message)),
+  send: sendDrive,
   limits: () => limits.values,
-  onChange: showHeld,
+  onChange: () => inputs.show(drive),
 });
 
+const people = new People({
+  send: (message) => connection.send(message) || toast("Not connected: nothing was changed."),
+  complain: toast,
+});
+const picker = new Picker({ model, select });
 const editor = new Editor({ view, world: model.world, send: sendEdit, lift, changed: showEdit });
 scene.editor = editor;
 const bench = new Workbench({
@@ -41,38 +59,143 @@ const bench = new Workbench({
   world: model.world,
   send: sendEdit,
   driving: () => drive.holding,
-  toggled: () => (abandon(), showEdit()), // keys of the pad may have gone from under a finger
+  toggled: () => (abandon(), errand.withdraw(), showEdit()), // keys of the pad may have gone from under a finger
 });
+const errand = new Errand({
+  view, scene, model,
+  send: (message) => connection.send(message) || toast("Not connected: nothing was sent."),
+  speed: () => limits.values.speed,
+  driving: () => drive.holding,
+  changed: () => (errand.show(), scene.invalidate()),
+});
+scene.errand = errand;
+
+const post = new StopPost({
+  send: (message) => connection.send(message),
+  ping: () => connection.ping(),
+  delivered: () => toast("The stop has arrived, late."),
+});
+const panels = new Panels({
+  send: sendToRobot,
+  complain: toast,
+  opened: (view) => view && matchMedia(PHONE).matches && bench.open(false),
+});
+
+/** The socket has opened or closed. */
+function connected() {
+  post.carryOn(connection.open);
+  if (connection.open) panels.attend();
+  refresh();
+}
 
 function receive(message) {
   model.receive(message);
   if (message.type === "hello") greet(message);
-  else if (message.type === "snapshot") see(message);
+  else if (message.type === "map") scene.adoptMap(message.map);
+  else if (message.type === "scans") scene.invalidate();
+  else if (message.type === "robots") see(message);
   else if (message.type === "world") survey();
   else if (message.type === "added") editor.select(message.id);
   else if (message.type === "edit_refused") refusedEdit(message);
   else if (message.type === "refused") refused(message);
+  else if (message.type === "people") meet(message);
+  else if (message.type === "told") told(message);
+  else if (message.type === "pong") post.heard(message.t);
+  else panels.receive(message);
   refresh();
 }
 
 function greet(hello) {
-  showHello(hello);
-  if (hello.limits) limits.adopt(hello.limits); // unknown before the robot is
-  scene.adoptMap(hello.map);
+  inputs.adopt(hello);
   bench.adopt(hello.models);
+  showSelected();
+  legend.offer("laser", hello.robots.some(({ laser }) => laser));
+  watch();
+}
+
+/** Lasers are on while somebody looks at them. */
+function watch() {
+  connection.send({ type: "watch_lasers", on: layers.has("laser") });
+}
+
+function showLayer(name) {
+  if (name === "laser") watch();
+  scene.renew();
+}
+
+/** The user wants another robot: the one before is let go first. */
+function select(id) {
+  if (id === model.selected?.id || !model.robots.has(id)) return;
+  if (drive.active) drive.stop();
+  model.select(id);
+  showSelected();
+  if (model.snapshot) show();
+  refresh();
+}
+
+function showSelected() {
+  const robot = model.selected;
+  showRobot(robot?.hello);
+  if (robot?.hello.limits) limits.adopt(robot.hello.limits); // unknown before the robot is
+  people.show(robot, model.several);
+  panels.select(robot);
   scene.invalidate();
 }
 
-function see(snapshot) {
-  showSnapshot(snapshot);
-  showWhy(snapshot);
-  scene.adoptPose(snapshot.pose);
+/** A tap on the map selects the robot there; says whether there was one. */
+function pick(point, type) {
+  if (editor.active || !model.several) return false;
+  const slack = (type === "mouse" ? 4 : 16) / view.scale;
+  const robot = robotAt(scene.robots, view.toWorld(point.x, point.y), slack);
+  if (robot) select(robot.id);
+  return robot !== null;
 }
 
-/** The world has changed. While the robot says nothing, as in a pause, the world says where it is. */
+/** A tap on the map: a robot is selected, or with the mouse a place is offered to drive to. */
+function tap(point, type) {
+  if (pick(point, type)) return true;
+  editor.select(null); // the floor was tapped
+  if (!editor.active && type === "mouse") errand.propose(point, type);
+  else errand.withdraw();
+  return false;
+}
+
+const hold = (point, type) => (!editor.active && errand.propose(point, type) ? errand : null);
+
+function sendDrive(message) {
+  const request = { ...message, robot: model.selected?.id };
+  return message.type === "drive" ? connection.sendFresh(request) : connection.send(request);
+}
+
+function sendToRobot(message) {
+  return connection.send({ ...message, robot: model.selected?.id });
+}
+
+function meet(message) {
+  people.receive(message);
+  model.viewer = people.viewer;
+  model.guest = message.id;
+}
+
+function see({ snapshots }) {
+  for (const snapshot of snapshots) panels.note(snapshot, model.robots.get(snapshot.robot));
+  show();
+}
+
+function show() {
+  if (model.snapshot) {
+    showSnapshot(model.snapshot);
+    showWhy(model.snapshot);
+  }
+  scene.invalidate();
+}
+
+/** The world has changed. While a robot says nothing, as in a pause, the world says where it is. */
 function survey() {
-  const { own, paused } = model.world;
-  if (own && (paused || !model.hearing)) scene.adoptPose(own.pose);
+  for (const robot of model.robots.values()) {
+    const own = model.world.own(robot.id);
+    if (own && (model.world.paused || !robot.hearing)) robot.place(own.pose);
+  }
   editor.catchUp();
   showEdit();
 }
@@ -91,16 +214,22 @@ function refusedEdit({ message }) {
   toast(message);
 }
 
-/** The user takes the robot in the hand, or puts it down. */
+/** The user takes the selected thing, which is a robot of the page, in the hand, or puts it down. */
 function lift(lifted) {
-  model.lifted = lifted;
+  for (const robot of model.robots.values()) robot.lifted = lifted && robot.id === editor.thing?.own;
   if (drive.active) drive.stop();
 }
 
-function refused({ message }) {
+/** Somebody did something that concerns this page. */
+function told({ message }) {
+  toldAt = performance.now();
   toast(message);
+}
+
+function refused({ message }) {
+  if (performance.now() - toldAt > NEWS) toast(message); // what was under way is refused because of the news
   // Held inputs must not take over by themselves once the other driver leaves.
-  if (model.snapshot?.driver === "you") drive.releaseAll();
+  if (model.driver === "you") drive.releaseAll();
   else drive.forget();
 }
 
@@ -109,58 +238,91 @@ function refresh() {
   model.setSocket(connection.open);
   if (drive.holding && model.obstacle !== null) drive.stop();
   const { live, snapshot } = model;
-  showConnection(model, connection.retryAt);
+  showConnection(model, connection.retryAt, people.holder);
   showOverlay(model, connection.retryAt);
+  const latched = [...model.robots.values()].filter((robot) => robot.snapshot?.emergency_stop);
   showStops(snapshot?.emergency_stop ?? false, live);
+  showLatched(latched, model);
+  showTrouble(post.trouble);
+  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.starter, roundTrip: connection.roundTrip });
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
-  showUsable(live);
+  showUsable(live && !model.viewer);
   showMode(view.mode);
   if (model.world.paused) showPause();
+  picker.show();
+  errand.show();
 }
 
-function showHeld() {
-  const held = drive.directions;
-  for (const key of keys) {
-    key.classList.toggle("held", key.dataset.go.split(" ").every((direction) => held.has(direction)));
+function press(source, input, wish) {
+  if (model.obstacle === null) return drive.press(source, input, wish);
+  toast(model.obstacle);
+  return false;
+}
+
+/**
+ * The user may have lost hold of the page. Leaves a robot alone that somebody else drives, and a
+ * mode that was started here: that goes on while this page is there.
+ * @param why in words, or nothing where the user knows
+ */
+function abandon(why) {
+  if (!drive.active && (model.driver !== "you" || model.snapshot.mode)) return;
+  if (drive.holding && why) toast(`Let go: ${why}.`);
+  drive.stop();
+}
+
+/** Stops the selected robot and its mode, whoever drives. */
+function stop() {
+  drive.forget();
+  post.press({ type: "stop", robot: model.selected?.id });
+  connection.hurry();
+  refresh();
+}
+
+/** Stops all robots: who sees danger must not have to pick first. */
+function emergencyStop() {
+  drive.forget();
+  post.press({ type: "emergency_stop" });
+  connection.hurry();
+  refresh();
+}
+
+const reset = () => sendToRobot({ type: "reset_emergency_stop" });
+
+function resetAll() {
+  for (const robot of model.robots.values()) {
+    if (robot.snapshot?.emergency_stop) connection.send({ type: "reset_emergency_stop", robot: robot.id });
   }
 }
 
-function press(input, directions) {
-  if (model.obstacle === null) drive.press(input, directions);
-  else toast(model.obstacle);
-}
-
-/** The user may have lost hold of the page. Leaves a robot alone that somebody else drives. */
-function abandon() {
-  if (drive.active || model.snapshot?.driver === "you") drive.stop();
-}
-
-const release = (input) => drive.release(input);
-
-function stop() {
-  drive.stop();
-  if (!connection.open) toast("Not connected: the stop could not be sent.");
-}
-
-listenToKeys({ press, release, stop, abandon });
-listenToPad(keys, { press, release, abandon });
-listenToStops({
+const hands = {
+  press,
+  move: (input, wish) => drive.move(input, wish),
+  release: (input) => drive.release(input),
+  letGo: () => drive.releaseAll(),
+  abandon,
   stop,
-  emergencyStop() {
-    drive.forget();
-    if (!connection.send({ type: "emergency_stop" })) toast("Not connected: the stop could not be sent.");
-  },
-  reset: () => connection.send({ type: "reset_emergency_stop" }),
-});
+  emergencyStop,
+  complain: toast,
+};
+const inputs = new Inputs(hands, { reset });
+listenToStops({ stop, emergencyStop, reset, resetAll });
 watchForLoss(abandon);
-listenToCanvas(canvas, view, editor, () => (scene.invalidate(), showMode(view.mode)));
+listenToCanvas(canvas, view, {
+  takers: [editor, errand],
+  changed: () => (scene.invalidate(), showMode(view.mode)),
+  tap,
+  twice: () => errand.withdraw(),
+  hold,
+});
+listenToPointer(canvas, view);
 listenToTools(view, {
   changed: () => (scene.invalidate(), showMode(view.mode)),
   clearTrail: () => model.clearTrail(),
 });
 listenToDisclosures();
 document.getElementById("motors").addEventListener("click", ({ currentTarget }) => {
-  connection.send({ type: "motors", on: currentTarget.getAttribute("aria-checked") !== "true" });
+  const on = currentTarget.getAttribute("aria-checked") !== "true";
+  sendToRobot({ type: "motors", on });
 });
 
 if (matchMedia(PHONE).matches) view.setMode("follow");
@@ -178,6 +340,8 @@ Object.defineProperty(window, "pioneer3", {
       const drawn = pose && Object.freeze({ ...toScreen(pose.x, pose.y), theta: pose.theta });
       return Object.freeze({
         hello: model.hello,
+        robot: model.selected?.id ?? null,
+        robots: [...model.robots.values()].map(({ id, name, snapshot, status }) => ({ id, name, snapshot, status })),
         snapshot: model.snapshot,
         status: model.status,
         live: model.live,
@@ -187,10 +351,16 @@ Object.defineProperty(window, "pioneer3", {
         clock: model.world.clock,
         selected: editor.selected,
         held: [...drive.directions],
+        source: drive.source,
         pose,
         drawn,
         camera: Object.freeze({ x: view.x, y: view.y, scale: view.scale, mode: view.mode }),
         ratio: scene.ratio,
+        layers: layers.all,
+        places: scene.places,
+        offer: errand.offer && Object.freeze({ ...errand.offer }),
+        scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
+        frames: scene.frames,
         toScreen,
       });
     },

@@ -1,85 +1,120 @@
-// What the page knows: the latest message of each kind, and whether it may be trusted.
+// What the page knows: the robots, the one that is selected, the world; and whether it may be trusted.
 
+import { Robot } from "./robot.js";
 import { World } from "./world.js";
-
-const STALE = 1000; // ms without a snapshot
-const STEP = 0.03; // m between trail points
-const JUMP = 1.0; // m; a farther step is a new trail
-const TRAIL = 3000; // points
 
 export class Model {
   hello = null;
-  snapshot = null;
-  status = null;
+  /** id -> Robot, in the server's order. */
+  robots = new Map();
   socketOpen = false;
   world = new World();
-  /** Whether the user holds the robot in the hand: that leaves no trail. */
-  lifted = false;
-  /** Trail of [x, y] in the map; null separates pieces. */
-  trail = [];
-  #snapshotAt = -Infinity;
+  /** Whether this page may only look, and stop. */
+  viewer = false;
+  /** Number of this page's guest, by which drivers are told apart. */
+  guest = null;
+  #selected = null;
 
   /** Takes in one message of the server. */
   receive(message) {
     if (message.type === "hello") this.#greet(message);
-    else if (message.type === "status") this.status = message;
-    else if (message.type === "snapshot") this.#see(message);
+    else if (message.type === "status") this.#note(message);
+    else if (message.type === "robots") this.#see(message);
+    else if (message.type === "scans") this.#scan(message);
     else if (message.type === "world") this.world.receive(message);
+  }
+
+  /** The robot that is driven, stopped and shown, or null before any is known. */
+  get selected() {
+    return this.robots.get(this.#selected) ?? null;
+  }
+
+  /** Says whether that is another one. */
+  select(id) {
+    if (id === this.#selected || !this.robots.has(id)) return false;
+    this.#selected = id;
+    return true;
+  }
+
+  get several() {
+    return this.robots.size > 1;
   }
 
   /** A closed socket makes all that was known old news; the picture stays, greyed. */
   setSocket(open) {
     if (open === this.socketOpen) return;
     this.socketOpen = open;
-    this.status = null;
-    this.#snapshotAt = -Infinity;
+    for (const robot of this.robots.values()) robot.forget();
   }
 
   clearTrail() {
-    this.trail.length = 0;
+    for (const robot of this.robots.values()) robot.clearTrail();
+  }
+
+  // of the selected robot
+
+  get snapshot() {
+    return this.selected?.snapshot ?? null;
+  }
+
+  get status() {
+    return this.selected?.status ?? null;
+  }
+
+  /** "you", "other" or null: who drives it. */
+  get driver() {
+    const driver = this.snapshot?.driver ?? null;
+    if (driver === null) return null;
+    return driver.id !== null && driver.id === this.guest ? "you" : "other";
+  }
+
+  /** It as a thing of the simulated world, or undefined. */
+  get own() {
+    return this.world.own(this.#selected);
   }
 
   /** Whether what the page shows is what the robot does now. */
   get live() {
-    return this.socketOpen && this.robotConnected && (this.hearing || (this.world.paused && this.snapshot !== null));
+    return this.isLive(this.selected);
   }
 
-  /** Whether the robot has just been heard of. */
   get hearing() {
-    return performance.now() - this.#snapshotAt < STALE;
+    return this.selected?.hearing ?? false;
   }
 
-  get robotConnected() {
-    return this.status === null || this.status.state === "connected";
+  isLive(robot) {
+    if (!this.socketOpen || !robot?.connected) return false;
+    return robot.hearing || (this.world.paused && robot.snapshot !== null);
   }
 
   /** Why a press does not drive, or null when it may. */
   get obstacle() {
     if (!this.socketOpen) return "Not connected to the driver.";
-    if (!this.robotConnected) return "The robot is not connected.";
+    if (this.selected && !this.selected.connected) return "The robot is not connected.";
     if (!this.live) return "No news from the robot: driving blind is not possible.";
+    if (this.viewer) return "You are a viewer: you may look, and stop the robot.";
     if (this.snapshot.emergency_stop) return "Emergency stop: reset it before driving.";
     return null;
   }
 
   #greet(hello) {
-    if (this.hello && this.hello.url !== hello.url) this.clearTrail();
     this.hello = hello;
+    const before = this.robots;
+    this.robots = new Map(hello.robots.map((told) => [told.id, before.get(told.id) ?? new Robot(told)]));
+    for (const told of hello.robots) this.robots.get(told.id).greet(told);
+    if (!this.robots.has(this.#selected)) this.#selected = hello.robots[0]?.id ?? null;
   }
 
-  #see(snapshot) {
-    this.snapshot = snapshot;
-    this.#snapshotAt = performance.now();
-    const { x, y } = snapshot.pose;
-    const last = this.trail.at(-1);
-    if (this.lifted) {
-      if (last) this.trail.push(null);
-      return;
-    }
-    const distance = last ? Math.hypot(x - last[0], y - last[1]) : JUMP;
-    if (distance < STEP) return;
-    if (last && distance >= JUMP) this.trail.push(null);
-    this.trail.push([x, y]);
-    if (this.trail.length > TRAIL) this.trail.splice(0, this.trail.length - TRAIL);
+  #note(status) {
+    const robot = this.robots.get(status.robot);
+    if (robot) robot.status = status;
+  }
+
+  #see({ snapshots }) {
+    for (const snapshot of snapshots) this.robots.get(snapshot.robot)?.see(snapshot);
+  }
+
+  #scan({ scans }) {
+    for (const sweep of scans) this.robots.get(sweep.robot)?.scan(sweep);
   }
 }

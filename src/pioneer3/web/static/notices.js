@@ -9,10 +9,9 @@ function put(id, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function showWhy({ why, faults, emergency_stop: latched, mode, decided }) {
-  put("why", why ?? (latched ? "Emergency stop. Reset it to drive again." : ""));
+export function showWhy({ why, faults }) {
+  put("why", why ?? "");
   list("faults", faults);
-  list("decided", mode ? [mode, ...decided] : []);
 }
 
 function list(id, lines) {
@@ -47,7 +46,7 @@ function reason(model, retryAt) {
     const seconds = Math.max(0, Math.ceil((retryAt - performance.now()) / 1000));
     return ["Connection lost", `A robot you drove stops by itself. Next try in ${seconds} s.`];
   }
-  if (model.world.own?.plugged === false) {
+  if (model.own?.plugged === false) {
     return ["Cable unplugged", "To put it in again, edit the world and select the robot."];
   }
   if (model.status?.state === "lost") return ["Robot lost", model.status.message];

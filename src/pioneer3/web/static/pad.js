@@ -2,13 +2,17 @@
 
 /**
  * @param buttons elements with data-go="forward left"
- * @param press   function(input, directions): asks to drive
+ * @param press   function(source, input, wish): asks to drive
  * @param release function(input)
- * @param abandon function(): the finger was taken away by the system
+ * @param abandon function(why): the finger was taken away by the system
  */
 export function listenToPad(buttons, { press, release, abandon }) {
   const fingers = new Set();
   const input = (event) => `pointer ${event.pointerId}`;
+
+  function wish({ dataset: { go } }) {
+    return { forward: go.includes("forward") - go.includes("back"), left: go.includes("left") - go.includes("right") };
+  }
 
   function down(event) {
     if (event.pointerType === "mouse" && event.button !== 0) return;
@@ -19,7 +23,7 @@ export function listenToPad(buttons, { press, release, abandon }) {
       return; // lifted already
     }
     fingers.add(event.pointerId);
-    press(input(event), event.currentTarget.dataset.go.split(" "));
+    press("touch", input(event), wish(event.currentTarget));
   }
 
   function up(event) {
@@ -27,7 +31,7 @@ export function listenToPad(buttons, { press, release, abandon }) {
   }
 
   function taken(event) {
-    if (fingers.delete(event.pointerId)) abandon();
+    if (fingers.delete(event.pointerId)) abandon("the touch was taken away");
   }
 
   for (const button of buttons) {

@@ -4,11 +4,18 @@ const NAMES = [
   "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
   "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
   "box", "box-edge", "person", "person-soft", "person-head", "other", "other-deck", "other-edge", "other-nose", "select", "label",
+  "cell", "free", "goal", "dock", "home", "forbidden", "zone", "laser", "target",
 ];
 
+/** Colours by name; `mate` has those of a robot that is not selected, `stranger` of one that is not the page's. */
 export function readPalette() {
   const style = getComputedStyle(document.documentElement);
-  return Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--c-${name}`).trim()]));
+  const palette = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--c-${name}`).trim()]));
+  palette.mate = { ...palette, nose: palette["other-nose"] };
+  palette.stranger = {
+    ...palette.mate, body: palette.other, deck: palette["other-deck"], edge: palette["other-edge"],
+  };
+  return palette;
 }
 
 /** Between two #rrggbb colours, k from 0 to 1. */

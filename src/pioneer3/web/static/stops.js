@@ -13,22 +13,22 @@ function onPress(button, act) {
   });
 }
 
-/** @param stop, emergencyStop, reset function() */
-export function listenToStops({ stop, emergencyStop, reset }) {
+/** @param stop, emergencyStop, reset, resetAll function() */
+export function listenToStops({ stop, emergencyStop, reset, resetAll }) {
   const byId = (id) => document.getElementById(id);
   onPress(byId("stop"), stop);
   onPress(byId("estop"), emergencyStop);
   byId("reset").addEventListener("click", reset);
+  byId("reset-all").addEventListener("click", resetAll);
 }
 
 /** Shows whether the emergency stop is latched. */
 export function showStops(latched, usable) {
-  const reset = document.getElementById("reset");
   const estop = document.getElementById("estop");
+  const text = document.getElementById("estop-text");
   document.body.classList.toggle("latched", latched);
-  reset.hidden = !latched;
-  reset.disabled = !usable;
+  document.getElementById("reset").disabled = !usable;
   estop.setAttribute("aria-pressed", String(latched));
-  const text = latched ? "LATCHED" : "E-STOP";
-  if (estop.textContent !== text) estop.textContent = text;
+  const words = latched ? "LATCHED" : "E-STOP";
+  if (text.textContent !== words) text.textContent = words;
 }

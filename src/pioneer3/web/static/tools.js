@@ -1,4 +1,4 @@
-// The small buttons: view, help, details; and their keys.
+// The small buttons: view and help; and their keys.
 
 const byId = (id) => document.getElementById(id);
 
@@ -39,8 +39,5 @@ export function listenToDisclosures() {
   addEventListener("keydown", (event) => {
     if (event.key === "?") showHelp(byId("help").hidden);
     if (event.key === "Escape") showHelp(false);
-  });
-  byId("details").addEventListener("click", () => {
-    toggle(byId("details"), byId("telemetry").classList.toggle("open"));
   });
 }

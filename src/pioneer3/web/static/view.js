@@ -1,4 +1,6 @@
-// The camera: world [m, y up] <-> canvas [CSS px, y down]. Fits the map, follows the robot, or stays.
+// The camera of the page: fits the map, follows the robot, or stays.
+
+import { Camera } from "./camera.js";
 
 const ZOOM_MIN = 2; // px per m
 const ZOOM_MAX = 600;
@@ -6,12 +8,7 @@ const EASE = 0.09; // s, time constant of a camera move
 const MARGIN = 40; // px around a fitted map
 const TOOLS = 36; // px more on the right, where the buttons are
 
-export class View {
-  width = 1;
-  height = 1;
-  x = 0; // world point in the middle
-  y = 0;
-  scale = 60; // px per m
+export class View extends Camera {
   mode = "fit"; // "fit" | "follow" | "free"
   #bounds = null;
   #robot = { x: 0, y: 0 };
@@ -19,28 +16,8 @@ export class View {
   #still;
 
   constructor({ reducedMotion }) {
+    super();
     this.#still = reducedMotion;
-  }
-
-  toScreen(x, y) {
-    return { x: this.width / 2 + (x - this.x) * this.scale, y: this.height / 2 - (y - this.y) * this.scale };
-  }
-
-  toWorld(px, py) {
-    return { x: this.x + (px - this.width / 2) / this.scale, y: this.y - (py - this.height / 2) / this.scale };
-  }
-
-  /** Applies the camera to a context whose units are CSS pixels times `ratio`. */
-  apply(context, ratio) {
-    const k = this.scale * ratio;
-    context.setTransform(k, 0, 0, -k, (this.width * ratio) / 2 - this.x * k, (this.height * ratio) / 2 + this.y * k);
-  }
-
-  /** Visible part of the world. */
-  get window() {
-    const { x: left, y: top } = this.toWorld(0, 0);
-    const { x: right, y: bottom } = this.toWorld(this.width, this.height);
-    return { left, right, bottom, top };
   }
 
   resize(width, height) {

@@ -46,6 +46,10 @@ export class Workbench {
     byId("cable").addEventListener("click", () => {
       send({ type: "cable", id: editor.selected, plugged: !editor.thing.plugged });
     });
+    byId("battery-charge").addEventListener("change", ({ target }) => {
+      send({ type: "charge", id: editor.selected, charge: Number(target.value) });
+      target.blur();
+    });
     byId("pause").addEventListener("click", () => send({ type: "pause", paused: !world.paused }));
     byId("single").addEventListener("click", () => send({ type: "step", seconds: CYCLE }));
     byId("pace").addEventListener("change", ({ target }) => {
@@ -112,9 +116,18 @@ export class Workbench {
     const robot = thing?.kind === "robot";
     for (const id of ["turn-left", "turn-right"]) byId(id).disabled = !thing || thing.kind === "person";
     byId("remove").disabled = !thing || thing.own;
-    for (const id of ["press", "cable"]) byId(id).disabled = !robot;
+    for (const id of ["press", "cable", "battery-charge"]) byId(id).disabled = !robot;
+    this.#showCharge(robot ? thing.charge : null);
     byId("press").setAttribute("aria-pressed", String(robot && thing.stop_button));
     byId("cable").setAttribute("aria-pressed", String(robot && !thing.plugged));
+  }
+
+  /** What is left is the text of a choice that cannot be chosen. */
+  #showCharge(charge) {
+    const select = byId("battery-charge");
+    const text = charge === null ? "Battery" : `Battery ${Math.round(charge * 100)} %`;
+    if (select.options[0].text !== text) select.options[0].text = text;
+    if (document.activeElement !== select && select.value !== "") select.value = "";
   }
 
   #showClock(clock) {

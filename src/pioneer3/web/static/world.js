@@ -34,9 +34,9 @@ export class World {
     return this.clock?.paused ?? false;
   }
 
-  /** The robot that this page drives, or undefined. */
-  get own() {
-    return [...this.things.values()].find((thing) => thing.own);
+  /** The robot of this number on the page as a thing, or undefined. */
+  own(id) {
+    return [...this.things.values()].find((thing) => thing.own === id);
   }
 
   /** Where to draw a thing at `now` [ms]. */

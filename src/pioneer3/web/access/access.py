@@ -1,0 +1,64 @@
+"""The doorkeeper: everything about who is in."""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+from pioneer3.web.access.invitations import Invitations
+from pioneer3.web.access.names import is_from_here
+from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Kind, Session, Sessions
+from pioneer3.web.access.throttle import Throttle
+
+DEVICES = (("iPad", "tablet"), ("Tablet", "tablet"), ("Mobi", "phone"), ("Mozilla", "laptop"))
+
+
+class Access:
+    """Who may come in. `clock` returns the time [s, monotonic].
+
+    Attributes:
+        here: The session of everybody at this very machine, who needs no token.
+        authority: Certificate to trust so that https is trusted; `None` where there is none.
+        urls: Where others find the page, the best first; empty where only this machine does.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self.here = Session(id="here", name="this computer", role=Role.DRIVER, kind=Kind.HERE)
+        self.urls: tuple[str, ...] = ()
+        self.authority: Path | None = None
+        self.sessions = Sessions(clock)
+        self.invitations = Invitations(clock)
+        self.throttle = Throttle(clock)
+
+    def pair(
+        self, token: str, name: str, role: Role | None, others: Iterable[str] = ()
+    ) -> tuple[Session, str] | None:
+        """Return a new session and its secret for `token`, or `None` if that is not good.
+
+        `role` may be less than what the token is for; `others` are names that are taken.
+
+        Raises:
+            OverflowError: there are too many sessions.
+        """
+        allowed = self.invitations.redeem(token)
+        if allowed is None:
+            return None
+        granted = role if role is not None and allowed.covers(role) else allowed
+        return self.sessions.open(name, granted, Kind.BROWSER, others=others)
+
+    def session(self, peer: str, headers: Mapping[str, str], cookie: str | None) -> Session | None:
+        """Return whose request this is, `None` for a stranger's.
+
+        A secret that is shown must be good, on this very machine too.
+        """
+        word, _, bearer = headers.get("authorization", "").partition(" ")
+        if word:
+            return self.sessions.find(bearer.strip()) if word.lower() == "bearer" else None
+        session = self.sessions.find(cookie) if cookie else None
+        if session is None and is_from_here(peer, headers):
+            return self.here
+        return session
+
+
+def device(user_agent: str) -> str:
+    """Return what a browser runs on, in a word, for those who choose no name."""
+    return next((name for mark, name in DEVICES if mark in user_agent), "script")

@@ -1,0 +1,111 @@
+"""The certificate for https: the owner's, or one of our own making, kept for this user alone.
+
+An authority is made on first use, which phones can be told to trust, and a certificate signed by
+it for the addresses of today. The authority may vouch for private networks and our own names only,
+so that nobody who steals its key can pose as the rest of the world.
+"""
+
+import os
+import stat
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pioneer3.errors import ConfigError
+
+if TYPE_CHECKING:
+    from cryptography import x509
+
+RENEW_BEFORE = timedelta(days=30)
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """Files in PEM.
+
+    Attributes:
+        chain: The certificate.
+        key: Its private key.
+        authority: What to trust so that it is trusted; `None` where the owner takes care of that.
+    """
+
+    chain: Path
+    key: Path
+    authority: Path | None = None
+
+
+def owners(chain: Path, key: Path) -> Certificate:
+    """Return the owner's certificate.
+
+    Raises:
+        ConfigError: the files do not fit each other, or cannot be read.
+    """
+    import ssl  # noqa: PLC0415
+
+    try:
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(chain, key, password="")
+    except (OSError, ssl.SSLError) as error:
+        raise ConfigError(f"--cert {chain} --key {key}: {error.strerror or error}") from None
+    return Certificate(chain, key)
+
+
+def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return where ours is kept."""
+    base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
+    return Path(base) / "pioneer3" / "tls"
+
+
+def own(folder: Path, names: Sequence[str]) -> Certificate:
+    """Return a certificate for `names`, host names and addresses; made anew when it must be.
+
+    Names that the authority may not vouch for are left out: public addresses that it was not made
+    with, and the host's own if it has been renamed.
+
+    Raises:
+        ConfigError: the folder cannot be written to.
+    """
+    from pioneer3.web.access import authority  # noqa: PLC0415
+
+    certificate = Certificate(folder / "server.pem", folder / "server.key", folder / "ca.pem")
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        made = authority.load_or_make(folder, names)
+        ours = [name for name in names if authority.may_vouch_for(made.certificate, name)]
+        if not _is_good(certificate, made.certificate, ours):
+            authority.sign(made, ours, certificate.chain, certificate.key)
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{folder}: cannot keep the certificate there: {error}") from None
+    return certificate
+
+
+def digest(path: Path) -> str:
+    """Return the fingerprint of a certificate, as phones and browsers show it."""
+    from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
+
+    return sha256(PEM_cert_to_DER_cert(path.read_text())).digest().hex(":").upper()
+
+
+def is_private(path: Path) -> bool:
+    """Whether only the owner of a file may read it."""
+    return not path.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO)
+
+
+def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[str]) -> bool:
+    """Whether a certificate made before still serves."""
+    from cryptography import x509  # noqa: PLC0415
+
+    from pioneer3.web.access.authority import names_in  # noqa: PLC0415
+
+    try:
+        certificate = x509.load_pem_x509_certificate(known.chain.read_bytes())
+        if not is_private(known.key):
+            return False
+        certificate.verify_directly_issued_by(authority)
+        owners(known.chain, known.key)
+    except Exception:
+        return False
+    lasts = certificate.not_valid_after_utc - datetime.now(UTC) > RENEW_BEFORE
+    return lasts and set(names) <= names_in(certificate)

@@ -1,0 +1,76 @@
+"""What the hands at the wheel hold: a gamepad before the keys, the keys before a touch.
+
+One of them drives. What comes second has to be let go and held anew before it counts: nothing
+drives again by itself because something else was let go.
+"""
+
+import asyncio
+from typing import Literal
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.geometry import Twist2
+from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, WEB
+
+Input = Literal["gamepad", "keyboard", "touch", "tilt"]
+"""What somebody drives with; scripts count as touch."""
+RANKS: dict[Input, tuple[str, int]] = {
+    "gamepad": ("web gamepad", GAMEPAD),
+    "keyboard": ("web keyboard", KEYBOARD),
+    "touch": ("web", WEB),
+    "tilt": ("web", WEB),
+}
+"""Name and priority of the hold of each input."""
+
+
+class Hands:
+    """The holds of one wheel, at the helm of its robot."""
+
+    def __init__(self, helm: Helm) -> None:
+        self._helm = helm
+        self._clock = asyncio.get_running_loop().time
+        self._holds: dict[int, Hold] = {}
+        for name, priority in dict(RANKS.values()).items():
+            self._holds[priority] = Hold(name)
+            helm.add(self._holds[priority], priority)
+        self._last = self._holds[WEB]
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What decisions call them."""
+        return frozenset(hold.name for hold in self._holds.values())
+
+    @property
+    def muted(self) -> bool:
+        """Whether what was last held must be let go before it counts again."""
+        return self._last.muted
+
+    def hold(self, source: Input, twist: Twist2, seconds: float) -> str | None:
+        """Hold `twist` with `source` for `seconds`; return why the robot ignores it, or `None`."""
+        rank, now = RANKS[source][1], self._clock()
+        mine = self._last = self._holds[rank]
+        first = next((o for r, o in self._holds.items() if r > rank and o.holds(now)), None)
+        if first is not None:
+            mine.set(twist, now, seconds)
+            mine.mute(now)
+            return f"the {first.name} drives; let go, then ask again"
+        for lower in (hold for r, hold in self._holds.items() if r < rank):
+            lower.mute(now)
+        return self._helm.hold(mine, twist, seconds)
+
+    def release(self, source: Input) -> None:
+        """Let go with `source`; the robot stops if nobody else drives."""
+        self._last = self._holds[RANKS[source][1]]
+        self._helm.release(self._last)
+
+    def let_go(self) -> None:
+        """Let go of everything; the robot stops if nobody else drives."""
+        for hold in self._holds.values():
+            hold.release()
+        self._helm.decide()
+
+    def stop(self) -> None:
+        """Let go of everything and stop; what others hold must be let go before it counts again."""
+        for hold in self._holds.values():
+            hold.release()
+        self._helm.stop()

@@ -1,0 +1,142 @@
+"""Keeps several robots at one page: one that is lost or not there ends none of the others."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from pioneer3.arcos.host_events import Timing
+from pioneer3.errors import LinkError, NoRobotError
+from pioneer3.models import RobotModel
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.identity import kind
+from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.tasks import running
+from pioneer3.web.page import Page
+
+log = logging.getLogger(__name__)
+
+AGAIN = 5.0
+"""Until a robot that is not there is looked for again [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """A robot to connect to.
+
+    Attributes:
+        url: Where it is.
+        scene: What surrounds it.
+        name: What people call it; empty for its own name.
+        baud: Serial speed to try first.
+        model: Used whatever the robot says it is.
+        max_speed: Keep below this [m/s].
+        record: New file for every byte on the wire.
+        timing: How patient to be.
+    """
+
+    url: str
+    scene: Scene
+    name: str = ""
+    baud: int | None = None
+    model: RobotModel | None = None
+    max_speed: float | None = None
+    record: Path | None = None
+    timing: Timing | None = None
+
+
+@asynccontextmanager
+async def hosted(
+    page: Page, targets: Sequence[Target], tell: Callable[[str], None]
+) -> AsyncIterator[None]:
+    """Show every robot of `targets` at `page` while the block lasts, once each has been tried.
+
+    Of several, those that are not there are looked for again and again; `tell` says which.
+
+    Raises:
+        LinkError, NoRobotError: none of them is there.
+        ConfigError: an option is wrong.
+    """
+    alone = len(targets) == 1
+    keepers = [Keeper(page, n, target, tell, alone=alone) for n, target in enumerate(targets, 1)]
+    async with running(*(keeper.keep() for keeper in keepers)):
+        for keeper in keepers:
+            await keeper.tried.wait()
+        failures = [keeper.failure for keeper in keepers if keeper.failure is not None]
+        if len(failures) == len(keepers):
+            raise failures[0]
+        for failure in failures:
+            tell(f"Not there: {failure}; it is looked for every {AGAIN:.0f} s")
+        yield
+
+
+class Keeper:
+    """Connects to one robot, and again if that fails; `number` is what the page knows it by.
+
+    Attributes:
+        tried: Set after the first attempt.
+        failure: Why that failed, `None` if it did not.
+    """
+
+    def __init__(
+        self, page: Page, number: int, target: Target, tell: Callable[[str], None], *, alone: bool
+    ) -> None:
+        self.tried = asyncio.Event()
+        self.failure: Exception | None = None
+        self._page = page
+        self._number = number
+        self._target = target
+        self._tell = tell
+        self._alone = alone
+
+    async def keep(self) -> None:
+        """Serve the robot until cancelled."""
+        while True:
+            try:
+                await self._serve()
+            except (LinkError, NoRobotError) as error:
+                if self._alone:
+                    raise
+                self._note(error)
+                if self._target.record is not None:
+                    self._target.record.unlink(missing_ok=True)  # the next attempt makes it anew
+            except Exception as error:
+                if self._alone or not self.tried.is_set():
+                    raise
+                log.exception("%s failed", self._target.url)
+                self._tell(f"{self._target.url} failed: {error!r}")
+            await asyncio.sleep(AGAIN)
+
+    async def _serve(self) -> None:
+        target = self._target
+        async with (
+            connect_async(
+                target.url,
+                baud=target.baud,
+                model=target.model,
+                max_speed=target.max_speed,
+                record=target.record,
+                timing=target.timing,
+            ) as robot,
+            self._page.hosting(robot, target.scene, target.name, self._number) as station,
+        ):
+            self._tell(f"Connected to a {kind(robot.info)}: {_who(robot, station.name)}")
+            self.tried.set()
+            which = "" if self._alone else f"{station.name}: "
+            async for status in robot.supervisor.status.values():
+                self._tell(f"{which}{status.connection.value}: {status.message}")
+            await asyncio.sleep(0)
+
+    def _note(self, error: Exception) -> None:
+        if not self.tried.is_set():
+            self.failure = error
+            self.tried.set()
+
+
+def _who(robot: Robot, name: str) -> str:
+    info = robot.info
+    speed = f" at {info.speed} baud" if info.speed else ""
+    return f"{name}, {info.model.title} ({info.model.name}), on {info.url}{speed}"

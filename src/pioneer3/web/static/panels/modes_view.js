@@ -1,0 +1,126 @@
+// Lets the robot drive by itself: wander, follow, goto; what runs, and how it ended.
+
+import { make, put, set } from "./dom.js";
+import { part } from "./rows.js";
+
+const PRESETS = [["lab", "lab: slow, 0.15 m/s"], ["aria", "aria: as ARIA's, 0.4 m/s"], ["explore", "explore: seeks new ground, 0.3 m/s"]];
+const RULES = [["tracking", "tracking: remembers whom it follows"], ["lab", "lab: goes to the nearest echo"]];
+const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
+const LEAVE = "A mode runs for as long as this page is connected: close it, lose the connection or lock the phone, "
+  + "and the robot stops within 5 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
+
+function choice(id, label, options) {
+  const select = make("select", { id, class: "small" }, ...options.map(([value, text]) => new Option(text, value)));
+  return [select, make("label", { class: "field" }, make("span", {}, label), select)];
+}
+
+function figure(id, label, unit, attributes) {
+  const input = make("input", { id, type: "number", class: "small", step: "0.05", ...attributes });
+  return [input, make("label", { class: "field" }, make("span", {}, `${label} `, make("small", {}, unit)), input)];
+}
+
+function button(id, text, act, extra = "") {
+  const element = make("button", { id, type: "button", class: `choice ${extra}`.trim() }, text);
+  element.addEventListener("click", act);
+  return element;
+}
+
+export class ModesView {
+  #send;
+  #complain;
+  #pose = null;
+  #running = make("p", { class: "mode-state", role: "status" });
+  #decided = make("ul", { class: "lines-of-text" });
+  #end;
+  #motors;
+  #starts;
+
+  /**
+   * @param send     function(message)
+   * @param complain function(text)
+   * @param end      function(): ends the mode
+   * @param motors   function(on): switches the motors
+   */
+  constructor(container, { send, complain, end, motors }) {
+    [this.#send, this.#complain] = [send, complain];
+    const [preset, presetField] = choice("wander-preset", "Manner", PRESETS);
+    const [rule, ruleField] = choice("follow-rule", "Rule", RULES);
+    const [keep, keepField] = figure("follow-keep", "Distance to keep", "m", { min: 0.1, max: 3, value: 0.3 });
+    const [time, timeField] = choice("mode-time", "For at most", TIMES);
+    time.value = "300";
+    const [x, xField] = figure("goto-x", "x", "m", { value: 0 });
+    const [y, yField] = figure("goto-y", "y", "m", { value: 0 });
+    const [heading, headingField] = figure("goto-heading", "Heading", "°, empty for any", { step: 5, min: -360, max: 360 });
+    const seconds = () => Number(time.value);
+    this.#end = button("mode-end", "End it", end, "danger wide");
+    this.#motors = button("motors-switch", "Switch the motors on", () => motors(this.#motors.dataset.on !== "true"));
+    const wander = button("wander-start", "Start wandering", () => this.#start({ mode: "wander", preset: preset.value, seconds: seconds() }));
+    const follow = button("follow-start", "Start following", () => this.#check([keep]) && this.#start({ mode: "follow", rule: rule.value, keep: keep.valueAsNumber, seconds: seconds() }));
+    const go = button("goto-start", "Drive there", () => this.#goto(x, y, heading));
+    const here = button("goto-here", "Where it is now", () => this.#fill(x, y, heading));
+    this.#starts = [wander, follow, go];
+    container.append(
+      part("Now", this.#running, this.#decided, this.#end),
+      part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
+      part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
+      part("Wander", make("p", { class: "words" }, "Drives about and keeps clear of what is in the way."), presetField, wander),
+      part("Follow", make("p", { class: "words" }, "Follows the person in front, with the front sonars. Stand 0.6 m before it, then walk slowly."), ruleField, keepField, follow),
+      part("Go to", make("p", { class: "words" }, "Drives to a point of the map, and around what is small."), make("div", { class: "fields" }, xField, yField, headingField), make("div", { class: "row" }, go, here)),
+    );
+    for (const start of this.#starts) start.setAttribute("aria-describedby", "mode-note");
+  }
+
+  /** @param usable whether this page may drive; @param starter who started what runs, "you" or a name */
+  show(snapshot, usable, starter) {
+    const { mode, ended, decided, motors, emergency_stop: latched } = snapshot;
+    this.#pose = snapshot.pose;
+    const runs = mode !== null;
+    put(this.#running, runs ? `${named(mode)} runs${starter ? `, started by ${starter}` : ""}.` : howItEnded(ended));
+    const key = runs ? decided.join("\n") : "";
+    if (this.#decided.dataset.key !== key) {
+      this.#decided.dataset.key = key;
+      this.#decided.replaceChildren(...(runs ? decided : []).map((line) => make("li", {}, line)));
+    }
+    this.#end.hidden = !runs;
+    put(this.#end, starter === "you" ? "End it" : "Stop it");
+    for (const start of this.#starts) start.disabled = !usable || latched;
+    this.#motors.disabled = !usable || (latched && !motors.enabled);
+    set(this.#motors, "data-on", String(motors.enabled));
+    put(this.#motors, motors.enabled ? "Switch the motors off" : "Switch the motors on");
+  }
+
+  #start(mode) {
+    if (!this.#send({ type: "start_mode", mode })) this.#complain("Not connected: nothing was started.");
+  }
+
+  #goto(x, y, heading) {
+    if (!this.#check([x, y, heading])) return;
+    const degrees = heading.value === "" ? null : (heading.valueAsNumber * Math.PI) / 180;
+    const message = { type: "goto", x: x.valueAsNumber, y: y.valueAsNumber, ...(degrees === null ? {} : { heading: degrees }) };
+    if (!this.#send(message)) this.#complain("Not connected: nothing was started.");
+  }
+
+  #fill(x, y, heading) {
+    if (!this.#pose) return;
+    x.value = this.#pose.x.toFixed(2);
+    y.value = this.#pose.y.toFixed(2);
+    heading.value = String(Math.round((this.#pose.theta * 180) / Math.PI));
+  }
+
+  #check(inputs) {
+    const wrong = inputs.find((input) => !input.checkValidity() || (input.value === "" && input.id !== "goto-heading"));
+    if (wrong) {
+      wrong.focus();
+      this.#complain(wrong.validationMessage || "A number is missing.");
+    }
+    return wrong === undefined;
+  }
+}
+
+const named = (mode) => mode[0].toUpperCase() + mode.slice(1);
+
+/** How the last mode ended, in words. */
+export function howItEnded(ended) {
+  if (!ended) return "No mode runs.";
+  return ended.done ? `${named(ended.mode)} has done what it was for.` : `${named(ended.mode)} ended: ${ended.why}.`;
+}

@@ -1,0 +1,120 @@
+// Everything about one robot: from the snapshots what is quick, from the details the rest.
+
+import { BumperDrawing } from "./bumpers.js";
+import { ConfigTable } from "./config_table.js";
+import { degrees, make, number, put } from "./dom.js";
+import { showFindings, showRoundTrip } from "./findings.js";
+import { LineBoard } from "./lines.js";
+import { Rows, part } from "./rows.js";
+import { Sparkline } from "./sparkline.js";
+
+const place = ({ x, y, theta }) => `${number(x, 2)}, ${number(y, 2)} m, ${number(degrees(theta), 0)}°`;
+const speeds = (twist) => (twist ? `${number(twist.v, 2)} m/s, ${number(twist.w, 2)} rad/s` : "–");
+
+export class RobotView {
+  #why = make("p", { class: "why-words" });
+  #decided = make("ul", { class: "lines-of-text" });
+  #motion = new Rows({ pose: "In the map", odometry: "Odometry", encoder: "Own counters", measured: "Measured", commanded: "Commanded", wheels: "Left, right wheel" });
+  #power = new Rows({ battery: "Battery", charge: "Charge", charger: "Charger", temperature: "Motor temperature" });
+  #sparkline = new Sparkline();
+  #span = make("p", { class: "words" });
+  #motors = new Rows({ power: "Motors", button: "Stop button", left: "Left wheels", right: "Right wheels" });
+  #bumpers = new BumperDrawing();
+  #lines = new LineBoard();
+  #gyro = new Rows({ heading: "Heading since start", rate: "Rate", compass: "Compass" });
+  #gyroWords = make("p", { class: "words" });
+  #link = new Rows({ reports: "Reports", spoilt: "Bad checksums", skipped: "Bytes lost", sessions: "Sessions", trip: "Page to driver", address: "Address" });
+  #advice = make("ul", { class: "findings", "aria-label": "Advice about the link" });
+  #powerAdvice = make("ul", { class: "findings", "aria-label": "Advice about the battery" });
+  #trip = make("ul", { class: "findings" });
+  #flags = new Rows({ flags: "Flags", faults: "Faults" });
+  #config;
+
+  /** @param askConfig function(): asks the robot for its CONFIG */
+  constructor(container, { askConfig }) {
+    this.#config = new ConfigTable(askConfig);
+    container.append(
+      part("Why it does not move", this.#why, this.#decided),
+      part("Motion", this.#motion.element),
+      part("Battery", this.#power.element, this.#powerAdvice, this.#sparkline.element, this.#span),
+      part("Motors", this.#motors.element),
+      part("Bumpers", this.#bumpers.element),
+      part("Link", this.#link.element, this.#advice, this.#trip),
+      part("Inputs and outputs", this.#lines.element),
+      part("Gyro and compass", this.#gyroWords, this.#gyro.element),
+      part("Flags and faults", this.#flags.element),
+      this.#config.element,
+    );
+  }
+
+  /** Forgets what another robot has told. */
+  clear() {
+    this.#config.clear();
+  }
+
+  showSnapshot(snapshot, roundTrip) {
+    const { motors, battery, why } = snapshot;
+    put(this.#why, why ?? (snapshot.motors.moving ? "It moves." : "Nothing keeps it."));
+    this.#showDecided(snapshot);
+    this.#motion.show("pose", place(snapshot.pose));
+    this.#motion.show("measured", speeds(snapshot.twist));
+    this.#motion.show("commanded", speeds(snapshot.commanded));
+    this.#power.show("battery", `${number(battery.voltage, 1)} V${battery.low ? ", LOW" : ""}`, battery.low ? "bad" : null);
+    this.#power.show("charge", battery.charge === null ? "not known" : `${number(battery.charge * 100, 0)} %`);
+    this.#power.show("charger", battery.charging);
+    this.#motors.show("power", motors.enabled ? "on" : "off");
+    this.#motors.show("button", motors.stop_button ? "PRESSED" : "released", motors.stop_button ? "bad" : null);
+    this.#bumpers.show(snapshot.bumpers);
+    const { link } = snapshot;
+    this.#link.show("reports", `${number(link.rate, 1)} per second, ${link.reports} so far`);
+    this.#link.show("spoilt", String(link.bad_checksums), link.bad_checksums ? "warn" : null);
+    this.#link.show("sessions", String(link.sessions));
+    this.#link.show("trip", roundTrip === null ? "–" : `${number(roundTrip, 0)} ms there and back`);
+    showRoundTrip(this.#trip, roundTrip);
+  }
+
+  showDetails(details) {
+    if (!details.known) return;
+    const { wheels, stalls, link, gyro } = details;
+    this.#motion.show("odometry", place(details.pose));
+    this.#motion.show("encoder", place(details.encoder));
+    this.#motion.show("wheels", `${number(wheels.left, 2)}, ${number(wheels.right, 2)} m/s`);
+    this.#power.show("temperature", details.temperature === null ? "no sensor" : `${details.temperature} °C`);
+    for (const side of ["left", "right"]) this.#motors.show(side, stalls[side] ? "STALLED" : "free", stalls[side] ? "bad" : null);
+    this.#lines.show(details.lines);
+    put(this.#gyroWords, gyro.words);
+    this.#gyro.show("heading", gyro.heading === null ? "–" : `${number(degrees(gyro.heading), 1)}°`);
+    this.#gyro.show("rate", gyro.rate === null ? "–" : `${number(gyro.rate, 2)} rad/s`);
+    this.#gyro.show("compass", details.compass === null ? "none" : `${number(degrees(details.compass), 0)}°`);
+    this.#link.show("skipped", String(link.bytes_skipped), link.bytes_skipped ? "warn" : null);
+    this.#link.show("address", link.url + (link.speed ? ` at ${link.speed} baud` : ""));
+    this.#flags.show("flags", details.flags.join(", ") || "none");
+    this.#flags.show("faults", details.faults === null ? "not sent by this robot" : details.faults.join(", ") || "none", details.faults?.length ? "bad" : null);
+    const isPower = ({ check }) => check === "battery";
+    showFindings(this.#powerAdvice, details.findings.filter(isPower).filter(({ level }) => level !== "ok"));
+    showFindings(this.#advice, details.findings.filter((finding) => !isPower(finding)));
+  }
+
+  showConfig(message) {
+    this.#config.show(message);
+  }
+
+  /** @param points pairs of time [s] and voltage [V] */
+  showBattery(points) {
+    this.#sparkline.element.style.display = points.length < 2 ? "none" : "";
+    if (points.length < 2) return put(this.#span, "");
+    const [first, last] = [points[0], points.at(-1)];
+    const minutes = Math.round((last[0] - first[0]) / 60);
+    const words = `The last ${minutes < 2 ? "minute" : `${minutes} minutes`}: from ${number(first[1], 1)} to ${number(last[1], 1)} V`;
+    put(this.#span, words);
+    this.#sparkline.show(points, words);
+  }
+
+  #showDecided({ mode, decided }) {
+    const lines = mode ? [mode, ...decided] : [];
+    const key = lines.join("\n");
+    if (this.#decided.dataset.key === key) return;
+    this.#decided.dataset.key = key;
+    this.#decided.replaceChildren(...lines.map((line) => make("li", {}, line)));
+  }
+}

@@ -1,0 +1,204 @@
+"""Whatever takes the page from its driver: the robot stops, and the page says what happened.
+
+Times are the simulation's. The issue's bar is 0.7 s; a shared machine may add a little.
+"""
+
+import asyncio
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import AsyncExitStack, contextmanager
+
+import pytest
+from playwright.sync_api import Browser, CDPSession, Page, expect
+
+from pioneer3.runtime.simulation import RunningSimulation, simulator
+from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.test_page import SLACK, speed, until
+from tests.browser.views import drive, stopped_after
+
+BAR = 0.7 + SLACK
+WATCHDOG = 2.0
+"""Of the robot itself [s]."""
+
+
+def devtools(page: Page) -> CDPSession:
+    """Return what the browser's own tools use."""
+    return page.context.new_cdp_session(page)
+
+
+def still_stands(page: Page, product: Product) -> None:
+    """Check that a key which was held all the time moves nothing."""
+    page.wait_for_timeout(700)
+    assert speed(product) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("event", "words"),
+    [
+        ("blur", "Let go: the window lost the focus."),
+        ("pagehide", "Let go: the page was left."),
+        ("touchcancel", "Let go: the touch was taken away."),
+        ("orientationchange", "Let go: the screen turned."),
+        ("freeze", "Let go: the page was put to sleep."),
+    ],
+)
+def test_the_page_says_why_it_let_go(page: Page, product: Product, event: str, words: str) -> None:
+    drive(page, product)
+    target = "document" if event == "freeze" else "window"
+    act = f"(name) => {target}.dispatchEvent(new Event(name))"
+    assert stopped_after(product, lambda: page.evaluate(act, event)) < BAR
+    expect(page.locator("#toast")).to_have_text(words)
+    still_stands(page, product)
+
+
+def test_another_tab_in_front_stops_the_robot(page: Page, product: Product) -> None:
+    drive(page, product)
+    hide = """() => {
+        Object.defineProperty(document, "hidden", { value: true, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange"));
+    }"""
+    assert stopped_after(product, lambda: page.evaluate(hide)) < BAR
+    expect(page.locator("#toast")).to_have_text("Let go: the page was hidden.")
+    still_stands(page, product)
+
+
+def test_a_touch_that_the_system_takes_away_stops_the_robot(
+    browser: Browser, product: Product
+) -> None:
+    context = browser.new_context(
+        viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    page.locator("#way-keys").tap()
+    box = page.locator("#pad-forward").bounding_box()
+    assert box is not None
+    finger = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    tools = devtools(page)
+    tools.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [finger]})
+    until(lambda: speed(product) > 0.25)
+    cancel = {"type": "touchCancel", "touchPoints": []}
+    assert stopped_after(product, lambda: tools.send("Input.dispatchTouchEvent", cancel)) < BAR
+    expect(page.locator("#toast")).to_have_text("Let go: the touch was taken away.")
+    context.close()
+
+
+def test_a_device_that_goes_offline_stops_the_robot(page: Page, product: Product) -> None:
+    drive(page, product)
+    assert stopped_after(product, lambda: page.context.set_offline(True)) < BAR
+    expect(page.locator("#toast")).to_have_text("Let go: this device has no network.")
+    page.context.set_offline(False)
+    until(lambda: page.evaluate("window.pioneer3.state.live"))
+    still_stands(page, product)
+    page.keyboard.up("ArrowUp")
+    drive(page, product)
+    page.keyboard.up("ArrowUp")
+
+
+def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Product) -> None:
+    second = page.context.new_page()
+    second.goto(product.address)
+    wait_for_the_robot(second)
+    drive(page, product)
+    second.keyboard.down("ArrowDown")
+    expect(second.locator("#toast")).to_contain_text("has the wheel")
+    assert product.simulation.body.drive.linear.velocity > 0.25
+    second.keyboard.up("ArrowDown")
+    second.locator("#driver").click()
+    second.locator("#wheel-over").click()
+    until(lambda: speed(product) == 0.0)
+    expect(page.locator("#toast")).to_contain_text("has taken over")
+    still_stands(page, product)  # though the first still holds its key
+    second.locator("#people-close").click()
+    second.keyboard.down("ArrowDown")
+    until(lambda: product.simulation.body.drive.linear.velocity < -0.25)
+    page.keyboard.up("ArrowUp")
+    page.keyboard.down("ArrowUp")  # and presses again, in vain
+    expect(page.locator("#toast")).to_contain_text("has the wheel")
+    assert product.simulation.body.drive.linear.velocity < -0.25
+    assert stopped_after(product, lambda: second.keyboard.press("x")) < BAR
+
+
+# the server ends
+
+
+@contextmanager
+def simulating() -> Iterator[RunningSimulation]:
+    """Run a simulator while the block lasts."""
+    ready: Future[RunningSimulation] = Future()
+    loop = asyncio.new_event_loop()
+    leave = asyncio.Event()
+
+    async def live() -> None:
+        async with AsyncExitStack() as stack:
+            ready.set_result(await stack.enter_async_context(simulator(port=0)))
+            await leave.wait()
+
+    thread = threading.Thread(target=loop.run_until_complete, args=(live(),))
+    thread.start()
+    try:
+        yield ready.result(20)
+    finally:
+        loop.call_soon_threadsafe(leave.set)
+        thread.join()
+        loop.close()
+
+
+def free_port() -> int:
+    """Return a port that is free now."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return int(listener.getsockname()[1])
+
+
+@contextmanager
+def serving(robot: str, port: int) -> Iterator[subprocess.Popen[str]]:
+    """Run `pioneer3 run` until it serves, and end it after the block."""
+    command = [sys.executable, "-m", "pioneer3", "run", "--port", robot, "--web-port", str(port)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:
+        assert process.stdout is not None
+        try:
+            while "Drive it at" not in process.stdout.readline():
+                assert process.poll() is None
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize(("how", "bar"), [(signal.SIGTERM, BAR), (signal.SIGKILL, WATCHDOG + BAR)])
+def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_back(
+    browser: Browser, how: signal.Signals, bar: float
+) -> None:
+    """What is killed cannot stop the robot: its own watchdog does."""
+    with simulating() as simulation:
+        body, port = simulation.body, free_port()
+        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        with serving(simulation.url, port) as server:
+            page.goto(f"http://127.0.0.1:{port}")
+            wait_for_the_robot(page)
+            page.keyboard.down("ArrowUp")
+            until(lambda: body.drive.linear.velocity > 0.25)
+            began = simulation.world.time
+            server.send_signal(how)
+            until(lambda: body.drive.linear.velocity == 0.0)
+            assert simulation.world.time - began < bar
+            expect(page.locator("#overlay-title")).to_have_text("Connection lost")
+            expect(page.locator("#overlay-text")).to_contain_text("stops by itself")
+            server.wait(10)
+        with serving(simulation.url, port):
+            until(lambda: page.evaluate("window.pioneer3.state.live"), 20.0)
+            page.wait_for_timeout(700)
+            assert body.drive.linear.velocity == 0.0  # the key that was held all the time
+            page.keyboard.up("ArrowUp")
+            page.keyboard.down("ArrowUp")
+            until(lambda: body.drive.linear.velocity > 0.25)
+            page.keyboard.up("ArrowUp")
+        context.close()

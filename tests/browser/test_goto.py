@@ -1,0 +1,217 @@
+"""Sending the robot to a place of the map, with mouse, finger and keys."""
+
+from collections.abc import Iterator
+from math import hypot, pi
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps import LineMap, MapObject
+from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.drawn import state
+from tests.browser.test_edit import drag, spot
+from tests.browser.test_page import speed, until
+
+
+@pytest.fixture
+def office(page: Page) -> Page:
+    """Return the page with all of the office in view, and at rest."""
+    until(lambda: bool(state(page, "places")))
+    page.wait_for_timeout(500)
+    return page
+
+
+def away(product: Product, x: float, y: float) -> float:
+    """Return how far the robot is from a place [m]."""
+    here = product.simulation.body.robot_in_world
+    return hypot(here.x - x, here.y - y)
+
+
+def test_a_click_offers_a_place_and_moves_nothing(office: Page, product: Product) -> None:
+    office.mouse.click(*spot(office, 4.2, 3.1))
+    expect(office.locator("#errand-where")).to_have_text("Go to 4.20, 3.10 m?")
+    office.wait_for_timeout(700)
+    assert speed(product) == 0.0
+    assert product.robot.helm.mode is None
+    office.locator("#errand-close").click()
+    expect(office.locator("#errand")).to_be_hidden()
+    assert state(office, "offer") is None
+
+
+def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Product) -> None:
+    office.mouse.click(*spot(office, 4.0, 3.4))
+    office.locator("#errand-go").click()
+    until(lambda: speed(product) > 0.1)
+    expect(office.locator("#going-where")).to_contain_text("It goes to 4.0")
+    target = state(office, "snapshot.target")
+    assert hypot(target["x"] - 4.0, target["y"] - 3.4) < 0.1
+    until(lambda: state(office, "snapshot.mode") is None, 20.0)
+    assert away(product, 4.0, 3.4) < 0.25
+    expect(office.locator("#going")).to_be_hidden()
+
+
+def test_cancel_stops_it(office: Page, product: Product) -> None:
+    office.mouse.click(*spot(office, 7.0, 5.1))
+    expect(office.locator("#errand-where")).to_have_text("Go to Lab?")
+    office.locator("#errand-go").click()
+    until(lambda: speed(product) > 0.1)
+    expect(office.locator("#going-where")).to_contain_text("It goes to Lab")
+    office.locator("#going-end").click()
+    until(lambda: speed(product) == 0.0)
+    assert product.robot.helm.mode is None
+
+
+def test_somebody_else_may_not_cancel_but_stop_it(
+    browser: Browser, office: Page, product: Product
+) -> None:
+    office.mouse.click(*spot(office, 7.0, 5.1))
+    office.locator("#errand-go").click()
+    until(lambda: speed(product) > 0.1)
+    other = browser.new_page()
+    other.goto(product.address)
+    wait_for_the_robot(other)
+    other.locator("#going-end").click()
+    expect(other.locator("#toast")).to_contain_text("has the wheel")
+    assert product.robot.helm.mode is not None
+    other.keyboard.press("Space")
+    until(lambda: speed(product) == 0.0)
+    other.close()
+
+
+def test_the_knob_turns_the_heading(office: Page, product: Product) -> None:
+    office.mouse.click(*spot(office, 4.0, 3.1))
+    offer = state(office, "offer")
+    assert offer["heading"] is None
+    arm = 46 / state(office, "camera.scale")
+    drag(office, (offer["x"] + arm, offer["y"]), (offer["x"], offer["y"] + 2 * arm))
+    expect(office.locator("#errand-where")).to_contain_text("heading 90°")
+    office.locator("#errand-any").click()
+    assert state(office, "offer.heading") is None
+    drag(office, (offer["x"] + arm, offer["y"]), (offer["x"], offer["y"] + 3 * arm))
+    office.locator("#errand-go").click()
+    until(lambda: state(office, "snapshot.mode") == "goto")
+    until(lambda: state(office, "snapshot.mode") is None, 20.0)
+    assert product.simulation.body.robot_in_world.theta == pytest.approx(pi / 2, abs=0.2)
+
+
+def test_a_double_click_follows_the_robot_and_offers_nothing(office: Page) -> None:
+    office.mouse.dblclick(*spot(office, 4.2, 3.1))
+    assert state(office, "camera.mode") == "follow"
+    assert state(office, "offer") is None
+
+
+def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
+    area = MapObject(
+        kind="ForbiddenArea",
+        name="acid",
+        pose=Pose2(),
+        outline=((4.0, 2.6), (5.0, 2.6), (5.0, 3.6), (4.0, 3.6)),
+    )
+    world = product.simulation.world
+    changed = LineMap(name="changed", walls=world.map.walls, objects=(area,))
+    product.call(lambda: world.change_map(changed))
+    until(lambda: len(state(office, "places")) == 1)
+    for x, y, why in (
+        (4.5, 3.1, 'This is inside a forbidden area, "acid".'),
+        (30.0, 3.1, "This is outside the walls of the map."),
+    ):
+        office.mouse.click(*spot(office, min(x, 20.6), y))
+        office.locator("#errand-go").click()
+        expect(office.locator("#toast")).to_have_text(why)
+    office.wait_for_timeout(500)
+    assert speed(product) == 0.0
+
+
+def test_keys_alone_send_the_robot(office: Page, product: Product) -> None:
+    office.keyboard.press("g")
+    expect(office.locator("#errand-go")).to_be_focused()
+    office.locator("#errand-place").select_option(label="Lab")
+    until(lambda: state(office, "offer.name") == "Lab")
+    office.locator("#errand-go").focus()
+    for key in ("Shift+ArrowLeft", "Shift+ArrowDown", "["):
+        office.keyboard.press(key)
+    offer = state(office, "offer")
+    assert (offer["x"], offer["y"]) == pytest.approx((6.9, 5.0))
+    assert offer["heading"] is not None
+    assert speed(product) == 0.0
+    office.keyboard.press("Enter")
+    until(lambda: speed(product) > 0.1)
+    office.keyboard.press("Space")
+    until(lambda: speed(product) == 0.0)
+    office.keyboard.press("g")
+    office.keyboard.press("Escape")
+    expect(office.locator("#errand")).to_be_hidden()
+
+
+@pytest.fixture
+def phone(browser: Browser, product: Product) -> Iterator[Page]:
+    """Open the page on a phone."""
+    context = browser.new_context(
+        viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    until(lambda: bool(state(page, "places")))
+    page.wait_for_timeout(500)
+    yield page
+    context.close()
+
+
+def test_a_finger_that_stays_offers_a_place_and_turns_the_heading(
+    phone: Page, product: Product
+) -> None:
+    session = phone.context.new_cdp_session(phone)
+
+    def touch(name: str, *place: float) -> None:
+        points = [{"x": place[0], "y": place[1]}] if place else []
+        session.send("Input.dispatchTouchEvent", {"type": name, "touchPoints": points})
+
+    x, y = spot(phone, 4.2, 3.1)
+    phone.touchscreen.tap(x, y)
+    assert state(phone, "offer") is None
+    phone.wait_for_timeout(400)
+    touch("touchStart", x, y)
+    phone.wait_for_timeout(700)
+    assert state(phone, "offer") is not None
+    touch("touchMove", x, y - 40)
+    touch("touchMove", x, y - 60)
+    touch("touchEnd")
+    assert state(phone, "offer.heading") == pytest.approx(pi / 2, abs=0.05)
+    for button in ("#errand-go", "#errand-close", "#errand-any"):
+        box = phone.locator(button).bounding_box()
+        assert box is not None
+        assert box["height"] >= 40
+        assert box["x"] + box["width"] <= 390
+    phone.locator("#errand-go").tap()
+    until(lambda: speed(product) > 0.1)
+    phone.locator("#going-end").tap()
+    until(lambda: speed(product) == 0.0)
+
+
+def test_a_finger_that_moves_pans_and_offers_nothing(phone: Page) -> None:
+    session = phone.context.new_cdp_session(phone)
+    x, y = spot(phone, 4.0, 3.1)
+    for name, dx in (("touchStart", 0), ("touchMove", 20), ("touchMove", 40)):
+        points = [{"x": x + dx, "y": y}]
+        session.send("Input.dispatchTouchEvent", {"type": name, "touchPoints": points})
+    phone.wait_for_timeout(700)
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    assert state(phone, "offer") is None
+    assert state(phone, "camera.mode") == "free"
+
+
+def test_leaving_the_page_ends_what_it_started(
+    browser: Browser, office: Page, product: Product
+) -> None:
+    other = browser.new_page()
+    other.goto(product.address)
+    wait_for_the_robot(other)
+    other.wait_for_timeout(500)
+    other.mouse.click(*spot(other, 7.0, 5.1))
+    other.locator("#errand-go").click()
+    until(lambda: speed(product) > 0.1)
+    other.close()
+    until(lambda: speed(product) == 0.0)
+    assert product.robot.helm.mode is None

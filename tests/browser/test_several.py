@@ -1,0 +1,200 @@
+"""Several robots on one page, in a real browser."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.worldfile import RobotSpec, WorldFile
+from tests.browser.conftest import Product, running_product, wait_for_the_robot
+from tests.browser.test_page import until
+
+NAMES = ("alice", "bob", "carol")
+THREE = WorldFile(
+    name="three",
+    map="empty",
+    robots=tuple(
+        RobotSpec(model="p3dx-sh", name=name, start=Pose2(0.0, 2.0 * number), port=0)
+        for number, name in enumerate(NAMES)
+    ),
+)
+SIZES = [(1440, 900), (390, 844), (320, 568), (740, 360)]
+
+
+@pytest.fixture
+def product() -> Iterator[Product]:
+    """Run three robots beside each other."""
+    with running_product(world=THREE) as product:
+        yield product
+
+
+def speeds(product: Product) -> list[float]:
+    """Return how fast each robot really moves [m/s]."""
+    return [abs(robot.body.drive.linear.velocity) for robot in product.simulation.robots]
+
+
+def chosen(page: Page) -> list[str]:
+    """Return the names of the robots that are shown as selected."""
+    return page.locator(".robot[aria-pressed=true] strong").all_inner_texts()
+
+
+def test_the_robots_are_in_a_row_and_the_first_is_selected(page: Page) -> None:
+    expect(page.locator(".robot strong")).to_have_text(list(NAMES))
+    expect(page.locator(".robot small")).to_have_text(["Ready"] * 3)
+    assert chosen(page) == ["alice"]
+    expect(page.locator("#name")).to_have_text("alice")
+
+
+def test_with_one_robot_there_is_nothing_to_pick(browser: Browser) -> None:
+    with running_product() as one:
+        page = browser.new_page()
+        page.goto(one.address)
+        wait_for_the_robot(page)
+        expect(page.locator("#robots")).to_be_hidden()
+        page.close()
+
+
+def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> None:
+    page.get_by_role("button", name="bob").click()
+    expect(page.locator("#name")).to_have_text("bob")
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[1] > 0.25)
+    expect(page.locator(".robot small")).to_have_text(["Ready", "You drive", "Ready"])
+    assert speeds(product)[::2] == [0.0, 0.0]
+    page.keyboard.up("ArrowUp")
+    until(lambda: speeds(product) == [0.0] * 3)
+
+
+def test_selecting_another_robot_lets_go_of_the_one_before(page: Page, product: Product) -> None:
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[0] > 0.25)
+    page.keyboard.press("3")
+    assert chosen(page) == ["carol"]
+    until(lambda: speeds(product)[0] == 0.0, 1.0)
+    page.wait_for_timeout(700)
+    assert speeds(product) == [0.0] * 3  # the key is still down, and does not drive carol
+    page.keyboard.up("ArrowUp")
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[2] > 0.25)
+    page.keyboard.up("ArrowUp")
+
+
+def test_everything_can_be_picked_by_keyboard(page: Page) -> None:
+    page.keyboard.press("PageDown")
+    assert chosen(page) == ["bob"]
+    page.keyboard.press("PageUp")
+    assert chosen(page) == ["alice"]
+    page.keyboard.press("PageUp")
+    assert chosen(page) == ["alice"]
+    page.get_by_role("button", name="carol").focus()
+    page.keyboard.press("Enter")
+    assert chosen(page) == ["carol"]
+
+
+def test_a_robot_is_picked_on_the_map(page: Page, product: Product) -> None:
+    box = page.locator("#canvas").bounding_box()
+    pose = product.simulation.robots[2].body.robot_in_world
+    at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])
+    assert box is not None
+    page.mouse.click(box["x"] + at["x"], box["y"] + at["y"])
+    assert chosen(page) == ["carol"]
+
+
+def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product: Product) -> None:
+    second = page.context.new_page()
+    second.goto(product.address)
+    wait_for_the_robot(second)
+    second.keyboard.press("2")
+    second.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[1] > 0.25)
+    page.locator("#estop").click()
+    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    expect(page.locator(".robot small")).to_have_text(["E-stop"] * 3)
+    second.keyboard.up("ArrowUp")
+    page.locator("#reset").click()
+    expect(page.locator(".robot small")).to_have_text(["Ready", "E-stop", "E-stop"])
+    second.close()
+
+
+def test_the_wheel_that_is_taken_is_the_selected_robots(page: Page, product: Product) -> None:
+    page.keyboard.press("2")
+    page.locator("#driver").click()
+    page.locator("#wheel-take").click()
+    expect(page.locator("#people-wheel")).to_have_text("You have the wheel of bob.")
+    assert [station.wheel.holder is not None for station in product.web.stations.values()] == [
+        False,
+        True,
+        False,
+    ]
+    page.keyboard.press("1")
+    expect(page.locator("#people-wheel")).to_have_text("The wheel of alice is free.")
+
+
+def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
+    page: Page, product: Product
+) -> None:
+    product.call(product.simulation.robots[1].port.faults.unplug)
+    state = page.locator(".robot small").nth(1)
+    until(lambda: state.inner_text() in {"Lost", "Connecting", "No news"})
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[0] > 0.25)
+    page.keyboard.up("ArrowUp")
+    product.call(product.simulation.robots[1].port.faults.plug_in)
+    expect(state).to_have_text("Ready", timeout=20_000)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple[int, int]) -> None:
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, has_touch=True)
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    last = page.locator(".robot").last
+    last.scroll_into_view_if_needed()
+    last.tap()
+    assert chosen(page) == ["carol"]
+    for name in ("#stop", "#estop", "#stick"):
+        box = page.locator(name).bounding_box()
+        assert box is not None
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= size[0]
+        assert box["y"] + box["height"] <= size[1]
+    context.close()
+
+
+def test_space_latches_all_robots_and_they_are_reset_one_by_one_or_at_once(
+    page: Page, product: Product
+) -> None:
+    def latched() -> list[bool]:
+        return [one.robot.supervisor.pilot.emergency for one in product.web.stations.values()]
+
+    page.keyboard.press("Space")
+    until(lambda: latched() == [True] * 3)
+    expect(page.locator("#latched-words")).to_contain_text("alice, bob, carol")
+    page.get_by_role("button", name="Reset the emergency stop", exact=True).click()
+    until(lambda: latched() == [False, True, True])
+    expect(page.locator("#alarm")).to_be_hidden()
+    page.get_by_role("button", name="carol").click()
+    page.locator("#reset-all").click()
+    until(lambda: latched() == [False] * 3)
+    page.wait_for_timeout(300)
+    assert not any(robot.body.drive.powered for robot in product.simulation.robots)
+
+
+def test_the_views_show_the_robot_that_is_selected(page: Page, product: Product) -> None:
+    page.locator(".views [data-view=robot]").click()
+    address = page.locator("#view-robot dt:text-is('Address') + dd")
+    for name, robot in zip(NAMES, product.simulation.robots, strict=True):
+        page.get_by_role("button", name=name).click()
+        expect(address).to_have_text(robot.url)
+    page.locator(".views [data-view=modes]").click()
+    page.locator("#wander-start").click()
+    until(lambda: speeds(product)[2] > 0.1)
+    assert speeds(product)[:2] == [0.0, 0.0]
+    page.get_by_role("button", name="bob").click()
+    expect(page.locator("#mode-card")).to_be_hidden()
+    page.get_by_role("button", name="carol").click()
+    page.locator("#card-end").click()
+    until(lambda: speeds(product)[2] == 0.0)

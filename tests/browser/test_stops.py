@@ -1,0 +1,191 @@
+"""STOP and E-STOP: by key, by button, by viewers, without a connection."""
+
+import pytest
+from playwright.sync_api import Browser, Page, ViewportSize, expect
+
+from pioneer3.web.access.role import Role
+from pioneer3.web.visitor import Visitor
+from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.test_page import SLACK, speed, until
+from tests.browser.test_people import come_in, invitation, shared, visiting
+from tests.browser.views import drive, open_view, stopped_after
+
+__all__ = ["shared"]
+BAR = 0.7 + SLACK
+SIZES: dict[str, ViewportSize] = {
+    "desktop": {"width": 1440, "height": 900},
+    "low desktop": {"width": 1280, "height": 720},
+    "tablet": {"width": 820, "height": 1180},
+    "phone": {"width": 390, "height": 844},
+    "small phone": {"width": 320, "height": 568},
+    "phone on its side": {"width": 844, "height": 390},
+}
+
+
+def latched(product: Product) -> bool:
+    """Return whether the robot's emergency stop is."""
+    return product.robot.supervisor.pilot.emergency
+
+
+def hang_up(product: Product) -> None:
+    """Close every page's connection, as a network does."""
+    for guest in product.web.people.guests.values():
+        assert isinstance(guest, Visitor)
+        guest._hang_up(1013, "the network is gone")
+
+
+def test_space_is_the_emergency_stop(page: Page, product: Product) -> None:
+    drive(page, product)
+    assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR
+    assert latched(product)
+    expect(page.locator("#latched-words")).to_contain_text("EMERGENCY STOP")
+    expect(page.locator("#latched-how")).to_contain_text("reset it")
+    expect(page.locator("#estop")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.up("ArrowUp")
+    page.locator("#reset").click()
+    expect(page.locator("#alarm")).to_be_hidden()
+    assert not latched(product)
+    page.wait_for_timeout(300)
+    assert not product.simulation.body.drive.powered  # the motors stay off
+    drive(page, product)
+    page.keyboard.up("ArrowUp")
+
+
+@pytest.mark.parametrize(
+    "focus", ["#goto-x", "#mode-time", "#wander-start", "#speed", "#sheet-body", "#stop"]
+)
+def test_space_is_the_emergency_stop_wherever_the_focus_is(
+    page: Page, product: Product, focus: str
+) -> None:
+    open_view(page, "modes")
+    page.locator(focus).focus()
+    page.keyboard.press("Space")
+    until(lambda: latched(product))
+    assert product.robot.helm.mode is None
+
+
+def test_space_is_a_letter_where_texts_are_written(page: Page, product: Product) -> None:
+    page.evaluate("document.body.append(Object.assign(document.createElement('input'),{id:'t'}))")
+    page.locator("#t").focus()
+    page.keyboard.type("a x")
+    assert page.locator("#t").input_value() == "a x"
+    page.wait_for_timeout(200)
+    assert not latched(product)
+
+
+def test_a_held_space_stops_once_and_does_not_latch_again(page: Page, product: Product) -> None:
+    page.keyboard.down("Space")
+    until(lambda: latched(product))
+    page.locator("#reset").click()
+    until(lambda: not latched(product))
+    page.keyboard.down("Space")  # a repeat of the key that is held
+    page.wait_for_timeout(300)
+    assert not latched(product)
+    page.keyboard.up("Space")
+
+
+def test_x_ends_motion_and_mode_and_latches_nothing(page: Page, product: Product) -> None:
+    open_view(page, "modes")
+    page.locator("#wander-start").click()
+    until(lambda: speed(product) > 0.1)
+    page.keyboard.press("x")
+    until(lambda: speed(product) == 0.0)
+    assert not latched(product)
+    expect(page.locator("#view-modes .mode-state")).to_contain_text("somebody stopped the robot")
+
+
+def test_the_emergency_stop_acts_when_it_is_pressed_not_when_it_is_let_go(
+    page: Page, product: Product
+) -> None:
+    page.locator("#estop").hover()
+    page.mouse.down()
+    until(lambda: latched(product))
+    page.mouse.up()
+
+
+def test_enter_presses_the_emergency_stop(page: Page, product: Product) -> None:
+    page.locator("#estop").focus()
+    page.keyboard.press("Enter")
+    until(lambda: latched(product))
+
+
+def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Product) -> None:
+    with (
+        visiting(browser, shared.address) as ann,
+        visiting(browser, invitation(shared, Role.VIEWER)) as vera,
+    ):
+        wait_for_the_robot(ann)
+        come_in(vera, "Vera")
+        drive(ann, shared)
+        assert stopped_after(shared, lambda: vera.keyboard.press("Space")) < BAR
+        expect(vera.locator("#latched-how")).to_have_text("A driver can reset it.")
+        expect(vera.locator("#reset")).to_be_hidden()
+        expect(ann.locator("#alarm [role=alert]")).to_contain_text("EMERGENCY STOP")
+        ann.locator("#reset").click()
+        for page in (ann, vera):
+            expect(page.locator("#alarm")).to_be_hidden()
+        ann.keyboard.up("ArrowUp")
+        drive(ann, shared)
+        assert stopped_after(shared, lambda: vera.keyboard.press("x")) < BAR
+        assert not latched(shared)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("view", ["none", "robot", "modes"])
+def test_map_and_stops_are_always_there(
+    browser: Browser, product: Product, size: str, view: str
+) -> None:
+    room = SIZES[size]
+    context = browser.new_context(viewport=room)
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    if view != "none":
+        open_view(page, view)
+    assert page.evaluate("document.documentElement.scrollWidth") <= room["width"]
+    for name, least in (("#stop", 44), ("#estop", 56), ("#canvas", 100)):
+        box = page.locator(name).bounding_box()
+        assert box is not None
+        assert box["height"] >= least
+        assert box["x"] >= 0
+        assert box["y"] >= 0
+        assert box["x"] + box["width"] <= room["width"]
+        assert box["y"] + box["height"] <= room["height"]
+        middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
+        if name != "#canvas":  # nothing lies over them
+            there = "([x, y]) => document.elementFromPoint(x, y).closest('button')?.id"
+            assert f"#{page.evaluate(there, middle)}" == name
+    context.close()
+
+
+def test_a_stop_that_cannot_be_sent_says_so_and_goes_out_first_on_reconnection(
+    page: Page, product: Product
+) -> None:
+    page.evaluate("""() => {
+        const send = WebSocket.prototype.send;
+        window.said = [];
+        WebSocket.prototype.send = function (text) {
+            window.said.push(text);
+            send.call(this, text);
+        };
+        const unsent = document.getElementById("unsent");
+        window.alerts = [];
+        new MutationObserver(() => window.alerts.push(unsent.textContent))
+            .observe(unsent, { childList: true });
+    }""")
+    product.call(lambda: hang_up(product))
+    until(lambda: not page.evaluate("window.pioneer3.state.connected"))
+    page.evaluate("window.said.length = 0")
+    page.keyboard.press("Space")
+    until(lambda: latched(product))
+    assert "STOP NOT SENT" in page.evaluate("window.alerts[0]")
+    expect(page.locator("#unsent")).to_have_attribute("role", "alert")
+    assert page.evaluate("JSON.parse(window.said[0]).type") == "emergency_stop"
+    expect(page.locator("#toast")).to_have_text("The stop has arrived, late.")
+    expect(page.locator("#unsent")).to_be_empty()
+
+
+def test_a_stop_that_nobody_answers_is_said_to_be_in_doubt(page: Page, product: Product) -> None:
+    page.evaluate("() => { WebSocket.prototype.send = () => undefined; }")
+    page.keyboard.press("x")
+    expect(page.locator("#unsent")).to_contain_text("NOT CONFIRMED")

@@ -1,0 +1,280 @@
+"""Driving by tilting a phone: the mathematics by hand, then the page."""
+
+import json
+from collections.abc import Iterator
+from math import sqrt
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from pioneer3.web.access.addresses import lan_addresses
+from pioneer3.web.access.role import Role
+from tests.browser.conftest import Product, running_product
+from tests.browser.hands import Visit, visit
+from tests.browser.test_page import SLACK, speed, until
+
+ADDRESS = next(iter(lan_addresses("0.0.0.0")), "")
+FLAT = (0.0, 0.0, 0.0)
+Angles = tuple[float, float, float]
+
+
+def run(page: Page, module: str, expression: str) -> Any:
+    """Return what an expression gives with `m`, a module of the page."""
+    return page.evaluate(
+        f"async () => {{ const m = await import('/static/{module}'); return {expression}; }}"
+    )
+
+
+def turned(page: Page, start: Angles, end: Angles, screen: int = 0) -> dict[str, float]:
+    """Return tip, turn and flip [degrees] from one attitude to another."""
+    a, b = (f"m.attitude(...{json.dumps(angles)})" for angles in (start, end))
+    result = run(page, "attitude.js", f"m.meaning(m.rotation({a}, {b}), {screen})")
+    return {name: round(value, 6) + 0.0 for name, value in result.items()}
+
+
+# By hand, from the W3C's rule: about z by alpha, then the new x by beta, then the new y by gamma.
+# Beta lifts the far edge, gamma pushes the right edge down, alpha turns to the left.
+BY_HAND = {
+    "nothing": (FLAT, FLAT, 0, (0, 0, 0)),
+    "far edge down": (FLAT, (0, -20, 0), 0, (20, 0, 0)),
+    "far edge up": (FLAT, (0, 20, 0), 0, (-20, 0, 0)),
+    "to the left": (FLAT, (30, 0, 0), 0, (0, 30, 0)),
+    "to the right, past north": ((10, 0, 0), (350, 0, 0), 0, (0, -20, 0)),
+    "right edge down": (FLAT, (0, 0, 25), 0, (0, 0, 25)),
+    "upright: beta and alpha are as good as flat": ((0, 45, 0), (0, 30, 0), 0, (15, 0, 0)),
+    # at beta 90 the new y is the vertical: gamma turns about it exactly as alpha does
+    "the gimbal's lock is no turn": ((20, 90, 0), (0, 90, 20), 0, (0, 0, 0)),
+    # each attitude has a second triple: alpha + 180, 180 - beta, gamma + 180
+    "the same in other angles": ((0, 80, 0), (180, 100, 180), 0, (0, 0, 0)),
+    "over the top of the lock": ((0, 85, 0), (180, 75, 180), 0, (-20, 0, 0)),
+    # standing upright, a turn about the vertical is about the phone's own long axis: a flip
+    "upright, about the vertical": ((0, 90, 0), (40, 90, 0), 0, (0, 0, 40)),
+    # leaning back by 45 degrees, half of a small turn about the vertical is a turn, half a flip
+    "leaning, about the vertical": ((0, 45, 0), (2, 45, 0), 0, (0, sqrt(2), sqrt(2))),
+    # phone's top to the left: the far edge is the phone's right one, gamma pushes it down
+    "landscape, far edge down": (FLAT, (0, 0, 20), 90, (20, 0, 0)),
+    # the left edge is the phone's top, beta lifts it
+    "landscape, left edge up": (FLAT, (0, 20, 0), 90, (0, 0, 20)),
+    "landscape, to the left": (FLAT, (20, 0, 0), 90, (0, 20, 0)),
+    "landscape the other way, far edge down": (FLAT, (0, 0, -20), 270, (20, 0, 0)),
+    "upside down, far edge down": (FLAT, (0, 20, 0), 180, (20, 0, 0)),
+}
+
+
+def test_turns_are_what_they_are_by_hand(page: Page) -> None:
+    for name, (start, end, screen, expected) in BY_HAND.items():
+        got = turned(page, start, end, screen)
+        assert tuple(got.values()) == pytest.approx(expected, abs=1e-3), name
+
+
+def test_a_phone_that_is_turned_as_a_whole_means_the_same(page: Page) -> None:
+    """Which way somebody faces changes nothing: alpha is added at both ends."""
+    for heading in range(0, 360, 45):
+        got = turned(page, (heading, 30, 5), (heading, 10, 5))
+        assert tuple(got.values()) == pytest.approx(
+            tuple(turned(page, (0, 30, 5), (0, 10, 5)).values()), abs=1e-6
+        )
+
+
+def test_small_changes_of_angles_are_small_turns_everywhere(page: Page) -> None:
+    for beta in (-179, -91, -90, -89, 0, 89, 90, 91, 179):
+        for gamma in (-89, -45, 0, 45, 89):
+            step = turned(page, (123, beta, gamma), (123.1, beta + 0.1, gamma - 0.1))
+            assert max(map(abs, step.values())) < 0.31
+
+
+@pytest.mark.parametrize(
+    ("vector", "wish"),
+    [
+        ([4.9, 0, 4.9], {"forward": 0, "left": 0}),
+        ([-40, 0, 0], {"forward": 1, "left": 0}),
+        ([40, 0, 0], {"forward": -1, "left": 0}),
+        ([-80, 0, 0], {"forward": 1, "left": 0}),
+        ([0, 0, 50], {"forward": 0, "left": 1}),
+        ([0, 61, 0], None),
+        ([0, -61, 0], None),
+        ([-125, 0, 0], None),
+    ],
+)
+def test_five_degrees_are_nothing_and_a_flip_is_a_stop(
+    page: Page, vector: list[float], wish: dict[str, float] | None
+) -> None:
+    got = run(page, "tilt.js", f"m.wishOf({vector}, 0)")
+    assert got == (None if wish is None else pytest.approx(wish))
+
+
+def test_the_response_is_even_monotonic_and_bounded(page: Page) -> None:
+    values = [n / 50 for n in range(-60, 61)]
+    for dead, gentle in ((0.1, 0), (0.12, 0.6), (0.125, 0.3)):
+        got = run(page, "response.js", f"{values}.map((v) => m.response(v, {dead}, {gentle}))")
+        assert got == sorted(got)
+        assert got == pytest.approx([-value for value in reversed(got)])
+        assert (got[0], got[-1]) == (-1, 1)
+        assert all(out == 0 for value, out in zip(values, got, strict=True) if abs(value) <= dead)
+    nothing = run(page, "response.js", "[NaN, undefined, 'x'].map((v) => m.response(v, 0.1))")
+    assert nothing == [0, 0, 0]
+
+
+@pytest.fixture
+def phone(browser: Browser, product: Product) -> Iterator[Visit]:
+    """Hold a phone flat, with tilting chosen."""
+    with visit(browser, product.address, size=(390, 844), phone=True) as phone:
+        phone.page.tap("#way-tilt")
+        expect(phone.page.locator("#tilt-hold")).to_be_visible()
+        phone.turn_phone(*FLAT)
+        yield phone
+
+
+def hold(phone: Visit) -> None:
+    """Put a finger on the button."""
+    phone.touch("touchStart", phone.middle("#tilt-hold"))
+
+
+def keep(phone: Visit, alpha: float, beta: float, gamma: float, seconds: float = 0.5) -> None:
+    """Hold the phone so, from now on."""
+    phone.turn_phone(alpha, beta, gamma)
+    phone.page.wait_for_timeout(1000 * seconds)
+
+
+def go(phone: Visit, product: Product) -> None:
+    """Tip the phone until the robot goes."""
+    phone.turn_phone(0, -45, 0)
+    until(lambda: speed(product) > 0.25)
+
+
+def test_tilting_without_the_button_moves_nothing(phone: Visit, product: Product) -> None:
+    keep(phone, 0, -40, 0)
+    assert phone.drives() == []
+    assert not product.simulation.body.drive.powered
+
+
+def test_tipping_drives_and_letting_go_stops(phone: Visit, product: Product) -> None:
+    hold(phone)
+    phone.turn_phone(0, -45, 0)
+    until(lambda: speed(product) == pytest.approx(0.3))
+    assert phone.source == "tilt"
+    phone.touch("touchEnd")
+    assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
+    phone.page.wait_for_timeout(300)
+    assert phone.drives()[-3:] == [{"type": "drive", "v": 0, "w": 0, "input": "tilt"}] * 3
+
+
+@pytest.mark.parametrize(
+    ("angles", "v", "w"), [((0, 45, 0), -1, 0), ((45, 0, 0), 0, 1), ((315, 0, 0), 0, -1)]
+)
+def test_each_way_of_turning_the_phone_drives_its_way(
+    phone: Visit, product: Product, angles: Angles, v: int, w: int
+) -> None:
+    drive = product.simulation.body.drive
+    hold(phone)
+    phone.turn_phone(*angles)
+    until(
+        lambda: (
+            drive.linear.velocity == pytest.approx(0.3 * v)
+            and drive.angular.velocity == pytest.approx(0.6 * w, abs=0.02)  # whole degrees
+        )
+    )
+    phone.touch("touchEnd")
+
+
+def test_the_pose_at_the_press_is_the_reference(phone: Visit, product: Product) -> None:
+    keep(phone, 200, 50, 10, 0.1)
+    hold(phone)
+    keep(phone, 200, 52, 10)
+    assert all(message["v"] == message["w"] == 0 for message in phone.drives())
+    phone.turn_phone(200, 5, 10)
+    until(lambda: speed(product) == pytest.approx(0.3))
+    phone.touch("touchEnd")
+
+
+def test_a_flip_stops_until_the_button_is_held_anew(phone: Visit, product: Product) -> None:
+    hold(phone)
+    go(phone, product)
+    phone.turn_phone(0, 0, 80)
+    assert until(lambda: speed(product) == 0.0) < 0.4 + SLACK
+    assert phone.drives()[-1] == {"type": "stop"}
+    expect(phone.page.locator("#toast")).to_have_text("Flipped: the robot stops.")
+    keep(phone, 0, -45, 0, 0.7)
+    assert speed(product) == 0.0
+    phone.touch("touchEnd")
+
+
+def test_a_sensor_that_falls_silent_is_a_release(phone: Visit, product: Product) -> None:
+    hold(phone)
+    go(phone, product)
+    phone.turn_phone()
+    assert until(lambda: speed(product) == 0.0) < 1.0 + 0.3 + SLACK
+    assert phone.source is None
+    keep(phone, 0, -45, 0, 0.5)  # it is back, but the finger has not been lifted
+    assert phone.source is None
+    phone.touch("touchEnd")
+
+
+@pytest.mark.parametrize("event", ["orientationchange", "blur", "pagehide"])
+def test_losing_the_page_or_turning_the_screen_stops(
+    phone: Visit, product: Product, event: str
+) -> None:
+    hold(phone)
+    go(phone, product)
+    phone.page.evaluate("(name) => dispatchEvent(new Event(name))", event)
+    assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
+    keep(phone, 0, -45, 0)
+    assert speed(product) == 0.0
+    phone.touch("touchEnd")
+
+
+def test_a_finger_that_is_taken_away_stops(phone: Visit, product: Product) -> None:
+    hold(phone)
+    go(phone, product)
+    phone.touch("touchCancel")
+    assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
+
+
+def test_a_device_without_the_sensor_says_so(browser: Browser, product: Product) -> None:
+    with visit(browser, product.address, size=(390, 844), phone=True) as phone:
+        phone.page.tap("#way-tilt")
+        expect(phone.page.locator("#tilt-hold")).to_be_visible()
+        hold(phone)
+        expect(phone.page.locator("#toast")).to_contain_text("sensor of this device is silent")
+        phone.touch("touchEnd")
+        assert phone.drives() == []
+
+
+@pytest.mark.parametrize("answer", ["granted", "denied"])
+def test_an_iphone_is_asked_inside_the_tap(browser: Browser, product: Product, answer: str) -> None:
+    with visit(browser, product.address, size=(390, 844), phone=True) as phone:
+        phone.page.evaluate(
+            "(answer) => { DeviceOrientationEvent.requestPermission = async () => {"
+            " window.asked = navigator.userActivation.isActive; return answer; }; }",
+            answer,
+        )
+        assert phone.page.evaluate("window.asked === undefined")
+        phone.page.tap("#way-tilt")
+        granted = answer == "granted"
+        expect(phone.page.locator("#tilt-hold")).to_be_visible(visible=granted)
+        expect(phone.page.locator("#tilt-why")).to_be_visible(visible=not granted)
+        assert phone.page.evaluate("window.asked") is True
+
+
+@pytest.mark.skipif(not ADDRESS, reason="this machine has no network")
+def test_without_https_it_says_so_and_leads_there(browser: Browser) -> None:
+    with running_product(host="0.0.0.0") as shared:
+        access = shared.web.access
+        secure = f"https://{ADDRESS}:8081"
+        access.urls = (*access.urls, secure)
+        token = shared.call(lambda: access.invitations.invite(Role.DRIVER))
+        context = browser.new_context(
+            viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+        )
+        page = context.new_page()
+        page.goto(f"{access.urls[0]}/pair#{token}")
+        page.click("#drive")
+        page.wait_for_url("**/")
+        page.tap("#way-tilt")
+        why = page.locator("#tilt-why")
+        expect(why).to_contain_text("needs https")
+        assert why.get_by_role("link").first.get_attribute("href") == secure
+        assert why.get_by_role("link").nth(1).get_attribute("href") == "/ca.crt"
+        assert not page.locator("#tilt-hold").is_visible()
+        context.close()

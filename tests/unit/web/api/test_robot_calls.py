@@ -1,0 +1,256 @@
+"""The API for scripts: what it does with the robot. Virtual time."""
+
+import asyncio
+from math import pi
+
+import pytest
+
+from pioneer3.behaviors.modes import MODES
+from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Kind
+from pioneer3.web.api.openapi import openapi
+from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
+from pioneer3.web.modes import Follow, Goto, Wander
+from pioneer3.web.wheel import KEPT
+from tests.unit.web.asking import Script, stranger
+from tests.unit.web.browser import Browser, Product, product
+
+ROBOT = "/api/robots/1"
+PATHS = [
+    (one.method, one.path.replace("{robot}", "1").replace("{session}", "1"), one.needs)
+    for one in OPERATIONS
+]
+
+
+def script_of(the: Product, role: Role) -> Script:
+    """Return a script on the network with a token."""
+    _, token = the.page.access.sessions.open("survey", role, Kind.SCRIPT)
+    return stranger(the.app).with_headers(authorization=f"Bearer {token}")
+
+
+async def test_the_robot_is_listed() -> None:
+    async with product() as the:
+        (robot,) = (await Script(the.app).ask("GET", "/api/robots")).json
+        assert (robot["number"], robot["model"], robot["connection"]) == (1, "p3at-sh", "connected")
+        assert robot["max_speed"] == the.robot.info.limits.max_speed
+
+
+async def test_a_snapshot_says_what_the_robot_says() -> None:
+    async with product() as the:
+        snapshot = (await Script(the.app).ask("GET", f"{ROBOT}/snapshot")).json
+        assert the.robot.snapshot is not None
+        assert snapshot["sequence"] == the.robot.snapshot.sequence
+        assert snapshot["battery"]["voltage"] == the.robot.snapshot.battery.voltage
+        assert snapshot["why"] == the.robot.why_not_moving()
+        assert len(snapshot["sonar"]["ranges"]) == 16
+
+
+async def test_a_velocity_drives_for_half_a_second() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        for _ in range(20):
+            answer = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
+            assert answer.status == 200
+            await asyncio.sleep(0.1)
+        assert the.speed == pytest.approx(0.3)
+        assert answer.json == {"why": None}
+        await asyncio.sleep(0.9)
+        assert the.speed == 0.0
+
+
+async def test_zero_lets_go() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        for v in (0.3, 0.3, 0.0):
+            await asyncio.sleep(0.4)
+            await script.ask("POST", f"{ROBOT}/drive", {"v": v})
+        await asyncio.sleep(0.3)
+        assert the.speed == 0.0
+
+
+@pytest.mark.parametrize("call", ["drive", "goto", "mode"])
+async def test_nothing_drives_while_somebody_else_has_the_wheel(call: str) -> None:
+    body = {
+        "drive": {"v": 0.3},
+        "goto": {"x": 1, "y": 0},
+        "mode": {"mode": "wander"},
+    }[call]
+    method = "PUT" if call == "mode" else "POST"
+    async with product() as the, Browser(the.app, user_agent="Mozilla") as ann:
+        ann.say("take_wheel")
+        await asyncio.sleep(0.1)
+        script = Script(the.app)
+        answer = await script.ask(method, f"{ROBOT}/{call}", body)
+        assert (answer.status, answer.detail) == (409, "laptop has the wheel")
+        assert (await script.ask("PUT", f"{ROBOT}/wheel", {})).status == 409
+        assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204  # not theirs: nothing
+        assert (await script.ask("GET", f"{ROBOT}/wheel")).json == {
+            "holder": "laptop",
+            "yours": False,
+        }
+        await asyncio.sleep(1.0)
+        assert the.travelled == 0.0
+
+
+async def test_the_wheel_is_taken_over_openly() -> None:
+    async with product() as the, Browser(the.app) as ann:
+        await ann.keep_driving(0.3, 1.5)
+        script = script_of(the, Role.DRIVER)
+        taken = await script.ask("PUT", f"{ROBOT}/wheel", {"take_over": True})
+        assert taken.json == {"holder": "survey", "yours": True}
+        await asyncio.sleep(0.1)
+        assert ann.latest("told")["message"] == "survey has taken over; you watch"
+        assert ann.latest("people")["wheels"] == [{"robot": 1, "id": None, "name": "survey"}]
+        early = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
+        assert (early.status, early.detail) == (409, "the robot is still stopping")
+        assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204
+        assert the.wheel.holder is None
+
+
+async def test_it_goes_to_a_point_and_says_how_that_ended() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        begun = await script.ask("POST", f"{ROBOT}/goto", {"x": 1.0, "y": 0.0})
+        assert begun.json["mode"] == "goto"
+        await asyncio.sleep(20.0)
+        ended = (await script.ask("GET", f"{ROBOT}/mode")).json
+        assert ended == {"mode": None, "decided": [], "ended": "goto: done", "done": True}
+        assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.3)
+
+
+async def test_it_turns() -> None:
+    async with product() as the:
+        body = {"mode": "turn", "angle": pi / 2}
+        assert (await Script(the.app).ask("PUT", f"{ROBOT}/mode", body)).status == 200
+        await asyncio.sleep(10.0)
+        assert the.sim.body.robot_in_world.theta == pytest.approx(pi / 2, abs=0.05)
+
+
+async def test_a_mode_ends_when_asked_and_after_its_time() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        body = {"mode": "wander", "seconds": 2 * KEPT}  # scripts need not be heard of
+        await script.ask("PUT", f"{ROBOT}/mode", body)
+        assert (await script.ask("DELETE", f"{ROBOT}/mode")).json["mode"] is None
+        await script.ask("PUT", f"{ROBOT}/mode", body)
+        await asyncio.sleep(2 * KEPT - 0.5)
+        assert the.speed > 0.1
+        await asyncio.sleep(1.0)
+        ended = (await script.ask("GET", f"{ROBOT}/mode")).json
+        assert ended["ended"] == "wander: its time was over"
+        assert the.speed == 0.0
+
+
+async def test_the_emergency_stop_latches_and_its_reason_is_told() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        assert (await script.ask("POST", f"{ROBOT}/emergency_stop")).status == 200
+        refused = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
+        assert (refused.status, refused.detail) == (409, "the emergency stop is latched")
+        switched = await script.ask("PUT", f"{ROBOT}/motors", {"on": True})
+        assert switched.status == 409
+        await asyncio.sleep(1.0)
+        assert (await script.ask("POST", f"{ROBOT}/reset")).status == 200
+        assert not the.sim.powered
+        assert (await script.ask("PUT", f"{ROBOT}/motors", {"on": True})).status == 200
+        await asyncio.sleep(1.0)
+        assert the.sim.powered
+
+
+async def test_a_lost_robot_is_a_conflict_in_words() -> None:
+    async with product() as the:
+        await the.sim.unplug()
+        await asyncio.sleep(5.0)
+        script = Script(the.app)
+        for method, path, body in (
+            ("GET", "snapshot", None),
+            ("POST", "drive", {"v": 0.3}),
+            ("POST", "goto", {"x": 1, "y": 0}),
+        ):
+            answer = await script.ask(method, f"{ROBOT}/{path}", body)
+            assert answer.status == 409
+            assert "connected" in answer.detail or "link was lost" in answer.detail
+
+
+@pytest.mark.parametrize(("method", "path", "needs"), PATHS)
+async def test_strangers_and_viewers_get_no_further_than_they_may(
+    method: str, path: str, needs: Role | None
+) -> None:
+    async with product() as the:
+        outside = await stranger(the.app).ask(method, path, {})
+        viewer = await script_of(the, Role.VIEWER).ask(method, path, {})
+        if needs is not None:
+            assert outside.status == 401
+            assert "pair" in outside.detail
+        assert (viewer.status == 403 and "viewer" in viewer.detail) is (needs is Role.DRIVER)
+        await asyncio.sleep(0.5)
+        assert the.travelled == 0.0
+
+
+@pytest.mark.parametrize(("method", "path", "needs"), PATHS)
+async def test_a_foreign_page_gets_nowhere(method: str, path: str, needs: Role | None) -> None:
+    async with product() as the:
+        for origin in ("http://evil.example", "http://localhost:3000", "null"):
+            page = Script(the.app).with_headers(origin=origin)
+            assert (await page.ask(method, path, {})).status == 403
+        rebound = Script(the.app, host="evil.example:8080").with_headers(
+            origin="http://evil.example:8080"
+        )
+        assert (await rebound.ask(method, path, {})).status == 421
+
+
+@pytest.mark.parametrize(
+    ("raw", "kind", "status"),
+    [
+        (b"{", "application/json", 400),
+        (b"\xff", "application/json", 400),
+        (b"[]", "application/json", 400),
+        (b'{"v": NaN}', "application/json", 400),
+        (b'{"v": 1e999}', "application/json", 400),
+        (b'{"v": "1"}', "application/json", 400),
+        (b'{"v": 1, "fast": true}', "application/json", 400),
+        (b"", "application/json", 400),
+        (b"v=1", "application/x-www-form-urlencoded", 415),
+        (b'{"v": 1}', "text/plain", 415),
+        (b" " * (LONGEST_BODY + 1), "application/json", 413),
+    ],
+)
+async def test_what_is_no_velocity_is_refused_in_words(raw: bytes, kind: str, status: int) -> None:
+    async with product() as the:
+        script = Script(the.app).with_headers(content_type=kind)
+        answer = await script.ask("POST", f"{ROBOT}/drive", raw=raw)
+        assert answer.status == status
+        assert answer.detail
+        assert the.wheel.holder is None
+
+
+@pytest.mark.parametrize("number", ["2", "0", "-1", "01", "x", "1.0"])
+async def test_there_is_one_robot(number: str) -> None:
+    async with product() as the:
+        answer = await Script(the.app).ask("POST", f"/api/robots/{number}/stop")
+        assert answer.status == 404
+        assert "no robot" in answer.detail
+
+
+async def test_an_error_of_ours_is_a_problem_with_the_usual_headers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with product() as the:
+        monkeypatch.setattr(the.robot, "why_not_moving", lambda: 1 / 0)
+        answer = await Script(the.app).ask("POST", f"{ROBOT}/stop")
+        assert answer.status == 500
+        assert "log" in answer.detail
+        assert "default-src 'self'" in answer.headers["content-security-policy"]
+
+
+def test_the_document_names_every_operation_once() -> None:
+    document = openapi(OPERATIONS)
+    names = [one["operationId"] for path in document["paths"].values() for one in path.values()]
+    assert sorted(names) == sorted({one.name for one in OPERATIONS})
+    assert all(one["summary"] for path in document["paths"].values() for one in path.values())
+    assert "Problem" in document["components"]["schemas"]
+
+
+def test_modes_are_called_as_everywhere() -> None:
+    wishes = (Wander, Follow, Goto)
+    assert {wish.__struct_config__.tag for wish in wishes} <= set(MODES)

@@ -1,0 +1,144 @@
+"""Sending a robot to a place of the map, and being told where it is going. Virtual time."""
+
+import asyncio
+from math import hypot, pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.goal import Goal
+from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.stack import MODE, Stack
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.scene import Scene
+from pioneer3.sim.maps import LineMap, MapObject
+from tests.unit.web.browser import Browser, playground, product
+
+AREA = MapObject(
+    kind="ForbiddenArea", name="lab", pose=Pose2(), outline=((1, 1), (3, 1), (3, 3), (1, 3))
+)
+WALLS = np.array([[-9, -9, 9, -9], [9, -9, 9, 9], [9, 9, -9, 9], [-9, 9, -9, -9], [-3, -2, -3, 2]])
+ROOM = LineMap(name="room", walls=WALLS.astype(float), objects=(AREA,))
+SOON = 0.25
+
+
+def newest(page: Browser) -> dict[str, Any]:
+    """Return the newest snapshot."""
+    return page.snapshot
+
+
+async def test_the_robot_goes_where_it_is_sent_and_says_so() -> None:
+    async with playground(Pose2(-1.0, 0.5, pi / 2), line_map=ROOM) as the, Browser(the.app) as ann:
+        ann.say("goto", x=0.5, y=-1.0, heading=0.0, speed=0.4)
+        await asyncio.sleep(1.0)
+        assert newest(ann)["mode"] == "goto"
+        target = newest(ann)["target"]
+        assert (target["x"], target["y"]) == pytest.approx((0.5, -1.0), abs=0.05)
+        assert target["heading"] == pytest.approx(0.0, abs=0.05)
+        assert not target["person"]
+        await ann.stay(15.0)
+        here = the.simulation.robots[0].body.robot_in_world
+        assert hypot(here.x - 0.5, here.y + 1.0) < 0.2
+        assert abs(here.theta) < 0.15
+        assert (newest(ann)["mode"], newest(ann)["target"]) == (None, None)
+
+
+async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:
+    async with product(Scene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the, Browser(the.app) as ann:
+        await asyncio.sleep(SOON)
+        ann.say("goto", x=5.0, y=1.0)
+        await asyncio.sleep(SOON)
+        goal = the.robot.helm.mode.goal if the.robot.helm.mode else None
+        assert goal is not None
+        assert (goal.x, goal.y) == pytest.approx((1.0, 0.0))
+        assert goal.heading is None
+        target = newest(ann)["target"]
+        assert (target["x"], target["y"], target["heading"]) == (5.0, 1.0, None)
+
+
+class Shadow:
+    """An action that follows somebody who stands still."""
+
+    name = "shadow"
+    goal = Goal(x=1.0, y=0.5, person=True)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Want nothing."""
+        return None
+
+
+async def test_whom_a_mode_follows_is_told_where_the_map_has_them() -> None:
+    async with product(Scene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the, Browser(the.app) as ann:
+        await asyncio.sleep(SOON)
+        the.robot.helm.start(Stack.alone(Shadow(), MODE))
+        await asyncio.sleep(SOON)
+        assert newest(ann)["target"] == {"x": 4.5, "y": 1.0, "heading": None, "person": True}
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "why"),
+    [
+        (2.0, 2.0, 'This is inside a forbidden area, "lab".'),
+        (4.0, 4.0, 'The straight way there crosses a forbidden area, "lab".'),
+        (20.0, 0.0, "This is outside the walls of the map."),
+        (-3.0, 0.1, "There is no room: a wall is 0.00 m away."),
+    ],
+)
+async def test_what_the_map_forbids_is_refused(x: float, y: float, why: str) -> None:
+    async with playground(line_map=ROOM) as the, Browser(the.app) as ann:
+        ann.say("goto", x=x, y=y)
+        await asyncio.sleep(SOON)
+        assert ann.latest("refused")["message"] == why
+        assert newest(ann)["mode"] is None
+        assert the.simulation.robots[0].body.drive.linear.velocity == 0.0
+
+
+async def test_a_wall_in_the_way_is_told_but_not_forbidden() -> None:
+    async with playground(line_map=ROOM) as the, Browser(the.app) as ann:
+        ann.say("goto", x=-6, y=0)
+        await asyncio.sleep(SOON)
+        assert ann.latest("told")["message"].startswith("Something stands in the straight way")
+        assert newest(ann)["mode"] == "goto"
+
+
+async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
+    async with playground(line_map=ROOM) as the, Browser(the.app) as bob:
+        drive = the.simulation.robots[0].body.drive
+        bob.say("goto", x=6, y=0)
+        await asyncio.sleep(3.0)
+        assert drive.linear.velocity > 0.2
+        bob.say("end_mode")
+        await asyncio.sleep(1.0)
+        assert drive.linear.velocity == 0.0
+        assert newest(bob)["mode"] is None
+        async with Browser(the.app) as ann:
+            bob.say("give_up_wheel")
+            await asyncio.sleep(SOON)
+            ann.say("goto", x=6, y=0)
+            await asyncio.sleep(3.0)
+            assert drive.linear.velocity > 0.2
+            bob.say("end_mode")
+            await asyncio.sleep(SOON)
+            assert bob.latest("refused")["message"].endswith("has the wheel")
+        await asyncio.sleep(1.0)
+        assert drive.linear.velocity == 0.0
+
+
+async def test_who_has_not_the_wheel_sends_it_nowhere() -> None:
+    async with playground(line_map=ROOM) as the, Browser(the.app) as ann, Browser(the.app) as bob:
+        ann.say("take_wheel")
+        await asyncio.sleep(SOON)
+        bob.say("goto", x=6, y=0)
+        await asyncio.sleep(SOON)
+        assert bob.latest("refused")["message"].endswith("has the wheel")
+        assert newest(bob)["mode"] is None
+
+
+@pytest.mark.parametrize("fields", [{"x": 1e9, "y": 0}, {"x": 1}, {"x": 1, "y": 0, "speed": 0}])
+async def test_nonsense_is_not_understood(fields: dict[str, float]) -> None:
+    async with playground() as the, Browser(the.app) as ann:
+        ann.say("goto", **fields)
+        await asyncio.sleep(SOON)
+        assert ann.latest("refused")["message"].startswith("not understood")

@@ -1,0 +1,70 @@
+"""The map as pages are told of it."""
+
+from base64 import b64decode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps import LineMap, MapObject, shipped_map
+from pioneer3.sim.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells
+from pioneer3.sim.maps.png import parse_png
+from pioneer3.web import plan as module
+from pioneer3.web.messages import encode
+from pioneer3.web.plan import SHADE, plan
+from tests.unit.web.browser import strict
+
+STATES = np.array([[OCCUPIED, UNKNOWN, FREE], [FREE, FREE, UNKNOWN]], dtype=np.uint8)
+CELLS = Cells(states=STATES, side=0.05, corner=Pose2(1.0, 2.0, 0.5))
+OUTLINES = np.array([[0.0, 0.0, 1.0, 1.0 / 3.0], [1.0, 1.0, 1.0, 1.05]])
+AREA = MapObject(
+    kind="ForbiddenArea", name="lab", pose=Pose2(), outline=((7, 7), (9, 7), (9, 9), (7, 9))
+)
+GOAL = MapObject(kind="GoalWithHeading", name="door", pose=Pose2(1.0, 2.0, 0.25))
+
+
+def told(line_map: LineMap | None) -> Any:
+    return strict(encode(plan(line_map)))["map"]
+
+
+def test_no_map_is_null() -> None:
+    assert told(None) is None
+
+
+def test_walls_that_outline_cells_are_told_as_cells() -> None:
+    mixed = LineMap(name="m", walls=OUTLINES, cells=(CELLS,), lines=OUTLINES[:1])
+    assert told(mixed)["walls"] == [[0.0, 0.0, 1.0, 0.333]]
+    (cells,) = told(mixed)["cells"]
+    assert (cells["side"], cells["corner"]) == (0.05, [1.0, 2.0, 0.5])
+    picture = parse_png(Path("cells.png"), b64decode(cells["png"]))
+    assert (picture.shades // SHADE).tolist() == STATES.tolist()
+
+
+def test_many_cells_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_CELLS", 2)
+    (cells,) = told(LineMap(name="m", walls=OUTLINES, cells=(CELLS,)))["cells"]
+    assert cells["side"] == pytest.approx(0.1)
+
+
+def test_objects_say_all_that_is_drawn() -> None:
+    area, goal = told(LineMap(name="m", walls=OUTLINES, objects=(AREA, GOAL)))["objects"]
+    assert (area["role"], area["forbidden"], area["name"]) == ("area", True, "lab")
+    assert area["points"] == [[7, 7], [9, 7], [9, 9], [7, 9]]
+    assert goal == {
+        "role": "goal",
+        "kind": "GoalWithHeading",
+        "name": "door",
+        "x": 1.0,
+        "y": 2.0,
+        "theta": 0.25,
+        "heads": True,
+        "forbidden": False,
+        "solid": False,
+        "points": [],
+    }
+
+
+def test_the_office_is_small() -> None:
+    assert len(encode(plan(shipped_map("office")))) < 20_000

@@ -1,0 +1,172 @@
+"""The wheel: taken, kept, handed over, taken over, lost. Virtual time."""
+
+import asyncio
+from math import inf
+
+import pytest
+
+from pioneer3.behaviors.modes import wander
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.teleop.lease import TERM
+from pioneer3.web.wheel import EXPIRY, KEPT, STOPPING
+from tests.unit.web.browser import Browser, Product, product
+from tests.unit.web.test_page import ANN, BOB
+
+FORWARD, BACK = Twist2(0.3, 0.0), Twist2(-0.3, 0.0)
+
+
+async def hold(the: Product, who: object, twist: Twist2, seconds: float) -> None:
+    """Let `who` hold `twist` for so long."""
+    end = asyncio.get_running_loop().time() + seconds
+    while asyncio.get_running_loop().time() < end:
+        the.wheel.drive(ANN if who is ANN else BOB, twist)
+        await asyncio.sleep(0.066)
+
+
+async def test_who_asks_for_the_wheel_keeps_it_while_they_are_heard_of() -> None:
+    async with product() as the:
+        wheel = the.wheel
+        assert wheel.take(ANN, keep=True) is None
+        for _ in range(10):
+            await asyncio.sleep(KEPT - 0.1)
+            assert wheel.drive(BOB, FORWARD) == "ann has the wheel"
+            wheel.heard_of(ANN)
+        await asyncio.sleep(KEPT)
+        assert wheel.holder is None
+        assert wheel.drive(BOB, FORWARD) is None
+
+
+async def test_being_heard_of_is_not_enough_without_asking() -> None:
+    async with product() as the:
+        wheel = the.wheel
+        wheel.drive(ANN, FORWARD)
+        wheel.drive(ANN, STILL)
+        await asyncio.sleep(TERM / 2)
+        wheel.heard_of(ANN)
+        await asyncio.sleep(TERM / 2 + 0.001)
+        assert wheel.holder is None
+
+
+async def test_a_take_over_stops_the_robot_first() -> None:
+    async with product() as the:
+        await hold(the, ANN, FORWARD, 2.0)
+        assert the.speed == pytest.approx(0.3)
+        the.wheel.take_over(BOB)
+        assert the.wheel.holder is BOB
+        assert the.wheel.drive(BOB, BACK) == "the robot is still stopping"
+        assert the.wheel.drive(ANN, FORWARD) == "bob has the wheel"
+        await asyncio.sleep(EXPIRY)
+        assert the.speed == 0.0
+        await hold(the, BOB, BACK, 1.5)
+        assert the.sim.body.drive.linear.velocity == pytest.approx(-0.3)
+
+
+async def test_a_robot_that_somebody_pushes_is_not_waited_for_for_ever() -> None:
+    async with product() as the:
+        the.wheel.take(ANN, keep=True)
+        the.wheel.take_over(BOB)
+        await hold(the, BOB, FORWARD, 0.5)
+        the.wheel._stopping_until = asyncio.get_running_loop().time() + STOPPING
+        await asyncio.sleep(STOPPING)
+        assert the.wheel.drive(BOB, FORWARD) is None
+
+
+async def test_taking_over_what_is_yours_changes_nothing() -> None:
+    async with product() as the:
+        await hold(the, ANN, FORWARD, 1.5)
+        the.wheel.take_over(ANN)
+        await asyncio.sleep(0.2)
+        assert the.speed == pytest.approx(0.3)
+
+
+async def test_handing_over_stops_the_robot_and_passes_the_wheel() -> None:
+    async with product() as the:
+        await hold(the, ANN, FORWARD, 1.5)
+        assert the.wheel.hand_over(BOB, ANN) == "you do not have the wheel"
+        assert the.wheel.hand_over(ANN, BOB) is None
+        assert the.wheel.holder is BOB
+        await asyncio.sleep(EXPIRY)
+        assert the.speed == 0.0
+        assert the.wheel.drive(ANN, FORWARD) == "bob has the wheel"
+
+
+async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
+    async with product() as the:
+        wheel = the.wheel
+        assert wheel.start(ANN, wander(), 20.0, patience=inf) is None
+        await asyncio.sleep(10.0)
+        assert the.travelled > 0.3
+        assert wheel.holder is wheel.driver() is ANN
+        assert wheel.start(BOB, wander(), 20.0) == "ann has the wheel"
+        assert wheel.end_mode(BOB) == "ann has the wheel"
+        await asyncio.sleep(10.1)
+        assert wheel.holder is None
+        assert the.robot.helm.ended is not None
+        assert the.robot.helm.ended.why == "its time was over"
+
+
+async def test_the_time_of_a_mode_ends_no_other() -> None:
+    async with product() as the:
+        the.wheel.start(ANN, wander(), 1.0)
+        the.wheel.start(ANN, wander(), 20.0, patience=inf)
+        await asyncio.sleep(5.0)
+        assert the.robot.helm.mode is not None
+
+
+@pytest.mark.parametrize("how", ["let_go", "take_over", "stop", "end_mode"])
+async def test_a_mode_ends_with_who_started_it(how: str) -> None:
+    async with product() as the:
+        the.wheel.start(ANN, wander(), 100.0, patience=inf)
+        await asyncio.sleep(3.0)
+        getattr(the.wheel, how)(BOB if how == "take_over" else ANN)
+        assert the.robot.helm.mode is None
+        await asyncio.sleep(EXPIRY)
+        assert the.speed == 0.0
+
+
+async def test_pages_take_hand_over_and_give_up_the_wheel_openly() -> None:
+    async with (
+        product() as the,
+        Browser(the.app, user_agent="Mozilla (iPhone; Mobile)") as ann,
+        Browser(the.app, user_agent="Mozilla (X11)") as bob,
+    ):
+        assert (ann.latest("people")["name"], bob.latest("people")["name"]) == ("phone", "laptop")
+        ann.say("take_wheel")
+        await asyncio.sleep(0.2)
+        (wheel,) = bob.latest("people")["wheels"]
+        assert wheel == {"robot": 1, "id": ann.latest("people")["id"], "name": "phone"}
+        bob.say("take_wheel")
+        bob.say("hand_over", to=ann.latest("people")["id"])
+        await asyncio.sleep(0.2)
+        reasons = [message["message"] for message in bob.all("refused")]
+        assert reasons == ["phone has the wheel", "you do not have the wheel"]
+        ann.say("hand_over", to=bob.latest("people")["id"])
+        await asyncio.sleep(0.2)
+        assert bob.latest("told")["message"] == "phone has handed you the wheel"
+        ann.say("take_over")
+        await asyncio.sleep(0.2)
+        assert bob.latest("told")["message"] == "phone has taken over; you watch"
+        ann.say("give_up_wheel")
+        await asyncio.sleep(0.2)
+        assert bob.latest("people")["wheels"] == []
+
+
+async def test_a_page_that_only_lies_open_keeps_the_wheel_by_its_pings() -> None:
+    async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
+        ann.say("take_wheel")
+        for _ in range(20):
+            ann.say("ping", t=0)
+            await asyncio.sleep(1.0)
+        bob.drive(0.3)
+        await asyncio.sleep(0.1)
+        assert bob.latest("refused")["message"] == "script has the wheel"
+        await ann.leave()
+        assert the.wheel.holder is None
+
+
+async def test_nobody_is_handed_the_wheel_who_is_not_here() -> None:
+    async with product() as the, Browser(the.app) as ann:
+        ann.say("take_wheel")
+        ann.say("hand_over", to=99)
+        await asyncio.sleep(0.1)
+        assert "nobody of that number" in ann.latest("refused")["message"]
