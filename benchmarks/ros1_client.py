@@ -1,0 +1,54 @@
+"""The other end of a node's topics, in ROS's own Python; prints JSON.
+
+Usage: /usr/bin/python3 ros1_client.py drive COUNT: when each command was published [s, monotonic].
+       /usr/bin/python3 ros1_client.py listen SECONDS: when each pose came [s, monotonic], while
+       everything else is subscribed to, too.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+
+import rospy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+
+PAUSE = 0.11
+"""Between two commands [s]; the driver sends a velocity every 0.05 s at most."""
+OTHERS = ("/tf", "sonar", "bumper_state", "battery_voltage", "/diagnostics")
+
+
+def drive(count: int) -> list[float]:
+    """Publish commands, each another one than before."""
+    publisher = rospy.Publisher("/RosAria/cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+    while not publisher.get_num_connections():
+        rospy.sleep(0.02)
+    rospy.sleep(0.5)
+    published = []
+    for number in range(count):
+        twist = Twist()
+        twist.linear.x = 0.1 + number % 2 * 0.1
+        published.append(time.monotonic())
+        publisher.publish(twist)
+        rospy.sleep(PAUSE + number % 7 * 0.013)
+    return published
+
+
+def listen(seconds: float) -> list[float]:
+    """Subscribe to what people usually do."""
+    came: list[float] = []
+    rospy.Subscriber(
+        "/RosAria/pose", Odometry, lambda _: came.append(time.monotonic()), tcp_nodelay=True
+    )
+    for name in OTHERS:
+        full = name if name.startswith("/") else f"/RosAria/{name}"
+        rospy.Subscriber(full, rospy.AnyMsg, lambda _: None)
+    rospy.sleep(seconds)
+    return came
+
+
+rospy.init_node("bench", anonymous=True)
+what, amount = sys.argv[1:]
+sys.stdout.write(json.dumps(drive(int(amount)) if what == "drive" else listen(float(amount))))

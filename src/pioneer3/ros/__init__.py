@@ -1,0 +1,1 @@
+"""The robot in ROS: conversions, and the nodes that use them."""

@@ -1,0 +1,203 @@
+"""Programs on ROS 1 that drive robots by their topics, from any computer."""
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Coroutine, Iterable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, closing, suppress
+from functools import partial
+from socket import create_connection
+from typing import Any, Final
+from urllib.parse import urlsplit
+
+from pioneer3.arcos.reports import Config
+from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.geometry import Twist2
+from pioneer3.models import find_model, load_model
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.ears1 import Ears
+from pioneer3.ros.graph import TWIST, RobotTopics, robots_on
+from pioneer3.ros.messages1 import message_class
+from pioneer3.ros.parameters import MODEL, SIMULATED
+from pioneer3.ros.remote import TopicRobot, TopicSupervisor
+from pioneer3.ros.rospy_path import find_rospy
+from pioneer3.ros.start1 import stay_on_this_computer
+from pioneer3.runtime.identity import SIMULATOR_SERIAL
+from pioneer3.runtime.tasks import running
+from pioneer3.state import Identity
+
+FIRST: Final = 5.0
+"""Longest wait for the first reading [s]."""
+ALIVE: Final = 0.5
+"""A node that takes no connection within this time [s] has gone."""
+FAREWELL: Final = 0.1
+"""rospy sends in threads of its own; a stop needs this long to be on its way [s]."""
+UNKNOWN_MODEL: Final = "p3at-sh"
+"""What a robot is taken for whose node does not tell: the largest."""
+
+
+def find_robots() -> list[RobotTopics]:
+    """Return the robots on the master whose nodes are alive.
+
+    Raises:
+        ConfigError: ROS 1 is not installed.
+        NoRobotError: there is no master.
+    """
+    find_rospy()
+    import rosgraph  # noqa: PLC0415
+
+    uri = rosgraph.get_master_uri()
+    master = rosgraph.Master("/pioneer3")
+    try:
+        publishers, subscribers, _ = master.getSystemState()
+        types = dict(master.getTopicTypes())
+        found = robots_on(publishers, subscribers, types)
+        return [robot for robot in found if _is_alive(master.lookupNode(robot.node))]
+    except (OSError, rosgraph.MasterException) as error:
+        raise NoRobotError(
+            f"there is no ROS master at {uri} ({error}): start roscore, or set ROS_MASTER_URI"
+        ) from error
+
+
+def _is_alive(uri: str) -> bool:
+    """Whether a node answers at its address: one that was killed stays registered."""
+    address = urlsplit(uri)
+    try:
+        with closing(create_connection((address.hostname, address.port), ALIVE)):
+            return True
+    except OSError:
+        return False
+
+
+@asynccontextmanager
+async def program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio.Event]:
+    """Be a ROS node while the block lasts; the event says that somebody shut it down.
+
+    Args:
+        name: Of the node, unless `arguments` have another.
+        arguments: ROS's own.
+
+    Raises:
+        ConfigError: one of them is none.
+    """
+    import rosgraph  # noqa: PLC0415
+    import rospy  # noqa: PLC0415
+
+    odd = [argument for argument in arguments if ":=" not in argument]
+    if odd:
+        raise ConfigError(f"{odd[0]!r} is none of ROS's arguments, such as __name:=mine")
+    stay_on_this_computer(rosgraph.get_master_uri())
+    loop, ended, left = asyncio.get_running_loop(), asyncio.Event(), threading.Event()
+
+    def end() -> None:
+        with suppress(RuntimeError):  # the loop has ended before
+            loop.call_soon_threadsafe(ended.set)
+            left.wait(FIRST)  # the robot is to be stopped while topics still work
+
+    argv = ["pioneer3", *arguments]
+    await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
+    rospy.on_shutdown(end)
+    try:
+        yield ended
+    finally:
+        await asyncio.sleep(FAREWELL)
+        left.set()
+        await asyncio.to_thread(rospy.signal_shutdown, "the program ends")
+
+
+async def unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]) -> None:
+    """Do `work`, or as much of it as there is time for until the node is shut down."""
+    working, ending = asyncio.create_task(work), asyncio.create_task(ended.wait())
+    try:
+        await asyncio.wait({working, ending}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in (working, ending):
+            task.cancel()
+        await asyncio.gather(working, ending, return_exceptions=True)
+    if not working.cancelled():
+        working.result()
+
+
+@asynccontextmanager
+async def joined(
+    robots: Iterable[RobotTopics], model: str | None = None
+) -> AsyncIterator[list[TopicRobot]]:
+    """Listen to robots and be ready to drive them while the block lasts; then they stand.
+
+    Args:
+        robots: On the master.
+        model: What they are; if `None`, what their nodes say.
+
+    Raises:
+        NoRobotError: one is silent.
+        ConfigError: there is no such model.
+    """
+    async with AsyncExitStack() as stack:
+        ones = [await stack.enter_async_context(_joined(topics, model)) for topics in robots]
+        yield ones
+
+
+@asynccontextmanager
+async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[TopicRobot]:
+    import rospy  # noqa: PLC0415
+
+    info = await asyncio.to_thread(_info, topics, model)
+    twists = rospy.Publisher(topics.commands, message_class(TWIST), queue_size=1, tcp_nodelay=True)
+    supervisor = TopicSupervisor(
+        info, partial(_publish, twists), partial(_switch_motors, topics.node)
+    )
+    robot = TopicRobot(supervisor)
+    ears = Ears(topics, info.model, supervisor)
+    await asyncio.to_thread(ears.open)
+    try:
+        async with running(supervisor.run()):
+            async for _ in robot.snapshots(FIRST):
+                break
+            else:
+                raise NoRobotError(
+                    f"{topics.node} publishes nothing on {topics.pose}: has it lost its robot?"
+                )
+            yield robot
+    finally:
+        await asyncio.to_thread(ears.close)
+
+
+def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
+    """Return what the node of a robot says of it."""
+    import rospy  # noqa: PLC0415
+
+    said = str(rospy.get_param(f"{topics.node}/{MODEL}", UNKNOWN_MODEL))
+    found = load_model(model) if model else find_model(said) or load_model(UNKNOWN_MODEL)
+    simulated = rospy.get_param(f"{topics.node}/{SIMULATED}", False)
+    return RobotInfo(
+        identity=Identity(name=topics.name, family="Pioneer", model=found.name),
+        model=found,
+        limits=limits_for(found, None),
+        config=Config(family="", model="", serial_number=SIMULATOR_SERIAL) if simulated else None,
+        url=topics.node,
+        speed=None,
+    )
+
+
+def _publish(twists: Any, wanted: Twist2) -> None:
+    message = message_class(TWIST)()
+    message.linear.x, message.angular.z = wanted.v, wanted.w
+    twists.publish(message)
+
+
+def _switch_motors(node: str, on: bool) -> None:
+    """Call the service of the robot's node; nobody waits for it."""
+    import rospy  # noqa: PLC0415
+    from std_srvs.srv import Empty  # noqa: PLC0415
+
+    name = "enable_motors" if on else "disable_motors"
+
+    def call() -> None:
+        for full in (f"{node}/{name}", f"{node.rpartition('/')[0]}/{name}"):
+            with suppress(rospy.ROSException, rospy.ServiceException):
+                rospy.wait_for_service(full, ALIVE)
+                rospy.ServiceProxy(full, Empty)()
+                return
+        rospy.logwarn(f"{node} has no service {name}")
+
+    asyncio.get_running_loop().run_in_executor(None, call)

@@ -1,0 +1,148 @@
+"""Commands from ROS 1 topics to the robot. rospy's threads end at one hand-over to the loop."""
+
+import asyncio
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from math import isfinite, isinf
+from operator import attrgetter
+from typing import Any, Final, NamedTuple
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.errors import CommandError
+from pioneer3.geometry import Twist2
+from pioneer3.ros import convert
+from pioneer3.ros.arbiter import Arbiter
+from pioneer3.ros.arrival1 import Arrivals
+from pioneer3.ros.lab import CommandTopic
+from pioneer3.ros.messages1 import message_class
+from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.runtime.robot import Robot
+
+QUEUE: Final = 10
+"""Messages that wait in a connection; dropping one would tear a zero from its command."""
+PENDING: Final = 100
+"""Commands that wait for the loop."""
+
+
+class Order(NamedTuple):
+    """A message as it arrived: on which topic, from whom, when [s]."""
+
+    message: Any
+    shared: bool
+    sender: str
+    at: float
+
+
+class Commands1:
+    """Drives `robot` as the messages on its command topics say.
+
+    Args:
+        robot: Connected.
+        topics: To listen to.
+        timeout: How long a message lasts [s]; `inf` until the next one.
+        warn: Given a sentence when a message is refused.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        topics: Iterable[CommandTopic],
+        timeout: float,
+        warn: Callable[[str], None],
+    ) -> None:
+        self._robot = robot
+        self._topics = tuple(topics)
+        self._timeout = timeout
+        self._warn = warn
+        self._hold = Hold("cmd_vel")
+        self._arbiter = Arbiter()
+        self._refusal: str | None = None
+        self._told: str | None = None
+        self._pending: deque[Order] = deque(maxlen=PENDING)
+        self._lock = threading.Lock()
+        self._loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def subscribe(self) -> None:
+        """Listen; called in a thread: it talks to the master."""
+        import rospy  # noqa: PLC0415
+
+        kind, known = message_class("geometry_msgs/Twist"), set()
+        for topic in self._topics:
+            name = rospy.resolve_name(topic.name)
+            if name not in known:
+                known.add(name)
+                subscriber = rospy.Subscriber(name, kind, queue_size=QUEUE, tcp_nodelay=True)
+                told = (topic.shared, Arrivals(subscriber))
+                subscriber.impl.add_callback(self._receive, told)
+
+    def begin(self) -> None:
+        """Take part in driving."""
+        self._robot.helm.add(self._hold, PROGRAM)
+
+    def end(self) -> None:
+        """Drive no more."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._robot.helm.remove(self._hold)
+
+    def release(self) -> None:
+        """Let go of what the last message said."""
+        self._robot.helm.release(self._hold)
+
+    def let_go_of_what_lasts(self) -> None:
+        """One message may mean for ever, but not past what has stopped the robot."""
+        if isinf(self._timeout) and self._robot.supervisor.pilot.blocked:
+            self.release()
+
+    def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
+        """Take a Twist in rospy's thread; those that come together wake the loop once."""
+        shared, arrivals = told
+        sender = message._connection_header.get("callerid", "")
+        at = self._loop.time() - arrivals.age(message)
+        with self._lock:
+            waiting = bool(self._pending)
+            self._pending.append(Order(message, shared, sender, at))
+        if not waiting:
+            with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+                self._loop.call_soon_threadsafe(self._drive)
+
+    def _drive(self) -> None:
+        with self._lock:
+            orders = sorted(self._pending, key=attrgetter("at"))
+            self._pending.clear()
+        self._refusal = None
+        decided: list[Twist2 | None] = []
+        for order in orders:
+            decided += (self._arbiter.due(order.at), self._understand(order))
+        decided.append(self._arbiter.due(self._loop.time()))
+        wanted = next((twist for twist in reversed(decided) if twist is not None), None)
+        if wanted is not None:
+            self._refusal = self._robot.helm.hold(self._hold, wanted, self._timeout)
+        if orders:
+            self._tell()
+        self._wait_for_zero()
+
+    def _understand(self, order: Order) -> Twist2 | None:
+        """Return what to do because of one message, if anything."""
+        try:
+            twist = convert.wanted_twist(order.message)
+        except CommandError as error:
+            self._refusal = str(error)
+            return None
+        return self._arbiter.take(twist, order.at, sender=order.sender, shared=order.shared)
+
+    def _wait_for_zero(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if isfinite(self._arbiter.deadline):
+            self._timer = self._loop.call_at(self._arbiter.deadline, self._drive)
+
+    def _tell(self) -> None:
+        """Say why commands are ignored, once."""
+        if self._refusal is not None and self._refusal != self._told:
+            self._warn(f"cmd_vel is ignored: {self._refusal}")
+        self._told = self._refusal

@@ -1,0 +1,138 @@
+"""The ROS 1 master: waiting for it, and registering again with the one that follows it."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Final
+from urllib.parse import urlsplit
+from xmlrpc.client import ServerProxy
+
+LOOK: Final = 1.0
+"""Pause between two looks at the master [s]."""
+TYPES_EVERY: Final = 3
+"""Looks between two at the types of topics: that list is long."""
+
+
+async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
+    """Return as soon as something listens where the master should; `tell` why that takes time."""
+    address = urlsplit(uri)
+    told = False
+    while True:
+        with suppress(OSError, TimeoutError):
+            async with asyncio.timeout(LOOK):
+                _, writer = await asyncio.open_connection(address.hostname, address.port or 11311)
+            writer.close()
+            return
+        if not told:
+            tell(f"waits for a ROS master at {uri}: start roscore")
+            told = True
+        await asyncio.sleep(LOOK)
+
+
+class MasterWatch:
+    """Registers this node again after the master was away; rospy does so only at its start.
+
+    Args:
+        name: Of this node.
+        tell: Given a sentence when the master goes, and when it is back; by a thread.
+
+    Attributes:
+        on_registered: Called when this node is registered with a new master; by a thread.
+    """
+
+    def __init__(self, name: str, tell: Callable[[str], None]) -> None:
+        from rosgraph import Master  # noqa: PLC0415
+        from rospy import get_node_uri, get_param  # noqa: PLC0415
+
+        self._name, self._uri = name, str(get_node_uri())
+        self._master = Master(name)
+        self._parameters = get_param(name, {})
+        self._tell = tell
+        self.on_registered: Callable[[], None] = lambda: None
+        self._away = False
+        self._looks = 0
+        self._odd: dict[str, str] = {}
+        self._unfinished = False
+        self._leaving = threading.Event()
+
+    def start(self) -> None:
+        """Begin to look, in a thread that ends with the program."""
+        threading.Thread(target=self._run, name="master watch", daemon=True).start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._leaving.set()
+
+    def _run(self) -> None:
+        while not self._leaving.wait(LOOK):
+            self.look()
+
+    def look(self) -> None:
+        """Find out whether the master is there and knows this node; see to it that it does."""
+        from rosgraph import MasterException  # noqa: PLC0415
+        from rospy import ROSException  # noqa: PLC0415
+
+        try:
+            known = self._knows_us() and not self._unfinished
+            if not known:
+                self._unfinished = True  # half of it would make us known too
+                self._register()
+                self.on_registered()
+                self._unfinished = False
+            self._looks += 1
+            if self._looks % TYPES_EVERY == 0:
+                self._look_at_types()
+        except (OSError, MasterException, ROSException):
+            if not self._away:
+                self._away = True
+                self._tell(
+                    "ROS MASTER LOST: who is connected stays connected, and the robot still stops"
+                    " without commands; registers again when it is back"
+                )
+            return
+        if self._away or not known:
+            self._away = False
+            self._tell("the ROS master is back; registered with it")
+
+    def _look_at_types(self) -> None:
+        """Tell of topics that somebody publishes as another type: ROS just drops those messages."""
+        from rospy.impl.registration import get_topic_manager  # noqa: PLC0415
+
+        types, odd = dict(self._master.getTopicTypes()), {}
+        for topic, ours in get_topic_manager().get_subscriptions():
+            theirs = types.get(topic, ours)
+            if theirs != ours:
+                odd[topic] = theirs
+                if self._odd.get(topic) != theirs:
+                    self._tell(
+                        f"{topic} is published as {theirs}: that is IGNORED, it must be {ours};"
+                        f" `rostopic info {topic}` says by whom"
+                    )
+        self._odd = odd
+
+    def _knows_us(self) -> bool:
+        from rosgraph import MasterException  # noqa: PLC0415
+
+        try:
+            self._master.lookupNode(self._name)
+        except MasterException:
+            return False
+        return True
+
+    def _register(self) -> None:
+        from rospy.impl.registration import (  # noqa: PLC0415
+            get_service_manager,
+            get_topic_manager,
+        )
+
+        topics: Any = get_topic_manager()
+        self._master.setParam(self._name, self._parameters)
+        for service, at in get_service_manager().get_services():
+            self._master.registerService(service, at, self._uri)
+        for topic, kind in topics.get_publications():
+            self._master.registerPublisher(topic, kind, self._uri)
+        us = ServerProxy(self._uri)
+        for topic, kind in topics.get_subscriptions():
+            publishers = self._master.registerSubscriber(topic, kind, self._uri)
+            us.publisherUpdate("/master", topic, publishers)  # as the master does for later ones

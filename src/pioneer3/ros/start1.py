@@ -1,0 +1,160 @@
+"""Starts the ROS 1 node: ROS, parameters, robot, in this order, and ends it in the other."""
+
+import asyncio
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import isinf
+from typing import Final
+from urllib.parse import urlsplit
+
+from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.lab import NODE, lab_node
+from pioneer3.ros.master1 import MasterWatch, wait_for_master
+from pioneer3.ros.parameters import MODEL, SIMULATED, Parameters, doubts, read_parameters
+from pioneer3.ros.ros1 import Ros1Node
+from pioneer3.ros.rospy_path import find_rospy
+from pioneer3.ros.settings import NAMES
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.identity import is_simulator, kind
+from pioneer3.runtime.ports import list_ports
+from pioneer3.runtime.probe import SIMULATOR_URL, choose, probe, probe_port
+
+LAB_NAME: Final = "_lab_name:="
+LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """What the command line says; it comes before the ROS parameters of the same name.
+
+    Attributes:
+        port: URL of the robot.
+        baud: Serial speed to try first.
+        arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
+    """
+
+    port: str | None = None
+    baud: int | None = None
+    arguments: Sequence[str] = ()
+
+
+async def serve(options: Options, tell: Callable[[str], None]) -> int:
+    """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
+
+    Raises:
+        PioneerError: something could not be started; the message says what to do.
+    """
+    odd = [argument for argument in options.arguments if ":=" not in argument]
+    if odd:
+        raise ConfigError(
+            f"{odd[0]!r} is none of ROS's arguments, such as _port:=/dev/ttyS0, and no command:"
+            " pioneer3 ros1 --help lists those"
+        )
+    find_rospy()
+    import rosgraph  # noqa: PLC0415
+    import rospy  # noqa: PLC0415
+
+    master = rosgraph.get_master_uri()
+    stay_on_this_computer(master)
+    await wait_for_master(master, tell)
+    arguments = ["pioneer3", *options.arguments]
+    await asyncio.to_thread(
+        rospy.init_node, node_name(options.arguments), argv=arguments, disable_signals=True
+    )
+    watch = MasterWatch(rospy.get_name(), rospy.logwarn)
+    try:
+        given = rospy.get_param("~", {})
+        parameters = _parameters(given)
+        watch.start()
+        port = options.port or parameters.port or await simulator_or_robot(tell)
+        baud = options.baud or parameters.baud
+        async with connect_async(
+            port,
+            baud=baud,
+            max_speed=parameters.max_speed,
+            max_turn_rate=parameters.max_turn_rate,
+            auto_enable=parameters.auto_enable,
+        ) as robot:
+            tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
+            await asyncio.to_thread(_introduce, robot.info)
+            node = Ros1Node(robot, parameters, given)
+            watch.on_registered = node.describe_robot
+            await node.run(lambda: tell(f"node {rospy.get_name()} on {master}"))
+    finally:
+        watch.stop()
+        await asyncio.to_thread(_forget, options.arguments)
+        rospy.signal_shutdown("the program ends")
+    return 0
+
+
+def node_name(arguments: Sequence[str]) -> str:
+    """Return RosAria's name, or the one that the lab's programs expect of `_lab_name:=`.
+
+    Raises:
+        ConfigError: the lab's name is none.
+    """
+    given = [each.removeprefix(LAB_NAME) for each in arguments if each.startswith(LAB_NAME)]
+    return lab_node(given[-1]) if given else NODE
+
+
+def stay_on_this_computer(master: str) -> None:
+    """Listen on loopback only, unless the environment says otherwise or the master is elsewhere."""
+    chosen = os.environ.keys() & {"ROS_IP", "ROS_HOSTNAME"}
+    if not chosen and urlsplit(master).hostname in LOOPBACK:
+        os.environ["ROS_IP"] = "127.0.0.1"
+
+
+async def simulator_or_robot(tell: Callable[[str], None]) -> str:
+    """Return the URL of the usual simulator, or of the robot at a serial port.
+
+    Raises:
+        NoRobotError: there is neither.
+    """
+    simulated = await probe(SIMULATOR_URL)
+    found = choose([simulated])
+    if found is None:
+        tell(f"no simulator at {SIMULATOR_URL} ({simulated.detail}); asks the serial ports")
+        found = choose([await probe_port(port) for port in list_ports()])
+    if found is None:
+        raise NoRobotError(
+            f"neither a simulator at {SIMULATOR_URL} nor a robot at a serial port: start `pioneer3"
+            " sim`, or say where the robot is with --port or _port:=; `pioneer3 find-port` tells"
+            " more"
+        )
+    return found.url
+
+
+def _introduce(info: RobotInfo) -> None:
+    """Let programs know what the robot is."""
+    import rospy  # noqa: PLC0415
+
+    rospy.set_param(f"~{MODEL}", info.model.name)
+    rospy.set_param(f"~{SIMULATED}", is_simulator(info))
+
+
+def _forget(arguments: Sequence[str]) -> None:
+    """Take off the parameter server what was said for this run only: it would hold for the next."""
+    import rospy  # noqa: PLC0415
+
+    private = [each[1:] for each in arguments if each.startswith("_") and each[1:2] != "_"]
+    for name in (*(each.partition(":=")[0] for each in private), MODEL, SIMULATED):
+        with suppress(OSError, KeyError, rospy.ROSException):
+            rospy.delete_param(f"~{name}")
+
+
+def _parameters(given: Mapping[str, object]) -> Parameters:
+    """Return what is written below the node's name, and say what of it means nothing."""
+    import rospy  # noqa: PLC0415
+
+    parameters = read_parameters(given)
+    for sentence in doubts(given, parameters.profile, NAMES):
+        rospy.logwarn(sentence)
+    if isinf(parameters.timeout):
+        rospy.logwarn(
+            "~cmd_vel_timeout is 0, which is UNSAFE: the robot goes on as the last message said,"
+            " also when its publisher has gone"
+        )
+    return parameters

@@ -1,0 +1,191 @@
+"""The tree of frames on a robot: the one source of URDF, static and moving transforms."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, pi, sin
+from typing import Final, NamedTuple
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.models import RobotModel, shape_of
+from pioneer3.ros.frames import Frames
+
+TINY: Final = 1e-9
+HERE: Final = (0.0, 0.0, 0.0)
+ARC: Final = 0.75 * pi
+"""That all segments of one bumper take together, seen from the robot's centre (arcos.md 4.7)."""
+BUMPER_HEIGHT: Final = 0.09
+"""Of the middle of a bumper above the floor [m]."""
+SCAN_HEIGHT: Final = 0.116
+"""Of a laser's plane above what it stands on: that of a SICK LMS 200 [m]."""
+
+
+class Quaternion(NamedTuple):
+    """A rotation."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Joint:
+    """Where a link sits on another one.
+
+    Attributes:
+        name: Of the joint.
+        parent: Link that it sits on.
+        child: Link that sits there.
+        x: Of the child in the parent's frame [m]; so are y and z.
+        y: To the left.
+        z: Up.
+        yaw: Of the child in the parent's frame, counter-clockwise seen from above [rad].
+        turns: Whether it turns about its y axis without end, as wheels do.
+    """
+
+    name: str
+    parent: str
+    child: str
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    yaw: float = 0.0
+    turns: bool = False
+
+    def rotation(self, turned: float = 0.0) -> Quaternion:
+        """Return the rotation of the child that has `turned` about its y axis [rad]."""
+        if self.turns:
+            return Quaternion(0.0, sin(turned / 2), 0.0, cos(turned / 2))
+        return Quaternion(0.0, 0.0, sin(self.yaw / 2), cos(self.yaw / 2))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tree:
+    """The frames of one robot below its base.
+
+    Attributes:
+        base: Name of the root.
+        fixed: Joints that never move.
+        wheels: Joints that turn: left before right, front before rear.
+    """
+
+    base: str
+    fixed: tuple[Joint, ...]
+    wheels: tuple[Joint, ...]
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """All of them."""
+        return (*self.fixed, *self.wheels)
+
+
+def tree_of(
+    model: RobotModel,
+    frames: Frames,
+    wheel_names: tuple[str, ...] = (),
+    sonar_height: float | None = None,
+) -> Tree:
+    """Return the tree of a robot of this kind.
+
+    Args:
+        model: Has the places of sensors.
+        frames: Names, without a prefix.
+        wheel_names: Of the joints, in place of those of :func:`wheel_joint_names`.
+        sonar_height: Above the floor [m], in place of the usual one.
+
+    Raises:
+        ConfigError: two frames have one name, or there are too many or too few names of wheels.
+    """
+    fixed = tuple(_fixed(model, frames, sonar_height))
+    tree = Tree(base=frames.base, fixed=fixed, wheels=tuple(_wheels(model, frames, wheel_names)))
+    names = sorted([frames.base, frames.odom, *(joint.child for joint in tree.joints)])
+    twice = [one for one, other in pairwise(names) if one == other]
+    if twice:
+        raise ConfigError(f"two frames are both called {twice[0]!r}: give one of them another name")
+    return tree
+
+
+def wheel_joint_names(model: RobotModel) -> tuple[str, ...]:
+    """Return the names of the wheels' joints: left before right, front before rear."""
+    return tuple(f"{wheel}_joint" for wheel in _wheel_links(model))
+
+
+def bumper_segments(model: RobotModel, count: int, *, rear: bool = False) -> tuple[Pose2, ...]:
+    """Return the middle of each segment of a bumper on the robot's outline [m], looking outwards.
+
+    In the robot's frame, in the order of :class:`pioneer3.state.Bumpers`.
+    """
+    middles = (number + 0.5 for number in range(count))
+    return tuple(_on_outline(model, share / count, rear=rear) for share in middles)
+
+
+def bumper_corners(model: RobotModel, count: int, *, rear: bool = False) -> tuple[Pose2, ...]:
+    """Return where each segment begins on the robot's outline [m], and where the last one ends."""
+    return tuple(
+        _on_outline(model, number / count, rear=rear) for number in range(count + 1 if count else 0)
+    )
+
+
+def _on_outline(model: RobotModel, share: float, *, rear: bool) -> Pose2:
+    """Return the point at this share of a bumper's arc, from its first end to its last one."""
+    bearing = ARC * (0.5 - share) + (pi if rear else 0.0)
+    c, s = cos(bearing), sin(bearing)
+    ahead = model.length_front if c > 0 else model.length_rear
+    reach = min(ahead / max(abs(c), TINY), model.width / 2 / max(abs(s), TINY))
+    return Pose2(reach * c, reach * s, wrap(bearing))
+
+
+def height_of_sonars(model: RobotModel) -> float:
+    """Return how high the transducers sit above the floor [m]."""
+    return shape_of(model).sonar_height
+
+
+def _fixed(model: RobotModel, frames: Frames, sonar_height: float | None) -> Iterator[Joint]:
+    shape = shape_of(model)
+    for name in (frames.footprint, frames.bumper_link, frames.sonar):
+        if name != frames.base:
+            yield _joint(frames.base, name)
+    yield _joint(frames.base, frames.imu, (0.0, 0.0, (shape.clearance + shape.height) / 2))
+    yield _joint(frames.base, "top_plate", (0.0, 0.0, shape.height))
+    high = shape.sonar_height if sonar_height is None else sonar_height
+    for number, mount in enumerate(model.sonars):
+        name = frames.transducer(number)
+        yield _joint(frames.base, name, (mount.x, mount.y, high), mount.theta)
+    if model.laser is not None:
+        at = model.laser
+        yield _joint("top_plate", frames.laser, (at.x, at.y, SCAN_HEIGHT), at.theta)
+    if shape.caster is not None:
+        yield _joint(frames.base, "caster", (shape.caster, 0.0, shape.caster_radius))
+
+
+def _wheels(model: RobotModel, frames: Frames, names: tuple[str, ...]) -> Iterator[Joint]:
+    shape, links = shape_of(model), _wheel_links(model)
+    names = names or wheel_joint_names(model)
+    if len(names) != len(links):
+        raise ConfigError(f"a {model.title} has {len(links)} wheels, not {len(names)}")
+    for number, (name, link) in enumerate(zip(names, links, strict=True)):
+        side = -1 if number % 2 else 1
+        yield Joint(
+            name=name,
+            parent=frames.base,
+            child=link,
+            x=shape.axles[number // 2],
+            y=side * shape.track / 2,
+            z=shape.wheel_radius,
+            turns=True,
+        )
+
+
+def _wheel_links(model: RobotModel) -> list[str]:
+    """Return the links of the wheels: left before right, front before rear."""
+    places = ("",) if len(shape_of(model).axles) == 1 else ("front_", "rear_")
+    return [f"{place}{side}_wheel" for place in places for side in ("left", "right")]
+
+
+def _joint(
+    parent: str, child: str, at: tuple[float, float, float] = HERE, yaw: float = 0.0
+) -> Joint:
+    x, y, z = at
+    return Joint(name=f"{child}_joint", parent=parent, child=child, x=x, y=y, z=z, yaw=yaw)

@@ -1,0 +1,83 @@
+"""A robot as a URDF: links, joints and what they look like, all from its model. Needs no ROS."""
+
+from xml.etree import ElementTree as ET
+
+from pioneer3.models import RobotModel
+from pioneer3.ros.body import COLORS, Solid, solids_of
+from pioneer3.ros.frames import Frames
+from pioneer3.ros.tree import Joint, Tree
+
+MAKER = "Drawn by pioneer3 from the robot's model."
+"""In every description of ours, and in no other."""
+
+
+def describe(
+    model: RobotModel,
+    tree: Tree,
+    frames: Frames,
+    *,
+    bumpers: tuple[int, int] | None = None,
+    laser: bool = True,
+) -> str:
+    """Return the URDF of a robot.
+
+    Args:
+        model: Of the robot.
+        tree: Of its frames: every link is one.
+        frames: Their names, without the prefix: rviz has a setting for that.
+        bumpers: Numbers of segments in front and behind; `None` for the model's.
+        laser: Whether it carries the laser range finder of its model.
+    """
+    robot = ET.Element("robot", name=model.name)
+    robot.append(ET.Comment(f" {MAKER} "))
+    for name, rgb in COLORS.items():
+        material = ET.SubElement(robot, "material", name=name)
+        ET.SubElement(material, "color", rgba=_row(*rgb, 1.0))
+    if bumpers is None:
+        bumpers = model.front_bumpers, model.rear_bumpers
+    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
+    for link in (tree.base, *(joint.child for joint in tree.joints)):
+        _link(robot, link, solids.get(link, ()))
+    for joint in tree.joints:
+        _joint(robot, joint)
+    ET.indent(robot)
+    return '<?xml version="1.0"?>\n' + ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _link(robot: ET.Element, name: str, solids: tuple[Solid, ...]) -> None:
+    link = ET.SubElement(robot, "link", name=name)
+    for solid in solids:
+        visual = _solid(link, "visual", solid)
+        ET.SubElement(visual, "material", name=solid.color)
+    for solid in solids:
+        if solid.hits:
+            _solid(link, "collision", solid)
+
+
+def _solid(link: ET.Element, kind: str, solid: Solid) -> ET.Element:
+    part = ET.SubElement(link, kind)
+    ET.SubElement(part, "origin", xyz=_row(*solid.at), rpy=_row(*solid.turned))
+    geometry = ET.SubElement(part, "geometry")
+    x, _, z = solid.size
+    if solid.is_round:
+        ET.SubElement(geometry, "cylinder", radius=_row(x / 2), length=_row(z))
+    else:
+        ET.SubElement(geometry, "box", size=_row(*solid.size))
+    return part
+
+
+def _joint(robot: ET.Element, joint: Joint) -> None:
+    kind = "continuous" if joint.turns else "fixed"
+    element = ET.SubElement(robot, "joint", name=joint.name, type=kind)
+    ET.SubElement(element, "parent", link=joint.parent)
+    ET.SubElement(element, "child", link=joint.child)
+    ET.SubElement(
+        element, "origin", xyz=_row(joint.x, joint.y, joint.z), rpy=_row(0.0, 0.0, joint.yaw)
+    )
+    if joint.turns:
+        ET.SubElement(element, "axis", xyz="0 1 0")
+
+
+def _row(*numbers: float) -> str:
+    """Micrometres and microradians are enough, and make the text stable."""
+    return " ".join(f"{round(number, 6) + 0.0:.6g}" for number in numbers)

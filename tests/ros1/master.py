@@ -1,0 +1,177 @@
+"""ROS itself: a master of our own on loopback, and its command-line tools as processes."""
+
+import asyncio
+import json
+import os
+import signal
+import socket
+import subprocess
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tests.e2e.processes import PATIENCE, environment
+
+PYTHON = "/usr/bin/python3"
+"""The one that Debian's ROS is installed for."""
+HERE = Path(__file__).parent
+
+
+def free_port() -> int:
+    """Return a TCP port that nobody uses."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+def environment_of(port: int, home: Path) -> dict[str, str]:
+    """Return what makes programs talk to the master on `port`, on loopback only."""
+    return {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_HOME": str(home),
+        "ROS_LOG_DIR": str(home / "log"),
+        "PYTHONUNBUFFERED": "1",
+    }
+
+
+@contextmanager
+def roscore(port: int, home: Path) -> Iterator[None]:
+    """Run a master while the block lasts."""
+    process = subprocess.Popen(
+        ["roscore", "-p", str(port)],
+        env={**environment(), **environment_of(port, home)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    try:
+        for line in process.stdout:
+            if "started core service [/rosout]" in line:
+                break
+        else:
+            raise AssertionError("roscore ended")
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(PATIENCE)
+        finally:
+            if process.returncode is None:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+            process.stdout.close()
+
+
+async def ros(*command: str, patience: float = PATIENCE) -> str:
+    """Run one of ROS's commands to its end; return what it says."""
+    code, said = await ended(*command, patience=patience)
+    assert code == 0, said
+    return said
+
+
+async def ended(*command: str, patience: float = PATIENCE) -> tuple[int, str]:
+    """Run a command to its end, or for `patience` [s]; return its exit code and what it says."""
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=environment(),
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    said = bytearray()
+    try:
+        async with asyncio.timeout(patience):
+            while data := await process.stdout.read(4096):
+                said += data
+            await process.wait()
+    except TimeoutError:
+        process.send_signal(signal.SIGINT)
+        said += await process.stdout.read()
+        await process.wait()
+    assert process.returncode is not None
+    return process.returncode, said.decode()
+
+
+@asynccontextmanager
+async def until_said(words: str, *command: str) -> AsyncIterator[None]:
+    """Run one of ROS's commands; the block begins when it says `words`, and ends it."""
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=environment(),
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    said = ""
+    try:
+        async with asyncio.timeout(PATIENCE):
+            while words not in said:
+                line = (await process.stdout.readline()).decode()
+                assert line, said
+                said += line
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        async with asyncio.timeout(PATIENCE):
+            await process.communicate()
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A running program that reads keys."""
+
+    process: asyncio.subprocess.Process
+
+    async def press(self, keys: str) -> None:
+        """Let it read `keys`."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(keys.encode())
+        await self.process.stdin.drain()
+
+    async def line(self) -> str:
+        """Return the next line of its output."""
+        assert self.process.stdout is not None
+        async with asyncio.timeout(PATIENCE):
+            return (await self.process.stdout.readline()).decode().rstrip("\n")
+
+
+@asynccontextmanager
+async def program(name: str, *arguments: str) -> AsyncIterator[Program]:
+    """Run one of the programs beside this one in ROS's own Python while the block lasts."""
+    process = await asyncio.create_subprocess_exec(
+        PYTHON,
+        str(HERE / name),
+        *arguments,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment(),
+        start_new_session=True,
+    )
+    try:
+        yield Program(process)
+    finally:
+        if process.returncode is None:
+            process.send_signal(signal.SIGINT)
+        async with asyncio.timeout(PATIENCE):
+            await process.communicate(b"")  # which ends its input
+
+
+async def script(name: str, *arguments: str) -> Any:
+    """Run one of the programs beside this one in ROS's own Python; return what it found."""
+    return json.loads(await ros(PYTHON, str(HERE / name), *arguments))
+
+
+def has_ros() -> bool:
+    """Whether ROS 1 is installed on this computer."""
+    tools = Path("/usr/bin/roscore").exists() and Path(PYTHON).exists()
+    return tools and Path("/usr/lib/python3/dist-packages/rospy").is_dir()

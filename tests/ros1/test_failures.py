@@ -1,0 +1,73 @@
+"""What goes wrong in a lab, and what the node makes of it."""
+
+import asyncio
+import signal
+
+import pytest
+
+from pioneer3.arcos import commands
+from pioneer3.geometry import STILL, Twist2
+from tests.e2e.processes import running, until
+from tests.ros1.conftest import Lab, laboratory
+from tests.ros1.master import ended, program, script
+
+pytestmark = pytest.mark.realtime
+
+FROZEN = 3.0
+"""Longer than a driver waits for a report [s]."""
+
+
+async def test_who_publishes_another_type_is_told_of_and_does_no_harm(lab: Lab) -> None:
+    wrong = ("rostopic", "pub", "-r", "10", "/RosAria/cmd_vel", "std_msgs/Float64", "1.0")
+    publishing = asyncio.create_task(ended(*wrong, patience=8.0))
+    await lab.warns("/RosAria/cmd_vel is published as std_msgs/Float64: that is IGNORED")
+    await publishing
+    assert lab.tap.now == STILL
+    poses = await script("press.py", "0.2", "1.0")
+    assert max(speed for _, speed, *_ in poses) > 0.05
+
+
+async def test_on_ctrl_c_the_robot_is_stopped_and_told_goodbye(ros1: None) -> None:
+    async with laboratory("_cmd_vel_timeout:=0") as lab:
+        await script("press.py", "0.3", "0.5")
+        assert lab.tap.now == Twist2(0.3)
+        code, _ = await lab.node.end(signal.SIGINT)
+        assert code == 130
+        assert lab.tap.now == STILL
+        assert isinstance(lab.tap.heard[-1][1], commands.Close)
+
+
+async def test_after_a_kill_the_robot_stands_and_a_new_node_takes_over(ros1: None) -> None:
+    async with laboratory("_cmd_vel_timeout:=0") as lab:
+        await script("press.py", "0.3", "0.5")
+        await lab.node.end(signal.SIGKILL)
+        assert lab.tap.now == Twist2(0.3)  # the last that the robot heard; its watchdog stops it
+        async with running("ros1", "--port", lab.tap.url) as node:
+            await node.line()
+            await node.line()
+            poses = await script("press.py", "0.2", "1.0")
+            assert poses[0][1] == pytest.approx(0.0, abs=0.05)
+            assert max(speed for _, speed, *_ in poses) > 0.05
+            await node.end(signal.SIGINT)
+
+
+async def test_a_subscriber_that_hangs_holds_up_nobody(lab: Lab) -> None:
+    async with program("listen.py", "4", "/RosAria/pose", "/RosAria/sonar", "/nobody") as hanging:
+        await until(lambda: hanging.process.returncode is None)
+        await asyncio.sleep(1.0)
+        hanging.process.send_signal(signal.SIGSTOP)
+        poses = await script("press.py", "0.2", "2.0")
+        hanging.process.send_signal(signal.SIGCONT)
+    assert len(poses) > 15
+    assert max(speed for _, speed, *_ in poses) > 0.05
+
+
+async def test_of_a_robot_that_has_frozen_nothing_is_published(lab: Lab) -> None:
+    lab.simulator.process.send_signal(signal.SIGSTOP)
+    await asyncio.sleep(0.5)  # what was on its way
+    frozen = await script("press.py", "0.0", str(FROZEN))
+    assert frozen == []
+    lab.simulator.process.send_signal(signal.SIGCONT)
+    poses = await script("press.py", "0.0", "1.0")
+    assert poses
+    assert all(0 <= came - stamp < 1 for *_, stamp, came in poses)

@@ -1,0 +1,65 @@
+"""The package that rosrun and roslaunch find."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.processes import p3
+from tests.ros1.conftest import laboratory, simulated
+from tests.ros1.master import ros, until_said
+
+pytestmark = pytest.mark.realtime
+FIXED = "Visualization Manager/Global Options/Fixed Frame"
+
+
+@pytest.fixture
+def package(ros1: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the installed package, which ROS finds."""
+    done = p3("ros1", "--install-package", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert f"export ROS_PACKAGE_PATH={tmp_path}:" in done.stdout
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:/usr/share")
+    return tmp_path / "pioneer3"
+
+
+async def test_rosrun_starts_the_node_on_rosarias_kind_of_port(package: Path) -> None:
+    async with simulated() as (_, url):
+        port = f"_port:={url.removeprefix('tcp://')}"
+        async with until_said("node /RosAria on", "rosrun", "pioneer3", "RosAria", port):
+            assert "---" in await ros("rostopic", "echo", "-n", "1", "/RosAria/pose")
+
+
+async def test_roslaunch_starts_the_node_by_any_name(package: Path) -> None:
+    async with simulated() as (_, url):
+        launch = ("roslaunch", "pioneer3", "pioneer3.launch", f"port:={url}", "name:=front")
+        async with until_said("node /front on", *launch):
+            assert "---" in await ros("rostopic", "echo", "-n", "1", "/front/pose")
+
+
+async def test_bumper_states_can_be_echoed_and_shown(package: Path) -> None:
+    async with simulated() as (_, url):
+        command = ("rosrun", "pioneer3", "RosAria", f"_port:={url}")
+        async with until_said("node /RosAria on", *command):
+            said = await ros("rostopic", "echo", "-n", "1", "/RosAria/bumper_state")
+    assert "front_bumpers: [False, False, False, False, False]" in said
+    assert "bool[] rear_bumpers" in await ros("rosmsg", "show", "rosaria/BumperState")
+
+
+async def test_a_recording_can_be_shown_without_a_node(package: Path) -> None:
+    launch = ("roslaunch", "--dump-params", "pioneer3", "rviz.launch")
+    assert "p3dx" in await ros(*launch, "model:=p3dx")
+    assert "robot_description" not in await ros(*launch)
+    shown = package / "rviz" / "pioneer3.rviz"
+    await ros("rosparam", "load", str(shown), "/shown")  # it is YAML
+    try:
+        assert (await ros("rosparam", "get", f"/shown/{FIXED}")).strip() == "odom"
+    finally:
+        await ros("rosparam", "delete", "/shown")
+
+
+async def test_rosrun_starts_the_demos(package: Path) -> None:
+    async with laboratory():
+        done = await ros("rosrun", "pioneer3", "p3_sonar", "--robot", "RosAria", "--seconds", "1")
+        assert done.splitlines()[0].split() == list("01234567")
+        done = await ros("rosrun", "pioneer3", "robots", "__name:=mine")
+        assert done.startswith("RosAria ")

@@ -1,0 +1,98 @@
+"""Nodes with other names than the usual ones, nodes that lose their robot, and descriptions."""
+
+import asyncio
+import signal
+from math import atan2, cos
+from pathlib import Path
+
+import pytest
+
+from pioneer3.models import load_model, shape_of
+from tests.ros1.master import ended, ros, script
+from tests.ros1.office import office
+
+pytestmark = pytest.mark.realtime
+
+P3AT = load_model("p3at-sh")
+LAST_WORDS = ("/motors_state", "/emergency_stop", "/diagnostics")
+"""What says that the robot is lost."""
+SENSORS = (
+    "/odom",
+    "/tf",
+    "/joint_states",
+    "/scan",
+    "/imu/data_raw",
+    "/battery_state",
+    "/bumper_state",
+    "/sonar/points",
+    "/sonar/range_0",
+)
+DRIVE = ("rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist")
+
+
+async def test_the_tree_leads_from_odometry_to_every_sensor(ros1: None) -> None:
+    sonars = [f"sonar_{number}" for number in range(16)]
+    others = ("base_footprint", "bumpers", "laser", "imu_link", "rear_left_wheel")
+    async with office("_profile:=standard", "_frame_prefix:=r1/"):
+        frames = [f"r1/{name}" for name in (*sonars, *others)]
+        tree = await script("look_up.py", "2.0", "r1/odom", *frames)
+    assert tree["roots"] == ["r1/odom"]
+    assert all(len(above) == 1 for above in tree["parents"].values())
+    for number, mount in enumerate(P3AT.sonars):
+        x, y, z, _, _, qz, qw = tree["at"][f"r1/sonar_{number}"]
+        assert (x, y, z) == pytest.approx((mount.x, mount.y, shape_of(P3AT).sonar_height))
+        assert cos(2 * atan2(qz, qw) - mount.theta) == pytest.approx(1.0)
+    assert tree["at"]["r1/base_footprint"] == pytest.approx([0, 0, 0, 0, 0, 0, 1])
+
+
+async def test_both_profiles_at_once_say_the_same_and_drive(ros1: None, tmp_path: Path) -> None:
+    bag = tmp_path / "both.bag"
+    async with office("_profile:=both"):
+        topics = ("/odom", "/RosAria/pose", "/sonar/range_3", "/joint_states", "/tf", "/tf_static")
+        recording = asyncio.create_task(
+            ended("rosbag", "record", "-O", str(bag), *topics, patience=7.0)
+        )
+        await asyncio.sleep(2.0)
+        await ended(*DRIVE, "{linear: {x: 0.2}}", patience=4.0)
+        await recording
+        info = await ros("rosbag", "info", str(bag))
+        for topic in topics:
+            assert topic in info
+        poses = await script("bag.py", str(bag), "/odom", "/RosAria/pose")
+    both = zip(poses["/odom"], poses["/RosAria/pose"], strict=False)
+    assert all(one == other for one, other in list(both)[:-1])
+    assert poses["/odom"][-1][1] > 0.1
+
+
+async def test_of_a_lost_robot_only_that_it_is_lost_is_told(ros1: None) -> None:
+    async with office("_profile:=standard", "_use_sonar:=false") as lab:
+        assert "success: True" in await ros("rosservice", "call", "/self_test")
+        assert await script("survey.py", "1.5", "/sonar/range_0", "/sonar/points") == {}
+        await lab.simulator.end(signal.SIGINT)
+        await asyncio.sleep(1.0)
+        heard = await script("survey.py", "3.0", *LAST_WORDS, *SENSORS)
+        assert set(heard) == set(LAST_WORDS)
+        assert "True" in await ros("rostopic", "echo", "-n", "1", "/emergency_stop")
+        said = await ros("rostopic", "echo", "-n", "1", "/diagnostics")
+        assert 'name: "RosAria: Link"' in said
+        assert "no robot is connected" in said
+        assert "level: 3" in said
+
+
+async def test_the_robot_is_described_until_the_node_ends(ros1: None, tmp_path: Path) -> None:
+    async with office() as lab:
+        described = tmp_path / "robot.urdf"
+        described.write_text(await script("parameter.py", "/robot_description"))
+        assert "Successfully Parsed XML" in await ros("check_urdf", str(described))
+        await lab.node.end(signal.SIGINT)
+        assert "/robot_description" not in await ros("rosparam", "list")
+
+
+async def test_somebody_elses_description_stays(ros1: None) -> None:
+    await ros("rosparam", "set", "/robot_description", "<robot name='mine'/>")
+    try:
+        async with office() as lab:
+            await lab.node.end(signal.SIGINT)
+        assert "mine" in await ros("rosparam", "get", "/robot_description")
+    finally:
+        await ros("rosparam", "delete", "/robot_description")

@@ -1,0 +1,68 @@
+"""Messages without ROS: whatever is asked for is there."""
+
+from types import SimpleNamespace
+from typing import Any
+
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.models import RobotModel, load_model
+from pioneer3.ros.conventions import Conventions
+from pioneer3.ros.convert import Reading
+from pioneer3.ros.tree import tree_of
+from pioneer3.state import Battery, Motors, Odometry, Snapshot
+
+
+class Blank(SimpleNamespace):
+    """A message of any type, empty; parts that are read before they are set are blank too."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.isupper() or name.startswith("_"):  # constants, which not every version has
+            raise AttributeError(name)
+        part = Blank()
+        setattr(self, name, part)
+        return part
+
+
+def seen(
+    robot_in_odom: Pose2 | None = None,
+    twist: Twist2 | None = None,
+    *,
+    left: float = 0.0,
+    right: float = 0.0,
+    **parts: Any,
+) -> Snapshot:
+    """Return a snapshot of a robot at this pose, with these speeds."""
+    parts = {"battery": Battery(voltage=12.4), "motors": Motors(), **parts}
+    return Snapshot(
+        stamp=5.0,
+        sequence=1,
+        odometry=Odometry(
+            robot_in_odom=robot_in_odom or Pose2(),
+            twist=twist or Twist2(),
+            left_speed=left,
+            right_speed=right,
+        ),
+        **parts,
+    )
+
+
+P3AT = load_model("p3at-sh")
+
+
+def reading(
+    snapshot: Snapshot,
+    conventions: Conventions | None = None,
+    model: RobotModel = P3AT,
+    **parts: Any,
+) -> Reading:
+    """Return `snapshot` of a P3-AT, ready to convert; its stamp is a word."""
+    told = conventions or Conventions()
+    return Reading(
+        snapshot=snapshot,
+        model=model,
+        tree=tree_of(model, told.frames, told.wheel_joints, told.sonar_height),
+        frames=told.frames.with_prefix(told.prefix),
+        conventions=told,
+        stamp="now",
+        make=lambda kind: Blank(kind=kind),
+        **parts,
+    )

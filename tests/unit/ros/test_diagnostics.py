@@ -1,0 +1,152 @@
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from pioneer3.arcos.reports import Config, Fault
+from pioneer3.limits import Limits
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.diagnostics import Condition, Health, Level, conditions, fill, hardware_id
+from pioneer3.state import Battery, Identity, LinkQuality, Motors, Sonar, Words
+from tests.unit.ros.support import P3AT, Blank, seen
+
+CONFIG = Config(
+    family="Pioneer",
+    model="p3at-sh",
+    serial_number="1234",
+    sip_cycle_ms=100,
+    shutdown_decivolts=110,
+)
+INFO = RobotInfo(
+    identity=Identity(name="bender", family="Pioneer", model="p3at-sh"),
+    model=P3AT,
+    limits=Limits(max_speed=0.7, max_turn_rate=1.5),
+    config=CONFIG,
+    url="/dev/ttyUSB0",
+    speed=38400,
+)
+FINE = LinkQuality(reports=600, rate=10.0)
+
+
+def told(health: Health) -> dict[str, Condition]:
+    """Return the conditions by part."""
+    return {each.part: each for each in conditions(health)}
+
+
+def of(**parts: Any) -> dict[str, Condition]:
+    """Return the conditions of a robot that is fine but for `parts` of its snapshot."""
+    return told(Health(info=INFO, snapshot=seen(**{"link": FINE, **parts})))
+
+
+def test_a_robot_that_is_fine_is_fine_in_every_part() -> None:
+    found = of(sonar=Sonar(ranges=(1.0,) * 16, enabled=True))
+    assert tuple(found) == ("Link", "Motors", "Battery", "Sonar", "Odometry", "Command")
+    assert {each.level for each in found.values()} == {Level.OK}
+    assert found["Sonar"].message == "16 of 16 transducers read"
+
+
+def test_values_have_the_same_keys_whatever_happens() -> None:
+    bad = of(
+        motors=Motors(stop_button=True, left_stalled=True),
+        battery=Battery(voltage=10.5, low=True),
+        words=Words(faults=0xFFFF),
+        link=LinkQuality(reports=100, rate=3.0, bad_checksums=50),
+    )
+    for part, condition in of().items():
+        assert [key for key, _ in condition.values] == [key for key, _ in bad[part].values]
+
+
+@pytest.mark.parametrize(
+    ("motors", "level", "words"),
+    [
+        (Motors(enabled=True), Level.OK, "on"),
+        (Motors(), Level.OK, "off"),
+        (Motors(enabled=True, left_stalled=True), Level.WARN, "left wheels are stalled"),
+        (Motors(stop_button=True), Level.ERROR, "stop button"),
+    ],
+)
+def test_motors_tell_what_keeps_them(motors: Motors, level: Level, words: str) -> None:
+    condition = of(motors=motors)["Motors"]
+    assert condition.level is level
+    assert words in condition.message
+
+
+def test_the_latch_is_an_error() -> None:
+    condition = told(Health(info=INFO, snapshot=seen(), emergency=True))["Motors"]
+    assert condition.level is Level.ERROR
+    assert ("emergency_stop", "yes") in condition.values
+
+
+@pytest.mark.parametrize(
+    ("battery", "level"),
+    [
+        (Battery(voltage=12.5), Level.OK),
+        (Battery(voltage=11.4, low=True), Level.WARN),
+        (Battery(voltage=11.0, low=True), Level.ERROR),
+        (Battery(voltage=0.0), Level.OK),
+    ],
+)
+def test_a_battery_runs_low_and_then_out(battery: Battery, level: Level) -> None:
+    assert of(battery=battery)["Battery"].level is level
+
+
+@pytest.mark.parametrize(
+    ("link", "level"),
+    [
+        (FINE, Level.OK),
+        (replace(FINE, rate=8.0), Level.WARN),
+        (replace(FINE, reports=2, rate=0.0), Level.OK),  # it has only begun
+        (replace(FINE, bad_checksums=60), Level.WARN),
+    ],
+)
+def test_a_slow_or_noisy_link_is_a_warning(link: LinkQuality, level: Level) -> None:
+    assert of(link=link)["Link"].level is level
+
+
+@pytest.mark.parametrize("fault", list(Fault))
+def test_every_fault_flag_is_told_of_by_one_part(fault: Fault) -> None:
+    found = of(words=Words(faults=int(fault)))
+    words = str(fault.name).lower().replace("_", " ")
+    guilty = [part for part, each in found.items() if words in each.message]
+    assert len(guilty) == 1
+    assert found[guilty[0]].level is not Level.OK
+
+
+def test_without_a_robot_everything_else_is_stale() -> None:
+    found = told(Health(info=INFO, snapshot=None, lost="cable pulled"))
+    assert found["Link"].level is Level.ERROR
+    assert "cable pulled" in found["Link"].message
+    assert {each.level for part, each in found.items() if part != "Link"} == {Level.STALE}
+
+
+def test_why_it_does_not_move_is_told() -> None:
+    why = "The motors are off; they are being switched on."
+    found = told(Health(info=INFO, snapshot=seen(), why_not_moving=why))["Command"]
+    assert (found.level, found.message) == (Level.OK, why)
+    blocked = Health(info=INFO, snapshot=seen(), why_not_moving=why, refused="the wheels stalled")
+    found = told(blocked)["Command"]
+    assert (found.level, found.message) == (Level.WARN, "the wheels stalled")
+    assert ("why_not_moving", why) in found.values
+
+
+def test_a_message_has_a_status_of_each_part_with_the_nodes_name() -> None:
+    message = Blank()
+    fill(
+        message,
+        conditions(Health(info=INFO, snapshot=seen())),
+        stamp="now",
+        node="/lab/RosAria",
+        hardware=hardware_id(INFO),
+        make=lambda kind: Blank(kind=kind),
+    )
+    assert message.header.stamp == "now"
+    first = message.status[0]
+    assert (first.kind, first.name) == ("diagnostic_msgs/DiagnosticStatus", "lab/RosAria: Link")
+    assert first.hardware_id == "bender 1234"
+    assert first.values[0].key == "url"
+    assert first.values[0].value == "/dev/ttyUSB0"
+    assert {type(status.level) for status in message.status} == {int}
+
+
+def test_a_robot_that_tells_no_serial_number_is_known_by_its_name() -> None:
+    assert hardware_id(replace(INFO, config=None)) == "bender"

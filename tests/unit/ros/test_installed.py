@@ -1,0 +1,109 @@
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from pioneer3.cli.ros1 import ros1_app
+from pioneer3.errors import ConfigError
+from pioneer3.ros import rospy_path
+from pioneer3.ros.package1 import install_package
+from pioneer3.ros.start1 import stay_on_this_computer
+from pioneer3.ros.topics import Profile, topics_of
+from tests.unit.ros.support import P3AT
+
+DEMOS = (
+    "robots",
+    "rob_key",
+    "rob_key_multi",
+    "p3_sonar",
+    "follow",
+    "wander",
+    "android_teleop",
+)
+
+
+@pytest.fixture
+def path(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the search path of an environment that has no rospy; a test may change it."""
+    monkeypatch.setattr(rospy_path, "find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    return list(sys.path)
+
+
+def test_without_ros_the_command_that_installs_it_is_told(path: list[str], tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"sudo apt-get install -y .*python3-rospy"):
+        rospy_path.find_rospy([tmp_path])
+    assert sys.path == path
+
+
+def test_ros_comes_last_in_the_search_path(path: list[str], tmp_path: Path) -> None:
+    (tmp_path / "rospy").mkdir()
+    rospy_path.find_rospy([tmp_path / "nowhere", tmp_path])
+    assert sys.path == [*path, str(tmp_path)]
+
+
+@pytest.mark.parametrize(
+    ("master", "given", "ip"),
+    [
+        ("http://localhost:11311", {}, "127.0.0.1"),
+        ("http://127.0.0.1:11311", {}, "127.0.0.1"),
+        ("http://lab-pc:11311", {}, None),
+        ("http://localhost:11311", {"ROS_IP": "192.168.0.7"}, "192.168.0.7"),
+        ("http://localhost:11311", {"ROS_HOSTNAME": "p3"}, None),
+    ],
+)
+def test_with_a_master_here_nobody_elsewhere_gets_in(
+    master: str, given: dict[str, str], ip: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("ROS_IP", "ROS_HOSTNAME"):
+        monkeypatch.setenv(name, "")
+        monkeypatch.delenv(name)
+    for name, value in given.items():
+        monkeypatch.setenv(name, value)
+    stay_on_this_computer(master)
+    assert os.environ.get("ROS_IP") == ip
+
+
+def test_the_package_starts_the_command_with_the_python_of_now(tmp_path: Path) -> None:
+    package = install_package(tmp_path / "ros", python="/bin/echo")
+    launcher = package / "scripts" / "RosAria"
+    said = subprocess.run([launcher, "_port:=a b"], capture_output=True, text=True, check=True)
+    assert said.stdout == "-m pioneer3 ros1 _port:=a b\n"
+    assert install_package(tmp_path / "ros") == package
+
+
+def test_the_package_has_a_program_for_each_demo(tmp_path: Path) -> None:
+    scripts = install_package(tmp_path, python="/bin/echo") / "scripts"
+    assert {path.name for path in scripts.iterdir()} == {"RosAria", *DEMOS}
+    for demo in DEMOS:
+        said = subprocess.run(
+            [scripts / demo, "-r", "x"], capture_output=True, text=True, check=True
+        )
+        assert said.stdout == f"-m pioneer3 ros1 {demo} -r x\n"
+    assert set(DEMOS) <= set(ros1_app)
+
+
+def test_a_package_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigError, match="cannot write the package"):
+        install_package(tmp_path / "file")
+
+
+def test_the_package_shows_every_model_it_describes(tmp_path: Path) -> None:
+    package = install_package(tmp_path)
+    drawn = {path.stem: ET.parse(path).getroot() for path in (package / "urdf").iterdir()}
+    assert {name: root.get("name") for name, root in drawn.items()} == {
+        name: name for name in ("p3at", "p3at-sh", "p3dx", "p3dx-sh")
+    }
+    shown = (package / "rviz" / "pioneer3.rviz").read_text()
+    told = {name for topic in topics_of(P3AT) for name in topic.names(Profile.BOTH)}
+    told |= {"scan", "RosAria/sonar"}
+    topics = re.findall(r"Topic: (.*)", shown)
+    assert len(topics) > 16
+    assert set(topics) <= told
+    for launch in (package / "launch").iterdir():
+        assert ET.parse(launch).getroot().tag == "launch"

@@ -1,0 +1,125 @@
+from math import inf, nan
+
+import pytest
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.conventions import NoEcho
+from pioneer3.ros.frames import Frames
+from pioneer3.ros.parameters import Parameters, doubts, read_parameters
+from pioneer3.ros.topics import Profile
+
+
+def test_without_any_it_is_as_rosaria() -> None:
+    assert read_parameters({}) == Parameters()
+    assert Parameters().timeout == 0.6
+    frames = Parameters().conventions.frames
+    assert frames == Frames(
+        odom="odom", base="base_link", bumpers="bumpers", sonar="sonar", laser="laser_frame"
+    )
+
+
+@pytest.mark.parametrize(
+    ("port", "url"),
+    [
+        ("/dev/ttyS0", "/dev/ttyS0"),
+        ("192.168.0.160:8101", "tcp://192.168.0.160:8101"),
+        ("localhost:8101", "tcp://localhost:8101"),
+        ("tcp://p3:8101", "tcp://p3:8101"),
+        ("", None),
+        ("auto", None),
+    ],
+)
+def test_ports_may_be_written_as_for_rosaria(port: str, url: str | None) -> None:
+    assert read_parameters({"port": port}).port == url
+
+
+@pytest.mark.parametrize("value", [0, 0.0, -1])
+def test_a_timeout_of_zero_is_none(value: float) -> None:
+    assert read_parameters({"cmd_vel_timeout": value}).timeout == inf
+
+
+def test_profiles_have_their_own_names_of_frames_and_timeouts() -> None:
+    given = {"odom_frame": "/a", "odom_frame_id": "b", "base_frame_id": "c"}
+    assert read_parameters(given).conventions.frames.odom == "a"
+    standard = read_parameters({**given, "profile": "standard"})
+    frames = standard.conventions.frames
+    assert (frames.odom, frames.base, frames.bumpers, standard.timeout) == ("b", "c", "c", 0.5)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"profile": "modern"},
+        {"port": 8101},
+        {"baud": -1},
+        {"baud": "fast"},
+        {"cmd_vel_timeout": nan},
+        {"cmd_vel_timeout": "long"},
+        {"odom_frame": "/"},
+        {"sonar_frame": 3},
+        {"port": ["a"]},
+        {"frame_prefix": 1},
+        {"publish_tf": "yes"},
+        {"publish_description": 1},
+        {"use_sonar": None},
+        {"sonar_no_echo": "nan"},
+        {"sonar_fov_rad": 4.0},
+        {"sonar_min_range_m": -0.1},
+        {"sonar_max_range_m": 5.5},
+        {"sonar_z_offset_m": "high"},
+        {"pose_covariance_diagonal": [1, 1, 1]},
+        {"twist_covariance_diagonal": [0, 1, 1, 1, 1, 1]},
+        {"wheel_joint_names": "left"},
+        {"max_linear_velocity": 0},
+        {"max_angular_velocity": nan},
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(given: dict[str, object]) -> None:
+    (name,) = given
+    with pytest.raises(ConfigError, match=name):
+        read_parameters(given)
+
+
+def test_what_changes_nothing_is_told_with_what_was_meant() -> None:
+    told = doubts(
+        ["cmd_vel_timout", "debug_aria", "port", "TicksMM"], Profile.COMPATIBILITY, ["TicksMM"]
+    )
+    assert told == [
+        "parameter ~cmd_vel_timout is unknown; did you mean ~cmd_vel_timeout?",
+        "parameter ~debug_aria of RosAria has no effect here",
+    ]
+
+
+def test_what_is_said_of_messages_is_taken_over() -> None:
+    given = {
+        "profile": "both",
+        "publish_tf": False,
+        "frame_prefix": "/r1/",
+        "sonar_no_echo": "inf",
+        "sonar_max_range_m": 3,
+        "pose_covariance_diagonal": [1, 2, 3, 4, 5, 6],
+        "wheel_joint_names": ["a", "b", "c", "d"],
+        "max_linear_velocity": 0.4,
+        "use_sonar": False,
+    }
+    read = read_parameters(given)
+    told = read.conventions
+    assert (told.prefix, told.odometry_in_tree, told.wheels_in_tree) == ("r1/", False, True)
+    assert (told.beam.no_echo, told.beam.farthest) == (NoEcho.INF, 3.0)
+    assert told.pose_variances == (1, 2, 3, 4, 5, 6)
+    assert told.wheel_joints == ("a", "b", "c", "d")
+    assert (read.max_speed, read.max_turn_rate, read.sonar) == (0.4, None, False)
+    assert read.timeout == 0.6
+    assert doubts(given, Profile.BOTH) == []
+
+
+def test_in_rosarias_place_wheels_do_not_turn_in_the_tree() -> None:
+    assert not read_parameters({}).conventions.wheels_in_tree
+    assert not read_parameters(
+        {"profile": "standard", "publish_description": False}
+    ).conventions.wheels_in_tree
+
+
+def test_the_nearest_range_is_less_than_the_farthest() -> None:
+    with pytest.raises(ConfigError, match="sonar_min_range_m"):
+        read_parameters({"sonar_min_range_m": 2.0, "sonar_max_range_m": 1.0})

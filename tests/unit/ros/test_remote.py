@@ -1,0 +1,194 @@
+"""A robot driven over topics, without ROS: a simulated one at the far end, its driver between."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.modes import wander
+from pioneer3.errors import MotionError
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.ros import clouds, convert
+from pioneer3.ros.gather import Gatherer
+from pioneer3.ros.remote import SILENT, STUCK, TopicRobot, TopicSupervisor
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.tasks import running
+from pioneer3.sim.maps import LineMap
+from pioneer3.state import Snapshot
+from pioneer3.teleop.drive import KeyboardDriver
+from pioneer3.teleop.keyboard import Key, Keyboard
+from tests.support import SimulatedRobot, until, wall_at
+from tests.unit.ros.support import Blank, reading
+
+NODE_TIMEOUT = 0.6
+
+
+class Bench:
+    """Both ends.
+
+    Attributes:
+        sim: The simulated robot.
+        near: As its driver has it.
+        far: As somebody has it who sees topics only.
+        sent: Every velocity that went over the topic.
+        talks: Whether its topics say anything.
+    """
+
+    def __init__(self, sim: SimulatedRobot, near: Robot) -> None:
+        self.sim, self.near = sim, near
+        self.sent: list[Twist2] = []
+        self.switched: list[bool] = []
+        self.talks = True
+        self._hold = Hold("cmd_vel")
+        near.helm.add(self._hold, PROGRAM)
+        self._gatherer = Gatherer(near.info.model, motors_on=False)
+        self.supervisor = TopicSupervisor(near.info, self._publish, self._switch)
+        self.far = TopicRobot(self.supervisor)
+
+    async def tell(self) -> None:
+        """Pass every reading on as messages."""
+        async for snapshot in self.near.snapshots():
+            if self.talks:
+                self.say(snapshot)
+
+    def say(self, snapshot: Snapshot) -> None:
+        """Pass a reading on."""
+        told, now = reading(snapshot), asyncio.get_running_loop().time()
+        pose, cloud, bumpers, motors = Blank(), Blank(), Blank(), Blank()
+        convert.odometry(pose, told)
+        clouds.sonar_cloud(cloud, told)
+        convert.bumpers(bumpers, told)
+        convert.motors(motors, told)
+        self._gatherer.pose(pose)
+        self._gatherer.sonar_cloud(cloud, now)
+        self._gatherer.bumpers(bumpers)
+        self._gatherer.motors(motors)
+        gathered = self._gatherer.snapshot(now)
+        assert gathered is not None
+        self.supervisor.take(gathered)
+
+    def _publish(self, twist: Twist2) -> None:
+        self.sent.append(twist)
+        self.near.helm.hold(self._hold, twist, NODE_TIMEOUT)
+
+    def _switch(self, on: bool) -> None:
+        self.switched.append(on)
+        self.near.helm.set_motors(on=on)
+
+
+@asynccontextmanager
+async def bench(line_map: LineMap | None = None) -> AsyncIterator[Bench]:
+    """Join both ends while the block lasts."""
+    async with SimulatedRobot(line_map) as sim, connect_async(sim.open) as near:
+        the = Bench(sim, near)
+        async with running(the.tell(), the.supervisor.run()):
+            await until(lambda: the.far.snapshot)
+            yield the
+        assert the.sent == [] or the.sent[-1].is_zero
+
+
+async def test_who_only_looks_sends_nothing() -> None:
+    async with bench() as the:
+        the.near.drive(0.2)
+        await asyncio.sleep(3)
+        assert the.sent == []
+
+
+async def test_a_mode_drives_at_the_rate_of_readings_and_stops_at_its_end() -> None:
+    async with bench() as the:
+        await the.far.run(wander(), 5.0)
+        assert the.sim.speed > 0.1
+        assert len(the.sent) >= 45
+        await asyncio.sleep(2)
+        assert the.sim.speed == 0.0
+
+
+async def test_a_mode_keeps_clear_of_walls() -> None:
+    async with bench(wall_at(2.0)) as the:
+        await the.far.run(wander(preset="aria"), 20.0)
+        assert the.sim.body.drive.powered
+        assert {twist.w for twist in the.sent} != {0.0}
+        assert not the.near.snapshot or not the.near.snapshot.motors.stalled
+
+
+async def test_when_the_topics_fall_silent_it_stands_and_the_mode_ends() -> None:
+    async with bench() as the:
+        running_mode = asyncio.ensure_future(the.far.run(wander()))
+        await until(lambda: the.sim.speed > 0.1)
+        the.talks = False
+        await asyncio.sleep(SILENT + 0.2)
+        assert the.sent[-1] == STILL
+        assert the.far.snapshot is None
+        await until(lambda: the.sim.speed == 0.0)
+        the.talks = True
+        with pytest.raises(MotionError, match="silent"):
+            await running_mode
+        await asyncio.sleep(2)
+        assert the.sim.speed == 0.0
+
+
+async def test_motors_that_somebody_switches_off_end_the_mode() -> None:
+    async with bench() as the:
+        running_mode = asyncio.ensure_future(the.far.run(wander()))
+        await until(lambda: the.sim.speed > 0.1)
+        await the.near.motors(on=False)
+        with pytest.raises(MotionError, match="motors off"):
+            await running_mode
+        assert the.sim.speed == 0.0
+        assert the.sent[-1] == STILL
+
+
+async def test_a_robot_that_stands_though_told_to_move_gets_itself_free() -> None:
+    async with bench() as the:
+        running_mode = asyncio.ensure_future(the.far.run(wander()))
+        await until(lambda: the.sim.speed > 0.1)
+        the.sim.body.drive.halt()
+        the.sim.stepped = the.sim.body.drive.halt  # the wheels are held
+        await asyncio.sleep(STUCK + 1.0)
+        assert "stalled" in "; ".join(the.far.helm.told)
+        the.sim.stepped = lambda: None
+        await until(lambda: the.sim.speed < -0.05)  # the first attempt is to back up
+        running_mode.cancel()
+        await asyncio.wait([running_mode])
+
+
+async def test_keys_drive_it_and_its_driver_keeps_the_rules() -> None:
+    async with bench() as the:
+        pressed: asyncio.Queue[Key] = asyncio.Queue()
+
+        async def keys() -> AsyncIterator[Key]:
+            while True:
+                yield await pressed.get()
+
+        lines: list[str] = []
+        keyboard = Keyboard.within(the.far.info.limits, 0.5, 0.5, latch=True)
+        driving = asyncio.ensure_future(KeyboardDriver(the.far, keyboard, lines.append).run(keys()))
+        pressed.put_nowait(Key.FORWARD)
+        await asyncio.sleep(4)
+        assert the.sim.speed == pytest.approx(0.5, abs=0.01)
+        assert "0.50 m/s" in lines[-1]
+        pressed.put_nowait(Key.STOP)
+        await asyncio.sleep(2)
+        assert the.sim.speed == 0.0
+        pressed.put_nowait(Key.EMERGENCY)
+        await asyncio.sleep(1)
+        assert the.switched == [False]
+        assert not the.sim.powered
+        pressed.put_nowait(Key.FORWARD)
+        await asyncio.sleep(1)
+        assert the.sim.speed == 0.0
+        assert "emergency" in lines[-1]
+        pressed.put_nowait(Key.QUIT)
+        await driving
+
+
+async def test_who_leaves_while_it_moves_stops_it() -> None:
+    async with bench() as the:
+        the.far.helm.add(held := Hold("test"), PROGRAM)
+        the.far.helm.hold(held, Twist2(0.3), 10.0)
+        await until(lambda: the.sim.speed > 0.1)
+    assert the.sent[-1] == STILL

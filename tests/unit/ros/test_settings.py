@@ -1,0 +1,64 @@
+from math import inf, nan
+
+import pytest
+
+from pioneer3.arcos import commands
+from pioneer3.errors import ConfigError
+from pioneer3.limits import Limits
+from pioneer3.ros.settings import PARAMETERS, changed, in_force, settled, to_send, written
+
+LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5, deceleration=1.5)
+
+
+def test_defaults_and_bounds_are_rosarias() -> None:
+    rows = {each.name: (each.default, each.low, each.high) for each in PARAMETERS}
+    assert rows == {
+        "trans_accel": (0.3, 0, 9.999),
+        "trans_decel": (0.3, 0, 9.999),
+        "lat_accel": (0, 0, 0.0001),
+        "lat_decel": (0, 0, 0.0001),
+        "rot_accel": (1.745, 0, 174.5),
+        "rot_decel": (1.745, 0, 174.5),
+        "TicksMM": (0, 0, 200),
+        "DriftFactor": (-99999, -99999, 32767),
+        "RevCount": (0, 0, 65535),
+    }
+
+
+def test_what_holds_before_anybody_sets_anything_sends_nothing() -> None:
+    holds = in_force(LIMITS)
+    assert (holds["trans_accel"], holds["trans_decel"]) == (0.3, 1.5)
+    assert settled(holds, LIMITS) == holds
+    assert changed(LIMITS, holds) == LIMITS
+    assert to_send(holds) == []
+
+
+def test_bounds_hold_and_zero_is_the_robots_own() -> None:
+    wanted = {"trans_accel": 50.0, "trans_decel": 0, "rot_accel": -1, "TicksMM": 138.4}
+    got = settled({**in_force(LIMITS), **wanted}, LIMITS)
+    assert got["trans_accel"] == 9.999
+    assert got["trans_decel"] == 1.5
+    assert got["rot_accel"] == LIMITS.turn_acceleration
+    assert got["TicksMM"] == 138
+    assert isinstance(got["TicksMM"], int)
+
+
+@pytest.mark.parametrize("bad", [nan, inf, "1", True, None])
+def test_what_is_no_number_is_refused(bad: object) -> None:
+    with pytest.raises(ConfigError, match="rot_accel"):
+        settled({"rot_accel": bad}, LIMITS)
+
+
+def test_wheels_are_told_of_what_somebody_set() -> None:
+    holds = {**in_force(LIMITS), "TicksMM": 138, "DriftFactor": 12, "RevCount": 16570}
+    assert to_send(holds) == [
+        commands.TicksMM(ticks_per_mm=138),
+        commands.DriftFactor(correction=12),
+        commands.RevCount(ticks=16570),
+    ]
+    assert to_send({**in_force(LIMITS), "DriftFactor": 0}) == [commands.DriftFactor(correction=0)]
+
+
+def test_either_name_is_understood_and_rosarias_comes_first() -> None:
+    given = {"max_linear_acceleration": 0.5, "ticks_mm": 138, "TicksMM": 139, "port": "x"}
+    assert written(given) == {"trans_accel": 0.5, "TicksMM": 139}

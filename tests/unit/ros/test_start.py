@@ -1,0 +1,53 @@
+import pytest
+
+from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.ros import start1
+from pioneer3.ros.start1 import Options, serve, simulator_or_robot
+from pioneer3.runtime.ports import SerialPort
+from pioneer3.runtime.probe import SIMULATOR_URL, Probed, Verdict
+
+SERIAL = SerialPort(path="/dev/ttyS9", device="/dev/ttyS9")
+
+
+def answering(monkeypatch: pytest.MonkeyPatch, **verdicts: Verdict) -> None:
+    """Let the simulator's port and the only serial port have these verdicts."""
+
+    async def probe(url: str) -> Probed:
+        return Probed(url, verdicts["tcp"], "says why")
+
+    async def probe_port(port: SerialPort) -> Probed:
+        return Probed(port.path, verdicts["serial"], "", port)
+
+    monkeypatch.setattr(start1, "probe", probe)
+    monkeypatch.setattr(start1, "probe_port", probe_port)
+    monkeypatch.setattr(start1, "list_ports", lambda: (SERIAL,))
+
+
+@pytest.mark.parametrize("kind", [Verdict.SIMULATOR, Verdict.ROBOT])
+async def test_without_a_port_the_usual_simulator_comes_first(
+    kind: Verdict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answering(monkeypatch, tcp=kind, serial=Verdict.ROBOT)
+    told: list[str] = []
+    assert await simulator_or_robot(told.append) == SIMULATOR_URL
+    assert told == []
+
+
+async def test_without_a_simulator_it_is_the_robot_at_a_serial_port(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    answering(monkeypatch, tcp=Verdict.NOBODY, serial=Verdict.ROBOT)
+    told: list[str] = []
+    assert await simulator_or_robot(told.append) == SERIAL.path
+    assert told == [f"no simulator at {SIMULATOR_URL} (says why); asks the serial ports"]
+
+
+async def test_with_neither_it_says_how_to_get_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    answering(monkeypatch, tcp=Verdict.NOBODY, serial=Verdict.SILENT)
+    with pytest.raises(NoRobotError, match="pioneer3 sim"):
+        await simulator_or_robot(lambda line: None)
+
+
+async def test_what_is_no_argument_of_ros_is_refused() -> None:
+    with pytest.raises(ConfigError, match="'/dev/ttyS0' is none of ROS's arguments"):
+        await serve(Options(arguments=("/dev/ttyS0",)), lambda line: None)
