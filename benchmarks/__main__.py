@@ -11,7 +11,9 @@ from benchmarks import (
     bench_kernels,
     bench_latency,
     bench_start,
+    bench_web,
     bench_world,
+    ros1,
 )
 
 BENCHMARKS = {
@@ -24,6 +26,8 @@ BENCHMARKS = {
     "firmware": bench_firmware,
     "fleet": bench_fleet,
     "gym": bench_gym,
+    "ros1": ros1,
+    "web": bench_web,
 }
 
 

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def simulator_process() -> Iterator[str]:
+def simulator_process(*options: str) -> Iterator[str]:
     """Run `pioneer3 sim` on a free port; yield its URL."""
-    command = [sys.executable, "-m", "pioneer3", "sim", "-p", "0"]
+    command = [sys.executable, "-m", "pioneer3", "sim", "-p", "0", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None

@@ -11,6 +11,7 @@ from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.output import write_json, write_line
 
 if TYPE_CHECKING:
+    from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
 
 QUIET = 1.0
@@ -42,7 +43,7 @@ def carry_out(
 
 
 async def show_while(
-    robot: "Robot", motion: Coroutine[Any, Any, None], *, json: bool = False
+    robot: "Driven", motion: Coroutine[Any, Any, None], *, json: bool = False
 ) -> None:
     """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each reading.
 
@@ -61,7 +62,7 @@ async def show_while(
             write_line("")
 
 
-def announce(robot: "Robot", words: str, *, json: bool = False) -> None:
+def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
     """Say which robot does what, unless a program reads."""
     from pioneer3.runtime.identity import kind  # noqa: PLC0415
 
@@ -70,7 +71,7 @@ def announce(robot: "Robot", words: str, *, json: bool = False) -> None:
         write_line(f"{kind(info)}: {info.model.title} on {info.url} {words}")
 
 
-def line(robot: "Robot") -> str:
+def line(robot: "Driven") -> str:
     """Return how it moves, where it is and who decides, the most important first."""
     now = robot.snapshot
     if now is None:
@@ -91,7 +92,7 @@ def rewrite(text: str) -> None:
     sys.stdout.flush()
 
 
-async def _show(robot: "Robot", *, json: bool) -> None:
+async def _show(robot: "Driven", *, json: bool) -> None:
     if json:
         async for snapshot in robot.snapshots():
             mode = robot.helm.mode

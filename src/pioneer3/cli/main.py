@@ -8,6 +8,7 @@ from enum import IntEnum
 from cyclopts import App, CycloptsError
 
 from pioneer3 import __version__
+from pioneer3.cli.access import access_app
 from pioneer3.cli.demo import demo
 from pioneer3.cli.doctor import doctor
 from pioneer3.cli.drive import drive
@@ -17,6 +18,7 @@ from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import goto, move, turn
+from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.run import run
 from pioneer3.cli.sim import sim
 from pioneer3.cli.sonar import sonar
@@ -55,6 +57,7 @@ app = App(
 for command in (
     run,
     sim,
+    access_app,
     map_app,
     drive,
     demo,
@@ -66,6 +69,7 @@ for command in (
     info,
     monitor,
     sonar,
+    ros1_app,
     doctor,
     find_port,
 ):

@@ -11,57 +11,88 @@ from pioneer3.cli.options import WORLD, TcpPort, WorldOptions
 from pioneer3.errors import ConfigError
 
 AS_USUAL = WorldOptions()
+MANY = Parameter(negative=(), show_default=False)
 
 
 def run(
     *,
-    port: Annotated[str | None, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")] = None,
+    port: Annotated[
+        tuple[str, ...], Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT"), MANY
+    ] = (),
     baud: Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")] = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
-    robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None,
+    robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
     ideal: Annotated[bool, Parameter(negative=(), group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
     sim_port: TcpPort = 8101,
     web_port: TcpPort = 8080,
+    lan: Annotated[bool, Parameter(negative=())] = False,
     host: str = "127.0.0.1",
+    cert: Path | None = None,
+    key: Path | None = None,
     max_speed: float | None = None,
     record: Path | None = None,
 ) -> int:
-    """Connect to a robot and serve the live page; without --port, to a simulated one of its own.
+    """Connect to robots and serve the live page; without --port, to simulated ones of its own.
 
     Example: pioneer3 run --port /dev/ttyUSB0
+    Example: pioneer3 run -r p3at -r p3dx:bob
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE.
+        port: A robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE; once for each.
         baud: Serial speed to try first.
         map_: A shipped map or world (office, lab), a .map, map_server .yaml or world .toml file.
-        robot: Simulated model, such as p3dx-sh; with --port: used whatever the robot says it is.
-        ideal: Simulate without noise and slip: the robot does exactly what it is told.
+        robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
+        ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
-        sim_port: TCP port of the simulator; 0 takes a free one.
-        web_port: TCP port of the page; 0 takes a free one.
-        host: Address the page is served on. Anything but 127.0.0.1 lets the network drive.
+        sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
+        web_port: TCP port of the page, and https on the next with --lan; 0 takes free ones.
+        lan: Let other devices in, who must pair first: shows a QR code to scan.
+        host: Address the page is served on: 127.0.0.1 this computer only, others as --lan.
+        cert: Certificate for https in PEM, instead of one made on first use.
+        key: Its private key, a file that only you may read.
         max_speed: Keep below this speed [m/s].
-        record: New file for every byte on the wire; --port replay:FILE plays it.
+        record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
     """
-    if port is not None and (ideal or world != AS_USUAL):
-        raise ConfigError("--start, --fit, --seed, --ideal: simulated robots only, without --port")
+    _refuse_nonsense(port, robot, simulated=ideal or world != AS_USUAL)
+    from pioneer3.sim.worldfile.arguments import parse_robot  # noqa: PLC0415
     from pioneer3.web.live import Options, live  # noqa: PLC0415
 
     options = Options(
-        port=port,
+        ports=port,
         baud=baud,
         map_name=map_,
-        robot=robot,
+        robots=tuple(map(parse_robot, robot)),
         wishes=world.wishes(),
         ideal=ideal,
         sim_port=sim_port,
         web_port=web_port,
-        host=host,
+        host="0.0.0.0" if lan and host == "127.0.0.1" else host,
+        cert=cert,
+        key=key,
+        show_tokens=sys.stdout.isatty(),
         max_speed=max_speed,
         record=record,
     )
     return run_until_told_to_leave(live(options, _tell))
+
+
+def _refuse_nonsense(ports: tuple[str, ...], robots: tuple[str, ...], *, simulated: bool) -> None:
+    """Refuse options that do not go together.
+
+    Raises:
+        ConfigError: They do not; says which and why.
+    """
+    if ports and simulated:
+        raise ConfigError("--start, --fit, --seed, --ideal: simulated robots only, without --port")
+    twice = next((url for url in ports if ports.count(url) > 1), None)
+    if twice:
+        raise ConfigError(f"--port {twice}: given twice")
+    if ports and len(robots) not in {0, 1, len(ports)}:
+        raise ConfigError(
+            f"--robot: {len(robots)} given, but ports: {len(ports)}; "
+            "give one for all, or one for each"
+        )
 
 
 def _tell(message: str) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pioneer3.demo.drawing import Canvas
     from pioneer3.models import RobotModel
     from pioneer3.robot.supervisor import RobotInfo
-    from pioneer3.runtime.robot import Robot
+    from pioneer3.runtime.driven import Driven
     from pioneer3.state import Snapshot
 
 BODY = (160, 220, 240, 240, 240, 240, 220, 160)
@@ -71,24 +71,30 @@ def line(distances: list[int | None]) -> str:
 
 
 async def _sonar(port: str, baud: int | None, seconds: float, *, json: bool) -> None:
-    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
 
     async with connect_async(port, baud=baud, auto_enable=False) as robot:
-        if not json and sys.stdout.isatty():
-            await _show(robot, seconds)
-            return
-        if not json:
-            write_line("".join(f"{number:>{NUMBER}}" for number in range(len(BODY))))
-        async for snapshot in robot.snapshots(seconds):
-            distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
-            if json:
-                write_json({"stamp": snapshot.stamp, "hull_mm": distances, "sonar": snapshot.sonar})
-            else:
-                write_line(line(distances))
+        await show_sonar(robot, seconds, json=json)
 
 
-async def _show(robot: "Robot", seconds: float) -> None:
+async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> None:
+    """Show the sonars for `seconds`: a picture in a terminal, else a line or JSON a reading."""
+    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+
+    if not json and sys.stdout.isatty():
+        await _show(robot, seconds)
+        return
+    if not json:
+        write_line("".join(f"{number:>{NUMBER}}" for number in range(len(BODY))))
+    async for snapshot in robot.snapshots(seconds):
+        distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
+        if json:
+            write_json({"stamp": snapshot.stamp, "hull_mm": distances, "sonar": snapshot.sonar})
+        else:
+            write_line(line(distances))
+
+
+async def _show(robot: "Driven", seconds: float) -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import re
 from pathlib import Path
 
 import pytest
@@ -10,12 +11,13 @@ from pioneer3 import ConfigError, PortNotFoundError
 from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
 from pioneer3.geometry import Pose2
-from pioneer3.sim.worldfile import Fitting
+from pioneer3.sim.worldfile import Fitting, RobotSpec
 from pioneer3.sim.worldfile.arguments import Wishes
 from pioneer3.web import live as live_module
 from pioneer3.web.live import Options, live
 
 PATIENCE = 20.0
+R2D2 = (RobotSpec(model="r2d2"),)
 
 
 def given(
@@ -41,7 +43,7 @@ def test_without_options_it_simulates_and_only_this_machine_may_drive(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     options = given("run", monkeypatch)
-    assert options.port is None
+    assert (options.ports, options.robots) == ((), ())
     assert options.host == "127.0.0.1"
     assert (options.sim_port, options.web_port) == (8101, 8080)
 
@@ -52,8 +54,8 @@ def test_every_option_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
         "--max-speed 0.4"
     )
     options = given(line, monkeypatch)
-    assert (options.port, options.baud) == ("tcp://r:1", 38400)
-    assert (options.map_name, options.robot) == ("lab.map", "p3dx")
+    assert (options.ports, options.baud) == (("tcp://r:1",), 38400)
+    assert (options.map_name, options.robots) == ("lab.map", (RobotSpec(model="p3dx"),))
     assert (options.sim_port, options.web_port, options.host) == (1, 2, "0.0.0.0")
     assert options.max_speed == 0.4
 
@@ -67,6 +69,28 @@ def test_the_simulated_world_may_be_chosen(monkeypatch: pytest.MonkeyPatch) -> N
     assert given("run", monkeypatch).wishes == Wishes()
 
 
+def test_robots_are_given_by_port_or_by_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = given("run -r p3at -r p3dx:bob", monkeypatch)
+    assert options.robots == (RobotSpec(model="p3at"), RobotSpec(model="p3dx", name="bob"))
+    options = given("run -p tcp://a:1 -p tcp://b:2 -r p3at", monkeypatch)
+    assert options.ports == ("tcp://a:1", "tcp://b:2")
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("-p tcp://a:1 -p tcp://a:1", "--port tcp://a:1: given twice"),
+        ("-p tcp://a:1 -p tcp://b:1 -p tcp://c:1 -r p3at -r p3dx", "2 given, but ports: 3"),
+        ("-r :bob", "expected a model"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(
+    line: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["run", *line.split()]) == 2
+    assert says in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("option", ["--ideal", "--seed 7", "--start home", "--fit gyro"])
 def test_a_real_robot_takes_no_options_of_the_simulator(
     option: str, capsys: pytest.CaptureFixture[str]
@@ -78,15 +102,16 @@ def test_a_real_robot_takes_no_options_of_the_simulator(
 def test_the_port_may_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     environment = {"PIONEER3_PORT": "/dev/ttyUSB7", "PIONEER3_BAUD": "9600"}
     options = given("run", monkeypatch, environment)
-    assert (options.port, options.baud) == ("/dev/ttyUSB7", 9600)
-    assert given("run -p /dev/ttyS0", monkeypatch, environment).port == "/dev/ttyS0"
+    assert (options.ports, options.baud) == (("/dev/ttyUSB7",), 9600)
+    assert given("run -p /dev/ttyS0", monkeypatch, environment).ports == ("/dev/ttyS0",)
 
 
 def test_the_function_has_the_defaults_of_the_options() -> None:
     defaults = run.__kwdefaults__ or {}
     options = Options()
-    for name in ("port", "baud", "robot", "sim_port", "web_port", "host", "max_speed"):
+    for name in ("baud", "sim_port", "web_port", "host", "max_speed"):
         assert defaults[name] == getattr(options, name)
+    assert (defaults["port"], defaults["robot"]) == (options.ports, options.robots)
 
 
 async def told_by(options: Options, count: int) -> list[str]:
@@ -118,10 +143,11 @@ async def test_on_loopback_there_is_nothing_to_warn_of() -> None:
 
 
 @pytest.mark.realtime
-async def test_the_page_is_the_first_robots_and_the_others_are_told() -> None:
+async def test_every_robot_of_a_world_is_connected() -> None:
     lines = await told_by(Options(map_name="lab", sim_port=0, web_port=0), 3)
-    assert lines[0].startswith("Also simulated: bob, Pioneer 3-AT, on tcp://127.0.0.1:")
-    assert lines[1].startswith("Connected to a SIMULATOR: MobileSim, Pioneer 3-DX (p3dx-sh), on ")
+    who = [re.findall(r"^Connected to a SIMULATOR: (.*), on tcp://127", line) for line in lines[:2]]
+    assert sorted(who) == [["alice, Pioneer 3-DX (p3dx-sh)"], ["bob, Pioneer 3-AT (p3at-sh)"]]
+    assert lines[2].startswith("Drive them at http://127.0.0.1:")
 
 
 @pytest.mark.realtime
@@ -132,19 +158,34 @@ async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
 
 
 @pytest.mark.realtime
-async def test_beyond_loopback_people_are_warned() -> None:
-    host = "0.0.0.0"
-    lines = await told_by(Options(sim_port=0, web_port=0, host=host), 3)
-    assert lines[2].startswith("WARNING: anybody")
+async def test_beyond_loopback_others_are_told_to_pair() -> None:
+    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 5)
+    assert lines[2].startswith("From other devices, once paired: http://")
+    assert "https://" in lines[2]
+    assert "SHA-256 " in lines[3]
+    assert "pioneer3 access" in lines[4]
+    assert "#" not in "".join(lines)  # no token where lines may be kept
+
+
+@pytest.mark.realtime
+async def test_a_person_at_a_terminal_is_shown_a_code_and_two_tokens() -> None:
+    options = Options(sim_port=0, web_port=0, host="0.0.0.0", show_tokens=True)
+    lines = await told_by(options, 30)
+    tokens = re.findall(r"/pair#([\w-]+)", "\n".join(lines))
+    assert len(tokens) == len(set(tokens)) == 2
+    assert all(len(token) * 6 >= 128 for token in tokens)  # bits
+    assert any("█" in line for line in lines)
 
 
 @pytest.mark.realtime
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (Options(port="tcp://127.0.0.1:1", web_port=0), PortNotFoundError),
-        (Options(port="tcp://127.0.0.1:1", map_name="nowhere", web_port=0), ConfigError),
-        (Options(port="tcp://127.0.0.1:1", robot="r2d2", web_port=0), ConfigError),
+        (Options(ports=("tcp://127.0.0.1:1",), web_port=0), PortNotFoundError),
+        (Options(ports=("tcp://127.0.0.1:1",), map_name="nowhere", web_port=0), ConfigError),
+        (Options(ports=("tcp://127.0.0.1:1",), robots=R2D2, web_port=0), ConfigError),
+        (Options(ports=("tcp://127.0.0.1:1", "tcp://127.0.0.1:2"), web_port=0), PortNotFoundError),
+        (Options(robots=R2D2 * 2, sim_port=0, web_port=0), ConfigError),
         (Options(sim_port=0, web_port=0, max_speed=-1.0), ConfigError),
     ],
 )

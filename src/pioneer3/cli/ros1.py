@@ -1,0 +1,75 @@
+"""`pioneer3 ros1`."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import Baud
+from pioneer3.cli.ros1_demos import (
+    android_teleop,
+    follow,
+    p3_sonar,
+    rob_key,
+    rob_key_multi,
+    robots,
+    wander,
+)
+
+ros1_app = App(
+    name="ros1",
+    help="""Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
+
+    Or, with a command, drive a robot whose node runs, from any computer.
+
+    Without a port the node takes the simulator at localhost:8101, else the robot at a serial port.
+
+    Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
+    """,
+    help_format="plaintext",
+)
+for command in (robots, rob_key, rob_key_multi, p3_sonar, follow, wander, android_teleop):
+    ros1_app.command(command, name=command.__name__)
+
+
+@ros1_app.default
+def ros1(
+    *arguments: Annotated[str, Parameter(show=True)],
+    port: Annotated[str | None, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")] = None,
+    baud: Baud = None,
+    install_package: Path | None = None,
+) -> int:
+    """Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
+
+    Without a port it takes the simulator at localhost:8101, else the robot at a serial port.
+
+    Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
+
+    Args:
+        arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
+        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
+        baud: Serial speed to try first.
+        install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
+    """
+    if install_package is not None:
+        return _install(install_package)
+    return run_until_told_to_leave(_serve(arguments, port, baud))
+
+
+async def _serve(arguments: tuple[str, ...], port: str | None, baud: int | None) -> int:
+    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.ros.start1 import Options, serve  # noqa: PLC0415
+
+    return await serve(Options(port=port, baud=baud, arguments=arguments), write_line)
+
+
+def _install(folder: Path) -> int:
+    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.ros.package1 import install_package  # noqa: PLC0415
+
+    package = install_package(folder)
+    write_line(
+        f"wrote {package}; now: export ROS_PACKAGE_PATH={folder.resolve()}:$ROS_PACKAGE_PATH"
+    )
+    return 0

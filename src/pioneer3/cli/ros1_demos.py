@@ -1,0 +1,305 @@
+"""`pioneer3 ros1 wander` and its like: the demos on topics, from any computer."""
+
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+from cyclopts.validators import Number
+
+from pioneer3.cli.flags import Flag
+from pioneer3.cli.loop import run_until_told_to_leave
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.stack import Stack
+    from pioneer3.ros.remote import TopicRobot
+
+Arguments = Annotated[str, Parameter(show=False)]
+RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
+Positive = Annotated[float | None, Parameter(validator=Number(gt=0))]
+Speed = Annotated[float, Parameter(validator=Number(gt=0))]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Which:
+    """The robot to drive.
+
+    Attributes:
+        robot: Its name, if there are several; pioneer3 ros1 robots lists them.
+        model: What it is, where its node does not tell: p3at-sh, p3dx-sh.
+    """
+
+    robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None
+    model: str | None = None
+
+
+ANY = Which()
+
+
+def robots(*arguments: Arguments, json: Flag = False) -> int:
+    """List the robots on the ROS master.
+
+    Args:
+        arguments: ROS's own; they change nothing.
+        json: Print JSON.
+    """
+    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.ros.client1 import find_robots  # noqa: PLC0415
+
+    found = find_robots()
+    if json:
+        write_json(found)
+        return 0
+    for robot in found:
+        write_line(f"{robot.name:24}  drive it on {robot.commands}, it is at {robot.pose}")
+    if not found:
+        write_line("None: start the node of one, as with pioneer3 ros1 --port /dev/ttyUSB0")
+    return 0
+
+
+def rob_key(
+    *arguments: Arguments,
+    which: Which = ANY,
+    speed: Speed = 0.5,
+    turn_rate: Speed = 0.5,
+    latch: bool = True,
+) -> int:
+    """Drive a robot with the keyboard: one press keeps it moving, space stops, q quits.
+
+    It sends ten commands a second: should this program or the network fail, the robot stops.
+
+    Example: pioneer3 ros1 rob_key --robot p3at_1_113
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        which: The robot.
+        speed: Of the forward key [m/s]; + and - change it.
+        turn_rate: Of the turning keys [rad/s]; + and - change it.
+        latch: One press keeps moving until another key; else a key acts for 0.6 s.
+    """
+    from pioneer3.cli.drive import KEYS  # noqa: PLC0415
+
+    async def drive(driven: "TopicRobot") -> None:
+        from pioneer3.cli.live import rewrite  # noqa: PLC0415
+        from pioneer3.cli.output import write_line  # noqa: PLC0415
+        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
+        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+        from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
+
+        with raw_terminal() as terminal:
+            write_line(KEYS)
+            keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=latch)
+            await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
+
+    return _carry_out("rob_key", arguments, which, drive, words="waits for keys")
+
+
+def rob_key_multi(
+    *arguments: Arguments,
+    robot: RobotNames = (),
+    model: str | None = None,
+    speed: Speed = 0.1,
+    turn_rate: Speed = 0.1,
+    latch: bool = True,
+) -> int:
+    """Drive several robots with one keyboard, one at a time or all together.
+
+    Arrows drive, q goes on to the next robot, a number chooses one, a all of them; who is left
+    stands. Space stops all; Ctrl-D quits.
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        robot: Which ones; all on the master if none is said.
+        model: What they are, where their nodes do not tell.
+        speed: Of the forward key [m/s].
+        turn_rate: Of the turning keys [rad/s].
+        latch: One press keeps moving until another key; else a key acts for 0.6 s.
+    """
+
+    async def command() -> None:
+        from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
+        from pioneer3.cli.output import write_line  # noqa: PLC0415
+        from pioneer3.ros.client1 import (  # noqa: PLC0415
+            find_robots,
+            joined,
+            program,
+            unless_shut_down,
+        )
+        from pioneer3.ros.graph import chosen  # noqa: PLC0415
+        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
+        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+        from pioneer3.teleop.several import KEYS, Switchboard, numbers  # noqa: PLC0415
+        from pioneer3.teleop.terminal import raw_terminal, tokens  # noqa: PLC0415
+
+        known = find_robots()
+        wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
+        with raw_terminal() as terminal:
+            async with (
+                program("rob_key_multi", arguments) as ended,
+                joined(wanted, model) as driven,
+            ):
+                board = Switchboard(numbers([each.name for each in wanted]), rewrite)
+                for topics, each in zip(wanted, driven, strict=True):
+                    announce(each, f"is number {board.numbers[topics.name]}")
+                    keyboard = Keyboard.within(each.info.limits, speed, turn_rate, latch=latch)
+                    board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))
+                write_line(KEYS)
+                await unless_shut_down(ended, board.run(tokens(terminal)))
+
+    return run_until_told_to_leave(command())
+
+
+def p3_sonar(
+    *arguments: Arguments,
+    which: Which = ANY,
+    seconds: Positive = None,
+    json: Flag = False,
+) -> int:
+    """Show the sonars of a robot, distances in millimetres from its hull; nothing moves.
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        which: The robot.
+        seconds: End after this time [s].
+        json: One JSON object for each reading, a line each.
+    """
+
+    async def show(driven: "TopicRobot") -> None:
+        from pioneer3.cli.sonar import show_sonar  # noqa: PLC0415
+
+        await show_sonar(driven, inf if seconds is None else seconds, json=json)
+
+    return _carry_out("p3_sonar", arguments, which, show)
+
+
+def follow(
+    *arguments: Arguments,
+    which: Which = ANY,
+    rule: Literal["tracking", "lab"] = "tracking",
+    keep: Positive = None,
+    seconds: Positive = None,
+    json: Flag = False,
+) -> int:
+    """Let a robot follow the person in front; see pioneer3 follow. Ctrl-C stops it.
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        which: The robot.
+        rule: tracking: remembers who it follows; lab: goes to the nearest echo.
+        keep: Distance to keep [m]; 0.3 unless given.
+        seconds: Stop after this time [s].
+        json: One JSON object for each reading, a line each.
+    """
+    from pioneer3.behaviors.follow import follow as following  # noqa: PLC0415
+
+    mode = following(rule, keep=keep)
+    return _run_mode("follow", arguments, which, mode, seconds=seconds, json=json)
+
+
+def wander(
+    *arguments: Arguments,
+    which: Which = ANY,
+    preset: Literal["lab", "aria", "explore"] = "lab",
+    speed: Positive = None,
+    seconds: Positive = None,
+    json: Flag = False,
+) -> int:
+    """Let a robot drive about and keep clear of what is in the way; Ctrl-C stops it.
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        which: The robot.
+        preset: lab: slow, as its robotWander; aria: as ARIA's; explore: seeks new ground.
+        speed: Where nothing is near [m/s]; 0.15 of lab, 0.4 of aria, 0.3 of explore.
+        seconds: Stop after this time [s].
+        json: One JSON object for each reading, a line each.
+    """
+    from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
+
+    mode = wandering(preset=preset, speed=speed)
+    return _run_mode("wander", arguments, which, mode, seconds=seconds, json=json)
+
+
+def android_teleop(
+    *arguments: Arguments,
+    which: Which = ANY,
+    imu: str = "/android/imu",
+    speed: Speed = 0.2,
+    turn_rate: Speed = 0.5,
+) -> int:
+    """Drive a robot by turning a phone that publishes sensor_msgs/Imu.
+
+    Flick it, faster than 3 rad/s: about x for forward and back, about z to turn, about y to stop.
+    A flick acts until the next one; when the phone falls silent, the robot stops.
+
+    Args:
+        arguments: ROS's own, such as __name:=mine.
+        which: The robot.
+        imu: Topic of the phone.
+        speed: [m/s].
+        turn_rate: [rad/s].
+    """
+
+    async def drive(driven: "TopicRobot") -> None:
+        from pioneer3.cli.live import rewrite  # noqa: PLC0415
+        from pioneer3.ros.phone1 import flicks  # noqa: PLC0415
+        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
+        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+
+        keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
+        await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu))
+
+    return _carry_out("android_teleop", arguments, which, drive, words=f"waits for {imu}")
+
+
+def _run_mode(
+    name: str,
+    arguments: tuple[str, ...],
+    which: Which,
+    mode: "Stack",
+    *,
+    seconds: float | None,
+    json: bool,
+) -> int:
+    async def drive(driven: "TopicRobot") -> None:
+        from pioneer3.cli.live import show_while  # noqa: PLC0415
+
+        length = inf if seconds is None else seconds
+        await show_while(driven, driven.run(mode, length), json=json)
+
+    words = None if json else f"{mode.hint}; Ctrl-C stops it"
+    return _carry_out(name, arguments, which, drive, words=words)
+
+
+def _carry_out(
+    name: str,
+    arguments: tuple[str, ...],
+    which: Which,
+    drive: "Callable[[TopicRobot], Coroutine[Any, Any, None]]",
+    *,
+    words: str | None = None,
+) -> int:
+    """Find the robot, be a node of this name and drive, until that ends or Ctrl-C."""
+
+    async def command() -> None:
+        from pioneer3.cli.live import announce  # noqa: PLC0415
+        from pioneer3.ros.client1 import (  # noqa: PLC0415
+            find_robots,
+            joined,
+            program,
+            unless_shut_down,
+        )
+        from pioneer3.ros.graph import chosen  # noqa: PLC0415
+
+        topics = chosen(find_robots(), which.robot)
+        async with (
+            program(f"{name}_{topics.plain_name}", arguments) as ended,
+            joined([topics], which.model) as (driven,),
+        ):
+            if words is not None:
+                announce(driven, words)
+            await unless_shut_down(ended, drive(driven))
+
+    return run_until_told_to_leave(command())

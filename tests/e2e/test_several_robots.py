@@ -1,0 +1,111 @@
+"""Several robots that one program connects to: what happens to one is nothing to the others."""
+
+import asyncio
+import socket
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from pathlib import Path
+
+import pytest
+
+from pioneer3.errors import ConfigError, PortNotFoundError
+from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.web import hosting
+from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.live import Options, own_files
+from pioneer3.web.page import Page
+from tests.support import until
+
+pytestmark = pytest.mark.realtime
+
+
+def closed_port() -> int:
+    """Return a TCP port where nobody listens."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return int(listener.getsockname()[1])
+
+
+def simulated(port: int = 0) -> AbstractAsyncContextManager[RunningSimulation]:
+    return simulator(map_name="empty", robot="p3dx-sh", port=port)
+
+
+async def test_one_that_is_lost_is_named_and_the_others_go_on() -> None:
+    told: list[str] = []
+    page = Page()
+    async with AsyncExitStack() as stack:
+        left = await stack.enter_async_context(simulated())
+        async with AsyncExitStack() as right_stack:
+            right = await right_stack.enter_async_context(simulated())
+            targets = [
+                Target(url=sim.url, scene=Scene(), name=name)
+                for sim, name in ((left, "left"), (right, "right"))
+            ]
+            await stack.enter_async_context(hosted(page, targets, told.append))
+            assert [line.split(",")[0] for line in sorted(told)] == [
+                "Connected to a SIMULATOR: left",
+                "Connected to a SIMULATOR: right",
+            ]
+        await until(lambda: any(line.startswith("right: lost: ") for line in told))
+        robot = page.stations[1].robot
+        for _ in range(10):
+            robot.drive(0.2)
+            await asyncio.sleep(0.05)
+        assert robot.snapshot is not None
+        assert left.body.drive.linear.velocity > 0.1
+        assert [station.name for station in page.stations.values()] == ["left", "right"]
+
+
+async def test_one_that_is_not_there_is_looked_for_until_it_comes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(hosting, "AGAIN", 0.2)
+    told: list[str] = []
+    page, port = Page(), closed_port()
+    async with simulated() as here:
+        targets = [
+            Target(url=f"tcp://127.0.0.1:{port}", scene=Scene(), record=tmp_path / "late"),
+            Target(url=here.url, scene=Scene(), record=tmp_path / "here"),
+        ]
+        async with hosted(page, targets, told.append):
+            assert list(page.stations) == [2]
+            assert f"tcp://127.0.0.1:{port}: nobody listens there" in told[-1]
+            async with simulated(port):
+                await until(lambda: len(page.stations) == 2)
+                assert list(page.stations) == [1, 2]
+                assert page.stations[1].robot.info.url == f"tcp://127.0.0.1:{port}"
+        assert all((tmp_path / name).stat().st_size for name in ("late", "here"))
+
+
+async def test_where_none_is_there_it_says_why() -> None:
+    targets = [Target(url=f"tcp://127.0.0.1:{closed_port()}", scene=Scene()) for _ in range(2)]
+    with pytest.raises(PortNotFoundError):
+        async with hosted(Page(), targets, lambda line: None):
+            raise AssertionError
+    assert asyncio.all_tasks() == {asyncio.current_task()}
+
+
+async def test_a_file_that_exists_is_never_written_over(tmp_path: Path) -> None:
+    kept = tmp_path / "kept"
+    kept.write_text("mine")
+    async with simulated() as here, simulated() as there:
+        targets = [
+            Target(url=here.url, scene=Scene()),
+            Target(url=there.url, scene=Scene(), record=kept),
+        ]
+        with pytest.raises(ConfigError, match="kept: cannot record there"):
+            async with hosted(Page(), targets, lambda line: None):
+                raise AssertionError
+    assert kept.read_text() == "mine"
+
+
+def test_recordings_are_called_after_the_robots() -> None:
+    urls = ["tcp://10.0.0.1:8101", "serial:/dev/ttyUSB0", "tcp://b:8101", "tcp://c:8101"]
+    names = ["", "", "bob", "bob"]
+    targets = [Target(url=u, scene=Scene(), name=n) for u, n in zip(urls, names, strict=True)]
+    assert [path.name for path in own_files(Path("walk.txt"), targets) if path] == [
+        "walk-10.0.0.1-8101.txt",
+        "walk-dev-ttyUSB0.txt",
+        "walk-bob.txt",
+        "walk-bob 2.txt",
+    ]
+    assert Options().record is None

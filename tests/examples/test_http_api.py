@@ -1,0 +1,60 @@
+"""The curl examples of the reference run against a simulated robot."""
+
+import asyncio
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from pioneer3 import connect_async
+from pioneer3.runtime.scene import Scene
+from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Kind
+from pioneer3.web.api.routes import OPERATIONS
+from pioneer3.web.page import Page
+from pioneer3.web.server import serve
+from tests.support import SimulatedRobot
+
+REFERENCE = Path(__file__).parents[2] / "docs/reference/http-api.md"
+EXAMPLES = re.findall(r"```sh\n(.*?)```", REFERENCE.read_text(), re.DOTALL)
+PATIENCE = 60.0
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(shutil.which("curl") is None, reason="curl is not installed"),
+]
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
+async def test_an_example_of_the_reference_runs(example: str) -> None:
+    async with (
+        SimulatedRobot() as sim,
+        connect_async(sim.open) as robot,
+        (page := Page()).hosting(robot, Scene()),
+        serve(page, port=0) as served,
+    ):
+        _, token = page.access.sessions.open("survey", Role.DRIVER, Kind.SCRIPT)
+        bash = await asyncio.create_subprocess_exec(
+            "bash",
+            "-euo",
+            "pipefail",
+            "-c",
+            example.replace("http://127.0.0.1:8080", served.http),
+            env={"TOKEN": token, "PATH": "/usr/local/bin:/usr/bin:/bin"},
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        async with asyncio.timeout(PATIENCE):
+            out, err = await bash.communicate()
+        assert bash.returncode == 0, err.decode()
+        assert out.startswith((b"[", b"{"))
+        if "for i in" in example:
+            assert sim.body.robot_in_world.x > 0.05
+
+
+def test_every_operation_on_robots_is_in_the_reference() -> None:
+    text = REFERENCE.read_text()
+    for one in OPERATIONS:
+        if "{robot}" in one.path:
+            assert one.path.replace("/api", "$API").replace("{robot}", "1") in text
