@@ -89,8 +89,9 @@ class Commands1:
         self._robot.helm.remove(self._hold)
 
     def release(self) -> None:
-        """Let go of what the last message said."""
-        self._robot.helm.release(self._hold)
+        """Forget what the last message said; the next one is no fresher for it."""
+        self._hold.release()
+        self._robot.helm.decide()
 
     def let_go_of_what_lasts(self) -> None:
         """One message may mean for ever, but not past what has stopped the robot."""

@@ -148,9 +148,11 @@ class Helm:
         return self.decide()
 
     def release(self, held: Hold) -> None:
-        """Let go; the robot stops if nobody else drives."""
+        """Let go by hand: the robot stops if nobody else drives, and the next wish is a fresh one."""
         held.release()
         self.decide()
+        if not self.decision.wanted:
+            self._supervisor.drive(STILL)
 
     def stop(self, by: Hold | None = None) -> None:
         """End every wish and stand still; what others than `by` hold must be let go first."""

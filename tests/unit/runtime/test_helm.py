@@ -230,6 +230,30 @@ async def test_an_emergency_stop_mutes_everybody_and_takes_the_power() -> None:
         assert not the.sim.powered
 
 
+async def test_who_lets_go_and_asks_again_at_once_drives_after_a_reset() -> None:
+    async with bridge() as the:
+        await the.keep(the.keyboard, FORTH, 1.0)
+        the.helm.emergency_stop()
+        await the.keep(the.keyboard, FORTH, 0.3)
+        the.robot.reset_emergency_stop()
+        assert the.helm.hold(the.keyboard, FORTH, LONG) is not None
+        the.helm.release(the.keyboard)
+        assert the.helm.hold(the.keyboard, FORTH, LONG) is None
+        assert (the.helm.driver, the.asked) == ("keyboard", FORTH)
+
+
+async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> None:
+    async with bridge() as the:
+        await the.keep(the.program, FORTH, 1.0)
+        the.sim.body.stop_button = True
+        await the.keep(the.program, FORTH, 0.5)
+        the.sim.body.stop_button = False
+        the.helm.release(the.keyboard)
+        await the.keep(the.program, FORTH, 1.0)
+        assert the.asked == STILL
+        assert the.sim.speed == 0.0
+
+
 async def test_motors_switched_off_stay_off_whatever_is_held() -> None:
     async with bridge() as the:
         await the.keep(the.web, FORTH, 1.5)

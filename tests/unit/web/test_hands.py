@@ -126,6 +126,21 @@ async def test_somebodys_stop_mutes_every_input_until_it_is_let_go() -> None:
 
 
 @pytest.mark.parametrize("source", get_args(Input))
+async def test_a_press_right_after_a_reset_drives(source: Input) -> None:
+    async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
+        grip = Grip(ann, source, 0.3)
+        await asyncio.sleep(1.0)
+        bob.say("emergency_stop")
+        await asyncio.sleep(0.3)
+        await grip.let_go()
+        ann.say("reset_emergency_stop")
+        grip = Grip(ann, source, 0.3)
+        await asyncio.sleep(0.3)
+        assert wanted(the) == pytest.approx(0.3)
+        await grip.let_go()
+
+
+@pytest.mark.parametrize("source", get_args(Input))
 async def test_the_wheel_lost_in_the_middle_ends_every_input(source: Input) -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         grip = Grip(ann, source, 0.3)

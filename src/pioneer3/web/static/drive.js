@@ -1,16 +1,17 @@
 // Held inputs -> requests. Sends a velocity while something is held, three zeros on release, then
 // nothing, so that others can drive. Every other way out is `stop`. Nothing survives a stop: what
-// is still held must be let go and pressed again. One source drives at a time; what one of a higher
-// rank puts aside counts again only when it is pressed anew.
+// is still held must be let go and pressed again: a press begins with a zero, which says that it is
+// a fresh one. One source drives at a time; what one of a higher rank puts aside counts again only
+// when it is pressed anew.
 
 const PERIOD = 66; // ms, 15 Hz
 const ZEROS = 3;
 const RANK = { gamepad: 100, keyboard: 90, touch: 80, tilt: 80 }; // as in pioneer3.web.hands
-const LASTING = { gamepad: 300, tilt: 1000 }; // ms: what must be moved again and again, or is let go
+const LASTING = { gamepad: 5, tilt: 15 }; // periods: what must be moved again and again, or is let go
 
 export class Drive {
   #source = "touch"; // of all that is held
-  #holds = new Map(); // input -> {wish, until}
+  #holds = new Map(); // input -> {wish, left}; periods, so that a page that stood still lets go of nothing
   #zeros = 0;
   #timer = 0;
   #send;
@@ -74,6 +75,7 @@ export class Drive {
       this.#holds.clear();
     }
     this.#source = source;
+    if (!this.holding) this.#sendZero();
     this.#keep(input, wish);
     this.#zeros = 0;
     this.#request();
@@ -121,7 +123,7 @@ export class Drive {
   }
 
   #keep(input, wish) {
-    this.#holds.set(input, { wish, until: performance.now() + (LASTING[this.#source] ?? Infinity) });
+    this.#holds.set(input, { wish, left: LASTING[this.#source] ?? Infinity });
   }
 
   #beginZeros() {
@@ -130,17 +132,21 @@ export class Drive {
   }
 
   #tick() {
-    for (const [input, { until }] of this.#holds) if (performance.now() > until) return this.release(input);
+    for (const [input, hold] of this.#holds) if (hold.left-- <= 0) return this.release(input);
     if (this.holding) {
       this.#request();
     } else if (this.#zeros > 0) {
       this.#zeros -= 1;
-      this.#send({ type: "drive", v: 0, w: 0, input: this.#source });
+      this.#sendZero();
     }
     if (!this.active) {
       clearInterval(this.#timer);
       this.#timer = 0;
     }
+  }
+
+  #sendZero() {
+    this.#send({ type: "drive", v: 0, w: 0, input: this.#source });
   }
 
   #request() {
