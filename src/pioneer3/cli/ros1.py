@@ -59,14 +59,14 @@ def ros1(
 
 async def _serve(arguments: tuple[str, ...], port: str | None, baud: int | None) -> int:
     from pioneer3.cli.output import write_line  # noqa: PLC0415
-    from pioneer3.ros.start1 import Options, serve  # noqa: PLC0415
+    from pioneer3.ros.ros1.start import Options, serve  # noqa: PLC0415
 
     return await serve(Options(port=port, baud=baud, arguments=arguments), write_line)
 
 
 def _install(folder: Path) -> int:
     from pioneer3.cli.output import write_line  # noqa: PLC0415
-    from pioneer3.ros.package1 import install_package  # noqa: PLC0415
+    from pioneer3.ros.ros1.package import install_package  # noqa: PLC0415
 
     package = install_package(folder)
     write_line(

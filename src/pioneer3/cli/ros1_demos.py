@@ -1,41 +1,21 @@
 """`pioneer3 ros1 wander` and its like: the demos on topics, from any computer."""
 
-from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
 
 if TYPE_CHECKING:
-    from pioneer3.behaviors.stack import Stack
     from pioneer3.ros.remote import TopicRobot
 
-Arguments = Annotated[str, Parameter(show=False)]
 RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
 Positive = Annotated[float | None, Parameter(validator=Number(gt=0))]
 Speed = Annotated[float, Parameter(validator=Number(gt=0))]
-
-
-@Parameter(name="*")
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Which:
-    """The robot to drive.
-
-    Attributes:
-        robot: Its name, if there are several; pioneer3 ros1 robots lists them.
-        model: What it is, where its node does not tell: p3at-sh, p3dx-sh.
-    """
-
-    robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None
-    model: str | None = None
-
-
-ANY = Which()
 
 
 def robots(*arguments: Arguments, json: Flag = False) -> int:
@@ -46,7 +26,7 @@ def robots(*arguments: Arguments, json: Flag = False) -> int:
         json: Print JSON.
     """
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
-    from pioneer3.ros.client1 import find_robots  # noqa: PLC0415
+    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
 
     found = find_robots()
     if json:
@@ -93,7 +73,7 @@ def rob_key(
             keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=latch)
             await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
 
-    return _carry_out("rob_key", arguments, which, drive, words="waits for keys")
+    return drive_robot("rob_key", arguments, which, drive, words="waits for keys")
 
 
 def rob_key_multi(
@@ -117,38 +97,30 @@ def rob_key_multi(
         turn_rate: Of the turning keys [rad/s].
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
     """
+    from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
+    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.ros.interface.graph import chosen  # noqa: PLC0415
+    from pioneer3.ros.ros1.client import run_program  # noqa: PLC0415
+    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
+    from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
+    from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+    from pioneer3.teleop.several import KEYS, Switchboard, numbers  # noqa: PLC0415
+    from pioneer3.teleop.terminal import raw_terminal, tokens  # noqa: PLC0415
 
-    async def command() -> None:
-        from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
-        from pioneer3.cli.output import write_line  # noqa: PLC0415
-        from pioneer3.ros.client1 import (  # noqa: PLC0415
-            find_robots,
-            joined,
-            program,
-            unless_shut_down,
-        )
-        from pioneer3.ros.graph import chosen  # noqa: PLC0415
-        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
-        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-        from pioneer3.teleop.several import KEYS, Switchboard, numbers  # noqa: PLC0415
-        from pioneer3.teleop.terminal import raw_terminal, tokens  # noqa: PLC0415
+    known = find_robots()
+    wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
 
-        known = find_robots()
-        wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
+    async def drive(driven: "list[TopicRobot]") -> None:
+        board = Switchboard(numbers([each.name for each in wanted]), rewrite)
+        for topics, each in zip(wanted, driven, strict=True):
+            announce(each, f"is number {board.numbers[topics.name]}")
+            keyboard = Keyboard.within(each.info.limits, speed, turn_rate, latch=latch)
+            board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))
         with raw_terminal() as terminal:
-            async with (
-                program("rob_key_multi", arguments) as ended,
-                joined(wanted, model) as driven,
-            ):
-                board = Switchboard(numbers([each.name for each in wanted]), rewrite)
-                for topics, each in zip(wanted, driven, strict=True):
-                    announce(each, f"is number {board.numbers[topics.name]}")
-                    keyboard = Keyboard.within(each.info.limits, speed, turn_rate, latch=latch)
-                    board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))
-                write_line(KEYS)
-                await unless_shut_down(ended, board.run(tokens(terminal)))
+            write_line(KEYS)
+            await board.run(tokens(terminal))
 
-    return run_until_told_to_leave(command())
+    return run_until_told_to_leave(run_program("rob_key_multi", arguments, wanted, model, drive))
 
 
 def p3_sonar(
@@ -171,7 +143,7 @@ def p3_sonar(
 
         await show_sonar(driven, inf if seconds is None else seconds, json=json)
 
-    return _carry_out("p3_sonar", arguments, which, show)
+    return drive_robot("p3_sonar", arguments, which, show)
 
 
 def follow(
@@ -195,7 +167,7 @@ def follow(
     from pioneer3.behaviors.follow import follow as following  # noqa: PLC0415
 
     mode = following(rule, keep=keep)
-    return _run_mode("follow", arguments, which, mode, seconds=seconds, json=json)
+    return run_mode("follow", arguments, which, mode, seconds=seconds, json=json)
 
 
 def wander(
@@ -219,7 +191,7 @@ def wander(
     from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
 
     mode = wandering(preset=preset, speed=speed)
-    return _run_mode("wander", arguments, which, mode, seconds=seconds, json=json)
+    return run_mode("wander", arguments, which, mode, seconds=seconds, json=json)
 
 
 def android_teleop(
@@ -244,62 +216,11 @@ def android_teleop(
 
     async def drive(driven: "TopicRobot") -> None:
         from pioneer3.cli.live import rewrite  # noqa: PLC0415
-        from pioneer3.ros.phone1 import flicks  # noqa: PLC0415
+        from pioneer3.ros.ros1.phone import flicks  # noqa: PLC0415
         from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
         from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
 
         keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
         await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu))
 
-    return _carry_out("android_teleop", arguments, which, drive, words=f"waits for {imu}")
-
-
-def _run_mode(
-    name: str,
-    arguments: tuple[str, ...],
-    which: Which,
-    mode: "Stack",
-    *,
-    seconds: float | None,
-    json: bool,
-) -> int:
-    async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import show_while  # noqa: PLC0415
-
-        length = inf if seconds is None else seconds
-        await show_while(driven, driven.run(mode, length), json=json)
-
-    words = None if json else f"{mode.hint}; Ctrl-C stops it"
-    return _carry_out(name, arguments, which, drive, words=words)
-
-
-def _carry_out(
-    name: str,
-    arguments: tuple[str, ...],
-    which: Which,
-    drive: "Callable[[TopicRobot], Coroutine[Any, Any, None]]",
-    *,
-    words: str | None = None,
-) -> int:
-    """Find the robot, be a node of this name and drive, until that ends or Ctrl-C."""
-
-    async def command() -> None:
-        from pioneer3.cli.live import announce  # noqa: PLC0415
-        from pioneer3.ros.client1 import (  # noqa: PLC0415
-            find_robots,
-            joined,
-            program,
-            unless_shut_down,
-        )
-        from pioneer3.ros.graph import chosen  # noqa: PLC0415
-
-        topics = chosen(find_robots(), which.robot)
-        async with (
-            program(f"{name}_{topics.plain_name}", arguments) as ended,
-            joined([topics], which.model) as (driven,),
-        ):
-            if words is not None:
-                announce(driven, words)
-            await unless_shut_down(ended, drive(driven))
-
-    return run_until_told_to_leave(command())
+    return drive_robot("android_teleop", arguments, which, drive, words=f"waits for {imu}")

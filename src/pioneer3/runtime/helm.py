@@ -148,7 +148,7 @@ class Helm:
         return self.decide()
 
     def release(self, held: Hold) -> None:
-        """Let go by hand: the robot stops if nobody else drives, and the next wish is a fresh one."""
+        """Let go by hand: the robot stops if nobody else drives; the next wish is a fresh one."""
         held.release()
         self.decide()
         if not self.decision.wanted:

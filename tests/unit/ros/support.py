@@ -5,9 +5,9 @@ from typing import Any
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.ros.conventions import Conventions
-from pioneer3.ros.convert import Reading
-from pioneer3.ros.tree import tree_of
+from pioneer3.ros.description.tree import tree_of
+from pioneer3.ros.messages.conventions import Conventions
+from pioneer3.ros.messages.convert import Reading
 from pioneer3.state import Battery, Motors, Odometry, Snapshot
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pioneer3.ros.arrival1 import LONGEST, Arrivals, NotingSocket
+from pioneer3.ros.ros1.arrivals import LONGEST, Arrivals, NotingSocket
 
 pytestmark = pytest.mark.realtime
 

@@ -3,8 +3,8 @@ from math import hypot, inf, nan
 
 import pytest
 
-from pioneer3.ros import clouds
-from pioneer3.ros.conventions import Conventions
+from pioneer3.ros.messages import clouds
+from pioneer3.ros.messages.conventions import Conventions
 from pioneer3.state import Bumpers, Sonar
 from tests.unit.ros.support import P3AT, Blank, reading, seen
 

@@ -6,8 +6,8 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.ros import convert
-from pioneer3.ros.conventions import Conventions
+from pioneer3.ros.messages import convert
+from pioneer3.ros.messages.conventions import Conventions
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors
 from tests.unit.ros.support import Blank, reading, seen
 

@@ -6,7 +6,14 @@ import pytest
 from pioneer3.arcos.reports import Config, Fault
 from pioneer3.limits import Limits
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.diagnostics import Condition, Health, Level, conditions, fill, hardware_id
+from pioneer3.ros.messages.diagnostics import (
+    Condition,
+    Health,
+    Level,
+    conditions,
+    fill,
+    hardware_id,
+)
 from pioneer3.state import Battery, Identity, LinkQuality, Motors, Sonar, Words
 from tests.unit.ros.support import P3AT, Blank, seen
 

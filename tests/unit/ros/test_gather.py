@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import load_model
-from pioneer3.ros import clouds, convert
-from pioneer3.ros.gather import RING, Gatherer
+from pioneer3.ros.messages import clouds, convert
+from pioneer3.ros.messages.gather import RING, Gatherer
 from pioneer3.state import Bumpers, Motors, Snapshot, Sonar
 from tests.unit.ros.support import Blank, reading, seen
 

@@ -9,10 +9,10 @@ import pytest
 
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.errors import ConfigError
-from pioneer3.ros import rospy_path
-from pioneer3.ros.package1 import install_package
-from pioneer3.ros.start1 import stay_on_this_computer
-from pioneer3.ros.topics import Profile, topics_of
+from pioneer3.ros.interface.topics import Profile, topics_of
+from pioneer3.ros.ros1 import rospy_path
+from pioneer3.ros.ros1.package import install_package
+from pioneer3.ros.ros1.start import stay_on_this_computer
 from tests.unit.ros.support import P3AT
 
 DEMOS = (

@@ -4,7 +4,7 @@ import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2, Twist2, arc
 from pioneer3.models import load_model, shape_of
-from pioneer3.ros.joints import WheelAngles, joint_states
+from pioneer3.ros.messages.joints import WheelAngles, joint_states
 from tests.unit.ros.support import P3AT, Blank, reading, seen
 
 P3DX = load_model("p3dx-sh")

@@ -3,10 +3,10 @@
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.lab import CommandTopic, lab_commands, lab_node
-from pioneer3.ros.parameters import read_parameters
-from pioneer3.ros.start1 import node_name
-from pioneer3.ros.topics import Profile, command_topics
+from pioneer3.ros.interface.lab import CommandTopic, lab_commands, lab_node
+from pioneer3.ros.interface.parameters import read_parameters
+from pioneer3.ros.interface.topics import Profile, command_topics
+from pioneer3.ros.ros1.start import node_name
 
 ALL = CommandTopic("/RosAria/cmd_vel", shared=True)
 

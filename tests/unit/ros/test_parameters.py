@@ -3,10 +3,10 @@ from math import inf, nan
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.conventions import NoEcho
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.parameters import Parameters, doubts, read_parameters
-from pioneer3.ros.topics import Profile
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.interface.parameters import Parameters, doubts, read_parameters
+from pioneer3.ros.interface.topics import Profile
+from pioneer3.ros.messages.conventions import NoEcho
 
 
 def test_without_any_it_is_as_rosaria() -> None:

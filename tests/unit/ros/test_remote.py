@@ -10,8 +10,8 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.ros import clouds, convert
-from pioneer3.ros.gather import Gatherer
+from pioneer3.ros.messages import clouds, convert
+from pioneer3.ros.messages.gather import Gatherer
 from pioneer3.ros.remote import SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.priorities import PROGRAM

@@ -5,7 +5,7 @@ import pytest
 from pioneer3.arcos import commands
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
-from pioneer3.ros.settings import PARAMETERS, changed, in_force, settled, to_send, written
+from pioneer3.ros.interface.settings import PARAMETERS, changed, in_force, settled, to_send, written
 
 LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5, deceleration=1.5)
 

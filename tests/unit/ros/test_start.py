@@ -1,8 +1,8 @@
 import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros import start1
-from pioneer3.ros.start1 import Options, serve, simulator_or_robot
+from pioneer3.ros.ros1 import start
+from pioneer3.ros.ros1.start import Options, serve, simulator_or_robot
 from pioneer3.runtime.ports import SerialPort
 from pioneer3.runtime.probe import SIMULATOR_URL, Probed, Verdict
 
@@ -18,9 +18,9 @@ def answering(monkeypatch: pytest.MonkeyPatch, **verdicts: Verdict) -> None:
     async def probe_port(port: SerialPort) -> Probed:
         return Probed(port.path, verdicts["serial"], "", port)
 
-    monkeypatch.setattr(start1, "probe", probe)
-    monkeypatch.setattr(start1, "probe_port", probe_port)
-    monkeypatch.setattr(start1, "list_ports", lambda: (SERIAL,))
+    monkeypatch.setattr(start, "probe", probe)
+    monkeypatch.setattr(start, "probe_port", probe_port)
+    monkeypatch.setattr(start, "list_ports", lambda: (SERIAL,))
 
 
 @pytest.mark.parametrize("kind", [Verdict.SIMULATOR, Verdict.ROBOT])

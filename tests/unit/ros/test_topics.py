@@ -1,6 +1,6 @@
 from pioneer3.models import load_model
-from pioneer3.ros.conventions import Conventions
-from pioneer3.ros.topics import Profile, Topic, command_names, topics_of
+from pioneer3.ros.interface.topics import Profile, Topic, command_names, topics_of
+from pioneer3.ros.messages.conventions import Conventions
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Sonar
 from tests.unit.ros.support import P3AT, Blank, reading, seen
 

@@ -6,12 +6,17 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of
-from pioneer3.ros import convert, transforms
-from pioneer3.ros.conventions import Conventions
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.showing1 import MODELS
-from pioneer3.ros.tree import bumper_corners, bumper_segments, tree_of, wheel_joint_names
-from pioneer3.ros.urdf import describe
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.description.tree import (
+    bumper_corners,
+    bumper_segments,
+    tree_of,
+    wheel_joint_names,
+)
+from pioneer3.ros.description.urdf import describe
+from pioneer3.ros.messages import convert, transforms
+from pioneer3.ros.messages.conventions import Conventions
+from pioneer3.ros.ros1.showing import MODELS
 from tests.unit.ros.support import P3AT, Blank, reading, seen
 
 EVERY = [load_model(name) for name in model_names()]

@@ -12,11 +12,11 @@ from typing import Any, Final, NamedTuple
 from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Twist2
-from pioneer3.ros import convert
-from pioneer3.ros.arbiter import Arbiter
-from pioneer3.ros.arrival1 import Arrivals
-from pioneer3.ros.lab import CommandTopic
-from pioneer3.ros.messages1 import message_class
+from pioneer3.ros.interface.arbiter import Arbiter
+from pioneer3.ros.interface.lab import CommandTopic
+from pioneer3.ros.messages import convert
+from pioneer3.ros.ros1.arrivals import Arrivals
+from pioneer3.ros.ros1.messages import message_class
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
 
@@ -35,7 +35,7 @@ class Order(NamedTuple):
     at: float
 
 
-class Commands1:
+class Commands:
     """Drives `robot` as the messages on its command topics say.
 
     Args:

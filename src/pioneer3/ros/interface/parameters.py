@@ -8,11 +8,11 @@ from math import inf, isfinite, pi
 from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.conventions import DRIVING, Beam, Conventions, NoEcho
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.given import Given, choice, flag, frame, number, numbers, words
-from pioneer3.ros.lab import checked_lab_name
-from pioneer3.ros.topics import Profile
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.interface.given import Given, choice, flag, frame, number, numbers, words
+from pioneer3.ros.interface.lab import checked_lab_name
+from pioneer3.ros.interface.topics import Profile
+from pioneer3.ros.messages.conventions import DRIVING, Beam, Conventions, NoEcho
 
 TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
 """Silence of cmd_vel after which the robot stops [s]."""

@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import suppress
 from typing import Any, Final
 
-from pioneer3.ros.messages1 import message_class
+from pioneer3.ros.ros1.messages import message_class
 from pioneer3.teleop.flick import key_of
 from pioneer3.teleop.keyboard import Key
 

@@ -9,8 +9,8 @@ from typing import Final
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import LaserMount, RobotModel, Shape, shape_of
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.tree import BUMPER_HEIGHT, SCAN_HEIGHT, Tree, bumper_corners
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.description.tree import BUMPER_HEIGHT, SCAN_HEIGHT, Tree, bumper_corners
 
 COLORS: Final[Mapping[str, tuple[float, float, float]]] = MappingProxyType(
     {

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import SONAR_MAX
-from pioneer3.ros.convert import Reading, head
-from pioneer3.ros.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
+from pioneer3.ros.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
+from pioneer3.ros.messages.convert import Reading, head
 from pioneer3.state import Sonar
 
 FLOAT32: Final = 7

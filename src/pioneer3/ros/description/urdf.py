@@ -3,9 +3,9 @@
 from xml.etree import ElementTree as ET
 
 from pioneer3.models import RobotModel
-from pioneer3.ros.body import COLORS, Solid, solids_of
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.tree import Joint, Tree
+from pioneer3.ros.description.body import COLORS, Solid, solids_of
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.description.tree import Joint, Tree
 
 MAKER = "Drawn by pioneer3 from the robot's model."
 """In every description of ours, and in no other."""

@@ -5,7 +5,7 @@ from typing import Any
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.ros.convert import Reading, head
+from pioneer3.ros.messages.convert import Reading, head
 from pioneer3.state import Odometry
 
 STRAIGHT = 1e-6

@@ -7,8 +7,8 @@ from typing import Final
 
 from pioneer3 import __version__
 from pioneer3.errors import ConfigError
-from pioneer3.ros.messages1 import BUMPER_KIND, BUMPER_STATE
-from pioneer3.ros.showing1 import showing_files
+from pioneer3.ros.ros1.messages import BUMPER_KIND, BUMPER_STATE
+from pioneer3.ros.ros1.showing import showing_files
 
 NAME: Final = "pioneer3"
 MANIFEST: Final = """<?xml version="1.0"?>

@@ -6,9 +6,9 @@ from textwrap import indent
 from typing import Final
 
 from pioneer3.models import load_model
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.tree import tree_of
-from pioneer3.ros.urdf import describe
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.description.tree import tree_of
+from pioneer3.ros.description.urdf import describe
 
 Settings = Mapping[str, str | int | float]
 """Of a display, by their names in rviz."""

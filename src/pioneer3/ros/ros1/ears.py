@@ -8,10 +8,10 @@ from math import inf
 from typing import Any, Final
 
 from pioneer3.models import RobotModel
-from pioneer3.ros.gather import Gatherer
-from pioneer3.ros.graph import ODOMETRY, RobotTopics
-from pioneer3.ros.messages1 import BUMPER_KIND, message_class
+from pioneer3.ros.interface.graph import ODOMETRY, RobotTopics
+from pioneer3.ros.messages.gather import Gatherer
 from pioneer3.ros.remote import TopicSupervisor
+from pioneer3.ros.ros1.messages import BUMPER_KIND, message_class
 
 TOGETHER: Final = 0.01
 """Messages of one reading come over several connections, all within this time [s]."""

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.lab import NODE
+from pioneer3.ros.interface.lab import NODE
 
 ODOMETRY: Final = "nav_msgs/Odometry"
 TWIST: Final = "geometry_msgs/Twist"

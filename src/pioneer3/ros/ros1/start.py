@@ -11,12 +11,12 @@ from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.lab import NODE, lab_node
-from pioneer3.ros.master1 import MasterWatch, wait_for_master
-from pioneer3.ros.parameters import MODEL, SIMULATED, Parameters, doubts, read_parameters
-from pioneer3.ros.ros1 import Ros1Node
-from pioneer3.ros.rospy_path import find_rospy
-from pioneer3.ros.settings import NAMES
+from pioneer3.ros.interface.lab import NODE, lab_node
+from pioneer3.ros.interface.parameters import MODEL, SIMULATED, Parameters, doubts, read_parameters
+from pioneer3.ros.interface.settings import NAMES
+from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
+from pioneer3.ros.ros1.node import Ros1Node
+from pioneer3.ros.ros1.rospy_path import find_rospy
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.identity import is_simulator, kind
 from pioneer3.runtime.ports import list_ports

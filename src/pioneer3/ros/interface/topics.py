@@ -6,10 +6,10 @@ from enum import StrEnum
 from typing import Any, Final
 
 from pioneer3.models import RobotModel
-from pioneer3.ros import clouds, convert, joints, ranges, transforms
-from pioneer3.ros.conventions import Conventions
-from pioneer3.ros.convert import RECHARGE_STATES, Reading
-from pioneer3.ros.lab import CommandTopic, lab_commands
+from pioneer3.ros.interface.lab import CommandTopic, lab_commands
+from pioneer3.ros.messages import clouds, convert, joints, ranges, transforms
+from pioneer3.ros.messages.conventions import Conventions
+from pioneer3.ros.messages.convert import RECHARGE_STATES, Reading
 from pioneer3.state import Charging
 
 SLOWLY: Final = 1.0

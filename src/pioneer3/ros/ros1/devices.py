@@ -6,11 +6,11 @@ from contextlib import aclosing
 from typing import Any, Final, TypeVar
 
 from pioneer3.errors import DeviceError
-from pioneer3.ros import ranges
-from pioneer3.ros.audience1 import Audience
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.messages1 import make, message_class
-from pioneer3.ros.publish1 import QUEUE
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.messages import ranges
+from pioneer3.ros.ros1.audience import Audience
+from pioneer3.ros.ros1.messages import make, message_class
+from pioneer3.ros.ros1.publishers import QUEUE
 from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.tasks import running
@@ -21,7 +21,7 @@ PAUSE: Final = 0.5
 V = TypeVar("V", Scan, GyroReading)
 
 
-class Devices1:
+class Devices:
     """Publishes `scan` and `imu/data_raw`, if the robot has a laser and a gyro that can be read.
 
     Args:

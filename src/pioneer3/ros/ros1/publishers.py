@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from pioneer3.ros.convert import Reading
-from pioneer3.ros.messages1 import make, message_class
-from pioneer3.ros.topics import Profile, Topic
+from pioneer3.ros.interface.topics import Profile, Topic
+from pioneer3.ros.messages.convert import Reading
+from pioneer3.ros.ros1.messages import make, message_class
 
 QUEUE: Final = 10
 """Messages that wait for a slow subscriber; without a bound rospy blocks the publisher."""
@@ -43,7 +43,7 @@ class _Row:
             publisher.publish(message)
 
 
-class Publishers1:
+class Publishers:
     """Publishes the topics of `profile` that are in a table."""
 
     def __init__(self, topics: Sequence[Topic], profile: Profile) -> None:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from math import inf
 from typing import Any, Final
 
-from pioneer3.ros.conventions import UNMEASURED, Beam, NoEcho
-from pioneer3.ros.convert import Reading, head
+from pioneer3.ros.messages.conventions import UNMEASURED, Beam, NoEcho
+from pioneer3.ros.messages.convert import Reading, head
 from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.state import Scan
 

@@ -2,12 +2,10 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Coroutine, Iterable, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, closing, suppress
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from functools import partial
-from socket import create_connection
 from typing import Any, Final
-from urllib.parse import urlsplit
 
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, NoRobotError
@@ -15,71 +13,55 @@ from pioneer3.geometry import Twist2
 from pioneer3.models import find_model, load_model
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.ears1 import Ears
-from pioneer3.ros.graph import TWIST, RobotTopics, robots_on
-from pioneer3.ros.messages1 import message_class
-from pioneer3.ros.parameters import MODEL, SIMULATED
+from pioneer3.ros.interface.graph import TWIST, RobotTopics
+from pioneer3.ros.interface.parameters import MODEL, SIMULATED
 from pioneer3.ros.remote import TopicRobot, TopicSupervisor
-from pioneer3.ros.rospy_path import find_rospy
-from pioneer3.ros.start1 import stay_on_this_computer
+from pioneer3.ros.ros1.ears import Ears
+from pioneer3.ros.ros1.messages import message_class
+from pioneer3.ros.ros1.start import stay_on_this_computer
 from pioneer3.runtime.identity import SIMULATOR_SERIAL
 from pioneer3.runtime.tasks import running
 from pioneer3.state import Identity
 
 FIRST: Final = 5.0
 """Longest wait for the first reading [s]."""
-ALIVE: Final = 0.5
-"""A node that takes no connection within this time [s] has gone."""
 FAREWELL: Final = 0.1
 """rospy sends in threads of its own; a stop needs this long to be on its way [s]."""
+SERVED: Final = 0.5
+"""A service that does not answer within this time [s] is not there."""
 UNKNOWN_MODEL: Final = "p3at-sh"
 """What a robot is taken for whose node does not tell: the largest."""
 
 
-def find_robots() -> list[RobotTopics]:
-    """Return the robots on the master whose nodes are alive.
+async def run_program(
+    name: str,
+    arguments: Sequence[str],
+    robots: Iterable[RobotTopics],
+    model: str | None,
+    work: Callable[[list[TopicRobot]], Coroutine[Any, Any, None]],
+) -> None:
+    """Be a ROS node and do `work` with robots, until it is done or the node is shut down.
 
-    Raises:
-        ConfigError: ROS 1 is not installed.
-        NoRobotError: there is no master.
-    """
-    find_rospy()
-    import rosgraph  # noqa: PLC0415
-
-    uri = rosgraph.get_master_uri()
-    master = rosgraph.Master("/pioneer3")
-    try:
-        publishers, subscribers, _ = master.getSystemState()
-        types = dict(master.getTopicTypes())
-        found = robots_on(publishers, subscribers, types)
-        return [robot for robot in found if _is_alive(master.lookupNode(robot.node))]
-    except (OSError, rosgraph.MasterException) as error:
-        raise NoRobotError(
-            f"there is no ROS master at {uri} ({error}): start roscore, or set ROS_MASTER_URI"
-        ) from error
-
-
-def _is_alive(uri: str) -> bool:
-    """Whether a node answers at its address: one that was killed stays registered."""
-    address = urlsplit(uri)
-    try:
-        with closing(create_connection((address.hostname, address.port), ALIVE)):
-            return True
-    except OSError:
-        return False
-
-
-@asynccontextmanager
-async def program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio.Event]:
-    """Be a ROS node while the block lasts; the event says that somebody shut it down.
+    Then they stand.
 
     Args:
         name: Of the node, unless `arguments` have another.
         arguments: ROS's own.
+        robots: On the master.
+        model: What they are; if `None`, what their nodes say.
+        work: Drives them.
 
     Raises:
-        ConfigError: one of them is none.
+        ConfigError: an argument is none of ROS's, or there is no such model.
+        NoRobotError: a robot is silent.
     """
+    async with _program(name, arguments) as ended, _joined_all(robots, model) as driven:
+        await _unless_shut_down(ended, work(driven))
+
+
+@asynccontextmanager
+async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio.Event]:
+    """Be a ROS node while the block lasts; the event says that somebody shut it down."""
     import rosgraph  # noqa: PLC0415
     import rospy  # noqa: PLC0415
 
@@ -105,7 +87,7 @@ async def program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio.
         await asyncio.to_thread(rospy.signal_shutdown, "the program ends")
 
 
-async def unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]) -> None:
+async def _unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]) -> None:
     """Do `work`, or as much of it as there is time for until the node is shut down."""
     working, ending = asyncio.create_task(work), asyncio.create_task(ended.wait())
     try:
@@ -119,19 +101,10 @@ async def unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]
 
 
 @asynccontextmanager
-async def joined(
-    robots: Iterable[RobotTopics], model: str | None = None
+async def _joined_all(
+    robots: Iterable[RobotTopics], model: str | None
 ) -> AsyncIterator[list[TopicRobot]]:
-    """Listen to robots and be ready to drive them while the block lasts; then they stand.
-
-    Args:
-        robots: On the master.
-        model: What they are; if `None`, what their nodes say.
-
-    Raises:
-        NoRobotError: one is silent.
-        ConfigError: there is no such model.
-    """
+    """Listen to robots and be ready to drive them while the block lasts; then they stand."""
     async with AsyncExitStack() as stack:
         ones = [await stack.enter_async_context(_joined(topics, model)) for topics in robots]
         yield ones
@@ -195,7 +168,7 @@ def _switch_motors(node: str, on: bool) -> None:
     def call() -> None:
         for full in (f"{node}/{name}", f"{node.rpartition('/')[0]}/{name}"):
             with suppress(rospy.ROSException, rospy.ServiceException):
-                rospy.wait_for_service(full, ALIVE)
+                rospy.wait_for_service(full, SERVED)
                 rospy.ServiceProxy(full, Empty)()
                 return
         rospy.logwarn(f"{node} has no service {name}")

@@ -1,4 +1,4 @@
-"""ROS 1 message classes by name; :func:`pioneer3.ros.rospy_path.find_rospy` comes first."""
+"""ROS 1 message classes by name; :func:`pioneer3.ros.ros1.rospy_path.find_rospy` comes first."""
 
 from functools import cache
 from importlib import import_module

@@ -8,12 +8,12 @@ from typing import Any, Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
-from pioneer3.ros.settings import PARAMETERS, in_force, settled, written
+from pioneer3.ros.interface.settings import PARAMETERS, in_force, settled, written
 
 LEVEL: Final = 0
 
 
-class Reconfigure1:
+class Reconfigure:
     """The server of the node's own parameters.
 
     Made in a thread: it talks to the master.

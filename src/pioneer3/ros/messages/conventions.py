@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Final
 
 from pioneer3.robot.assemble import SONAR_MAX
-from pioneer3.ros.frames import Frames
+from pioneer3.ros.description.frames import Frames
 
 UNMEASURED: Final = 1e6
 """Variance of what a robot on wheels does not measure: z, roll and pitch."""

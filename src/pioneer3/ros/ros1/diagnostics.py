@@ -4,17 +4,17 @@ import asyncio
 from typing import Any, Final
 
 from pioneer3.robot.supervisor import Connection
-from pioneer3.ros.audience1 import Audience
-from pioneer3.ros.diagnostics import Condition, Health, conditions, fill, hardware_id
-from pioneer3.ros.messages1 import make, message_class
-from pioneer3.ros.publish1 import QUEUE
+from pioneer3.ros.messages.diagnostics import Condition, Health, conditions, fill, hardware_id
+from pioneer3.ros.ros1.audience import Audience
+from pioneer3.ros.ros1.messages import make, message_class
+from pioneer3.ros.ros1.publishers import QUEUE
 from pioneer3.runtime.robot import Robot
 
 PERIOD: Final = 1.0
 """Between two messages [s] (REP 107)."""
 
 
-class Diagnostics1:
+class Diagnostics:
     """Tells monitors about `robot`, also while it is lost."""
 
     def __init__(self, robot: Robot) -> None:

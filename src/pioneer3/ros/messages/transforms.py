@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from pioneer3.ros.convert import Reading, head, place
-from pioneer3.ros.tree import Joint
+from pioneer3.ros.description.tree import Joint
+from pioneer3.ros.messages.convert import Reading, head, place
 
 
 def moving(message: Any, reading: Reading) -> None:

@@ -8,8 +8,8 @@ from typing import Any, Final, NamedTuple
 from pioneer3.arcos import commands
 from pioneer3.errors import CommandError
 from pioneer3.geometry import ORIGIN
-from pioneer3.ros.diagnostics import Condition, Level
-from pioneer3.ros.topics import Profile, command_names
+from pioneer3.ros.interface.topics import Profile, command_names
+from pioneer3.ros.messages.diagnostics import Condition, Level
 from pioneer3.runtime.robot import Robot
 
 PATIENCE: Final = 2.0
@@ -23,7 +23,7 @@ class Answer(NamedTuple):
     message: str
 
 
-class Services1:
+class Services:
     """What can be asked of the robot beside driving.
 
     Args:

@@ -12,9 +12,9 @@ from typing import Any, Final
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel
 from pioneer3.robot.limits import checked
-from pioneer3.ros.conventions import DRIVING, STANDING, Conventions
-from pioneer3.ros.frames import Frames
-from pioneer3.ros.tree import Tree
+from pioneer3.ros.description.frames import Frames
+from pioneer3.ros.description.tree import Tree
+from pioneer3.ros.messages.conventions import DRIVING, STANDING, Conventions
 from pioneer3.state import Bumpers, Charging, Odometry, Snapshot
 
 RECHARGE_STATES: Final = {

@@ -3,12 +3,12 @@
 from contextlib import suppress
 from typing import Final
 
-from pioneer3.ros.urdf import MAKER
+from pioneer3.ros.description.urdf import MAKER
 
 NAME: Final = "robot_description"
 
 
-class Description1:
+class Description:
     """Sets `robot_description`, unless somebody else has; takes it away again.
 
     Its methods talk to the master, so they are called in a thread.

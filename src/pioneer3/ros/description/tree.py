@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.ros.frames import Frames
+from pioneer3.ros.description.frames import Frames
 
 TINY: Final = 1e-9
 HERE: Final = (0.0, 0.0, 0.0)

@@ -10,21 +10,21 @@ from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError
 from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import Connection
-from pioneer3.ros.commands1 import Commands1
-from pioneer3.ros.convert import Reading
-from pioneer3.ros.describe1 import Description1
-from pioneer3.ros.devices1 import Devices1
-from pioneer3.ros.diagnose1 import Diagnostics1
-from pioneer3.ros.joints import WheelAngles
-from pioneer3.ros.messages1 import make
-from pioneer3.ros.parameters import Parameters
-from pioneer3.ros.publish1 import Publishers1
-from pioneer3.ros.reconfigure1 import Reconfigure1
-from pioneer3.ros.services1 import Services1
-from pioneer3.ros.settings import changed, to_send
-from pioneer3.ros.topics import Profile, Topic, command_topics, topics_of
-from pioneer3.ros.tree import Tree, tree_of
-from pioneer3.ros.urdf import describe
+from pioneer3.ros.description.tree import Tree, tree_of
+from pioneer3.ros.description.urdf import describe
+from pioneer3.ros.interface.parameters import Parameters
+from pioneer3.ros.interface.settings import changed, to_send
+from pioneer3.ros.interface.topics import Profile, Topic, command_topics, topics_of
+from pioneer3.ros.messages.convert import Reading
+from pioneer3.ros.messages.joints import WheelAngles
+from pioneer3.ros.ros1.commands import Commands
+from pioneer3.ros.ros1.description import Description
+from pioneer3.ros.ros1.devices import Devices
+from pioneer3.ros.ros1.diagnostics import Diagnostics
+from pioneer3.ros.ros1.messages import make
+from pioneer3.ros.ros1.publishers import Publishers
+from pioneer3.ros.ros1.reconfigure import Reconfigure
+from pioneer3.ros.ros1.services import Services
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.tasks import running
 from pioneer3.state import Bumpers, Snapshot
@@ -48,16 +48,16 @@ class Ros1Node:
         self._parameters = parameters
         self._loop = asyncio.get_running_loop()
         topics = command_topics(parameters.profile, parameters.lab_name)
-        self._commands = Commands1(robot, topics, parameters.timeout, self._warn)
+        self._commands = Commands(robot, topics, parameters.timeout, self._warn)
         self._given = dict(given or {})
         self._sent: list[Command] = []
-        self._reconfigure: Reconfigure1 | None = None
-        self._publishers = Publishers1(_topics(parameters, robot.info.model), parameters.profile)
+        self._reconfigure: Reconfigure | None = None
+        self._publishers = Publishers(_topics(parameters, robot.info.model), parameters.profile)
         self._frames = parameters.conventions.frames.with_prefix(parameters.conventions.prefix)
         self._model, self._tree = robot.info.model, self._tree_of(robot.info.model)
         self._wheels = WheelAngles()
-        self._diagnostics = Diagnostics1(robot)
-        self._services = Services1(
+        self._diagnostics = Diagnostics(robot)
+        self._services = Services(
             robot,
             parameters.profile,
             sonar=parameters.sonar,
@@ -65,8 +65,8 @@ class Ros1Node:
             moved=self._wheels.jumped,
             warn=self._warn,
         )
-        self._devices = Devices1(robot, self._frames, self._ros_time)
-        self._description = Description1()
+        self._devices = Devices(robot, self._frames, self._ros_time)
+        self._description = Description()
         self._ended = asyncio.Event()
 
     async def run(self, ready: Callable[[], None]) -> None:
@@ -103,7 +103,7 @@ class Ros1Node:
             self._devices.advertise()
         self.describe_robot()
         self._commands.subscribe()
-        self._reconfigure = Reconfigure1(self._robot.info.limits, self._given, self._reconfigured)
+        self._reconfigure = Reconfigure(self._robot.info.limits, self._given, self._reconfigured)
 
     def describe_robot(self) -> None:
         """Set `robot_description`, in a thread: with bumpers and laser if the robot has them."""

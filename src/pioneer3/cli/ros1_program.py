@@ -1,0 +1,80 @@
+"""What the demos on ROS 1 topics share: which robot, and to be a node while it is driven."""
+
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from pioneer3.cli.loop import run_until_told_to_leave
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.stack import Stack
+    from pioneer3.ros.remote import TopicRobot
+
+Arguments = Annotated[str, Parameter(show=False)]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Which:
+    """The robot to drive.
+
+    Attributes:
+        robot: Its name, if there are several; pioneer3 ros1 robots lists them.
+        model: What it is, where its node does not tell: p3at-sh, p3dx-sh.
+    """
+
+    robot: Annotated[str | None, Parameter(name=["--robot", "-r"])] = None
+    model: str | None = None
+
+
+ANY = Which()
+
+
+def run_mode(
+    name: str,
+    arguments: tuple[str, ...],
+    which: Which,
+    mode: "Stack",
+    *,
+    seconds: float | None,
+    json: bool,
+) -> int:
+    """Let `mode` drive the robot for `seconds`, as the node `name`."""
+
+    async def drive(driven: "TopicRobot") -> None:
+        from pioneer3.cli.live import show_while  # noqa: PLC0415
+
+        length = inf if seconds is None else seconds
+        await show_while(driven, driven.run(mode, length), json=json)
+
+    words = None if json else f"{mode.hint}; Ctrl-C stops it"
+    return drive_robot(name, arguments, which, drive, words=words)
+
+
+def drive_robot(
+    name: str,
+    arguments: tuple[str, ...],
+    which: Which,
+    drive: "Callable[[TopicRobot], Coroutine[Any, Any, None]]",
+    *,
+    words: str | None = None,
+) -> int:
+    """Find the robot, be the node `name` and drive, until that ends or Ctrl-C."""
+    from pioneer3.ros.interface.graph import chosen  # noqa: PLC0415
+    from pioneer3.ros.ros1.client import run_program  # noqa: PLC0415
+    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
+
+    async def work(robots: "list[TopicRobot]") -> None:
+        from pioneer3.cli.live import announce  # noqa: PLC0415
+
+        (robot,) = robots
+        if words is not None:
+            announce(robot, words)
+        await drive(robot)
+
+    topics = chosen(find_robots(), which.robot)
+    node = f"{name}_{topics.plain_name}"
+    return run_until_told_to_leave(run_program(node, arguments, [topics], which.model, work))

@@ -1,0 +1,1 @@
+"""Readings to messages and back. Needs no ROS: message classes are handed in."""
