@@ -6,7 +6,7 @@ import os
 import signal
 import socket
 import subprocess
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,9 +40,17 @@ def environment_of(port: int, home: Path) -> dict[str, str]:
 @contextmanager
 def roscore(port: int, home: Path) -> Iterator[None]:
     """Run a master while the block lasts."""
+    command = ("roscore", "-p", str(port))
+    with started(command, "started core service [/rosout]", environment_of(port, home)):
+        yield
+
+
+@contextmanager
+def started(command: Sequence[str], words: str, ros: Mapping[str, str]) -> Iterator[str]:
+    """Run a command; the block begins with the line in which it says `words`."""
     process = subprocess.Popen(
-        ["roscore", "-p", str(port)],
-        env={**environment(), **environment_of(port, home)},
+        command,
+        env={**environment(), **ros},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -50,13 +58,15 @@ def roscore(port: int, home: Path) -> Iterator[None]:
         start_new_session=True,
     )
     assert process.stdout is not None
+    said: list[str] = []
     try:
         for line in process.stdout:
-            if "started core service [/rosout]" in line:
+            said.append(line)
+            if words in line:
                 break
         else:
-            raise AssertionError("roscore ended")
-        yield
+            raise AssertionError("".join(said))
+        yield said[-1]
     finally:
         process.send_signal(signal.SIGINT)
         try:
@@ -77,24 +87,16 @@ async def ros(*command: str, patience: float = PATIENCE) -> str:
 
 async def ended(*command: str, patience: float = PATIENCE) -> tuple[int, str]:
     """Run a command to its end, or for `patience` [s]; return its exit code and what it says."""
-    process = await asyncio.create_subprocess_exec(
-        *command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        env=environment(),
-        start_new_session=True,
-    )
-    assert process.stdout is not None
+    process, output = await _begin(command)
     said = bytearray()
     try:
         async with asyncio.timeout(patience):
-            while data := await process.stdout.read(4096):
+            while data := await output.read(4096):
                 said += data
             await process.wait()
     except TimeoutError:
         process.send_signal(signal.SIGINT)
-        said += await process.stdout.read()
+        said += await output.read()
         await process.wait()
     assert process.returncode is not None
     return process.returncode, said.decode()
@@ -103,6 +105,23 @@ async def ended(*command: str, patience: float = PATIENCE) -> tuple[int, str]:
 @asynccontextmanager
 async def until_said(words: str, *command: str) -> AsyncIterator[None]:
     """Run one of ROS's commands; the block begins when it says `words`, and ends it."""
+    process, output = await _begin(command)
+    said = ""
+    try:
+        async with asyncio.timeout(PATIENCE):
+            while words not in said:
+                line = (await output.readline()).decode()
+                assert line, said
+                said += line
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        async with asyncio.timeout(PATIENCE):
+            await process.communicate()
+
+
+async def _begin(command: Sequence[str]) -> tuple[asyncio.subprocess.Process, asyncio.StreamReader]:
+    """Start a command; return it, and all that it says."""
     process = await asyncio.create_subprocess_exec(
         *command,
         stdin=subprocess.DEVNULL,
@@ -112,18 +131,7 @@ async def until_said(words: str, *command: str) -> AsyncIterator[None]:
         start_new_session=True,
     )
     assert process.stdout is not None
-    said = ""
-    try:
-        async with asyncio.timeout(PATIENCE):
-            while words not in said:
-                line = (await process.stdout.readline()).decode()
-                assert line, said
-                said += line
-        yield
-    finally:
-        process.send_signal(signal.SIGINT)
-        async with asyncio.timeout(PATIENCE):
-            await process.communicate()
+    return process, process.stdout
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,12 @@
 """A simulated robot among walls, with bumpers and a gyro, and its node."""
 
-import os
 import signal
-import subprocess
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
-from tests.e2e.processes import COMMAND, PATIENCE, Command, environment, running
+from tests.e2e.processes import COMMAND, Command, running
+from tests.ros1.master import started
 
 ROBOT = ("sim", "--ideal", "--fit", "bumpers,gyro", "--port", "0")
 
@@ -37,32 +36,7 @@ async def office(*arguments: str) -> AsyncIterator[Office]:
 def shared_office(ros: Mapping[str, str], *arguments: str) -> Iterator[None]:
     """Run both, for as many tests as need no others, while the block lasts."""
     with (
-        _started(ROBOT, "SIMULATOR", ros) as said,
-        _started(("ros1", "--port", said.split()[-1], *arguments), "node /", ros),
+        started((*COMMAND, *ROBOT), "SIMULATOR", ros) as said,
+        started((*COMMAND, "ros1", "--port", said.split()[-1], *arguments), "node /", ros),
     ):
         yield
-
-
-@contextmanager
-def _started(command: tuple[str, ...], words: str, ros: Mapping[str, str]) -> Iterator[str]:
-    """Run a command; the block begins with the line in which it says `words`."""
-    process = subprocess.Popen(
-        [*COMMAND, *command],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        env={**environment(), **ros},
-        text=True,
-        start_new_session=True,
-    )
-    assert process.stdout is not None
-    try:
-        yield next(line for line in process.stdout if words in line)
-    finally:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(PATIENCE)
-        finally:
-            if process.returncode is None:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
-            process.stdout.close()
