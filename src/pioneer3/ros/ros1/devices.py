@@ -9,8 +9,8 @@ from pioneer3.errors import DeviceError
 from pioneer3.ros.description.frames import Frames
 from pioneer3.ros.messages import ranges
 from pioneer3.ros.ros1.audience import Audience
-from pioneer3.ros.ros1.messages import make, message_class
-from pioneer3.ros.ros1.publishers import QUEUE
+from pioneer3.ros.ros1.messages import make
+from pioneer3.ros.ros1.outlet import outlet
 from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.tasks import running
@@ -43,9 +43,9 @@ class Devices:
     def advertise(self) -> None:
         """Tell the master, in a thread."""
         if self._laser.presence.there:
-            self._scan = _publisher("scan", "sensor_msgs/LaserScan", self._to_scans)
+            self._scan = outlet("scan", "sensor_msgs/LaserScan", listener=self._to_scans)
         if self._gyro.presence.there:
-            self._imu = _publisher("imu/data_raw", "sensor_msgs/Imu", self._to_imu)
+            self._imu = outlet("imu/data_raw", "sensor_msgs/Imu", listener=self._to_imu)
 
     async def serve(self) -> None:
         """Publish while somebody listens; ends by cancellation."""
@@ -72,14 +72,6 @@ class Devices:
         stamp = self._ros_time(reading.stamp)
         ranges.imu(message, reading, stamp=stamp, frame=self._frames.imu)
         self._imu.publish(message)
-
-
-def _publisher(name: str, kind: str, audience: Audience) -> Any:
-    import rospy  # noqa: PLC0415
-
-    return rospy.Publisher(
-        name, message_class(kind), queue_size=QUEUE, subscriber_listener=audience
-    )
 
 
 async def _while_heard(

@@ -6,8 +6,8 @@ from typing import Any, Final
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.messages.diagnostics import Condition, Health, conditions, fill, hardware_id
 from pioneer3.ros.ros1.audience import Audience
-from pioneer3.ros.ros1.messages import make, message_class
-from pioneer3.ros.ros1.publishers import QUEUE
+from pioneer3.ros.ros1.messages import make
+from pioneer3.ros.ros1.outlet import outlet
 from pioneer3.runtime.robot import Robot
 
 PERIOD: Final = 1.0
@@ -24,12 +24,8 @@ class Diagnostics:
 
     def advertise(self) -> None:
         """Tell the master, in a thread."""
-        import rospy  # noqa: PLC0415
-
-        kind = message_class("diagnostic_msgs/DiagnosticArray")
-        self._publisher = rospy.Publisher(
-            "/diagnostics", kind, queue_size=QUEUE, subscriber_listener=self._audience
-        )
+        kind = "diagnostic_msgs/DiagnosticArray"
+        self._publisher = outlet("/diagnostics", kind, listener=self._audience)
 
     def conditions(self) -> tuple[Condition, ...]:
         """Return how each part is now."""

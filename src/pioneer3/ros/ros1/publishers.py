@@ -6,10 +6,9 @@ from typing import Any, Final
 
 from pioneer3.ros.interface.topics import Profile, Topic
 from pioneer3.ros.messages.convert import Reading
-from pioneer3.ros.ros1.messages import make, message_class
+from pioneer3.ros.ros1.messages import make
+from pioneer3.ros.ros1.outlet import outlet
 
-QUEUE: Final = 10
-"""Messages that wait for a slow subscriber; without a bound rospy blocks the publisher."""
 UNKNOWN: Final = object()
 """Told of what is latched while there is no robot."""
 EARLY: Final = 0.05
@@ -52,13 +51,10 @@ class Publishers:
 
     def advertise(self) -> None:
         """Tell the master, in a thread: it may take its time."""
-        import rospy  # noqa: PLC0415
-
         for row in self._rows:
-            kind = message_class(row.topic.kind)
+            topic = row.topic
             row.publishers = [
-                rospy.Publisher(name, kind, queue_size=QUEUE, latch=row.topic.latched)
-                for name in row.topic.names(self._profile)
+                outlet(name, topic.kind, latch=topic.latched) for name in topic.names(self._profile)
             ]
 
     def publish(self, reading: Reading) -> None:
