@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pioneer3.ros.ros1.master import LOOK, SURVEY_EVERY
 from tests.e2e.processes import PATIENCE
 from tests.ros1.conftest import Lab, laboratory, simulated
 from tests.ros1.master import ended, environment_of, free_port, ros, roscore, script
@@ -28,7 +29,8 @@ async def test_without_a_timeout_one_message_keeps_it_moving(ros1: None) -> None
         poses = await script("press.py", "0.1", "3.0")
         assert poses[-1][1] == pytest.approx(0.1, abs=0.01)
         assert "UNSAFE" in await said_on_leaving(lab)
-        assert "cmd_vel_timeout" not in await ros("rosparam", "list")  # or the next one had it too
+        known = await ros("rosparam", "list")
+        assert "/RosAria/cmd_vel_timeout" not in known  # or the next one had it too
 
 
 async def test_what_is_no_number_moves_nothing_and_is_told(lab: Lab) -> None:
@@ -65,12 +67,16 @@ async def test_a_new_master_is_registered_with(home: Path, monkeypatch: pytest.M
     with roscore(port, home):
         stack = AsyncExitStack()
         lab = await stack.enter_async_context(laboratory())
+        setting = "{config: {ints: [{name: TicksMM, value: 139}]}}"
+        await ros("rosservice", "call", "/RosAria/set_parameters", setting)
+        await asyncio.sleep(LOOK * (SURVEY_EVERY + 0.5))
     async with stack:
         await lab.warns("ROS MASTER LOST")
         with roscore(port, home):
             await lab.warns("the ROS master is back")  # or the old one, which took its time
             await listed("/robot_description", "rosparam")  # comes last
             assert "/RosAria/cmd_vel" in await ros("rostopic", "list")
+            assert (await ros("rosparam", "get", "/RosAria/TicksMM")).strip() == "139"
             poses = await script("press.py", "0.3", "2.0")
             assert poses[-1][0] > 0.05
             assert "/RosAria/enable_motors" in await ros("rosservice", "list")

@@ -10,8 +10,8 @@ from xmlrpc.client import ServerProxy
 
 LOOK: Final = 1.0
 """Pause between two looks at the master [s]."""
-TYPES_EVERY: Final = 3
-"""Looks between two at the types of topics: that list is long."""
+SURVEY_EVERY: Final = 3
+"""Looks between two at the types of topics and at our parameters: these lists are long."""
 
 
 async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
@@ -43,11 +43,11 @@ class MasterWatch:
 
     def __init__(self, name: str, tell: Callable[[str], None]) -> None:
         from rosgraph import Master  # noqa: PLC0415
-        from rospy import get_node_uri, get_param  # noqa: PLC0415
+        from rospy import get_node_uri  # noqa: PLC0415
 
         self._name, self._uri = name, str(get_node_uri())
         self._master = Master(name)
-        self._parameters = get_param(name, {})
+        self._parameters: Any = {}
         self._tell = tell
         self.on_registered: Callable[[], None] = lambda: None
         self._away = False
@@ -71,7 +71,7 @@ class MasterWatch:
     def look(self) -> None:
         """Find out whether the master is there and knows this node; see to it that it does."""
         from rosgraph import MasterException  # noqa: PLC0415
-        from rospy import ROSException  # noqa: PLC0415
+        from rospy import ROSException, get_param  # noqa: PLC0415
 
         try:
             known = self._knows_us() and not self._unfinished
@@ -80,9 +80,10 @@ class MasterWatch:
                 self._register()
                 self.on_registered()
                 self._unfinished = False
-            self._looks += 1
-            if self._looks % TYPES_EVERY == 0:
+            if self._looks % SURVEY_EVERY == 0:
                 self._look_at_types()
+                self._parameters = get_param(self._name, {})  # for the next master
+            self._looks += 1
         except (OSError, MasterException, ROSException):
             if not self._away:
                 self._away = True

@@ -19,19 +19,14 @@ export class Inputs {
   #gamepads;
   #buttons = [...document.querySelectorAll(".key")];
 
-  /**
-   * @param hands {press, move, release, letGo, abandon, stop, emergencyStop, complain}: press(source, input, wish)
-   *              and move(input, wish) say whether it is held; letGo() of everything; abandon() when
-   *              a release may go unnoticed
-   * @param reset function()
-   */
-  constructor(hands, { reset }) {
+  /** @param hands Hands: what the inputs do */
+  constructor(hands) {
     this.#hands = hands;
     listenToKeys(hands);
     listenToPad(this.#buttons, hands);
     this.#stick = listenToStick(byId("stick"), hands);
     this.#tilt = new Tilt(byId("tilt-hold"), hands);
-    const acts = { stop: hands.stop, emergency_stop: hands.emergencyStop, reset };
+    const acts = { stop: hands.stop, emergency_stop: hands.emergencyStop, reset: hands.reset };
     this.#gamepads = new Gamepads({ hands, acts, changed: (lost) => this.#showGamepad(lost) });
     for (const way of WAYS) byId(`way-${way}`).addEventListener("click", () => this.#choose(way));
     byId("way-tilt").hidden = !(navigator.maxTouchPoints > 0 && BY_TOUCH.matches);

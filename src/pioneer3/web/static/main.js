@@ -5,8 +5,10 @@ import { Connection } from "./connection.js";
 import { Drive } from "./drive.js";
 import { Editor } from "./editor.js";
 import { Errand } from "./errand.js";
+import { expose } from "./exposed.js";
 import { listenToCanvas } from "./gestures.js";
 import { watchForLoss } from "./guard.js";
+import { Hands } from "./hands.js";
 import { robotAt } from "./draw_robots.js";
 import { showConnection, showRobot } from "./header.js";
 import { Inputs } from "./inputs.js";
@@ -59,7 +61,7 @@ const bench = new Workbench({
   world: model.world,
   send: sendEdit,
   driving: () => drive.holding,
-  toggled: () => (abandon(), errand.withdraw(), showEdit()), // keys of the pad may have gone from under a finger
+  toggled: () => (hands.abandon(), errand.withdraw(), showEdit()), // keys of the pad may have gone from under a finger
 });
 const errand = new Errand({
   view, scene, model,
@@ -75,6 +77,7 @@ const post = new StopPost({
   ping: () => connection.ping(),
   delivered: () => toast("The stop has arrived, late."),
 });
+const hands = new Hands({ drive, model, post, connection, complain: toast, changed: refresh });
 const panels = new Panels({
   send: sendToRobot,
   complain: toast,
@@ -253,60 +256,9 @@ function refresh() {
   errand.show();
 }
 
-function press(source, input, wish) {
-  if (model.obstacle === null) return drive.press(source, input, wish);
-  toast(model.obstacle);
-  return false;
-}
-
-/**
- * The user may have lost hold of the page. Leaves a robot alone that somebody else drives, and a
- * mode that was started here: that goes on while this page is there.
- * @param why in words, or nothing where the user knows
- */
-function abandon(why) {
-  if (!drive.active && (model.driver !== "you" || model.snapshot.mode)) return;
-  if (drive.holding && why) toast(`Let go: ${why}.`);
-  drive.stop();
-}
-
-/** Stops the selected robot and its mode, whoever drives. */
-function stop() {
-  drive.forget();
-  post.press({ type: "stop", robot: model.selected?.id });
-  connection.hurry();
-  refresh();
-}
-
-/** Stops all robots: who sees danger must not have to pick first. */
-function emergencyStop() {
-  drive.forget();
-  post.press({ type: "emergency_stop" });
-  connection.hurry();
-  refresh();
-}
-
-const reset = () => sendToRobot({ type: "reset_emergency_stop" });
-
-function resetAll() {
-  for (const robot of model.robots.values()) {
-    if (robot.snapshot?.emergency_stop) connection.send({ type: "reset_emergency_stop", robot: robot.id });
-  }
-}
-
-const hands = {
-  press,
-  move: (input, wish) => drive.move(input, wish),
-  release: (input) => drive.release(input),
-  letGo: () => drive.releaseAll(),
-  abandon,
-  stop,
-  emergencyStop,
-  complain: toast,
-};
-const inputs = new Inputs(hands, { reset });
-listenToStops({ stop, emergencyStop, reset, resetAll });
-watchForLoss(abandon);
+const inputs = new Inputs(hands);
+listenToStops(hands);
+watchForLoss(hands.abandon);
 listenToCanvas(canvas, view, {
   takers: [editor, errand],
   changed: () => (scene.invalidate(), showMode(view.mode)),
@@ -329,40 +281,4 @@ if (matchMedia(PHONE).matches) view.setMode("follow");
 setInterval(refresh, CHECK);
 connection.connect();
 
-const toScreen = (x, y) => view.toScreen(x, y);
-
-// For tests. Pixels are CSS pixels from the canvas' top left corner.
-Object.defineProperty(window, "pioneer3", {
-  value: Object.freeze({
-    toScreen,
-    get state() {
-      const { pose } = scene;
-      const drawn = pose && Object.freeze({ ...toScreen(pose.x, pose.y), theta: pose.theta });
-      return Object.freeze({
-        hello: model.hello,
-        robot: model.selected?.id ?? null,
-        robots: [...model.robots.values()].map(({ id, name, snapshot, status }) => ({ id, name, snapshot, status })),
-        snapshot: model.snapshot,
-        status: model.status,
-        live: model.live,
-        connected: connection.open,
-        roundTrip: connection.roundTrip,
-        things: [...model.world.things.values()],
-        clock: model.world.clock,
-        selected: editor.selected,
-        held: [...drive.directions],
-        source: drive.source,
-        pose,
-        drawn,
-        camera: Object.freeze({ x: view.x, y: view.y, scale: view.scale, mode: view.mode }),
-        ratio: scene.ratio,
-        layers: layers.all,
-        places: scene.places,
-        offer: errand.offer && Object.freeze({ ...errand.offer }),
-        scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
-        frames: scene.frames,
-        toScreen,
-      });
-    },
-  }),
-});
+expose({ model, scene, view, connection, editor, drive, layers, errand });
