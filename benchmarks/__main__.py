@@ -1,6 +1,6 @@
-"""Runs every benchmark, or those named on the command line: see BENCHMARKS."""
+"""Runs every benchmark, or those named on the command line."""
 
-import sys
+import argparse
 
 from benchmarks import (
     bench_behaviors,
@@ -33,9 +33,17 @@ BENCHMARKS = {
 
 def main() -> int:
     """Print the table; return 1 if a bar is missed."""
-    names = sys.argv[1:] or list(BENCHMARKS)
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks",
+        description="Print what was measured beside its bar.",
+        epilog="Example: chrt -r 1 python -m benchmarks latency web",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
+    names = parser.parse_args().names
+    if unknown := set(names) - BENCHMARKS.keys():
+        parser.error(f"no benchmark is called {', '.join(sorted(unknown))}")
     missed = 0
-    for name in names:
+    for name in names or BENCHMARKS:
         for row in BENCHMARKS[name].rows():
             print(row, flush=True)
             missed += not row.met

@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.simulator import simulator_process
 from benchmarks.table import Row, percentile_99
-from tests.e2e.processes import Command, running
-from tests.ros1.master import PYTHON, environment_of, free_port, has_ros, ros, roscore
+from tests.e2e.processes import Command, free_port, running
+from tests.ros1.master import PYTHON, environment_of, has_ros, ros, roscore
 from tests.ros1.tap import Tap, tapped
 
 COMMANDS = 200

@@ -3,9 +3,14 @@
 import asyncio
 import shutil
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import Future
-from contextlib import AsyncExitStack, contextmanager
+from contextlib import (
+    AbstractAsyncContextManager,
+    AsyncExitStack,
+    asynccontextmanager,
+    contextmanager,
+)
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -60,6 +65,13 @@ def product() -> Iterator[Product]:
         yield product
 
 
+@pytest.fixture
+def shared() -> Iterator[Product]:
+    """Run the product on every address."""
+    with running_product(host="0.0.0.0") as product:
+        yield product
+
+
 @contextmanager
 def running_product(
     *,
@@ -73,11 +85,9 @@ def running_product(
     All robots of `world` are connected; in a map, of which it may be the name, and in the office,
     which is taken without one, there is a P3-AT.
     """
-    ready: Future[Product] = Future()
-    loop = asyncio.new_event_loop()
-    leave = asyncio.Event()
 
-    async def live() -> None:
+    @asynccontextmanager
+    async def live() -> AsyncIterator[Product]:
         async with AsyncExitStack() as stack:
             running = await stack.enter_async_context(simulator(map_name=world or "office", port=0))
             web = WebPage()
@@ -88,10 +98,25 @@ def running_product(
                 await stack.enter_async_context(web.hosting(robot, scene, name))
             served = await stack.enter_async_context(serve(web, host=host, port=port))
             first = web.stations[1].robot
-            ready.set_result(Product(served.http, running, first, web, loop))
+            yield Product(served.http, running, first, web, asyncio.get_running_loop())
+
+    with in_thread(live()) as product:
+        yield product
+
+
+@contextmanager
+def in_thread(live: AbstractAsyncContextManager[T]) -> Iterator[T]:
+    """Enter `live` in a thread of its own, with a loop of its own, while the block lasts."""
+    ready: Future[T] = Future()
+    loop = asyncio.new_event_loop()
+    leave = asyncio.Event()
+
+    async def run() -> None:
+        async with live as value:
+            ready.set_result(value)
             await leave.wait()
 
-    thread = threading.Thread(target=loop.run_until_complete, args=(live(),))
+    thread = threading.Thread(target=loop.run_until_complete, args=(run(),))
     thread.start()
     try:
         yield ready.result(20)

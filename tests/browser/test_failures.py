@@ -1,26 +1,23 @@
 """Whatever takes the page from its driver: the robot stops, and the page says what happened.
 
-Times are the simulation's. The issue's bar is 0.7 s; a shared machine may add a little.
+Times are the simulation's. The bar is 0.7 s; a shared machine may add a little.
 """
 
-import asyncio
 import os
 import signal
-import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
-from concurrent.futures import Future
-from contextlib import AsyncExitStack, contextmanager
+from contextlib import contextmanager
 
 import pytest
 from playwright.sync_api import Browser, CDPSession, Page, expect
 
-from pioneer3.runtime.simulation import RunningSimulation, simulator
-from tests.browser.conftest import Product, wait_for_the_robot
+from pioneer3.runtime.simulation import simulator
+from tests.browser.conftest import Product, in_thread, wait_for_the_robot
 from tests.browser.test_page import SLACK, speed, until
 from tests.browser.views import drive, stopped_after
+from tests.e2e.processes import free_port
 
 BAR = 0.7 + SLACK
 WATCHDOG = 2.0
@@ -130,34 +127,6 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
 
 
 @contextmanager
-def simulating() -> Iterator[RunningSimulation]:
-    """Run a simulator while the block lasts."""
-    ready: Future[RunningSimulation] = Future()
-    loop = asyncio.new_event_loop()
-    leave = asyncio.Event()
-
-    async def live() -> None:
-        async with AsyncExitStack() as stack:
-            ready.set_result(await stack.enter_async_context(simulator(port=0)))
-            await leave.wait()
-
-    thread = threading.Thread(target=loop.run_until_complete, args=(live(),))
-    thread.start()
-    try:
-        yield ready.result(20)
-    finally:
-        loop.call_soon_threadsafe(leave.set)
-        thread.join()
-        loop.close()
-
-
-def free_port() -> int:
-    """Return a port that is free now."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return int(listener.getsockname()[1])
-
-
-@contextmanager
 def serving(robot: str, port: int) -> Iterator[subprocess.Popen[str]]:
     """Run `pioneer3 run` until it serves, and end it after the block."""
     command = [sys.executable, "-m", "pioneer3", "run", "--port", robot, "--web-port", str(port)]
@@ -177,7 +146,7 @@ def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_bac
     browser: Browser, how: signal.Signals, bar: float
 ) -> None:
     """What is killed cannot stop the robot: its own watchdog does."""
-    with simulating() as simulation:
+    with in_thread(simulator(port=0)) as simulation:
         body, port = simulation.body, free_port()
         context = browser.new_context(viewport={"width": 1440, "height": 900})
         page = context.new_page()

@@ -1,56 +1,16 @@
 """Pairing, roles, and who drives, in real browsers."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
-from pioneer3.web.access.addresses import lan_addresses
 from pioneer3.web.access.role import Role
 from pioneer3.web.api.routes import OPERATIONS
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
+from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.sharing import come_in, invitation, needs_network, two, visiting
 from tests.browser.test_page import speed, until
+from tests.browser.views import drive
 
-ADDRESS = next(iter(lan_addresses("0.0.0.0")), "")
-pytestmark = pytest.mark.skipif(not ADDRESS, reason="this machine has no network")
-
-
-@pytest.fixture
-def shared() -> Iterator[Product]:
-    """Run the product on every address."""
-    with running_product(host="0.0.0.0") as product:
-        yield product
-
-
-@contextmanager
-def visiting(browser: Browser, url: str) -> Iterator[Page]:
-    """Open `url` in a browser of its own."""
-    context = browser.new_context(viewport={"width": 1000, "height": 700})
-    page = context.new_page()
-    page.goto(url)
-    yield page
-    context.close()
-
-
-def invitation(shared: Product, role: Role) -> str:
-    """Return a fresh address to pair at."""
-    token = shared.call(lambda: shared.web.access.invitations.invite(role))
-    return f"{shared.web.access.urls[0]}/pair#{token}"
-
-
-def come_in(page: Page, name: str) -> None:
-    """Pair, and wait for the robot."""
-    page.fill("#name", name)
-    page.click("#drive")
-    page.wait_for_url("**/")
-    wait_for_the_robot(page)
-
-
-def drive(page: Page, shared: Product) -> None:
-    """Hold the arrow until the robot drives."""
-    page.keyboard.down("ArrowUp")
-    until(lambda: speed(shared) > 0.25)
+pytestmark = needs_network
 
 
 def test_a_link_pairs_once_and_its_token_leaves_no_trace(browser: Browser, shared: Product) -> None:
@@ -76,12 +36,7 @@ def test_who_is_not_paired_is_told_how(browser: Browser, shared: Product) -> Non
 
 
 def test_a_viewer_cannot_drive_but_stops_the_robot(browser: Browser, shared: Product) -> None:
-    with (
-        visiting(browser, shared.address) as ann,
-        visiting(browser, invitation(shared, Role.VIEWER)) as vera,
-    ):
-        wait_for_the_robot(ann)
-        come_in(vera, "Vera")
+    with two(browser, shared, Role.VIEWER, "Vera") as (ann, vera):
         vera.keyboard.down("ArrowUp")
         expect(vera.locator("#toast")).to_contain_text("You are a viewer")
         vera.keyboard.up("ArrowUp")
@@ -96,12 +51,7 @@ def test_a_viewer_cannot_drive_but_stops_the_robot(browser: Browser, shared: Pro
 
 
 def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, shared: Product) -> None:
-    with (
-        visiting(browser, shared.address) as ann,
-        visiting(browser, invitation(shared, Role.DRIVER)) as bob,
-    ):
-        wait_for_the_robot(ann)
-        come_in(bob, "Bob")
+    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         drive(ann, shared)
         expect(bob.locator("#driver")).to_have_text("laptop drives")
         bob.click("#driver")
@@ -117,12 +67,7 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, share
 
 
 def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> None:
-    with (
-        visiting(browser, shared.address) as ann,
-        visiting(browser, invitation(shared, Role.DRIVER)) as bob,
-    ):
-        wait_for_the_robot(ann)
-        come_in(bob, "Bob")
+    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         ann.click("#driver")
         ann.click("#wheel-take")
         expect(ann.locator("#people-wheel")).to_have_text("You have the wheel.")
@@ -137,12 +82,7 @@ def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> 
 def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(
     browser: Browser, shared: Product
 ) -> None:
-    with (
-        visiting(browser, shared.address) as ann,
-        visiting(browser, invitation(shared, Role.DRIVER)) as bob,
-    ):
-        wait_for_the_robot(ann)
-        come_in(bob, "Bob")
+    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         drive(bob, shared)
         ann.click("#driver")
         ann.get_by_label("Revoke Bob").click()

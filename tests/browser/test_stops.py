@@ -6,11 +6,10 @@ from playwright.sync_api import Browser, Page, ViewportSize, expect
 from pioneer3.web.access.role import Role
 from pioneer3.web.visitor import Visitor
 from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.sharing import needs_network, two
 from tests.browser.test_page import SLACK, speed, until
-from tests.browser.test_people import come_in, invitation, shared, visiting
 from tests.browser.views import drive, open_view, stopped_after
 
-__all__ = ["shared"]
 BAR = 0.7 + SLACK
 SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1440, "height": 900},
@@ -109,13 +108,9 @@ def test_enter_presses_the_emergency_stop(page: Page, product: Product) -> None:
     until(lambda: latched(product))
 
 
+@needs_network
 def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Product) -> None:
-    with (
-        visiting(browser, shared.address) as ann,
-        visiting(browser, invitation(shared, Role.VIEWER)) as vera,
-    ):
-        wait_for_the_robot(ann)
-        come_in(vera, "Vera")
+    with two(browser, shared, Role.VIEWER, "Vera") as (ann, vera):
         drive(ann, shared)
         assert stopped_after(shared, lambda: vera.keyboard.press("Space")) < BAR
         expect(vera.locator("#latched-how")).to_have_text("A driver can reset it.")

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from tests.e2e.processes import PATIENCE, Command, running
-from tests.ros1.master import environment_of, free_port, has_ros, roscore
+from tests.e2e.processes import PATIENCE, Command, free_port, running
+from tests.ros1.master import environment_of, has_ros, roscore
 from tests.ros1.tap import Tap, tapped
 
 

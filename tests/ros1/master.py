@@ -4,7 +4,6 @@ import asyncio
 import json
 import os
 import signal
-import socket
 import subprocess
 from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
@@ -17,13 +16,6 @@ from tests.e2e.processes import PATIENCE, environment
 PYTHON = "/usr/bin/python3"
 """The one that Debian's ROS is installed for."""
 HERE = Path(__file__).parent
-
-
-def free_port() -> int:
-    """Return a TCP port that nobody uses."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return int(listener.getsockname()[1])
 
 
 def environment_of(port: int, home: Path) -> dict[str, str]:

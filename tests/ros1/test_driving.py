@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from pioneer3.ros.ros1.master import LOOK, SURVEY_EVERY
-from tests.e2e.processes import PATIENCE
+from tests.e2e.processes import PATIENCE, free_port
 from tests.ros1.conftest import Lab, laboratory, simulated
-from tests.ros1.master import ended, environment_of, free_port, ros, roscore, script
+from tests.ros1.master import ended, environment_of, ros, roscore, script
 
 pytestmark = pytest.mark.realtime
 

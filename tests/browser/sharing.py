@@ -1,0 +1,51 @@
+"""Browsers of several people at one page."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from pioneer3.web.access.addresses import lan_addresses
+from pioneer3.web.access.role import Role
+from tests.browser.conftest import Product, wait_for_the_robot
+
+needs_network = pytest.mark.skipif(
+    not lan_addresses("0.0.0.0"), reason="this machine has no network"
+)
+
+
+@contextmanager
+def visiting(browser: Browser, url: str) -> Iterator[Page]:
+    """Open `url` in a browser of its own."""
+    context = browser.new_context(viewport={"width": 1000, "height": 700})
+    page = context.new_page()
+    page.goto(url)
+    yield page
+    context.close()
+
+
+@contextmanager
+def two(browser: Browser, shared: Product, role: Role, name: str) -> Iterator[tuple[Page, Page]]:
+    """Open the page on this computer, and elsewhere for somebody of that role and name."""
+    with (
+        visiting(browser, shared.address) as here,
+        visiting(browser, invitation(shared, role)) as there,
+    ):
+        wait_for_the_robot(here)
+        come_in(there, name)
+        yield here, there
+
+
+def invitation(shared: Product, role: Role) -> str:
+    """Return a fresh address to pair at."""
+    token = shared.call(lambda: shared.web.access.invitations.invite(role))
+    return f"{shared.web.access.urls[0]}/pair#{token}"
+
+
+def come_in(page: Page, name: str) -> None:
+    """Pair, and wait for the robot."""
+    page.fill("#name", name)
+    page.click("#drive")
+    page.wait_for_url("**/")
+    wait_for_the_robot(page)
