@@ -95,25 +95,36 @@ class Person:
         self.keyboard = self.terminal = -1
 
 
+def open_terminal() -> tuple[int, int]:
+    """Return the two ends of a terminal of 80 x 24: the person's and the command's."""
+    keyboard, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    return keyboard, terminal
+
+
+async def begin(terminal: int, *arguments: str) -> asyncio.subprocess.Process:
+    """Start `pioneer3` with `arguments` at its end of a terminal."""
+    return await asyncio.create_subprocess_exec(
+        *(sys.executable, "-c", IN_TERMINAL, *arguments),
+        stdin=terminal,
+        stdout=terminal,
+        stderr=terminal,
+        env={**environment(), "TERM": "xterm-256color"},
+        start_new_session=True,
+    )
+
+
 @asynccontextmanager
 async def person(
     tmp_path: Path, *options: str, command: str = "drive", ready: bytes = b"Nothing is asked of it"
 ) -> AsyncIterator[Person]:
-    """Start the command in a terminal of 80 x 24 and wait until it shows that it is `ready`."""
+    """Start the command in a terminal and wait until it shows that it is `ready`."""
     plain = tmp_path / "plain.map"
     plain.write_text(PLAIN)
-    keyboard, terminal = pty.openpty()
-    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    keyboard, terminal = open_terminal()
     async with simulator(map_name=plain, port=0) as running:
         before = termios.tcgetattr(terminal)
-        process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-c", IN_TERMINAL, command, "--port", running.url, *options),
-            stdin=terminal,
-            stdout=terminal,
-            stderr=terminal,
-            env={**environment(), "TERM": "xterm-256color"},
-            start_new_session=True,
-        )
+        process = await begin(terminal, command, "--port", running.url, *options)
         the = Person(running, process, keyboard, terminal, before)
         asyncio.get_running_loop().add_reader(keyboard, the.read)
         try:

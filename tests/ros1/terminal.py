@@ -1,18 +1,13 @@
 """A terminal of its own in which a command runs."""
 
 import asyncio
-import fcntl
 import os
-import pty
-import struct
-import sys
-import termios
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
-from tests.e2e.at_terminal import IN_TERMINAL
-from tests.e2e.processes import PATIENCE, environment, until
+from tests.e2e.at_terminal import begin, open_terminal
+from tests.e2e.processes import PATIENCE, until
 
 
 @dataclass
@@ -51,16 +46,8 @@ class Terminal:
 @asynccontextmanager
 async def terminal(*arguments: str) -> AsyncIterator[Terminal]:
     """Run `pioneer3` with `arguments` in a terminal while the block lasts."""
-    keyboard, screen = pty.openpty()
-    fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-c", IN_TERMINAL, *arguments),
-        stdin=screen,
-        stdout=screen,
-        stderr=screen,
-        env={**environment(), "TERM": "xterm-256color"},
-        start_new_session=True,
-    )
+    keyboard, screen = open_terminal()
+    process = await begin(screen, *arguments)
     the = Terminal(process, keyboard)
     loop = asyncio.get_running_loop()
     loop.add_reader(keyboard, the.read)
