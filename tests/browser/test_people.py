@@ -71,6 +71,7 @@ def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> 
         ann.click("#driver")
         ann.click("#wheel-take")
         expect(ann.locator("#people-wheel")).to_have_text("You have the wheel.")
+        expect(ann.locator("#driver")).to_have_text("You have the wheel")
         ann.get_by_label("Hand the wheel to Bob").click()
         expect(ann.locator("#people-wheel")).to_have_text("Bob has the wheel.")
         expect(bob.locator("#toast")).to_have_text("laptop has handed you the wheel")

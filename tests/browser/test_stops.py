@@ -126,6 +126,27 @@ def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Pr
 
 
 @pytest.mark.parametrize("size", SIZES)
+def test_nothing_covers_the_reset(browser: Browser, product: Product, size: str) -> None:
+    context = browser.new_context(viewport=SIZES[size])
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    open_view(page, "robot")
+    page.keyboard.press("Space")
+    reset = page.locator("#reset")
+    expect(reset).to_be_visible()
+    top_one = """(button) => {
+      const { left, right, top, bottom } = button.getBoundingClientRect();
+      return [0.1, 0.5, 0.9].every((part) => button.contains(
+        document.elementFromPoint(left + part * (right - left), (top + bottom) / 2)));
+    }"""
+    assert reset.evaluate(top_one)
+    reset.click()
+    until(lambda: not latched(product))
+    context.close()
+
+
+@pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("view", ["none", "robot", "modes"])
 def test_map_and_stops_are_always_there(
     browser: Browser, product: Product, size: str, view: str

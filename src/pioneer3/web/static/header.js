@@ -25,7 +25,7 @@ export function showRobot({ connection, name = "", robot = null, url = "" } = {}
 /**
  * @param model Model
  * @param retryAt when the socket tries again [performance.now()], or null
- * @param holder who has the wheel, "" for nobody
+ * @param holder who has the wheel: "you", a name, or "" for nobody
  */
 export function showConnection(model, retryAt, holder) {
   if (!model.socketOpen) chip("connection", retryAt === null ? "Connecting" : "Reconnecting", "bad");
@@ -40,5 +40,6 @@ export function showConnection(model, retryAt, holder) {
 function driver({ driver: who, snapshot }, holder) {
   if (who === "you") return ["You drive", "you"];
   if (who === "other") return [`${snapshot.driver.name} drives`, "warn"];
-  return holder ? [`${holder} has the wheel`, "idle"] : ["Nobody drives", "idle"];
+  if (holder === "you") return ["You have the wheel", "idle"];
+  return [holder ? `${holder} has the wheel` : "Nobody drives", "idle"];
 }

@@ -247,7 +247,7 @@ function refresh() {
   showStops(snapshot?.emergency_stop ?? false, live);
   showLatched(latched, model);
   showTrouble(post.trouble);
-  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.starter, roundTrip: connection.roundTrip });
+  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.holder, roundTrip: connection.roundTrip });
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live && !model.viewer);
   showMode(view.mode);

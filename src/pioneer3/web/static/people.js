@@ -51,11 +51,6 @@ export class People {
     return this.#people?.role === "viewer";
   }
 
-  /** Who has the wheel by name, "" for nobody. */
-  get holder() {
-    return this.#wheel?.name ?? "";
-  }
-
   /** The wheel of this Robot is shown, by its name if there are several. */
   show(robot, several) {
     this.#robot = robot && { id: robot.id, name: several ? robot.name : "" };
@@ -63,7 +58,7 @@ export class People {
   }
 
   /** Who has the wheel, as the user is told: "you", a name, or "" for nobody. */
-  get starter() {
+  get holder() {
     return this.#wheel === null ? "" : this.#mine ? "you" : this.#wheel.name;
   }
 
