@@ -80,6 +80,22 @@ def test_selecting_another_robot_lets_go_of_the_one_before(page: Page, product: 
     page.keyboard.up("ArrowUp")
 
 
+def test_a_held_key_does_not_go_over_to_another_robot_when_its_own_is_gone(
+    page: Page, product: Product
+) -> None:
+    page.keyboard.press("3")
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[2] > 0.25)
+    gone = product.call(lambda: product.web.stations.pop(3))
+    product.call(product.web._greet)
+    expect(page.get_by_role("button", name="carol")).to_have_count(0)
+    page.wait_for_timeout(700)
+    product.call(lambda: product.web.stations.update({3: gone}))
+    assert speeds(product)[:2] == [0.0, 0.0]
+    assert page.evaluate("window.pioneer3.state.source") is None
+    page.keyboard.up("ArrowUp")
+
+
 def test_everything_can_be_picked_by_keyboard(page: Page) -> None:
     page.keyboard.press("PageDown")
     assert chosen(page) == ["bob"]

@@ -6,8 +6,9 @@ Rules:
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
 3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried.
 4. After a lost link, a stall, either stop button or motors that went off by themselves, requests
-   are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero request,
-   :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all the time is not fresh.
+   are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero that
+   somebody asks for anew, :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all
+   the time is not fresh, nor is a behavior that waits.
    The one exception: a request that is the answer to a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
 """
@@ -31,6 +32,7 @@ ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
 """Slower than this counts as standing [m/s, rad/s]."""
 STALLED = "the wheels stalled"
+LATCHED = "the emergency stop is latched"
 OVERSLEPT = 2.0
 """A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
 
@@ -116,10 +118,13 @@ class Pilot:
         if self.limits is None:
             return "no robot is connected"
         expiry = self.limits.expiry
-        fresh = twist.is_zero or (now - self._requested_at > expiry and not renewed)
-        self._requested_at = -inf if twist.is_zero else min(now, until - expiry)
+        fresh = not renewed and (twist.is_zero or now - self._requested_at > expiry)
+        if not twist.is_zero:
+            self._requested_at = min(now, until - expiry)
+        elif not renewed:
+            self._requested_at = -inf
         if self.emergency:
-            return "the emergency stop is latched"
+            return LATCHED
         answered = despite_stall and self._blocked == STALLED
         if self._blocked and (fresh or answered) and self._snapshot is not None:
             self._blocked, self._hands_off = None, False
@@ -164,7 +169,7 @@ class Pilot:
     def set_motors(self, *, on: bool, now: float) -> str | None:
         """Ask for power on the motors, or none; return why not, or `None`."""
         if on and self.emergency:
-            return "the emergency stop is latched"
+            return LATCHED
         self.stop(now)
         self._want_motors(on=on)
         self._power(now)
@@ -207,6 +212,11 @@ class Pilot:
     def blocked(self) -> str | None:
         """Why requests are ignored until a fresh one, or `None`."""
         return self._blocked
+
+    @property
+    def refusal(self) -> str | None:
+        """Why what goes on by itself must end, or `None`."""
+        return LATCHED if self.emergency else self._blocked
 
     def asked(self, now: float) -> Twist2:
         """Return what the robot is asked to do at this moment, before limits."""

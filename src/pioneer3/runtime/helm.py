@@ -92,6 +92,12 @@ class Helm:
             return self._fail(error)
         if self._remark is not None:
             self._tell(self._remark)
+        refusal = self._supervisor.pilot.refusal
+        if refusal and self.mode is not None and not decision.despite_stall:
+            # even one that waits: it would go on by itself once somebody asks for something fresh
+            self._forget_mode(refusal)
+            self.decision = Decision()
+            return refusal
         if decision.wanted:
             refused = self._supervisor.drive(
                 decision.twist,
@@ -101,7 +107,6 @@ class Helm:
                 pace=_pace(decision, situation.limits),
             )
             if refused and self._mode_drives():
-                # it would go on by itself once somebody else asks for something fresh
                 self._forget_mode(refused)
             return refused
         if before.wanted and situation.now < before.until:  # let go; the pilot ends what expires

@@ -291,6 +291,8 @@ def test_what_is_only_renewed_is_never_fresh() -> None:
     pilot.observe(STANDING, 60.0)
     assert "pulled out" in str(pilot.drive(AHEAD, 60.0, renewed=True))
     assert "pulled out" in str(pilot.drive(AHEAD, 70.0, renewed=True))
+    assert "pulled out" in str(pilot.drive(STILL, 75.0, renewed=True))
+    assert "pulled out" in str(pilot.drive(AHEAD, 75.1, renewed=True))
     assert pilot.drive(AHEAD, 80.0) is None
 
 

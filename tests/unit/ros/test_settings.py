@@ -43,6 +43,11 @@ def test_bounds_hold_and_zero_is_the_robots_own() -> None:
     assert isinstance(got["TicksMM"], int)
 
 
+def test_nobody_takes_the_brakes_away() -> None:
+    got = settled({**in_force(LIMITS), "trans_decel": 0.01, "rot_decel": 0.01}, LIMITS)
+    assert (got["trans_decel"], got["rot_decel"]) == (0.3, 1.745)
+
+
 @pytest.mark.parametrize("bad", [nan, inf, "1", True, None])
 def test_what_is_no_number_is_refused(bad: object) -> None:
     with pytest.raises(ConfigError, match="rot_accel"):

@@ -1,7 +1,7 @@
 """Who drives when several want to, and what a stop ends. Virtual time."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
@@ -9,6 +9,9 @@ import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
 from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, PROGRAM, WEB
@@ -252,6 +255,60 @@ async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> N
         await the.keep(the.program, FORTH, 1.0)
         assert the.asked == STILL
         assert the.sim.speed == 0.0
+
+
+@dataclass
+class Waiting:
+    """Stands until there is something to go to, as following does."""
+
+    name: str = "waiting"
+    goes: bool = False
+
+    def decide(self, situation: Situation) -> Desire:
+        return Desire(v=0.3 if self.goes else 0.0, w=0.0, reason="waits")
+
+
+async def _press_the_button(the: Bridge) -> None:
+    the.sim.body.stop_button = True
+    await asyncio.sleep(1.0)
+    the.sim.body.stop_button = False
+
+
+async def _lose_the_link(the: Bridge) -> None:
+    the.sim.silent = True
+    await asyncio.sleep(15.0)
+    the.sim.silent = False
+    await asyncio.sleep(10.0)
+
+
+@pytest.mark.parametrize("happens", [_press_the_button, _lose_the_link])
+async def test_a_mode_that_waits_ends_as_one_that_drives(
+    happens: Callable[[Bridge], Awaitable[None]],
+) -> None:
+    async with bridge() as the:
+        waiting = Waiting()
+        assert the.helm.start(Stack.alone(waiting, MODE)) is None
+        await asyncio.sleep(1.0)
+        await happens(the)
+        assert the.helm.mode is None
+        waiting.goes = True
+        await the.keep(the.keyboard, BACK, 1.0)  # somebody's fresh press
+        the.helm.release(the.keyboard)
+        await asyncio.sleep(2.0)
+        assert the.sim.speed == 0.0
+
+
+async def test_a_mode_that_is_started_while_latched_does_not_begin_with_the_reset() -> None:
+    async with bridge() as the:
+        the.helm.emergency_stop()
+        waiting = Waiting()
+        why = the.helm.start(Stack.alone(waiting, MODE))
+        assert why == "the emergency stop is latched"
+        the.robot.reset_emergency_stop()
+        waiting.goes = True
+        await asyncio.sleep(2.0)
+        assert the.sim.speed == 0.0
+        assert not the.sim.powered
 
 
 async def test_motors_switched_off_stay_off_whatever_is_held() -> None:

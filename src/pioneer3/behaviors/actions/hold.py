@@ -7,6 +7,8 @@ from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import STILL, Twist2
 
 NEVER = float("-inf")
+LETTING_GO = 0.6
+"""What is muted and not renewed for this long [s] has been let go, however long it was to last."""
 
 
 @dataclass(slots=True)
@@ -15,7 +17,7 @@ class Hold:
 
     Attributes:
         muted: Somebody stopped the robot while this was held. It wants nothing until it has been
-            let go: released, or not renewed in time.
+            let go: released, set to zero, or not renewed in time.
     """
 
     name: str
@@ -25,8 +27,9 @@ class Hold:
 
     def set(self, twist: Twist2, now: float, seconds: float) -> None:
         """Want `twist` for `seconds` from `now` [s, monotonic]."""
-        self.muted = self.muted and now < self._until
-        self._twist, self._until = twist, now + seconds
+        self.muted = self.muted and now < self._until and not twist.is_zero
+        self._twist = twist
+        self._until = now + (min(seconds, LETTING_GO) if self.muted else seconds)
 
     def release(self) -> None:
         """Want nothing."""
@@ -34,7 +37,8 @@ class Hold:
 
     def mute(self, now: float) -> None:
         """Want nothing until what is held at `now` has been let go."""
-        self.muted = now < self._until
+        self.muted = now < self._until and not self._twist.is_zero
+        self._until = min(self._until, now + LETTING_GO)
 
     def holds(self, now: float) -> bool:
         """Return whether this wants something at `now`."""

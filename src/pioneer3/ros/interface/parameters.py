@@ -16,6 +16,10 @@ from pioneer3.ros.messages.conventions import DRIVING, Beam, Conventions, NoEcho
 
 TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
 """Silence of cmd_vel after which the robot stops [s]."""
+SHORTEST: Final = 0.1
+"""No publisher keeps pace with a shorter timeout [s]."""
+LONG: Final = 2.0
+"""With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
 FRAMES: Final = {
     Profile.COMPATIBILITY: ("odom_frame", "base_link_frame"),
     Profile.STANDARD: ("odom_frame_id", "base_frame_id"),
@@ -205,4 +209,8 @@ def _baud(value: object) -> int | None:
 def _timeout(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise ConfigError(f"~cmd_vel_timeout must be a number of seconds, not {value!r}")
-    return float(value) if value > 0 else inf
+    if value != 0 and value < SHORTEST:
+        raise ConfigError(
+            f"~cmd_vel_timeout must be {SHORTEST:g} s or more, or 0 for never, not {value:g}"
+        )
+    return float(value) or inf

@@ -131,6 +131,8 @@ ACCELERATIONS: Final = {
     "rot_decel": "turn_deceleration",
 }
 """Which of the driver's limits each one is."""
+BRAKES: Final = {"trans_decel": 0.3, "rot_decel": 1.745}
+"""What every stop needs at least, whoever is on the master: as firmware is delivered."""
 LEAST_DRIFT: Final = -32768
 """What the command can carry; all below means the robot's own."""
 
@@ -160,10 +162,10 @@ def settled(wanted: Mapping[str, object], limits: Limits) -> dict[str, float]:
     own = in_force(limits)
     inside = {each.name: each.bounded(wanted.get(each.name, 0)) for each in PARAMETERS}
     inside["lat_accel"] = inside["lat_decel"] = 0.0
-    return {
-        name: own[name] if name in ACCELERATIONS and value == 0 else value
-        for name, value in inside.items()
-    }
+    for name in ACCELERATIONS:
+        least = min(BRAKES.get(name, 0.0), own[name])
+        inside[name] = max(inside[name], least) if inside[name] else own[name]
+    return inside
 
 
 def changed(limits: Limits, settings: Settings) -> Limits:

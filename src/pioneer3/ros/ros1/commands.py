@@ -88,15 +88,14 @@ class Commands:
             self._timer.cancel()
         self._robot.helm.remove(self._hold)
 
-    def release(self) -> None:
-        """Forget what the last message said; the next one is no fresher for it."""
-        self._hold.release()
-        self._robot.helm.decide()
+    def mute(self) -> None:
+        """End what is published now: it counts again after a pause, or a zero."""
+        self._hold.mute(self._loop.time())
 
-    def let_go_of_what_lasts(self) -> None:
+    def mute_what_lasts(self) -> None:
         """One message may mean for ever, but not past what has stopped the robot."""
         if isinf(self._timeout) and self._robot.supervisor.pilot.blocked:
-            self.release()
+            self.mute()
 
     def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
         """Take a Twist in rospy's thread; those that come together wake the loop once."""

@@ -4,8 +4,11 @@ import asyncio
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from http.client import HTTPException
 from typing import Any, Final
 from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
+from xmlrpc.client import Error as XmlRpcError
 from xmlrpc.client import ServerProxy
 
 LOOK: Final = 1.0
@@ -84,7 +87,7 @@ class MasterWatch:
                 self._look_at_types()
                 self._parameters = get_param(self._name, {})  # for the next master
             self._looks += 1
-        except (OSError, MasterException, ROSException):
+        except (OSError, HTTPException, XmlRpcError, ExpatError, MasterException, ROSException):
             if not self._away:
                 self._away = True
                 self._tell(

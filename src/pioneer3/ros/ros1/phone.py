@@ -31,14 +31,16 @@ async def flicks(topic: str) -> AsyncIterator[Key]:
         return rospy.Subscriber(topic, message_class(IMU), received, queue_size=QUEUE)
 
     subscriber = await asyncio.to_thread(subscribe)
+    drives = False
     try:
         while True:
             try:
-                async with asyncio.timeout(SILENT):
+                async with asyncio.timeout(SILENT if drives else None):
                     key = await keys.get()
             except TimeoutError:
                 key = Key.STOP
             if key is not None:
+                drives = key is not Key.STOP
                 yield key
     finally:
         subscriber.unregister()

@@ -51,6 +51,7 @@ class Services:
         self._diagnose = diagnose
         self._moved = moved
         self._warn = warn
+        self._auto_enable = robot.supervisor.pilot.auto_enable
         self._loop = asyncio.get_running_loop()
 
     def advertise(self) -> None:
@@ -103,8 +104,9 @@ class Services:
 
     def switch_motors(self, *, on: bool) -> Answer:
         """Stop, then switch; motors that were switched off stay so until somebody asks again."""
-        self._robot.supervisor.pilot.auto_enable = on
         refused = self._robot.helm.set_motors(on=on)
+        if refused is None:
+            self._robot.supervisor.pilot.auto_enable = on and self._auto_enable
         return Answer(refused is None, refused or f"the motors go {'on' if on else 'off'}")
 
     def switch_sonar(self, *, on: bool) -> Answer:

@@ -12,7 +12,14 @@ from urllib.parse import urlsplit
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.interface.lab import NODE, lab_node
-from pioneer3.ros.interface.parameters import MODEL, SIMULATED, Parameters, doubts, read_parameters
+from pioneer3.ros.interface.parameters import (
+    LONG,
+    MODEL,
+    SIMULATED,
+    Parameters,
+    doubts,
+    read_parameters,
+)
 from pioneer3.ros.interface.settings import NAMES
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.node import Ros1Node
@@ -152,9 +159,10 @@ def _parameters(given: Mapping[str, object]) -> Parameters:
     parameters = read_parameters(given)
     for sentence in doubts(given, parameters.profile, NAMES):
         rospy.logwarn(sentence)
-    if isinf(parameters.timeout):
+    if parameters.timeout > LONG:
+        length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
         rospy.logwarn(
-            "~cmd_vel_timeout is 0, which is UNSAFE: the robot goes on as the last message said,"
-            " also when its publisher has gone"
+            f"~cmd_vel_timeout is {length}, which is UNSAFE: the robot goes on as the last message"
+            " said, also when its publisher has gone"
         )
     return parameters

@@ -39,6 +39,7 @@ class Access:
         Raises:
             OverflowError: there are too many sessions.
         """
+        self.sessions.make_room()  # before the token is used up
         allowed = self.invitations.redeem(token)
         if allowed is None:
             return None

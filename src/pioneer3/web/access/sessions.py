@@ -60,6 +60,16 @@ class Sessions:
         self._by_mark: dict[bytes, Session] = {}
         self._count = count(1)
 
+    def make_room(self) -> None:
+        """End what is idle.
+
+        Raises:
+            OverflowError: there is no room for another one.
+        """
+        self._end_idle()
+        if len(self._by_mark) >= MOST:
+            raise OverflowError(f"there are {MOST} sessions already; revoke some first")
+
     def open(
         self, name: str, role: Role, kind: Kind, parent: str = "", others: Iterable[str] = ()
     ) -> tuple[Session, str]:
@@ -70,9 +80,7 @@ class Sessions:
         Raises:
             OverflowError: there are too many.
         """
-        self._end_idle()
-        if len(self._by_mark) >= MOST:
-            raise OverflowError(f"there are {MOST} sessions already; revoke some first")
+        self.make_room()
         free = free_name(clean_name(name) or kind, {*self.names, *others})
         session = Session(
             id=str(next(self._count)),

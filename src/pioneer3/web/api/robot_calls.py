@@ -31,7 +31,7 @@ def emergency_stop_all(call: Call) -> None:
 
 def stop(call: Call) -> types.Answered | Problem:
     """Stand still, whoever drives."""
-    call.station.wheel.stop(call.who)
+    call.station.robot.helm.stop()
     return _answered(call)
 
 

@@ -92,7 +92,9 @@ function connected() {
 }
 
 function receive(message) {
+  const before = model.selected;
   model.receive(message);
+  if (before && before !== model.selected) drive.forget(); // it has gone: its keys move no other one
   if (message.type === "hello") greet(message);
   else if (message.type === "map") scene.adoptMap(message.map);
   else if (message.type === "scans") scene.invalidate();

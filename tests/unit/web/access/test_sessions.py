@@ -73,6 +73,8 @@ def test_there_is_an_end_to_it() -> None:
     for _ in range(MOST):
         sessions.open("a", VIEWER, Kind.BROWSER)
     with pytest.raises(OverflowError, match="revoke"):
+        sessions.make_room()
+    with pytest.raises(OverflowError, match="revoke"):
         sessions.open("a", VIEWER, Kind.BROWSER)
 
 

@@ -6,6 +6,7 @@ from math import pi
 import pytest
 
 from pioneer3.behaviors.modes import MODES
+from pioneer3.runtime.tasks import running
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.api.openapi import openapi
@@ -139,6 +140,23 @@ async def test_a_mode_ends_when_asked_and_after_its_time() -> None:
         ended = (await script.ask("GET", f"{ROBOT}/mode")).json
         assert ended["ended"] == "wander: its time was over"
         assert the.speed == 0.0
+
+
+async def test_a_stop_ends_what_another_script_of_this_computer_drives() -> None:
+    async with product() as the:
+        driver, other = Script(the.app), Script(the.app)
+
+        async def drive() -> None:
+            while True:
+                await driver.ask("POST", f"{ROBOT}/drive", {"v": 0.3, "w": 0.0})
+                await asyncio.sleep(0.1)
+
+        async with running(drive()):
+            await asyncio.sleep(1.5)
+            assert the.speed == pytest.approx(0.3)
+            assert (await other.ask("POST", f"{ROBOT}/stop")).status == 200
+            await asyncio.sleep(1.5)
+            assert the.speed == 0.0
 
 
 async def test_the_emergency_stop_latches_and_its_reason_is_told() -> None:
