@@ -45,6 +45,10 @@ Bool = NDArray[np.bool_]
 Int = NDArray[np.int64]
 
 HARD = np.array([[HARDEST], [HARDEST_TURN]])
+TINY = 1e-300
+"""Instead of no turn at all [rad]: not to divide by zero."""
+SIDES = np.array([[-0.5], [0.5]])
+"""Of the wheel base, where the left and the right wheel are."""
 EXACT = np.array([[1.0], [0.0], [0.0], [1.0]])
 """What wheels see that see everything: the first rows of `Drives.errors`."""
 
@@ -99,9 +103,11 @@ def wishes(drives: Drives, dt: float, noise: Float | None) -> Float:
 def _run(drives: Drives, dt: float, pieces: int) -> Float:
     """Do the same in so many pieces, without noise."""
     axes, flags, errors = drives.axes, drives.flags, drives.errors
-    off = flags[POWERED] == 0
-    held, hard = off | (flags[HELD] != 0), off | (flags[BRAKING] != 0)
-    brake = np.where(hard, HARD, axes[DECELERATION])
+    held, brake = None, axes[DECELERATION]
+    if any_of(flags[HELD : BRAKING + 1]) or not all_of(flags[POWERED]):
+        off = flags[POWERED] == 0
+        held, hard = off | (flags[HELD] != 0), off | (flags[BRAKING] != 0)
+        brake = np.where(hard, HARD, brake)
     blind = not all_of(errors[:WAY_NOISE] == EXACT)
     wish = np.zeros((8, len(drives)))
     for _ in range(pieces):
@@ -119,8 +125,8 @@ def _run(drives: Drives, dt: float, pieces: int) -> Float:
 
 def _follow(pose: Float, way: Float, turn: Float) -> None:
     """Let poses (3, N) go on along arcs."""
-    half = turn / 2
-    chord = way * np.divide(np.sin(half), half, out=np.ones_like(half), where=half != 0)
+    half = turn / 2 + TINY
+    chord = way * (np.sin(half) / half)
     x, y, theta = pose
     half += theta
     x += chord * np.cos(half)
@@ -144,14 +150,11 @@ def roll(drives: Drives, wish: Float) -> None:
     odometry = wheels[ODOM_X : ODOM_THETA + 1]
     odometry[:] = reached(odometry, wish[3:6])
     odometry[2] = wrapped(odometry[2])
-    turn = wish[7] * wheels[BASE] / 2
-    wheels[LEFT] += wish[6] - turn
-    wheels[RIGHT] += wish[6] + turn
+    wheels[LEFT : RIGHT + 1] += wish[6] + SIDES * (wish[7] * wheels[BASE])
 
 
 def wrapped(angles: Float) -> Float:
     """Return angles that are at most one turn off, in (-pi, pi] [rad]."""
-    inside: Float = np.where(
-        angles > pi, angles - tau, np.where(angles <= -pi, angles + tau, angles)
-    )
-    return inside
+    if not any_of(abs(angles) >= pi):
+        return angles
+    return np.where(angles > pi, angles - tau, np.where(angles <= -pi, angles + tau, angles))
