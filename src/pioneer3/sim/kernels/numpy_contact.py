@@ -13,6 +13,7 @@ from pioneer3.sim.kernels.numpy_frames import (
     sides,
 )
 from pioneer3.sim.kernels.numpy_outlines import reach_into
+from pioneer3.sim.kernels.numpy_truth import any_of
 from pioneer3.sim.kernels.robots import Robots
 
 Float = NDArray[np.float64]
@@ -45,16 +46,19 @@ def may_meet(robots: Robots, who: Int | Int32, frames: Float, ways: Float) -> tu
         return meets, ~meets
     reach = largest(robots, who) + 2 * float(ways.max(initial=0.0))
     beside, others = near_robots(robots, frames[0], frames[1], reach, who)
-    solid = robots.hidden[who[beside]] == 0
-    beside, others = beside[solid], others[solid]
+    hidden = robots.hidden.take(who.take(beside))
+    if any_of(hidden):
+        beside, others = beside[hidden == 0], others[hidden == 0]
     hit = np.zeros_like(meets)
     if len(others):
         seen = sides(outlines_from(robots, frames, beside, others))
         ends = seen.reshape(4, -1, len(others))
         middle, length, width = boxes_of(robots, who).take(beside, axis=1)
         for found, spread in ((meets, ways[others] + ways[who[beside]]), (hit, ways[others])):
-            into = reach_into(ends, middle, length + spread, width + spread).any(axis=0)
-            found[beside[into]] = True
+            into = reach_into(ends, middle, length + spread, width + spread)
+            if not any_of(into):
+                break  # who has that much room has it with less spread too
+            found[beside[into.any(axis=0)]] = True
     return meets, ~hit
 
 

@@ -107,18 +107,18 @@ class Stepping:
         count = len(drives)
         x, y, turn = after - robots.poses[:, :count]
         front, rear, half = robots.state[3:6, :count]
-        size = np.hypot(np.maximum(front, rear), half)
-        way = np.hypot(x, y) + abs(turn) * size
-        farthest = float(way.max())
+        # who turns stays in the circle around its pose, but takes the one around its middle along
+        way, turn = np.hypot(x, y), abs(turn)
+        farthest = float((way + turn * abs(front - rear) / 2).max())
         free = drives.free
         free -= way
         free[OTHERS] -= farthest
-        used_up = free.min(axis=1, keepdims=True) <= 0
+        used_up = free <= 0
         if not any_of(used_up):
             return NOBODY, NOBODY, SURE
         # looking at some more at once is cheaper than again soon
-        short = (free <= SOON) & moves & used_up
-        stands = np.zeros(count, dtype=np.bool_)
+        short = (free <= SOON) & moves & used_up.any(axis=1, keepdims=True)
+        size, stands = np.hypot(np.maximum(front, rear), half), np.zeros(count, dtype=np.bool_)
         who = indices_of(short[WALLS])
         if len(who):
             room = self._room(grid, after[:, who]) - size[who]
@@ -131,14 +131,16 @@ class Stepping:
             room = room_of_others(robots, who, after[:, who]) - size[who] - farthest
             free[OTHERS, who] = np.maximum(room, 0.0)
             who = who[room <= farthest]
+        if len(who):
             ways = np.zeros(len(robots))
-            ways[:count] = way
+            ways[:count] = way + turn * size
             meets, clear = may_meet(robots, who, frames_of(*after[:, who]), ways)
             crowd, clear = who[meets], clear[meets] & ~stands[who[meets]]
             stands[crowd] = False
         alone = indices_of(stands)
         for stopped in (alone, crowd):
-            free[:, stopped] -= way[stopped]
+            if len(stopped):
+                free[:, stopped] -= way[stopped]
         return alone, crowd, clear
 
     def _room(self, grid: Grid, poses: Float) -> Float:
