@@ -20,13 +20,15 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 CLOSE = 1e-3
-"""A segment's end or line this close to the laser is measured beam by beam [m]."""
+"""A segment whose line is this close to the laser is measured beam by beam [m]."""
 
 MARGIN = 5e-6
 """Beams this close to a segment's end are measured one by one; above TOUCH / CLOSE [rad]."""
 
 BLOCK = 1 << 14
 """Meetings of beam and segment worked on at a time."""
+
+NO_BLOCKS = np.empty(0, dtype=np.int64)
 
 
 def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
@@ -42,8 +44,7 @@ def paint(owners: Int, seen: Float, fan: Fan, out: Float) -> None:
     row, seen = owners[here] * out.shape[1], seen.take(here, axis=1)
     ax, ay, bx, by = seen
     ex, ey, turn = bx - ax, by - ay, ax * by - ay * bx
-    ends = np.minimum(ax * ax + ay * ay, bx * bx + by * by)
-    close = (turn * turn <= CLOSE**2 * (ex * ex + ey * ey)) | (ends < CLOSE**2)
+    close = turn * turn <= CLOSE**2 * (ex * ex + ey * ey)
     low, span = _directions(seen, turn, fan)
     span[close] = -np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -71,11 +72,9 @@ def _directions(seen: Float, turn: Float, fan: Fan) -> tuple[Float, Float]:
     """Return the first beam of each segment, counter-clockwise, and how many it is wide."""
     start, step = fan.frame[3:]
     first, last = np.arctan2(seen[1::2], seen[::2]) * (1 / step)
-    clockwise = turn < 0
-    low = np.where(clockwise, last, first) - start / step
-    span = last - first
-    np.negative(span, out=span, where=clockwise)
-    span[span < 0] += tau / step
+    low = np.where(turn < 0, last, first) - start / step
+    span = np.copysign(1.0, turn) * (last - first)
+    span += (span < 0) * (tau / step)
     return low, span
 
 
@@ -86,43 +85,44 @@ def _spread(
     low, span = intervals
     margin, circle, beams = MARGIN / fan.frame[4], tau / fan.frame[4], out.shape[1]
     doubts = []
-    low = low - np.floor((low + np.maximum(span, 0) + margin) * (1 / circle)) * circle
+    # what is endlessly narrow gets endlessly far away
+    low = low - np.floor((low + span + margin) * (1 / circle)) * circle
     for turns in range(ceil((beams + margin) / circle) + 1):
-        here = indices_of((low < beams + margin - turns * circle) & (span >= 0))
+        here = indices_of(low < beams + margin - turns * circle)
         if len(here) == 0:
             break
-        begin = low[here] + turns * circle
-        end = begin + span[here]
-        sure, last = np.ceil(begin + margin), np.floor(end - margin)
-        _surely(row[here], inverse[:, here], _beams(sure, last, beams), fan, out)
-        lower = np.array([np.ceil(begin - margin), np.maximum(last + 1, sure)])
-        upper = np.array([sure - 1, np.floor(end + margin)])
-        doubt = lower <= upper
+        begin = low.take(here) + turns * circle
+        outward = np.array([-begin, begin + span.take(here)])
+        inner, outer = np.floor(outward - margin), np.floor(outward + margin)
+        sure, last = -inner[0], inner[1]
+        _surely(row.take(here), inverse.take(here, axis=1), _beams(sure, last, beams), fan, out)
+        doubt = outer > inner
         if any_of(doubt):
+            lower = np.array([-outer[0], np.maximum(last + 1, sure)])
+            upper = np.array([sure - 1, outer[1]])
             doubts.append((here[np.nonzero(doubt)[1]], lower[doubt], upper[doubt]))
     return doubts
 
 
 def _beams(lower: Float, upper: Float, beams: int) -> tuple[Int, Int]:
     """Return first beam and number of beams of each interval, clipped to the fan."""
-    first = np.minimum(np.maximum(lower, 0), beams).astype(np.int64)
-    beyond = np.minimum(np.maximum(upper, -1), beams - 1).astype(np.int64) + 1
+    ends = np.array([lower, upper + 1])
+    first, beyond = np.minimum(np.maximum(ends, 0, out=ends), beams, out=ends).astype(np.int64)
     return first, np.maximum(beyond - first, 0)
 
 
 def _surely(row: Int, inverse: Float, beams: tuple[Int, Int], fan: Fan, out: Float) -> None:
     """Paint an interval of beams of each segment."""
-    flat, headings = out.reshape(-1), fan.headings
     first, counts = beams
     total = counts.cumsum() // BLOCK
-    blocks = indices_of(total[1:] != total[:-1]) + 1
+    blocks = indices_of(total[1:] != total[:-1]) + 1 if total[-1] else NO_BLOCKS
     for begin, end in pairwise([0, *blocks.tolist(), len(counts)]):
         some = counts[begin:end]
         beam = ranges(first[begin:end], some)
-        depth = inverse[0, begin:end].repeat(some) * headings[0].take(beam)
-        depth += inverse[1, begin:end].repeat(some) * headings[1].take(beam)
+        depth = inverse[:, begin:end].repeat(some, axis=1)
+        depth *= fan.headings.take(beam, axis=1)
         beam += row[begin:end].repeat(some)
-        np.maximum.at(flat, beam, depth)
+        np.maximum.at(out.reshape(-1), beam, depth[0] + depth[1])
 
 
 def _exactly(row: Int, seen: Float, beams: tuple[Int, Int], fan: Fan, out: Float) -> None:

@@ -78,7 +78,7 @@ class NumpyKernels:
     ) -> Float:
         lasers = robots.everyone if owners is None else owners
         ranges = np.empty((len(lasers), fan.headings.shape[1])) if out is None else out
-        x, y, theta = robots.poses[:, lasers]
+        x, y, theta = robots.poses.take(lasers, axis=1)
         c, s = np.cos(theta), np.sin(theta)
         mx, my, turned = fan.frame[:3]
         frames = frames_of(x + c * mx - s * my, y + s * mx + c * my, theta + turned)
