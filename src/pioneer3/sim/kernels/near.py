@@ -5,7 +5,7 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.numpy_truth import indices_of
+from pioneer3.sim.kernels.numpy_truth import any_of, indices_of
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import SLACK, Grid, ranges
 
@@ -64,15 +64,16 @@ class NearWalls:
         if self._all:
             count = len(self._grid.walls)
             return np.repeat(np.arange(len(cells)), count), np.tile(np.arange(count), len(cells))
-        missing = cells[self._first[cells] < 0]
-        if len(missing):
-            self._find(np.unique(missing))
-        if len(self._pool) > MOST_KEPT:
-            self._forget()
-            self._find(np.unique(cells))
-        counts = self._counts[cells]
-        index = np.repeat(np.arange(len(cells)), counts)
-        return index, self._pool[ranges(self._first[cells], counts)]
+        first = self._first.take(cells)
+        if any_of(first < 0):
+            self._find(np.unique(cells[first < 0]))
+            if len(self._pool) > MOST_KEPT:
+                self._forget()
+                self._find(np.unique(cells))
+            first = self._first.take(cells)
+        counts = self._counts.take(cells)
+        index = np.arange(len(cells)).repeat(counts)
+        return index, self._pool.take(ranges(first, counts))
 
     def _forget(self) -> None:
         cells = 0 if self._all else self._columns * self._rows
@@ -138,10 +139,10 @@ def near_robots(
         dx *= dx
         dy *= dy
         dx += dy
-        near = indices_of(dx <= (reach + shapes[:, 2] + SLACK) ** 2)
-        points, others = np.divmod(near, len(shapes))
-        seen = others != skip[points]
-        return points[seen], others[seen]
+        near = dx <= (shapes[:, 2] + (reach + SLACK)) ** 2
+        near &= robots.everyone != skip[:, None]
+        points, others = np.divmod(indices_of(near), len(shapes))
+        return points, others
     order = np.argsort(shapes[:, 0])
     wide = reach + shapes[:, 2].max() + SLACK
     first = np.searchsorted(shapes[order, 0], x - wide)

@@ -90,7 +90,7 @@ class Rays:
             dx, dy, start = self._along.take(ray, axis=1)
             along = dx * ends[::3] + dy * ends[1::3] + start
             met = _met(across.reshape(2, -1).take(maybe, axis=1), along)
-            place = owners.take(wall + first) * out.shape[1] + ray
+            place = owners[first : first + self._block].take(wall) * out.shape[1] + ray
             np.minimum.at(out.reshape(-1), place, met)
             if heard is not None:
                 back = ~(self._steepness(ray, ends[[0, 1, 3, 4]]) < steep)  # a post has none

@@ -81,7 +81,7 @@ class Sonar:
         rays, owners, limit, reach, echoes = listening
         ranges = np.full((len(owners), rays.count), limit)
         heard = ranges.copy() if echoes.steep > 0 else None
-        frames = frames_of(*robots.poses[:, owners])
+        frames = frames_of(*robots.poses.take(owners, axis=1))
         whose, ends = self._around.lists(grid, reach).around(frames[:2])
         beside, others = near_robots(robots, frames[0], frames[1], reach, owners)
         if heard is None and len(others) <= FEW:

@@ -103,8 +103,10 @@ def build_grid(walls: Float, cell: float = 1.0) -> Grid:
 
 def ranges(first: Int, counts: Int) -> Int:
     """Return `first[i], first[i] + 1...`, `counts[i]` of them, one `i` after another."""
-    before = np.cumsum(counts) - counts
-    return np.repeat(first - before, counts) + np.arange(counts.sum())
+    after = counts.cumsum()
+    found: Int = (first - after + counts).repeat(counts)
+    found += np.arange(len(found))
+    return found
 
 
 def rasterise(walls: Float, cell: float) -> tuple[Int, Int]:
