@@ -97,11 +97,12 @@ def edges_heard(origin: Float, axis: float, walls: Float, echoes: Echoes, limit:
         for x, y in (echoes.edges.walls[:, :2] - origin).tolist():
             away, bearing = np.hypot(x, y), np.arctan2(y, x)
             sight = cast_reference(origin, np.array([bearing]), walls, limit)[0]
-            off = abs(float(np.angle(np.exp(1j * (bearing - axis))))) if away > 1e-9 else 0.0
+            off = abs(float(np.angle(np.exp(1j * (bearing - axis)))))
             for near, slack in zip(found, (1e-6, -1e-6), strict=True):
                 if (
                     away < echoes.edge_range + slack
-                    and off <= WIDTH / 2 + slack
+                    # which way it is to an edge that is touched is noise
+                    and (off <= WIDTH / 2 + slack if away > 1e-9 else slack > 0)
                     and sight >= away - SHADE - slack
                 ):
                     near.append(away)
