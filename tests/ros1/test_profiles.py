@@ -1,6 +1,7 @@
 """Nodes with other names than the usual ones, nodes that lose their robot, and descriptions."""
 
 import asyncio
+import re
 import signal
 from math import atan2, cos
 from pathlib import Path
@@ -43,6 +44,17 @@ async def test_the_tree_leads_from_odometry_to_every_sensor(ros1: None) -> None:
         assert (x, y, z) == pytest.approx((mount.x, mount.y, shape_of(P3AT).sonar_height))
         assert cos(2 * atan2(qz, qw) - mount.theta) == pytest.approx(1.0)
     assert tree["at"]["r1/base_footprint"] == pytest.approx([0, 0, 0, 0, 0, 0, 1])
+
+
+async def test_tf_echo_says_where_the_robot_and_its_sensors_are(ros1: None) -> None:
+    sonar = P3AT.sonars[3]
+    async with office("_profile:=standard"):
+        _, said = await ended("rosrun", "tf", "tf_echo", "base_link", "sonar_3", patience=4.0)
+        x, y = re.findall(r"Translation: \[(.+), (.+), .+\]", said)[-1]
+        assert (float(x), float(y)) == pytest.approx((sonar.x, sonar.y), abs=1e-3)
+        await ended(*DRIVE, "{linear: {x: 0.3}}", patience=3.0)
+        _, said = await ended("rosrun", "tf", "tf_echo", "odom", "base_footprint", patience=4.0)
+        assert float(re.findall(r"Translation: \[([\d.]+),", said)[-1]) > 0.1
 
 
 async def test_both_profiles_at_once_say_the_same_and_drive(ros1: None, tmp_path: Path) -> None:
