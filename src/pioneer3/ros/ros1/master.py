@@ -11,9 +11,11 @@ from xml.parsers.expat import ExpatError
 from xmlrpc.client import Error as XmlRpcError
 from xmlrpc.client import ServerProxy
 
-LOOK: Final = 1.0
-"""Pause between two looks at the master [s]."""
-SURVEY_EVERY: Final = 3
+AGAIN: Final = 1.0
+"""Pause between two attempts to find a master [s]."""
+LOOK: Final = 2.0
+"""Pause between two looks at the master [s]; each costs it, and the node, a millisecond."""
+SURVEY_EVERY: Final = 2
 """Looks between two at the types of topics and at our parameters: these lists are long."""
 
 
@@ -23,14 +25,14 @@ async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
     told = False
     while True:
         with suppress(OSError, TimeoutError):
-            async with asyncio.timeout(LOOK):
+            async with asyncio.timeout(AGAIN):
                 _, writer = await asyncio.open_connection(address.hostname, address.port or 11311)
             writer.close()
             return
         if not told:
             tell(f"waits for a ROS master at {uri}: start roscore")
             told = True
-        await asyncio.sleep(LOOK)
+        await asyncio.sleep(AGAIN)
 
 
 class MasterWatch:
