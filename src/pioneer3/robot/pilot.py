@@ -213,10 +213,11 @@ class Pilot:
         """Why requests are ignored until a fresh one, or `None`."""
         return self._blocked
 
-    @property
-    def refusal(self) -> str | None:
-        """Why what goes on by itself must end, or `None`."""
-        return LATCHED if self.emergency else self._blocked
+    def refusal(self, *, despite_stall: bool = False) -> str | None:
+        """Return why what goes on by itself must end, or `None`; it may be the answer to a stall."""
+        if self.emergency:
+            return LATCHED
+        return None if despite_stall and self._blocked == STALLED else self._blocked
 
     def asked(self, now: float) -> Twist2:
         """Return what the robot is asked to do at this moment, before limits."""

@@ -92,23 +92,20 @@ class Helm:
             return self._fail(error)
         if self._remark is not None:
             self._tell(self._remark)
-        refusal = self._supervisor.pilot.refusal
-        if refusal and self.mode is not None and not decision.despite_stall:
+        refused = self._supervisor.pilot.refusal(despite_stall=decision.despite_stall)
+        if refused and self.mode is not None:
             # even one that waits: it would go on by itself once somebody asks for something fresh
-            self._forget_mode(refusal)
+            self._forget_mode(refused)
             self.decision = Decision()
-            return refusal
+            return refused
         if decision.wanted:
-            refused = self._supervisor.drive(
+            return self._supervisor.drive(
                 decision.twist,
                 decision.until,
                 renewed=renewed,
                 despite_stall=decision.despite_stall,
                 pace=_pace(decision, situation.limits),
             )
-            if refused and self._mode_drives():
-                self._forget_mode(refused)
-            return refused
         if before.wanted and situation.now < before.until:  # let go; the pilot ends what expires
             return self._supervisor.drive(STILL)
         return None
@@ -197,14 +194,6 @@ class Helm:
             self._remarked = words
             who = self.mode.name if self.mode else "driver"
             remark(f"{who}: {words or 'nothing is asked'}")
-
-    def _mode_drives(self) -> bool:
-        """Whether the mode has asked for motion."""
-        decision = self.decision
-        if self.mode is None or decision.twist.is_zero:
-            return False
-        names = {ranked.action.name for ranked in self.mode.actions}
-        return bool({decision.v_by, decision.w_by} & names)
 
     def _fail(self, error: ActionError) -> str:
         """End the stack of an action that failed, and stand still."""
