@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import uvicorn
 
 from pioneer3.errors import LinkError, PortBusyError
-from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.tasks import running
 from pioneer3.web.access.certificate import Certificate
 from pioneer3.web.access.names import is_loopback, own_names
@@ -34,16 +32,6 @@ class Served:
 
     http: str
     https: str | None = None
-
-
-@asynccontextmanager
-async def serve_page(
-    robot: Robot, scene: Scene, *, host: str = "127.0.0.1", port: int = 8080
-) -> AsyncIterator[str]:
-    """Serve a live page of its own; yield its address. See :func:`serve`."""
-    page = Page()
-    async with page.hosting(robot, scene), serve(page, host=host, port=port) as served:
-        yield served.http
 
 
 @asynccontextmanager

@@ -12,15 +12,26 @@ import pytest
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
-from pioneer3 import LinkError, PortBusyError, connect_async
+from pioneer3 import LinkError, PortBusyError, Robot, connect_async
 from pioneer3.runtime.scene import Scene
 from pioneer3.web.app import STATIC
-from pioneer3.web.server import FRAME_LIMIT, _bind, serve_page
+from pioneer3.web.page import Page
+from pioneer3.web.server import FRAME_LIMIT, _bind, serve
 from tests.support import SimulatedRobot
 
 pytestmark = pytest.mark.realtime
 
 PATIENCE = 20.0
+
+
+@asynccontextmanager
+async def serve_page(
+    robot: Robot, scene: Scene, *, host: str = "127.0.0.1", port: int = 8080
+) -> AsyncIterator[str]:
+    """Serve a page of one robot; yield its address."""
+    page = Page()
+    async with page.hosting(robot, scene), serve(page, host=host, port=port) as served:
+        yield served.http
 
 
 @asynccontextmanager
