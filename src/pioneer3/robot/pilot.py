@@ -214,7 +214,7 @@ class Pilot:
         return self._blocked
 
     def refusal(self, *, despite_stall: bool = False) -> str | None:
-        """Return why what goes on by itself must end, or `None`; it may be the answer to a stall."""
+        """Return why what goes on by itself must end, or `None`; it may answer a stall."""
         if self.emergency:
             return LATCHED
         return None if despite_stall and self._blocked == STALLED else self._blocked
