@@ -8,6 +8,7 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.state import Snapshot
+from pioneer3.stops import NO_STOP, Stop
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +21,7 @@ class Situation:
         model: Its sizes and equipment.
         limits: What it may be asked to do.
         around: What its sensors see and have seen.
+        last_stop: What a command by hand must have begun after.
         higher: What actions of higher priority want already.
     """
 
@@ -28,6 +30,7 @@ class Situation:
     model: RobotModel
     limits: Limits
     around: Surroundings = NOTHING_SENSED
+    last_stop: Stop = NO_STOP
     higher: Merge = field(default_factory=Merge)
 
     @property

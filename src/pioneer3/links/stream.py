@@ -26,6 +26,7 @@ class StreamLink:
         self._writer = writer
         self._change_speed = change_speed
         self._closed = False
+        writer.transport.set_write_buffer_limits(high=0)  # what waits for the link waits above it
 
     async def read(self) -> bytes:
         """Return the next bytes; `b""` once the far end has closed."""

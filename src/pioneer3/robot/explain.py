@@ -38,7 +38,7 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) 
     if silent > SILENT:
         yield f"The robot has said nothing for {silent:.1f} s: the link is failing."
     if pilot.blocked:
-        yield f"Waiting for a fresh command, because {pilot.blocked}."
+        yield f"Waiting for a fresh command: {pilot.last_stop.told}."
     if decided and pilot.asked(now).is_zero:
         yield f"It stands because of {decided}."
     yield from _about_the_request(pilot, snapshot, now)

@@ -4,15 +4,16 @@ Rules:
 
 1. A request expires. Then, and on every doubt, the robot is told to stand still.
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
-3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried.
-4. After a lost link, a stall, either stop button or motors that went off by themselves, requests
-   are ignored until there is a *fresh* one: after a pause of :attr:`Limits.expiry`, a zero that
-   somebody asks for anew, :meth:`Pilot.stop`, or :meth:`Pilot.set_motors`. A key that was held all
-   the time is not fresh, nor is a behavior that waits.
-   The one exception: a request that is the answer to a stall (:class:`StallRecover`) goes on.
+3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried. They
+   go off when the robot stands: without power it would roll on.
+4. A request that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
+   request that is the answer to a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
+6. What waits for the link is what the robot shall do now, never a queue: one frame of a kind, the
+   newest, stops first. A changed velocity does not wait for the repetition of an old one.
 """
 
+from dataclasses import dataclass
 from math import inf
 
 from pioneer3.arcos import commands
@@ -21,20 +22,67 @@ from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
 from pioneer3.robot.limits import limit
 from pioneer3.state import Snapshot
+from pioneer3.stops import Stop, leads_away
 
 REPEAT = 0.2
 """Pause between repetitions of a velocity [s]."""
 PACE = 0.05
-"""Shortest pause between two velocities [s]: both frames take 19 ms at 9600 baud. A stop never
-waits."""
+"""Shortest pause between changed velocities that come one after the other [s]: both frames take
+19 ms at 9600 baud. A stop never waits."""
+BURST = 3
+"""So many changed velocities may come at once before the pause holds."""
 ENABLE_RETRY = 0.5
 ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
 """Slower than this counts as standing [m/s, rad/s]."""
+BLIND = 0.5
+"""A robot that has said nothing for this long [s] is told to stand until it speaks again."""
+BRAKING = 1.0
+"""Motors that go off wait this long [s] at most for the robot to stand."""
+ESCAPE = 1.0
+"""A robot that leads away from a stall has this long [s] to get its wheels free."""
+STOPPED = "somebody stopped the robot"
 STALLED = "the wheels stalled"
 LATCHED = "the emergency stop is latched"
 OVERSLEPT = 2.0
 """A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
+
+
+@dataclass(slots=True)
+class Outbox:
+    """What is still to be sent: of each kind the newest, stops first.
+
+    Attributes:
+        emergency_stop: Whether to send ESTOP.
+        stop: Whether to send STOP.
+        power: What to say in ENABLE.
+        settings: What prepares a session; sent once, in order.
+        pace: Accelerations.
+        velocity: [m/s, rad/s].
+    """
+
+    emergency_stop: bool = False
+    stop: bool = False
+    power: bool | None = None
+    settings: tuple[Command, ...] = ()
+    pace: Pace | None = None
+    velocity: Twist2 | None = None
+
+    def commands(self) -> list[Command]:
+        """Return what to send, in this order."""
+        out: list[Command] = []
+        if self.stop:
+            out.append(commands.Stop())
+        if self.emergency_stop:
+            out.append(commands.EStop())
+        out += self.settings
+        if self.pace is not None:
+            out += _paces(self.pace)
+        if self.power is not None:
+            out.append(commands.Enable(on=self.power))
+        if self.velocity is not None:
+            out += (commands.Vel(speed=self.velocity.v), commands.RVel(rate=self.velocity.w))
+        return out
 
 
 class Pilot:
@@ -44,7 +92,8 @@ class Pilot:
         deadline: When :meth:`tick` must next be called [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
         emergency: Whether the emergency stop is latched.
-        auto_enable: Whether a fresh command switches the motors on.
+        auto_enable: Whether a request switches the motors on.
+        last_stop: What a request must have begun after.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -52,21 +101,26 @@ class Pilot:
         self.limits: Limits | None = None
         self.emergency = False
         self.auto_enable = auto_enable
-        self._outbox: list[Command] = []
+        self.last_stop = Stop()
+        self._outbox = Outbox()
         self._snapshot: Snapshot | None = None
         self._request = STILL
-        self._until = self._requested_at = self._awake_at = -inf
+        self._until = self._awake_at = -inf
         self._sent: Twist2 | None = None
-        self._sent_at = -inf
+        self._sent_at = self._stopped_at = self._paced_until = -inf
         self._blocked: str | None = None
-        self._despite_stall = False
+        self._answers_stall = False
+        self._escaped: Stop | None = None
+        self._escapes_until = -inf
         self._pace: Pace | None = None
         self._sent_pace: Pace | None = None
         self._hands_off = False
         self._motors_wanted: bool | None = None
+        self._motors_wanted_at = -inf
         self._motors_seen = False
         self._enable_tries = 0
-        self._enabled_at = -inf
+        self._enabled: bool | None = None
+        self._enabled_at = self._observed_at = -inf
 
     def session_opened(
         self,
@@ -78,27 +132,29 @@ class Pilot:
     ) -> None:
         """Set the robot up as far as its firmware lets us: limits, sonar on, everything still."""
         self.limits = limits
-        self._outbox = [commands.Stop()]
+        settings: list[Command] = []
         if settable_speed:
-            self._outbox += [
+            settings += [
                 commands.SetV(speed=limits.max_speed),
                 commands.SetRV(rate=limits.max_turn_rate),
             ]
         self._pace, self._sent_pace = None, None
         if settable_acceleration:
-            self._outbox += _paces(limits.pace)
+            settings += _paces(limits.pace)
             self._sent_pace = limits.pace
-        self._outbox.append(commands.Sonar(on=True))
+        settings.append(commands.Sonar(on=True))
+        self._outbox = Outbox(stop=True, settings=tuple(settings))
+        self._count_stop(self.last_stop.why)  # what was pressed meanwhile is no answer to the loss
         self._sent, self._sent_at, self._awake_at = STILL, -inf, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
         """Forget what was asked: nothing of it may reach the next session."""
-        self._outbox.clear()
+        self._outbox = Outbox()
         self._snapshot, self._sent, self._hands_off = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
-        self._block(f"the link was lost ({why}); let go, then ask again", now)
+        self._block(f"the link was lost ({why})", now)
 
     def drive(
         self,
@@ -106,94 +162,108 @@ class Pilot:
         now: float,
         until: float = inf,
         *,
-        renewed: bool = False,
-        despite_stall: bool = False,
+        after: int,
+        answers_stall: bool = False,
         pace: Pace | None = None,
     ) -> str | None:
         """Ask for `twist` until it expires, at `until` [s] at the latest.
 
-        What is `renewed` was asked for before, and is never fresh. `pace` is how to get there, the
-        robot's own if `None`. Returns why it is ignored, or `None`.
+        Args:
+            twist: [m/s, rad/s].
+            now: [s].
+            until: [s].
+            after: Number of the last stop when this was first asked for.
+            answers_stall: Whether this gets the wheels free.
+            pace: How to get there; the robot's own if `None`.
+
+        Returns:
+            Why it is ignored, or `None`.
         """
         if self.limits is None:
             return "no robot is connected"
-        expiry = self.limits.expiry
-        fresh = not renewed and (twist.is_zero or now - self._requested_at > expiry)
-        if not twist.is_zero:
-            self._requested_at = min(now, until - expiry)
-        elif not renewed:
-            self._requested_at = -inf
         if self.emergency:
             return LATCHED
-        answered = despite_stall and self._blocked == STALLED
-        if self._blocked and (fresh or answered) and self._snapshot is not None:
-            self._blocked, self._hands_off = None, False
-        if self._blocked:
-            return self._blocked
         if self._snapshot is None:
-            return "no robot is connected"
-        self._request, self._until = twist, min(now + expiry, until)
-        self._despite_stall, self._pace = despite_stall, pace
-        given_up = fresh and self.enable_failed
-        if not twist.is_zero and self.auto_enable and (given_up or not self._motors_wanted):
-            self._want_motors(on=True)
+            return self.last_stop.told if self._blocked else "no robot is connected"
+        stalled = self.last_stop.stalled
+        if after < self.last_stop.number and not (answers_stall and stalled is not None):
+            return self.last_stop.told
+        self._blocked, self._hands_off = None, False
+        if stalled is not None and self._escaped != self.last_stop and leads_away(twist, stalled):
+            self._escaped, self._escapes_until = self.last_stop, now + ESCAPE
+        if self.enable_failed and self.asked(now).is_zero:
+            self._motors_wanted = None  # who asks anew tries the motors anew
+        self._request, self._until = twist, min(now + self.limits.expiry, until)
+        self._answers_stall, self._pace = answers_stall, pace
+        if not twist.is_zero and self.auto_enable and not self._motors_wanted:
+            self._want_motors(on=True, now=now)
         self._steer(now)
         return None
 
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
-        self._request, self._until, self._requested_at = STILL, now, -inf
-        self._despite_stall, self._pace, self._hands_off = False, None, False
-        if self._snapshot is not None:
+        self._request, self._until = STILL, now
+        self._answers_stall, self._pace, self._hands_off = False, None, False
+        if self._snapshot is None:
+            self._count_stop(self.last_stop.why)
+        else:
             self._blocked = None
+            self._count_stop(STOPPED)
+        self._outbox.velocity = None
+        if self._sent != STILL or now >= self._stopped_at + PACE:
+            self._outbox.stop, self._stopped_at = True, now
         self._sent, self._sent_at = STILL, now
-        self._outbox.append(commands.Stop())
 
     def emergency_stop(self, now: float) -> None:
         """Stop as hard as the robot can, motors off, until :meth:`reset_emergency_stop`."""
         self.stop(now)
+        self._outbox.emergency_stop |= self._outbox.stop or not self.emergency
         self.emergency = True
-        self._block("the emergency stop was pressed; let go, then ask again", now)
-        self._outbox.append(commands.EStop())
-        self._want_motors(on=False)
+        self._block("the emergency stop was pressed", now)
+        self._want_motors(on=False, now=now)
 
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off until asked for."""
-        self.emergency = False
+        if self.emergency:
+            self.emergency = False
+            self._count_stop(self.last_stop.why)
 
     def hands_off(self, now: float) -> None:
         """Leave motion to somebody else until :meth:`stop` or a fresh request."""
-        self._block("a raw command drives the robot; stop it, or let go, then ask again", now)
+        self._block("a raw command drives the robot", now)
         self._hands_off, self._sent = True, None
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
-        """Ask for power on the motors, or none; return why not, or `None`."""
+        """Ask for power on the motors, or none once it stands; return why not, or `None`."""
         if on and self.emergency:
             return LATCHED
+        stood = self.stands
         self.stop(now)
-        self._want_motors(on=on)
+        self._want_motors(on=on, now=-inf if stood else now)
         self._power(now)
         return None
 
     def observe(self, snapshot: Snapshot, now: float) -> None:
         """Take in what the robot says, and act on it."""
         motors, before = snapshot.motors, self._snapshot
-        self._snapshot = snapshot
+        self._snapshot, self._observed_at = snapshot, now
         self._notice_sleep(now)
         if motors.stop_button:
             if self._motors_wanted:
                 self._motors_wanted = None  # released, it does not bring them back
             self._block("the stop button on the robot is pressed", now)
-        elif motors.stalled and not self._request.is_zero and not self._despite_stall:
-            self._block(STALLED, now)
+        elif motors.stalled and self._gives_in(now):
+            self._block(STALLED, now, stalled=self._request)
         elif self._motors_seen and not motors.enabled and self._motors_wanted:
             self._motors_wanted = None
             self._block("the robot switched its motors off", now)
+        if not motors.stalled:
+            self._escapes_until = -inf
         self._motors_seen = motors.enabled
         if motors.enabled:
             self._enable_tries = 0
         if before is None and self._motors_wanted is None:
-            self._want_motors(on=False)
+            self._want_motors(on=False, now=-inf if self._rests else now)
         self._power(now)
         self._steer(now)
 
@@ -205,19 +275,13 @@ class Pilot:
 
     def outgoing(self) -> list[Command]:
         """Return and forget the commands to send."""
-        outbox, self._outbox = self._outbox, []
-        return outbox
+        outbox, self._outbox = self._outbox, Outbox()
+        return outbox.commands()
 
     @property
     def blocked(self) -> str | None:
         """Why requests are ignored until a fresh one, or `None`."""
         return self._blocked
-
-    def refusal(self, *, despite_stall: bool = False) -> str | None:
-        """Return why what goes on by itself must end, or `None`; it may answer a stall."""
-        if self.emergency:
-            return LATCHED
-        return None if despite_stall and self._blocked == STALLED else self._blocked
 
     def asked(self, now: float) -> Twist2:
         """Return what the robot is asked to do at this moment, before limits."""
@@ -227,6 +291,13 @@ class Pilot:
     def sent(self) -> Twist2 | None:
         """What the robot was last told to do [m/s, rad/s]; `None` while others tell it."""
         return self._sent
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot was told to stand, and does; or has no power to brake with."""
+        if self._snapshot is None or not self._snapshot.motors.enabled:
+            return True
+        return self._sent == STILL and self._rests and self._observed_at > self._sent_at
 
     @property
     def expired(self) -> bool:
@@ -243,28 +314,54 @@ class Pilot:
         if away > OVERSLEPT and self._snapshot is not None:
             self._block(f"the watchdog stopped the robot: this program slept {away:.1f} s", now)
 
-    def _block(self, why: str, now: float) -> None:
-        self._blocked = why
-        self._request, self._until, self._requested_at = STILL, now, now
-        self._despite_stall, self._pace = False, None
+    def _gives_in(self, now: float) -> bool:
+        """Return whether wheels that are stalled now end what is asked for."""
+        return not (self._request.is_zero or self._answers_stall or now < self._escapes_until)
 
-    def _want_motors(self, *, on: bool) -> None:
-        self._motors_wanted, self._enable_tries, self._enabled_at = on, 0, -inf
+    def _block(self, why: str, now: float, *, stalled: Twist2 | None = None) -> None:
+        self._blocked = why
+        self._count_stop(why, stalled)
+        self._request, self._until = STILL, now
+        self._answers_stall, self._pace = False, None
+
+    def _count_stop(self, why: str, stalled: Twist2 | None = None) -> None:
+        self.last_stop = Stop(self.last_stop.number + 1, why, stalled)
+
+    def _want_motors(self, *, on: bool, now: float) -> None:
+        """Want power on the motors; off from `now` on, once the robot stands."""
+        self._motors_wanted, self._motors_wanted_at = on, now
+        self._enable_tries = 0
+
+    @property
+    def _rests(self) -> bool:
+        """Whether the robot stood when it last spoke."""
+        if self._snapshot is None:
+            return False
+        measured = self._snapshot.odometry.twist
+        return abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
 
     def _power(self, now: float) -> None:
         """Bring the motors to the state wanted, as far as the robot plays along."""
         if self._snapshot is None or self._motors_wanted is None:
             return
-        if self._motors_wanted == self._snapshot.motors.enabled:
-            if not self._motors_wanted and not self.emergency:
+        wanted = self._motors_wanted
+        if wanted == self._snapshot.motors.enabled:
+            if not wanted and not self.emergency:
                 self._motors_wanted = None  # seen off; somebody at the robot may turn them on
             return
-        if self._motors_wanted and (self._snapshot.motors.stop_button or self.enable_failed):
+        if wanted and (self._snapshot.motors.stop_button or self.enable_failed):
             return
-        if now - self._enabled_at >= ENABLE_RETRY:
-            self._enabled_at = now
+        if not wanted and self._brakes(now):
+            return
+        again = ENABLE_RETRY if wanted == self._enabled else PACE
+        if now >= self._enabled_at + again:
+            self._enabled, self._enabled_at = wanted, now
             self._enable_tries += 1
-            self._outbox.append(commands.Enable(on=bool(self._motors_wanted)))
+            self._outbox.power = wanted
+
+    def _brakes(self, now: float) -> bool:
+        """Return whether motors that shall go off are still needed to stop the robot."""
+        return not (self.emergency or self.stands) and now < self._motors_wanted_at + BRAKING
 
     def _steer(self, now: float) -> None:
         """Send the velocity that is due."""
@@ -272,26 +369,27 @@ class Pilot:
         if snapshot is None or limits is None or self._hands_off:
             return
         self._power(now)
-        twist = limit(self.asked(now), limits, snapshot.bumpers)
-        measured = snapshot.odometry.twist
-        rests = abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
-        due = now >= self._sent_at + REPEAT and not (twist.is_zero and rests)
-        changed = twist != self._sent and (twist.is_zero or now >= self._sent_at + PACE)
+        self._set_pace(limits)
+        blind = now - self._observed_at > BLIND
+        twist = STILL if blind else limit(self.asked(now), limits, snapshot.bumpers)
+        due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._rests)
+        change_at = self._paced_until - (BURST - 1) * PACE
+        changed = twist != self._sent and (twist.is_zero or now >= change_at)
+        if changed and not twist.is_zero:
+            self._paced_until = max(self._paced_until, now) + PACE
         if changed or due:
-            self._set_pace(limits)
-            self._outbox += (commands.Vel(speed=twist.v), commands.RVel(rate=twist.w))
+            self._outbox.velocity = twist
             self._sent, self._sent_at = twist, now
-        again = self._sent_at + (REPEAT if twist == self._sent else PACE)
-        self.deadline = min(
-            again if again > now else now + REPEAT, self._until if self._until > now else inf
-        )
+        again = self._sent_at + REPEAT if twist == self._sent else change_at
+        power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
+        due_at = (again, self._until, power_at, now + REPEAT)
+        self.deadline = min(due for due in due_at if due > now)
 
     def _set_pace(self, limits: Limits) -> None:
         """Send the accelerations that are wanted, where the robot takes any and they are new."""
         wanted = self._pace or limits.pace
         if self._sent_pace is not None and wanted != self._sent_pace:
-            self._outbox += _paces(wanted)
-            self._sent_pace = wanted
+            self._outbox.pace = self._sent_pace = wanted
 
 
 def _paces(pace: Pace) -> list[Command]:

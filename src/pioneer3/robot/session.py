@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Protocol
@@ -20,13 +21,13 @@ from pioneer3.arcos.host_events import (
     Timing,
 )
 from pioneer3.arcos.reports import Config, Report, Sip
-from pioneer3.errors import LinkError, NoRobotError
+from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.models import RobotModel, find_model, generic_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import Pilot
+from pioneer3.robot.pilot import BRAKING, Pilot
 from pioneer3.robot.requests import Requests
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM
@@ -34,6 +35,10 @@ from pioneer3.units import DEGREE, MM
 log = logging.getLogger(__name__)
 
 FAREWELL_PATIENCE = 0.5
+MOST_WAITING = 256
+"""Commands of devices and programs that may wait for a link that takes nothing."""
+AT_ONCE = 8
+"""So many of them go out together: a stop never waits for more."""
 
 
 class Listener(Protocol):
@@ -88,6 +93,8 @@ class Session:
         self._clock = asyncio.get_running_loop().time
         self._host = Host(self._clock(), link.speeds, timing)
         self._wake = asyncio.Event()
+        self._waiting: deque[Command] = deque()
+        self._sending: asyncio.Task[None] | None = None
         self._lost: Lost | None = None
         self._configured = False
 
@@ -96,12 +103,20 @@ class Session:
         self._wake.set()
 
     def send(self, command: Command) -> None:
-        """Queue one command beside the pilot's.
+        """Queue one command beside the pilot's; what waits already is not queued twice in a row.
 
         Raises:
-            CommandError: no session is open, or the command does not fit the protocol.
+            CommandError: no session is open, the command does not fit the protocol, or the link
+                has taken nothing for long.
         """
-        self._host.send(command, self._clock())
+        commands.to_payload(command)
+        if self._host.state is not State.OPEN:
+            raise CommandError(f"cannot send {type(command).__name__}: no session is open")
+        if len(self._waiting) >= MOST_WAITING:
+            raise CommandError(f"{self.link.url}: {MOST_WAITING} commands wait for the link")
+        alike = (waits for waits in reversed(self._waiting) if type(waits) is type(command))
+        if next(alike, None) != command:
+            self._waiting.append(command)
         self.wake()
 
     async def run(self) -> None:
@@ -120,9 +135,10 @@ class Session:
                     task.result()
         finally:
             try:
-                for task in (reader, writer):
+                tasks = [task for task in (reader, writer, self._sending) if task is not None]
+                for task in tasks:
                     task.cancel()
-                await asyncio.gather(reader, writer, return_exceptions=True)
+                await asyncio.gather(*tasks, return_exceptions=True)
             finally:  # whoever cancels twice
                 await self._leave()
 
@@ -142,16 +158,37 @@ class Session:
                 await self._handle(event, now)
             if self._lost is not None:
                 raise self._failure(self._lost.reason)
-            if self._host.config_settled:
-                if now >= self._pilot.deadline:
-                    self._pilot.tick(now)
-                for command in (*self._pilot.outgoing(), *self._requests.outgoing()):
-                    self._host.send(command, now)
-            if data := self._host.outgoing():
-                await self.link.write(data)
+            if self._host.config_settled and now >= self._pilot.deadline:
+                self._pilot.tick(now)
+            if self._link_is_free():
+                self._send_all(now)
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(min(self._host.deadline, self._pilot.deadline)):
                     await self._wake.wait()
+
+    def _link_is_free(self) -> bool:
+        """Return whether the link has taken the last bytes.
+
+        Raises:
+            LinkError: it has failed.
+        """
+        if self._sending is None:
+            return True
+        if self._sending.done():
+            self._sending.result()
+            self._sending = None
+        return self._sending is None
+
+    def _send_all(self, now: float) -> None:
+        """Hand all that is due to the link: what the pilot decided, then what others wait for."""
+        if self._host.config_settled:
+            due = [*self._pilot.outgoing(), *self._requests.outgoing()]
+            due += [self._waiting.popleft() for _ in range(min(AT_ONCE, len(self._waiting)))]
+            for command in due:
+                self._host.send(command, now)
+        if data := self._host.outgoing():
+            self._sending = asyncio.ensure_future(self.link.write(data))
+            self._sending.add_done_callback(lambda _: self.wake())
 
     async def _handle(self, event: Event, now: float) -> None:
         match event:
@@ -196,8 +233,13 @@ class Session:
         self._listener.on_report(report, now)
 
     def _take_reading(self, report: Sip, now: float) -> None:
+        snapshot = self._snapshot(report, now)
+        self._pilot.observe(snapshot, now)
+        self._listener.on_snapshot(snapshot)
+
+    def _snapshot(self, report: Sip, now: float) -> Snapshot:
         assert self.model is not None
-        snapshot = self._assembler.assemble(
+        return self._assembler.assemble(
             report,
             now,
             model=self.model,
@@ -205,8 +247,6 @@ class Session:
             bad_checksums=self._host.reader.bad_checksums,
             bytes_skipped=self._host.reader.bytes_skipped,
         )
-        self._pilot.observe(snapshot, now)
-        self._listener.on_snapshot(snapshot)
 
     def _failure(self, reason: str) -> LinkError | NoRobotError:
         if self.identity is None:
@@ -215,18 +255,44 @@ class Session:
 
     async def _leave(self) -> None:
         """Send the farewell whatever happened; a link that takes nothing is closed all the same."""
-        now = self._clock()
-        if self._configured and self._host.state is State.OPEN:
-            farewell = self._requests.farewell()
-            for command in (commands.Stop(), *farewell) if farewell else ():
-                self._host.send(command, now)
-        self._host.leave(now)
         try:
             with suppress(LinkError, TimeoutError):
-                async with asyncio.timeout(FAREWELL_PATIENCE):
-                    await self.link.write(self._host.outgoing())
+                await self._brake()
         finally:
-            await self.link.close()
+            now = self._clock()
+            if self._configured and self._host.state is State.OPEN:
+                farewell = self._requests.farewell()
+                for command in (commands.Stop(), *farewell) if farewell else ():
+                    self._host.send(command, now)
+            self._host.leave(now)
+            try:
+                with suppress(LinkError, TimeoutError):
+                    async with asyncio.timeout(FAREWELL_PATIENCE):
+                        await self.link.write(self._host.outgoing())
+            finally:
+                await self.link.close()
+
+    async def _brake(self) -> None:
+        """Stop, and wait until the robot stands: without power it would roll on.
+
+        Raises:
+            LinkError: the link has failed.
+            TimeoutError: it still moves after :data:`~pioneer3.robot.pilot.BRAKING`.
+        """
+        if not self._configured or self._host.state is not State.OPEN:
+            return
+        async with asyncio.timeout(BRAKING):
+            while not self._pilot.stands:
+                self._pilot.stop(self._clock())
+                for command in self._pilot.outgoing():
+                    self._host.send(command, self._clock())
+                await self.link.write(self._host.outgoing())
+                if not (data := await self.link.read()):
+                    return
+                now = self._clock()
+                for event in self._host.receive(data, now):
+                    if isinstance(event, Received) and isinstance(event.report, Sip):
+                        self._pilot.observe(self._snapshot(event.report, now), now)
 
 
 def _model_of(identity: Identity, config: Config | None) -> RobotModel:

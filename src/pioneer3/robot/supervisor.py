@@ -137,8 +137,8 @@ class Supervisor:
         twist: Twist2,
         until: float = inf,
         *,
-        renewed: bool = False,
-        despite_stall: bool = False,
+        after: int,
+        answers_stall: bool = False,
         pace: Pace | None = None,
     ) -> str | None:
         """See :meth:`Pilot.drive`; `until` is in the loop's time [s]."""
@@ -146,8 +146,8 @@ class Supervisor:
             twist,
             self._clock(),
             until,
-            renewed=renewed,
-            despite_stall=despite_stall,
+            after=after,
+            answers_stall=answers_stall,
             pace=pace,
         )
         return self._after(answer)
@@ -177,6 +177,8 @@ class Supervisor:
             limits = self._restricted(limits_for(self.info.model, self.info.config))
             self.info = replace(self.info, limits=limits)
             self.pilot.limits = limits
+            self.pilot.tick(self._clock())
+            self._after()
 
     def send(self, command: Command) -> None:
         """Send any command that is not about motion.

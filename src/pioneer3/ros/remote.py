@@ -97,13 +97,13 @@ class TopicSupervisor:
         twist: Twist2,
         until: float = inf,
         *,
-        renewed: bool = False,
-        despite_stall: bool = False,
+        after: int,
+        answers_stall: bool = False,
         pace: Pace | None = None,
     ) -> str | None:
         """See :meth:`Pilot.drive`; the robot's node keeps its own accelerations."""
         refused = self.pilot.drive(
-            twist, self._clock(), until, renewed=renewed, despite_stall=despite_stall, pace=pace
+            twist, self._clock(), until, after=after, answers_stall=answers_stall, pace=pace
         )
         self._flush()
         return refused

@@ -41,8 +41,8 @@ class Drivable(Protocol):
         twist: Twist2,
         until: float = inf,
         *,
-        renewed: bool = False,
-        despite_stall: bool = False,
+        after: int,
+        answers_stall: bool = False,
         pace: Pace | None = None,
     ) -> str | None:
         """Ask for `twist` until then [s, loop time]; return why it is ignored, or `None`."""

@@ -13,12 +13,12 @@ from pioneer3.behaviors.stack import Action, Stack
 from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Limits, Pace
+from pioneer3.robot.pilot import LATCHED, STOPPED
 from pioneer3.runtime.driven import Drivable
 from pioneer3.state import Scan, Snapshot
+from pioneer3.stops import Stop
 
 log = logging.getLogger(__name__)
-
-STOPPED = "somebody stopped the robot"
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +28,23 @@ class Ended:
     mode: Stack
     done: bool
     why: str
+
+
+@dataclass(slots=True)
+class _Part:
+    """A stack that takes part in driving.
+
+    Attributes:
+        after: Number of the last stop that it has begun after, or answered.
+    """
+
+    stack: Stack
+    after: int
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a hand or a program holds it: it knows itself when it began."""
+        return any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
 
 
 class Helm:
@@ -52,7 +69,8 @@ class Helm:
         self._supervisor = supervisor
         self._remark = remark
         self._remarked: str | None = None
-        self._stacks: list[Stack] = []
+        self._parts: list[_Part] = []
+        self._decided_after = self.last_stop
         self._memory: RangeMemory | None = None
         self._clock = asyncio.get_running_loop().time
         supervisor.on_reading = self._take
@@ -76,39 +94,69 @@ class Helm:
             model=info.model,
             limits=info.limits,
             around=self._memory.around(now),
+            last_stop=self.last_stop,
         )
 
-    def decide(self, *, renewed: bool = False) -> str | None:
-        """Resolve now; return why the robot ignores the result, or `None`.
+    @property
+    def last_stop(self) -> Stop:
+        """What a command must have begun after."""
+        return self._supervisor.pilot.last_stop
 
-        `renewed` says that nobody has asked for anything new: only time has passed.
-        """
+    def decide(self) -> str | None:
+        """Resolve now; return why the robot ignores the result, or `None`."""
         situation, before = self.situation(), self.decision
         if situation is None:
             return self._supervisor.why_not_moving()
+        self._end_motions()
         try:
-            self.decision = decision = resolve(self._stacks, situation)
+            self.decision = decision = resolve([part.stack for part in self._parts], situation)
         except ActionError as error:
             return self._fail(error)
         if self._remark is not None:
             self._tell(self._remark)
-        refused = self._supervisor.pilot.refusal(despite_stall=decision.despite_stall)
-        if refused and self.mode is not None:
-            # even one that waits: it would go on by itself once somebody asks for something fresh
+        if refused := self._why_mode_ends(decision):
             self._forget_mode(refused)
-            self.decision = Decision()
+            self.decide()
             return refused
         if decision.wanted:
+            self._decided_after = situation.last_stop
             return self._supervisor.drive(
                 decision.twist,
                 decision.until,
-                renewed=renewed,
-                despite_stall=decision.despite_stall,
+                after=situation.last_stop.number,
+                answers_stall=decision.despite_stall,
                 pace=_pace(decision, situation.limits),
             )
-        if before.wanted and situation.now < before.until:  # let go; the pilot ends what expires
-            return self._supervisor.drive(STILL)
+        stopped, self._decided_after = self._decided_after, situation.last_stop
+        if stopped == self._decided_after and before.wanted and situation.now < before.until:
+            return self._stand()  # somebody let go; the pilot ends what expires, and what it stops
         return None
+
+    def _end_motions(self) -> None:
+        """Take out what has begun before the last stop and can be no answer to it."""
+        last = self.last_stop.number
+        self._parts = [
+            part
+            for part in self._parts
+            if part.is_held or part.stack is self.mode or part.after >= last
+        ]
+
+    def _why_mode_ends(self, decision: Decision) -> str | None:
+        """Return the reason to end the mode, even one that waits; `None` to go on.
+
+        It would go on by itself once somebody asks for something else.
+        """
+        if self.mode is None:
+            return None
+        if self._supervisor.pilot.emergency:
+            return LATCHED
+        part = next(part for part in self._parts if part.stack is self.mode)
+        if decision.despite_stall and self.last_stop.stalled is not None:
+            part.after = self.last_stop.number
+        return None if part.after >= self.last_stop.number else self.last_stop.why
+
+    def _stand(self) -> str | None:
+        return self._supervisor.drive(STILL, after=self.last_stop.number)
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
@@ -116,22 +164,25 @@ class Helm:
 
     def add(self, action: Action, priority: int) -> None:
         """Let `action` take part from now on."""
-        self._stacks.append(Stack.alone(action, priority))
+        self._join(Stack.alone(action, priority))
 
     def remove(self, action: Action) -> None:
         """Take `action` out; what it wanted ends at once."""
         if action in self:
-            self._stacks = [stack for stack in self._stacks if not _has(stack, action)]
+            self._parts = [part for part in self._parts if not _has(part.stack, action)]
             self.decide()
 
     def __contains__(self, action: Action) -> bool:
-        return any(_has(stack, action) for stack in self._stacks)
+        return any(_has(part.stack, action) for part in self._parts)
+
+    def _join(self, stack: Stack) -> None:
+        self._parts.append(_Part(stack, self.last_stop.number))
 
     def start(self, mode: Stack) -> str | None:
         """Stop, then let `mode` drive in place of the one before; return why it does not."""
         self.stop()
         self.mode, self.ended = mode, None
-        self._stacks.append(mode)
+        self._join(mode)
         return self.decide()
 
     def end_mode(self, why: str) -> None:
@@ -142,28 +193,26 @@ class Helm:
 
     def hold(self, held: Hold, twist: Twist2, seconds: float) -> str | None:
         """Let `held` want `twist` for `seconds`; return why the robot ignores it, or `None`."""
-        held.set(twist, self._clock(), seconds)
-        if held.muted:
-            return f"{STOPPED}; let go, then ask again"
-        if self._supervisor.snapshot is None:  # refused, but noted: a held key is not a fresh one
-            return self._supervisor.drive(twist)
-        return self.decide()
+        held.set(twist, self._clock(), seconds, self.last_stop)
+        return held.ignored(self.last_stop) or self.decide()
 
     def release(self, held: Hold) -> None:
         """Let go by hand: the robot stops if nobody else drives; the next wish is a fresh one."""
         held.release()
         self.decide()
         if not self.decision.wanted:
-            self._supervisor.drive(STILL)
+            self._stand()
 
     def stop(self, by: Hold | None = None) -> None:
         """End every wish and stand still; what others than `by` hold must be let go first."""
-        self._end_wishes(by)
+        if by is not None:
+            by.release()
+        self._end_wishes()
         self._supervisor.stop()
 
     def emergency_stop(self) -> None:
         """End every wish and stop hard, latched."""
-        self._end_wishes(None)
+        self._end_wishes()
         self._supervisor.emergency_stop()
 
     def set_motors(self, *, on: bool, by: Hold | None = None) -> str | None:
@@ -178,7 +227,7 @@ class Helm:
             self._memory = RangeMemory(info.model)
         if self._memory is not None:
             self._memory.update(snapshot, self.latest_scan())
-        self.decide(renewed=True)
+        self.decide()
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
             self.decide()
@@ -200,34 +249,22 @@ class Helm:
         log.error("%s stops the robot", error, exc_info=error)
         if self.mode is not None and self.mode.name == error.stack:
             self._forget_mode(str(error))
-        self._stacks = [stack for stack in self._stacks if stack.name != error.stack]
+        self._parts = [part for part in self._parts if part.stack.name != error.stack]
         self.stop()
         return str(error)
 
     def _forget_mode(self, why: str, *, done: bool = False) -> None:
         mode, self.mode = self.mode, None
         if mode is not None:
-            self._stacks = [stack for stack in self._stacks if stack is not mode]
+            self._parts = [part for part in self._parts if part.stack is not mode]
             self.ended = Ended(mode, done, why)
 
-    def _end_wishes(self, by: Hold | None) -> None:
+    def _end_wishes(self) -> None:
+        """End all but what hands hold, which the stop outdates."""
         if self.mode is not None:
             self._forget_mode(STOPPED)
-        kept = []
-        for stack in self._stacks:
-            for ranked in stack.actions:
-                if isinstance(ranked.action, Hold):
-                    kept.append(stack)
-                    _let_go(ranked.action, by, self._clock())
-        self._stacks = kept
+        self._parts = [part for part in self._parts if part.is_held]
         self.decision = Decision()
-
-
-def _let_go(held: Hold, by: Hold | None, now: float) -> None:
-    if held is by:
-        held.release()
-    else:
-        held.mute(now)
 
 
 def _has(stack: Stack, action: Action) -> bool:

@@ -7,6 +7,7 @@ from math import inf
 from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import MotionError
+from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import PROGRAM
@@ -35,7 +36,6 @@ async def carry_out(
         MotionError: something else ended it, or it got stuck; the message says why.
     """
     clock = asyncio.get_running_loop().time
-    supervisor.stop()  # a fresh command: whatever was held before is over
     helm.add(action, PROGRAM)
     try:
         async with asyncio.timeout(STUCK_PATIENCE) as patience:
@@ -97,10 +97,7 @@ class _Headway:
 
 def _check(action: Move | Turn, helm: Helm, supervisor: Supervisor) -> None:
     """Raise MotionError if something has ended `action`."""
-    pilot = supervisor.pilot
-    if pilot.emergency:
-        raise MotionError(f"{action.name}: the emergency stop is latched")
-    if pilot.blocked:
-        raise MotionError(f"{action.name}: {pilot.blocked}")
+    if supervisor.pilot.emergency:
+        raise MotionError(f"{action.name}: {LATCHED}")
     if action not in helm:
-        raise MotionError(f"{action.name}: somebody stopped the robot")
+        raise MotionError(f"{action.name}: {helm.last_stop.why}")

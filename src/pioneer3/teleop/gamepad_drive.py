@@ -106,10 +106,10 @@ class GamepadDriver:
             self._robot.reset_emergency_stop()
 
     def _wish(self, gamepad: Gamepad) -> None:
-        wanted = gamepad.wanted
+        helm, wanted = self._robot.helm, gamepad.wanted
         if not wanted.is_zero:
-            if self._robot.helm.hold(self._hold, wanted, LEASE):
-                gamepad.let_go()  # what stopped it must be answered by a fresh press
-                self._hold.release()
-        elif self._hold.holds(self._clock()):
-            self._robot.helm.release(self._hold)
+            helm.hold(self._hold, wanted, LEASE)
+        elif self._hold.holds(self._clock(), helm.last_stop):
+            helm.release(self._hold)
+        else:
+            self._hold.release()

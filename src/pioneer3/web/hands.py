@@ -31,7 +31,7 @@ class Hands:
         self._clock = asyncio.get_running_loop().time
         self._holds: dict[int, Hold] = {}
         for name, priority in dict(RANKS.values()).items():
-            self._holds[priority] = Hold(name)
+            self._holds[priority] = Hold(name, streams=True)
             helm.add(self._holds[priority], priority)
         self._last = self._holds[WEB]
 
@@ -41,21 +41,21 @@ class Hands:
         return frozenset(hold.name for hold in self._holds.values())
 
     @property
-    def muted(self) -> bool:
-        """Whether what was last held must be let go before it counts again."""
-        return self._last.muted
+    def ignored(self) -> str | None:
+        """Why what was last held must be let go before it counts again, or `None`."""
+        return self._last.ignored(self._helm.last_stop)
 
     def hold(self, source: Input, twist: Twist2, seconds: float) -> str | None:
         """Hold `twist` with `source` for `seconds`; return why the robot ignores it, or `None`."""
-        rank, now = RANKS[source][1], self._clock()
+        rank, now, last = RANKS[source][1], self._clock(), self._helm.last_stop
         mine = self._last = self._holds[rank]
-        first = next((o for r, o in self._holds.items() if r > rank and o.holds(now)), None)
+        first = next((o for r, o in self._holds.items() if r > rank and o.holds(now, last)), None)
         if first is not None:
-            mine.set(twist, now, seconds)
-            mine.mute(now)
-            return f"the {first.name} drives; let go, then ask again"
+            mine.set(twist, now, seconds, last)
+            mine.overrule(f"the {first.name} drives", now)
+            return mine.ignored(last)
         for lower in (hold for r, hold in self._holds.items() if r < rank):
-            lower.mute(now)
+            lower.overrule(f"the {mine.name} drives", now)
         return self._helm.hold(mine, twist, seconds)
 
     def release(self, source: Input) -> None:

@@ -44,7 +44,7 @@ class Station:
         Why the robot ignores it otherwise is in the snapshots.
         """
         refused = self.wheel.drive(who, twist, source)
-        return refused if self.wheel.muted or self.wheel.holder is not who else None
+        return refused if self.wheel.ignored or self.wheel.holder is not who else None
 
     def start_mode(self, who: Somebody, wish: Mode) -> str | None:
         """Let the robot drive by itself for `who`, who must stay; return why not, or `None`."""

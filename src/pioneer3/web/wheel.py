@@ -69,9 +69,9 @@ class Wheel:
         return self._hands.hold(source, twist, EXPIRY)
 
     @property
-    def muted(self) -> bool:
-        """Whether what was last held must be let go before it counts again."""
-        return self._hands.muted
+    def ignored(self) -> str | None:
+        """Why what was last held must be let go before it counts again, or `None`."""
+        return self._hands.ignored
 
     def stop(self, who: Somebody) -> None:
         """Stop for `who`; what anybody else holds must be let go before it counts again."""

@@ -9,6 +9,7 @@ from pioneer3.behaviors.desire import Desire, as_wish
 from pioneer3.behaviors.profile import MARGIN, SETTLE, approach
 from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.stops import NO_STOP
 from tests.unit.behaviors.support import seen
 
 
@@ -48,7 +49,7 @@ def test_an_approach_is_fast_far_away_and_gentle_near(remaining: float, speed: f
 def test_a_hold_lasts_as_long_as_it_was_set_for() -> None:
     hold = Hold("stick")
     assert hold.decide(at(0.0)) is None
-    hold.set(Twist2(0.2, 0.1), 1.0, 0.5)
+    hold.set(Twist2(0.2, 0.1), 1.0, 0.5, NO_STOP)
     desire = hold.decide(at(1.49))
     assert desire is not None
     assert (desire.v, desire.w, desire.until) == (0.2, 0.1, 1.5)
@@ -57,28 +58,9 @@ def test_a_hold_lasts_as_long_as_it_was_set_for() -> None:
 
 def test_a_released_hold_wants_nothing() -> None:
     hold = Hold("stick")
-    hold.set(Twist2(0.2, 0.1), 1.0, 0.5)
+    hold.set(Twist2(0.2, 0.1), 1.0, 0.5, NO_STOP)
     hold.release()
     assert hold.decide(at(1.0)) is None
-
-
-def test_a_muted_hold_wants_nothing_until_it_was_let_go() -> None:
-    hold = Hold("stick")
-    hold.set(Twist2(0.2, 0.0), 1.0, 0.5)
-    hold.mute(1.2)
-    for tenth in range(13, 30):
-        hold.set(Twist2(0.2, 0.0), tenth / 10, 0.5)
-        assert hold.muted
-        assert hold.decide(at(tenth / 10)) is None
-    hold.set(Twist2(0.2, 0.0), 4.0, 0.5)
-    assert hold.decide(at(4.0)) is not None
-
-
-def test_a_hold_that_nobody_holds_cannot_be_muted() -> None:
-    hold = Hold("stick")
-    hold.mute(1.0)
-    hold.set(Twist2(0.2, 0.0), 1.1, 0.5)
-    assert hold.decide(at(1.1)) is not None
 
 
 def test_a_move_goes_along_the_heading_at_its_start() -> None:

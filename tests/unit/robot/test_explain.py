@@ -54,14 +54,14 @@ def test_nothing_is_asked() -> None:
 
 def test_the_command_expired() -> None:
     made = pilot()
-    made.drive(AHEAD, 1.0)
+    made.drive(AHEAD, 1.0, after=made.last_stop.number)
     made.observe(ON, 1.1)
     assert why(made, replace(ON, stamp=2.0), 2.0).startswith("The last command expired after 0.5 s")
 
 
 def test_the_command_was_just_sent() -> None:
     made = pilot()
-    made.drive(AHEAD, 1.0)
+    made.drive(AHEAD, 1.0, after=made.last_stop.number)
     assert why(made, replace(OFF, stamp=1.0), 1.0).startswith("The motors are off; they are being")
     made.observe(ON, 1.1)
     assert why(made, replace(ON, stamp=1.1), 1.1).startswith("The command has just been sent")
@@ -79,7 +79,7 @@ def test_the_stop_button_comes_before_the_wait_for_a_fresh_command() -> None:
     made = pilot()
     made.observe(pressed, 0.1)
     assert why(made, pressed).startswith("The stop button on the robot is pressed")
-    assert why(made, OFF).startswith("Waiting for a fresh command, because the stop button")
+    assert why(made, OFF).startswith("Waiting for a fresh command: the stop button")
 
 
 def test_a_silent_robot() -> None:
@@ -89,20 +89,20 @@ def test_a_silent_robot() -> None:
 def test_motors_that_do_not_come_on() -> None:
     made = pilot()
     for half in range(2 * ENABLE_TRIES):
-        made.drive(AHEAD, half / 2)
+        made.drive(AHEAD, half / 2, after=made.last_stop.number)
         made.observe(OFF, half / 2)
     assert why(made, replace(OFF, stamp=9.0), 9.0).startswith("The motors do not come on")
 
 
 def test_a_stall_that_is_seen_before_it_blocks() -> None:
     made = pilot()
-    made.drive(AHEAD, 0.0)
+    made.drive(AHEAD, 0.0, after=made.last_stop.number)
     stalled = replace(ON, motors=Motors(enabled=True, left_stalled=True))
     assert why(made, stalled) == "The wheels are stalled: something blocks them."
 
 
 def test_a_bumper() -> None:
     made = pilot()
-    made.drive(AHEAD, 0.0)
+    made.drive(AHEAD, 0.0, after=made.last_stop.number)
     touching = replace(ON, bumpers=Bumpers(front=(True,)))
     assert why(made, touching).startswith("A bumper touches something in that direction")

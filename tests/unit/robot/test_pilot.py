@@ -1,6 +1,5 @@
 """Which commands go out, and when: requests, snapshots and the time in, commands out."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -10,7 +9,17 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
-from pioneer3.robot.pilot import ENABLE_RETRY, ENABLE_TRIES, PACE, REPEAT, Pilot
+from pioneer3.robot.pilot import (
+    BRAKING,
+    BURST,
+    ENABLE_RETRY,
+    ENABLE_TRIES,
+    ESCAPE,
+    OVERSLEPT,
+    PACE,
+    REPEAT,
+    Pilot,
+)
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
 LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5)
@@ -52,6 +61,14 @@ def flying(now: float = 0.0, *, auto_enable: bool = True) -> Pilot:
     return pilot
 
 
+def ask(
+    pilot: Pilot, twist: Twist2, now: float, until: float = inf, *, after: int | None = None
+) -> str | None:
+    """Ask for what has just begun, unless it began `after` another stop."""
+    began = pilot.last_stop.number if after is None else after
+    return pilot.drive(twist, now, until, after=began)
+
+
 def vel(v: float, w: float = 0.0) -> list[Command]:
     return [commands.Vel(speed=v), commands.RVel(rate=w)]
 
@@ -59,7 +76,7 @@ def vel(v: float, w: float = 0.0) -> list[Command]:
 def driving(now: float = 0.0) -> Pilot:
     """Return a pilot that drives ahead, motors on."""
     pilot = flying(now)
-    assert pilot.drive(AHEAD, now) is None
+    assert ask(pilot, AHEAD, now) is None
     pilot.observe(READY, now)
     pilot.outgoing()
     return pilot
@@ -101,28 +118,28 @@ def test_motors_found_on_are_switched_off() -> None:
 
 def test_before_a_session_requests_are_refused() -> None:
     pilot = Pilot()
-    assert pilot.drive(AHEAD, 0.0) == "no robot is connected"
+    assert ask(pilot, AHEAD, 0.0) == "no robot is connected"
     pilot.session_opened(LIMITS, 0.0)
     pilot.outgoing()
-    assert pilot.drive(AHEAD, 1.0) == "no robot is connected"
+    assert ask(pilot, AHEAD, 1.0) == "no robot is connected"
     assert pilot.outgoing() == []
 
 
 def test_a_request_switches_the_motors_on_and_sends_its_velocity() -> None:
     pilot = flying()
-    assert pilot.drive(Twist2(0.2, 0.1), 1.0) is None
+    assert ask(pilot, Twist2(0.2, 0.1), 0.1) is None
     assert pilot.outgoing() == [ON, *vel(0.2, 0.1)]
 
 
 def test_a_request_is_limited() -> None:
     pilot = flying()
-    pilot.drive(Twist2(7.0, 0.0), 1.0)
+    ask(pilot, Twist2(7.0, 0.0), 0.1)
     assert pilot.outgoing() == [ON, *vel(0.7)]
 
 
 def test_a_zero_request_does_not_need_motors() -> None:
     pilot = flying()
-    pilot.drive(STILL, 1.0)
+    ask(pilot, STILL, 1.0)
     assert pilot.outgoing() == []
 
 
@@ -131,7 +148,7 @@ def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -
     sent = 0
     for hundredth in range(1, 41):
         now = hundredth / 100
-        pilot.drive(AHEAD, now)
+        ask(pilot, AHEAD, now)
         pilot.observe(seen(v=0.3, enabled=True), now)
         sent += pilot.outgoing() == vel(0.3)
     assert sent == 0.4 / REPEAT
@@ -139,23 +156,43 @@ def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -
 
 def test_a_new_request_goes_out_at_once() -> None:
     pilot = driving()
-    pilot.drive(Twist2(0.1, 0.2), PACE)
+    ask(pilot, Twist2(0.1, 0.2), PACE)
     assert pilot.outgoing() == vel(0.1, 0.2)
 
 
-def test_requests_in_quick_succession_do_not_queue_up_on_a_slow_line() -> None:
+def test_a_changed_request_does_not_wait_for_the_repetition_of_the_old_one() -> None:
     pilot = driving()
-    for thousandth in range(1, 50):
-        pilot.drive(Twist2(0.1, thousandth / 100), thousandth / 1000)
-    assert pilot.outgoing() == []
-    assert pilot.deadline == PACE
-    pilot.tick(PACE)
-    assert pilot.outgoing() == vel(0.1, 0.49)
+    pilot.observe(seen(v=0.3, enabled=True), REPEAT)
+    assert pilot.outgoing() == vel(0.3)
+    ask(pilot, Twist2(0.1, 0.2), REPEAT + 0.001)
+    assert pilot.outgoing() == vel(0.1, 0.2)
+
+
+def test_a_few_requests_in_quick_succession_all_go_out() -> None:
+    pilot = driving()
+    for number in range(1, BURST):
+        ask(pilot, Twist2(0.1, number / 10), number / 1000)
+        assert pilot.outgoing() == vel(0.1, number / 10)
+
+
+def test_a_flood_of_requests_does_not_queue_up_on_a_slow_line() -> None:
+    pilot = driving()
+    sent: list[list[Command]] = []
+    for thousandth in range(1, 1000):
+        ask(pilot, Twist2(0.1, thousandth / 1000), thousandth / 1000)
+        pilot.observe(READY, thousandth / 1000)
+        sent.append(pilot.outgoing())
+    assert pilot.deadline <= 0.999 + PACE
+    pilot.tick(pilot.deadline)
+    sent.append(pilot.outgoing())
+    sent = [frames for frames in sent if frames]
+    assert len(sent) <= 1 / PACE + BURST
+    assert sent[-1] == vel(0.1, 0.999)
 
 
 def test_a_stop_never_waits_for_its_turn() -> None:
     pilot = driving()
-    pilot.drive(Twist2(), 0.001)
+    ask(pilot, Twist2(), 0.001)
     assert pilot.outgoing() == vel(0.0)
 
 
@@ -174,16 +211,25 @@ def test_a_request_expires_to_the_moment() -> None:
 
 def test_a_request_may_end_sooner_but_not_later_than_its_expiry() -> None:
     pilot = flying()
-    pilot.drive(AHEAD, 1.0, until=1.1)
+    ask(pilot, AHEAD, 1.0, until=1.1)
     assert pilot.asked(1.09) == AHEAD
     assert pilot.asked(1.1) == STILL
-    pilot.drive(AHEAD, 2.0, until=99.0)
+    ask(pilot, AHEAD, 2.0, until=99.0)
     assert pilot.asked(2.0 + EXPIRY) == STILL
+
+
+def test_a_robot_that_falls_silent_is_told_to_stand_until_it_speaks_again() -> None:
+    pilot = driving()
+    for tenth in range(1, 8):
+        ask(pilot, AHEAD, tenth / 10)
+    assert pilot.outgoing() == vel(0.0)
+    pilot.observe(seen(v=0.1, enabled=True), 0.8)
+    assert pilot.outgoing() == vel(0.3)
 
 
 def test_zero_is_repeated_until_the_robot_stands() -> None:
     pilot = driving()
-    pilot.drive(STILL, 0.1)
+    ask(pilot, STILL, 0.1)
     assert pilot.outgoing() == vel(0.0)
     moving = seen(v=0.2, enabled=True)
     assert not sends(pilot, moving, 0.29)
@@ -205,7 +251,7 @@ def test_enable_is_sent_again_until_the_motors_are_on_and_not_for_ever() -> None
     pilot = flying()
     tries = 0
     for tenth in range(100):
-        pilot.drive(AHEAD, tenth / 10)
+        ask(pilot, AHEAD, tenth / 10)
         pilot.observe(STANDING, tenth / 10)
         tries += pilot.outgoing().count(ON)
     assert tries == ENABLE_TRIES
@@ -213,21 +259,70 @@ def test_enable_is_sent_again_until_the_motors_are_on_and_not_for_ever() -> None
     assert (ENABLE_TRIES - 1) * ENABLE_RETRY < 2.0  # a move waits that long before it gives up
 
 
-def test_a_fresh_request_tries_again_to_switch_the_motors_on() -> None:
+def test_a_request_after_a_pause_tries_again_to_switch_the_motors_on() -> None:
     pilot = flying()
     for tenth in range(100):
-        pilot.drive(AHEAD, tenth / 10)
+        ask(pilot, AHEAD, tenth / 10)
         pilot.observe(STANDING, tenth / 10)
     pilot.outgoing()
-    pilot.drive(AHEAD, 10.0)
+    ask(pilot, AHEAD, 10.0)
     assert ON not in pilot.outgoing()
-    pilot.drive(AHEAD, 11.0)
+    ask(pilot, AHEAD, 11.0)
     assert ON in pilot.outgoing()
+
+
+def test_motors_go_off_when_the_robot_is_seen_standing() -> None:
+    pilot = driving()
+    pilot.observe(seen(v=0.3, enabled=True), 0.1)
+    pilot.outgoing()
+    assert pilot.set_motors(on=False, now=0.15) is None
+    assert pilot.outgoing() == [commands.Stop()]
+    for tenth in range(2, 6):
+        pilot.observe(seen(v=0.3 - tenth / 20, enabled=True), tenth / 10)
+        assert OFF not in pilot.outgoing()
+    pilot.observe(READY, 0.6)
+    assert pilot.outgoing() == [OFF]
+
+
+def test_motors_go_off_after_a_second_whatever_the_robot_says() -> None:
+    pilot = driving()
+    moving = seen(v=0.3, enabled=True)
+    pilot.observe(moving, 0.1)
+    pilot.set_motors(on=False, now=0.1)
+    pilot.outgoing()
+    for tenth in range(2, 11):
+        pilot.observe(moving, tenth / 10)
+        assert OFF not in pilot.outgoing()
+    assert pilot.deadline == pytest.approx(0.1 + BRAKING)
+    pilot.tick(pilot.deadline)
+    assert OFF in pilot.outgoing()
+
+
+def test_what_a_report_said_before_the_stop_does_not_count_as_standing() -> None:
+    pilot = driving()  # told to drive, and reported to stand
+    pilot.set_motors(on=False, now=0.1)
+    assert pilot.outgoing() == [commands.Stop()]
+
+
+def test_motors_of_a_robot_at_rest_go_off_at_once() -> None:
+    pilot = driving()
+    pilot.stop(0.1)
+    pilot.observe(READY, 0.2)
+    pilot.outgoing()
+    pilot.set_motors(on=False, now=0.3)
+    assert OFF in pilot.outgoing()
+
+
+def test_new_limits_reach_the_robot_with_the_next_look() -> None:
+    pilot = flying()
+    pilot.limits = replace(LIMITS, acceleration=0.2)
+    pilot.tick(1.0)
+    assert commands.SetA(acceleration=0.2) in pilot.outgoing()
 
 
 def test_without_auto_enable_motors_go_on_only_when_asked_for() -> None:
     pilot = flying(auto_enable=False)
-    pilot.drive(AHEAD, 1.0)
+    ask(pilot, AHEAD, 1.0)
     assert ON not in pilot.outgoing()
     assert pilot.set_motors(on=True, now=2.0) is None
     assert pilot.outgoing() == [commands.Stop(), ON]
@@ -235,10 +330,54 @@ def test_without_auto_enable_motors_go_on_only_when_asked_for() -> None:
 
 def test_stop_is_sent_each_time() -> None:
     pilot = driving()
-    pilot.stop(0.1)
-    pilot.stop(0.1)
-    assert pilot.outgoing() == [commands.Stop()] * 2
-    assert pilot.asked(0.1) == STILL
+    for tenth in (1, 2, 3):
+        pilot.stop(tenth / 10)
+        assert pilot.outgoing() == [commands.Stop()]
+    assert pilot.asked(0.3) == STILL
+
+
+def test_a_flood_of_stops_leaves_room_on_the_line() -> None:
+    pilot = driving()
+    sent: list[Command] = []
+    for thousandth in range(1000):
+        pilot.stop(thousandth / 1000)
+        sent += pilot.outgoing()
+    assert sent == [commands.Stop()] * round(1 / PACE)
+
+
+def test_a_flood_of_emergency_stops_leaves_room_too_and_none_is_lost() -> None:
+    pilot = driving()
+    sent: list[Command] = []
+    for thousandth in range(1000):
+        pilot.emergency_stop(thousandth / 1000)
+        sent += pilot.outgoing()
+    assert sent[:2] == [commands.Stop(), commands.EStop()]
+    assert sent.count(commands.EStop()) <= round(1 / PACE)
+
+
+def test_what_waits_for_the_link_is_one_frame_of_a_kind_stops_first() -> None:
+    pilot = driving()
+    for tenth in range(1, 51):  # the link takes nothing for 5 s
+        now = tenth / 10
+        ask(pilot, Twist2(0.1 + tenth / 100, 0.2), now)
+        pilot.observe(seen(v=0.3, enabled=True), now)
+        if tenth % 10 == 0:
+            pilot.set_motors(on=tenth % 20 == 0, now=now)
+    ask(pilot, AHEAD, 5.1)
+    pilot.emergency_stop(5.2)
+    waiting = pilot.outgoing()
+    assert waiting[:2] == [commands.Stop(), commands.EStop()]
+    assert not any(isinstance(command, commands.Vel) for command in waiting)
+    assert len({type(command) for command in waiting}) == len(waiting)
+    ask(pilot, AHEAD, 5.3)
+    assert pilot.outgoing() == []
+
+
+def test_an_old_velocity_never_follows_the_stop_after_it() -> None:
+    pilot = driving()
+    ask(pilot, Twist2(0.1, 0.2), PACE)
+    pilot.stop(PACE)
+    assert pilot.outgoing() == [commands.Stop()]
 
 
 BLOCKS = {
@@ -249,61 +388,109 @@ BLOCKS = {
 
 
 @pytest.mark.parametrize(("what", "why"), BLOCKS.values(), ids=BLOCKS)
-def test_a_held_key_is_not_fresh_however_long(what: Snapshot, why: str) -> None:
+def test_what_began_before_a_stop_is_ignored_however_long(what: Snapshot, why: str) -> None:
     pilot = driving()
+    began = pilot.last_stop.number
     pilot.observe(what, 0.1)
     assert pilot.blocked == why
     assert pilot.outgoing() == vel(0.0)
     after = replace(what, motors=Motors(enabled=what.motors.enabled))
     for tenth in range(2, 100):
-        assert pilot.drive(AHEAD, tenth / 10) == why
+        assert str(ask(pilot, AHEAD, tenth / 10, after=began)).startswith(why)
         pilot.observe(after, tenth / 10)
         assert pilot.outgoing() == []
 
 
 @pytest.mark.parametrize(("what", "why"), BLOCKS.values(), ids=BLOCKS)
-def test_a_request_after_a_pause_is_fresh(what: Snapshot, why: str) -> None:
+def test_what_begins_after_a_stop_is_obeyed(what: Snapshot, why: str) -> None:
     pilot = driving()
     pilot.observe(what, 0.1)
-    assert pilot.drive(AHEAD, 0.1 + EXPIRY) == why
-    assert pilot.drive(AHEAD, 0.1 + 2 * EXPIRY + 0.01) is None
+    assert pilot.blocked == why
+    assert ask(pilot, AHEAD, 0.15) is None
+    assert pilot.blocked is None
 
 
-def test_a_zero_request_a_stop_and_the_motor_switch_are_fresh() -> None:
-    acts: list[Callable[[Pilot], object]] = [
-        lambda pilot: pilot.drive(STILL, 0.2),
-        lambda pilot: pilot.stop(0.2),
-        lambda pilot: pilot.set_motors(on=True, now=0.2),
-    ]
-    for act in acts:
-        pilot = driving()
-        pilot.observe(seen(enabled=True, stalled=True), 0.1)
-        assert pilot.drive(AHEAD, 0.15) is not None
-        act(pilot)
-        assert pilot.blocked is None
-        assert pilot.drive(AHEAD, 0.3) is None
+def happens(pilot: Pilot, stop: str) -> None:
+    """Let the robot be stopped in some way, at 0.2 s."""
+    match stop:
+        case "stop":
+            pilot.stop(0.2)
+        case "motor switch":
+            pilot.set_motors(on=True, now=0.2)
+        case "emergency stop":
+            pilot.emergency_stop(0.2)
+            pilot.reset_emergency_stop()
+        case "raw command":
+            pilot.hands_off(0.2)
+        case "sleep":
+            pilot.tick(OVERSLEPT + 0.3)
+        case "lost link":
+            pilot.session_lost("pulled out", 0.2)
+            pilot.session_opened(LIMITS, 60.0)
+            pilot.observe(STANDING, 60.0)
 
 
-def test_what_is_only_renewed_is_never_fresh() -> None:
+STOPS = ["stop", "motor switch", "emergency stop", "raw command", "sleep", "lost link"]
+
+
+@pytest.mark.parametrize("stop", STOPS)
+def test_every_stop_outdates_what_began_before(stop: str) -> None:
     pilot = driving()
-    pilot.session_lost("pulled out", 0.2)
-    pilot.session_opened(LIMITS, 60.0)
-    pilot.observe(STANDING, 60.0)
-    assert "pulled out" in str(pilot.drive(AHEAD, 60.0, renewed=True))
-    assert "pulled out" in str(pilot.drive(AHEAD, 70.0, renewed=True))
-    assert "pulled out" in str(pilot.drive(STILL, 75.0, renewed=True))
-    assert "pulled out" in str(pilot.drive(AHEAD, 75.1, renewed=True))
-    assert pilot.drive(AHEAD, 80.0) is None
+    began = pilot.last_stop.number
+    happens(pilot, stop)
+    assert ask(pilot, AHEAD, 60.0, after=began) == pilot.last_stop.told
+    assert pilot.asked(60.0) == STILL
+    assert ask(pilot, AHEAD, 60.1) is None
+    assert pilot.asked(60.1) == AHEAD
 
 
-def test_the_pause_counts_from_the_end_of_what_was_held() -> None:
+def test_what_began_while_the_link_was_lost_or_the_stop_latched_is_outdated_too() -> None:
+    lost = driving()
+    lost.session_lost("pulled out", 0.2)
+    pressed = lost.last_stop.number
+    lost.session_opened(LIMITS, 60.0)
+    lost.observe(STANDING, 60.0)
+    assert "pulled out" in str(ask(lost, AHEAD, 60.0, after=pressed))
+    latched = driving()
+    latched.emergency_stop(0.2)
+    pressed = latched.last_stop.number
+    latched.reset_emergency_stop()
+    assert "emergency stop was pressed" in str(ask(latched, AHEAD, 1.0, after=pressed))
+
+
+def test_wheels_that_stay_stalled_are_given_time_to_get_free_and_not_for_ever() -> None:
+    pilot = driving()
+    stuck = seen(enabled=True, stalled=True)
+    pilot.observe(stuck, 0.1)
+    away = Twist2(-0.2, 0.0)
+    now = 0.2
+    assert ask(pilot, away, now) is None
+    while not pilot.blocked and now < 10.0:
+        now += 0.1
+        ask(pilot, away, now)
+        pilot.observe(stuck, now)
+    assert pilot.blocked == "the wheels stalled"
+    assert now == pytest.approx(0.2 + ESCAPE, abs=0.11)
+    assert pilot.last_stop.stalled == away
+
+
+def test_wheels_that_are_free_may_stall_again_at_once() -> None:
     pilot = driving()
     pilot.observe(seen(enabled=True, stalled=True), 0.1)
-    pilot.drive(AHEAD, 1.0, until=1.0 + EXPIRY)  # fresh, and stalls again
-    pilot.observe(seen(enabled=True, stalled=True), 1.05)
-    for tenth in (1.1, 1.2, 1.3, 1.4):
-        pilot.drive(AHEAD, tenth, until=1.0 + EXPIRY, renewed=True)
-    assert pilot.drive(AHEAD, 1.0 + EXPIRY + 0.01, until=inf) is None
+    assert ask(pilot, Twist2(-0.2, 0.0), 0.2) is None
+    pilot.observe(READY, 0.3)
+    assert pilot.blocked is None
+    pilot.observe(seen(enabled=True, stalled=True), 0.4)
+    assert pilot.blocked == "the wheels stalled"
+
+
+def test_pushing_on_against_what_stalled_the_wheels_ends_at_the_next_report() -> None:
+    pilot = driving()
+    stuck = seen(enabled=True, stalled=True)
+    pilot.observe(stuck, 0.1)
+    assert ask(pilot, Twist2(0.2, 0.1), 0.2) is None
+    pilot.observe(stuck, 0.3)
+    assert pilot.blocked == "the wheels stalled"
 
 
 def test_a_stall_while_nothing_is_asked_blocks_nothing() -> None:
@@ -314,7 +501,7 @@ def test_a_stall_while_nothing_is_asked_blocks_nothing() -> None:
 
 def test_a_lost_session_forgets_everything_asked_for() -> None:
     pilot = driving()
-    pilot.drive(Twist2(0.1, 0.0), 0.1)
+    ask(pilot, Twist2(0.1, 0.0), 0.1)
     pilot.session_lost("gone", 0.2)
     assert pilot.outgoing() == []
     assert pilot.deadline == inf
@@ -324,7 +511,7 @@ def test_a_lost_session_forgets_everything_asked_for() -> None:
     pilot.observe(READY, 1.0)
     assert pilot.outgoing() == [OFF]
     pilot.stop(1.1)  # no robot spoke yet when somebody pressed stop: harmless
-    assert pilot.drive(AHEAD, 1.2) is None
+    assert ask(pilot, AHEAD, 1.2) is None
 
 
 def test_stop_without_a_session_does_not_make_a_held_key_fresh() -> None:
@@ -362,7 +549,7 @@ def test_the_emergency_stop_latches() -> None:
     assert pilot.emergency
     pilot.observe(READY, 0.2)
     assert pilot.outgoing() == [OFF]
-    assert pilot.drive(AHEAD, 5.0) == "the emergency stop is latched"
+    assert ask(pilot, AHEAD, 5.0) == "the emergency stop is latched"
     assert pilot.set_motors(on=True, now=5.0) == "the emergency stop is latched"
     assert pilot.set_motors(on=False, now=5.0) is None
 
@@ -379,16 +566,17 @@ def test_while_latched_the_motors_are_kept_off() -> None:
 def test_after_the_reset_the_motors_stay_off_and_a_held_key_does_nothing() -> None:
     pilot = driving()
     pilot.emergency_stop(0.1)
+    held = pilot.last_stop.number
     for tenth in range(2, 20):
-        pilot.drive(AHEAD, tenth / 10)
+        ask(pilot, AHEAD, tenth / 10, after=held)
         pilot.observe(STANDING, tenth / 10)
     pilot.reset_emergency_stop()
     pilot.outgoing()
     for tenth in range(20, 50):
-        assert "emergency stop was pressed" in str(pilot.drive(AHEAD, tenth / 10))
+        assert "emergency stop was pressed" in str(ask(pilot, AHEAD, tenth / 10, after=held))
         pilot.observe(STANDING, tenth / 10)
     assert pilot.outgoing() == []
-    assert pilot.drive(AHEAD, 5.0 + EXPIRY) is None
+    assert ask(pilot, AHEAD, 5.0 + EXPIRY) is None
     assert ON in pilot.outgoing()
 
 
@@ -406,7 +594,7 @@ def test_a_bumper_stops_what_pushes_it() -> None:
     pilot = driving()
     pilot.observe(seen(v=0.3, enabled=True, bumpers=Bumpers(front=(False, True))), 0.1)
     assert pilot.outgoing() == vel(0.0)
-    pilot.drive(Twist2(-0.2, 0.0), 0.2)
+    ask(pilot, Twist2(-0.2, 0.0), 0.2)
     assert pilot.outgoing() == vel(-0.2)
 
 
@@ -414,5 +602,5 @@ def test_the_pilot_wants_to_be_asked_again_in_time() -> None:
     pilot = flying(10.0)
     pilot.tick(10.5)
     assert pilot.deadline == 10.5 + REPEAT
-    pilot.drive(AHEAD, 10.6, until=10.7)
+    ask(pilot, AHEAD, 10.6, until=10.7)
     assert pilot.deadline == 10.7

@@ -11,7 +11,6 @@ import pytest
 
 from pioneer3 import Robot, connect_async
 from pioneer3.ros.ros1.commands import Commands
-from pioneer3.runtime.tasks import running
 from tests.support import SimulatedRobot
 
 AHEAD = 0.3
@@ -55,15 +54,10 @@ async def driven(patience: float) -> AsyncIterator[Drive]:
         commands = Commands(robot, (), patience, lambda _why: None)
         commands.begin()
 
-        async def follow_readings() -> None:
-            async for _ in robot.snapshots():
-                commands.mute_what_lasts()
-
-        async with running(follow_readings()):
-            the = Drive(sim, robot, commands)
-            await the.publish(2.0)
-            assert the.speed == pytest.approx(AHEAD)
-            yield the
+        the = Drive(sim, robot, commands)
+        await the.publish(2.0)
+        assert the.speed == pytest.approx(AHEAD)
+        yield the
 
 
 async def begins_anew(the: Drive) -> None:

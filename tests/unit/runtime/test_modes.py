@@ -160,7 +160,9 @@ async def test_a_stall_ends_the_motion_of_a_mode() -> None:
         with pytest.raises(MotionError, match="mode: the wheels stalled"):
             await robot.run(mode(Go()))
         assert sim.speed == 0.0
-        assert robot.why_not_moving() == "Waiting for a fresh command, because the wheels stalled."
+        assert str(robot.why_not_moving()).startswith(
+            "Waiting for a fresh command: the wheels stalled; drive the other way"
+        )
 
 
 async def test_an_answer_to_a_stall_drives_on() -> None:

@@ -6,7 +6,7 @@ from math import hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.helm import STOPPED
+from pioneer3.robot.pilot import STOPPED
 from pioneer3.web.access.role import Role
 from pioneer3.web.wheel import KEPT
 from tests.unit.web.browser import Browser, playground, product

@@ -66,6 +66,7 @@ async def test_a_robot_that_somebody_pushes_is_not_waited_for_for_ever() -> None
         the.wheel.take(ANN, keep=True)
         the.wheel.take_over(BOB)
         await hold(the, BOB, FORWARD, 0.5)
+        the.wheel.drive(BOB, STILL)
         the.wheel._stopping_until = asyncio.get_running_loop().time() + STOPPING
         await asyncio.sleep(STOPPING)
         assert the.wheel.drive(BOB, FORWARD) is None

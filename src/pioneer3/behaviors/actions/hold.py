@@ -1,51 +1,89 @@
 """A velocity that somebody holds: a key, a stick, a finger, a program."""
 
 from dataclasses import dataclass, field
+from typing import Final
 
 from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import STILL, Twist2
+from pioneer3.stops import LET_GO, Stop, leads_away
 
-NEVER = float("-inf")
-LETTING_GO = 0.6
-"""What is muted and not renewed for this long [s] has been let go, however long it was to last."""
+NEVER: Final = float("-inf")
+LETTING_GO: Final = 0.6
+"""A command that is not renewed for this long [s] has been let go of, however long it lasts."""
 
 
 @dataclass(slots=True)
 class Hold:
     """Wants the last twist set, for as long as that lasts.
 
+    A command begins when the one before was let go of: released, set to zero, or not renewed in
+    time. A stream says when it lets go. One that falls silent instead has failed, and what comes
+    afterwards is still the old command, until it says zero or leads away.
+
     Attributes:
-        muted: Somebody stopped the robot while this was held. It wants nothing until it has been
-            let go: released, set to zero, or not renewed in time.
+        name: Shown to people.
+        streams: Whether commands come as a stream, from a page or a topic.
     """
 
     name: str
-    muted: bool = field(default=False, init=False)
+    streams: bool = False
     _twist: Twist2 = field(default=STILL, init=False)
     _until: float = field(default=NEVER, init=False)
+    _set_at: float = field(default=NEVER, init=False)
+    _renewed: bool = field(default=False, init=False)
+    _began_after: int = field(default=0, init=False)
+    _turned_after: int = field(default=0, init=False)
+    _overruled: str | None = field(default=None, init=False)
+    _lapsed: bool = field(default=False, init=False)
 
-    def set(self, twist: Twist2, now: float, seconds: float) -> None:
-        """Want `twist` for `seconds` from `now` [s, monotonic]."""
-        self.muted = self.muted and now < self._until and not twist.is_zero
-        self._twist = twist
-        self._until = now + (min(seconds, LETTING_GO) if self.muted else seconds)
+    def set(self, twist: Twist2, now: float, seconds: float, last: Stop) -> None:
+        """Want `twist` for `seconds` from `now` [s, monotonic]; `last` is the stop before that."""
+        if self._begins(twist, now):
+            self._began_after = self._turned_after = last.number
+            self._renewed = self._lapsed = False
+            self._overruled = None
+        else:
+            self._renewed = True
+            self._lapsed |= now >= self._until
+            if leads_away(twist, self._twist):
+                self._turned_after, self._lapsed = last.number, False
+        self._twist, self._set_at, self._until = twist, now, now + seconds
 
     def release(self) -> None:
         """Want nothing."""
-        self.muted, self._until = False, NEVER
+        self._twist, self._until = STILL, NEVER
 
-    def mute(self, now: float) -> None:
-        """Want nothing until what is held at `now` has been let go."""
-        self.muted = now < self._until and not self._twist.is_zero
-        self._until = min(self._until, now + LETTING_GO)
+    def overrule(self, why: str, now: float) -> None:
+        """Want nothing until what is held at `now`, if anything, has been let go of."""
+        if now < self._until and not self._twist.is_zero:
+            self._overruled = why
 
-    def holds(self, now: float) -> bool:
+    def ignored(self, last: Stop) -> str | None:
+        """Return why what was set last does not count after the stop `last`, or `None`."""
+        if self._twist.is_zero:
+            return None
+        if self._overruled:
+            return f"{self._overruled}; {LET_GO}"
+        if self._lapsed:
+            return f"{self.name} fell silent while it drove; {LET_GO}"
+        since = self._began_after if last.stalled is None else self._turned_after
+        return None if since >= last.number else last.told
+
+    def holds(self, now: float, last: Stop) -> bool:
         """Return whether this wants something at `now`."""
-        return not self.muted and now < self._until
+        return now < self._until and self.ignored(last) is None
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the twist while it lasts."""
-        if not self.holds(situation.now):
+        if not self.holds(situation.now, situation.last_stop):
             return None
         return Desire(v=self._twist.v, w=self._twist.w, until=self._until, reason="held")
+
+    def _begins(self, twist: Twist2, now: float) -> bool:
+        """Return whether the command before was let go of."""
+        if twist.is_zero or self._twist.is_zero:
+            return True
+        if self.streams and self._renewed:
+            return False
+        return now >= min(self._until, self._set_at + LETTING_GO)

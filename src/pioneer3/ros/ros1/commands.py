@@ -5,7 +5,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from math import isfinite, isinf
+from math import isfinite
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
@@ -56,7 +56,7 @@ class Commands:
         self._topics = tuple(topics)
         self._timeout = timeout
         self._warn = warn
-        self._hold = Hold("cmd_vel")
+        self._hold = Hold("cmd_vel", streams=isfinite(timeout))
         self._arbiter = Arbiter()
         self._refusal: str | None = None
         self._told: str | None = None
@@ -87,15 +87,6 @@ class Commands:
         if self._timer is not None:
             self._timer.cancel()
         self._robot.helm.remove(self._hold)
-
-    def mute(self) -> None:
-        """End what is published now: it counts again after a pause, or a zero."""
-        self._hold.mute(self._loop.time())
-
-    def mute_what_lasts(self) -> None:
-        """One message may mean for ever, but not past what has stopped the robot."""
-        if isinf(self._timeout) and self._robot.supervisor.pilot.blocked:
-            self.mute()
 
     def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
         """Take a Twist in rospy's thread; those that come together wake the loop once."""

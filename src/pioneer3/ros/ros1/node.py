@@ -150,7 +150,6 @@ class Ros1Node:
 
     async def _publish_all(self) -> None:
         async for snapshot in self._robot.snapshots():
-            self._commands.mute_what_lasts()
             self._publishers.publish(self._reading(snapshot))
 
     def _reading(self, snapshot: Snapshot) -> Reading:
@@ -180,7 +179,6 @@ class Ros1Node:
         told = None
         async for status in self._robot.supervisor.status.values():
             if status.connection is Connection.LOST:
-                self._commands.mute()
                 self._publishers.unlatch()
                 if status != told:
                     self._warn(f"LOST THE ROBOT: {status.message}; nothing is published meanwhile")
