@@ -152,6 +152,20 @@ async def test_driving_into_a_wall_ends_in_a_stall_that_a_held_stick_does_not_re
         assert robot.body.robot_in_world.x < touching - 0.1
 
 
+async def test_who_keeps_asking_leaves_a_wall_by_asking_for_the_other_way() -> None:
+    async with (
+        SimulatedRobot(wall_at(1.0)) as robot,
+        connect_async(robot.open) as driver,
+    ):
+        await hold(driver, 0.3, seconds=6)
+        touching = robot.body.robot_in_world.x
+        assert "drive the other way" in str(driver.why_not_moving())
+        assert await hold(driver, -0.2, seconds=2) == 0  # without a pause or a zero
+        assert robot.body.robot_in_world.x < touching - 0.2
+        assert await hold(driver, 0.2, seconds=0.5) == 0
+        assert robot.speed > 0.1
+
+
 async def test_a_move_into_a_wall_says_that_the_wheels_stalled() -> None:
     async with (
         SimulatedRobot(wall_at(1.0)) as robot,

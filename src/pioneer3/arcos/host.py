@@ -243,7 +243,9 @@ class Host:
             self._queue(commands.RequestConfig(), now)
             self._config_due = now + self._timing.config_retry
         if now >= self._sent_at + self._timing.pulse:
-            self._queue(commands.Pulse(), now)
+            if not self._outbox:  # what waits for the link is a sign of life as well
+                self._queue(commands.Pulse(), now)
+            self._sent_at = now
         self.deadline = min(
             self._sip_at + self._timing.silence,
             self._sent_at + self._timing.pulse,

@@ -259,10 +259,21 @@ def test_reports_are_handed_on() -> None:
 def test_a_quiet_host_pulses_twice_a_second() -> None:
     host = configured()
     host.outgoing()
+    sent = b""
     for tenth in range(1, 21):
         host.receive(wire(SIP), tenth / 10)
         host.tick(tenth / 10)
-    assert decoded(host.outgoing()) == [commands.Pulse()] * 4
+        sent += host.outgoing()
+    assert decoded(sent) == [commands.Pulse()] * 4
+
+
+def test_pulses_do_not_queue_up_for_a_link_that_takes_nothing() -> None:
+    host = configured()
+    host.outgoing()
+    for tenth in range(1, 51):
+        host.receive(wire(SIP), tenth / 10)
+        host.tick(tenth / 10)
+    assert decoded(host.outgoing()) == [commands.Pulse()]
 
 
 def test_a_command_takes_the_place_of_a_pulse() -> None:

@@ -1,7 +1,7 @@
 """What a node does with cmd_vel that goes on and on. Virtual time, no ROS."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import inf
@@ -11,10 +11,12 @@ import pytest
 
 from pioneer3 import Robot, connect_async
 from pioneer3.ros.ros1.commands import Commands
-from tests.support import SimulatedRobot
+from pioneer3.sim.maps import LineMap
+from tests.support import SimulatedRobot, wall_at
 
 AHEAD = 0.3
 TIMEOUTS = pytest.mark.parametrize("patience", [0.6, inf])
+SOMEBODY, SOMEBODY_ELSE = {"callerid": "/somebody"}, {"callerid": "/somebody_else"}
 COMMON_CLOCK = SimpleNamespace(age=lambda _message: 0.0)
 
 
@@ -25,36 +27,39 @@ class Drive:
     sim: SimulatedRobot
     robot: Robot
     commands: Commands
+    warnings: list[str]
 
     @property
     def speed(self) -> float:
         return self.sim.body.drive.linear.velocity
 
-    def say(self, speed: float) -> None:
+    def say(self, speed: float, sender: Mapping[str, str] = SOMEBODY) -> None:
         """Publish a Twist."""
         zero = SimpleNamespace(x=0.0, y=0.0, z=0.0)
         twist = SimpleNamespace(
             linear=SimpleNamespace(x=speed, y=0.0, z=0.0),
             angular=zero,
-            _connection_header={"callerid": "/somebody"},
+            _connection_header=sender,
         )
         self.commands._receive(twist, (False, COMMON_CLOCK))  # type: ignore[arg-type]
 
-    async def publish(self, seconds: float, speed: float = AHEAD) -> None:
+    async def publish(
+        self, seconds: float, speed: float = AHEAD, sender: Mapping[str, str] = SOMEBODY
+    ) -> None:
         """Publish ten times a second."""
         for _ in range(round(seconds * 10)):
-            self.say(speed)
+            self.say(speed, sender)
             await asyncio.sleep(0.1)
 
 
 @asynccontextmanager
-async def driven(patience: float) -> AsyncIterator[Drive]:
+async def driven(patience: float, line_map: LineMap | None = None) -> AsyncIterator[Drive]:
     """Drive a robot by what is published, as a node does."""
-    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        commands = Commands(robot, (), patience, lambda _why: None)
+    async with SimulatedRobot(line_map) as sim, connect_async(sim.open) as robot:
+        warnings: list[str] = []
+        commands = Commands(robot, (), patience, warnings.append)
         commands.begin()
-
-        the = Drive(sim, robot, commands)
+        the = Drive(sim, robot, commands, warnings)
         await the.publish(2.0)
         assert the.speed == pytest.approx(AHEAD)
         yield the
@@ -64,13 +69,13 @@ async def begins_anew(the: Drive) -> None:
     """Check that what goes on moves nothing, and what begins anew does."""
     await the.publish(3.0)
     assert the.speed == 0.0
-    await asyncio.sleep(0.7)
+    the.say(0.0)
     await the.publish(2.0)
     assert the.speed == pytest.approx(AHEAD)
 
 
 @TIMEOUTS
-async def test_the_stop_button_ends_what_is_published_until_a_pause(patience: float) -> None:
+async def test_the_stop_button_ends_what_is_published_until_a_zero(patience: float) -> None:
     async with driven(patience) as the:
         the.sim.body.stop_button = True
         await the.publish(2.0)
@@ -117,3 +122,88 @@ async def test_one_message_for_ever_is_muted_by_a_stop_and_the_next_one_counts()
         the.say(AHEAD)
         await asyncio.sleep(2.0)
         assert the.speed == pytest.approx(AHEAD)
+
+
+@TIMEOUTS
+async def test_the_true_reason_is_told_once_and_stays(patience: float) -> None:
+    async with driven(patience) as the:
+        await the.sim.unplug()
+        await the.publish(5.0)
+        the.sim.plugged = True
+        await the.publish(10.0)
+        assert the.robot.snapshot is not None
+        assert the.warnings
+        assert all("the link was lost" in warning for warning in the.warnings)
+
+
+async def test_a_publisher_that_was_frozen_does_not_drive_on() -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(4.0)
+        await the.publish(5.0)
+        assert the.speed == 0.0
+        assert the.warnings == [
+            "cmd_vel is ignored: /somebody fell silent while it drove; let go, then ask again"
+            " (a zero lets go)"
+        ]
+        the.say(0.0)
+        await the.publish(2.0)
+        assert the.speed == pytest.approx(AHEAD)
+
+
+async def test_a_publisher_that_was_frozen_may_lead_away() -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(4.0)
+        await the.publish(1.0)
+        await the.publish(2.0, -0.2)
+        assert the.speed == pytest.approx(-0.2)
+
+
+async def test_a_new_publisher_is_not_the_old_one() -> None:
+    async with driven(0.6) as the:
+        await asyncio.sleep(4.0)
+        await the.publish(2.0, sender=SOMEBODY_ELSE)
+        assert the.speed == pytest.approx(AHEAD)
+        await the.publish(1.0)  # the frozen one goes on, and disturbs nobody
+        assert the.warnings
+
+
+async def press_a_key(the: Drive, seconds: float) -> None:
+    """Publish as terminals repeat a key that is held: once, and after a while quickly."""
+    the.say(AHEAD)
+    await asyncio.sleep(0.4)
+    for _ in range(round((seconds - 0.4) * 30)):
+        the.say(AHEAD)
+        await asyncio.sleep(1 / 30)
+
+
+async def test_a_key_that_is_pressed_again_drives_again() -> None:
+    async with driven(0.6) as the:
+        the.say(0.0)
+        for _ in range(5):
+            await press_a_key(the, 2.0)
+            assert the.speed == pytest.approx(AHEAD)
+            await asyncio.sleep(3.0)
+            assert the.speed == 0.0
+        assert the.warnings == []
+
+
+async def test_single_presses_drive_each_time() -> None:
+    async with driven(0.6) as the:
+        the.say(0.0)
+        for _ in range(5):
+            the.say(AHEAD)
+            await asyncio.sleep(0.5)
+            assert the.speed > 0.05
+            await asyncio.sleep(1.5)
+            assert the.speed == 0.0
+
+
+async def test_who_goes_on_publishing_leaves_a_wall() -> None:
+    async with driven(0.6, wall_at(1.2)) as the:
+        await the.publish(6.0)
+        assert the.speed == 0.0
+        touching = the.sim.body.robot_in_world.x
+        await the.publish(2.0, -0.2)
+        assert the.sim.body.robot_in_world.x < touching - 0.2
+        assert len(the.warnings) == 1
+        assert "drive the other way" in the.warnings[0]

@@ -70,6 +70,11 @@ class Hold:
         since = self._began_after if last.stalled is None else self._turned_after
         return None if since >= last.number else last.told
 
+    def fell_silent(self, now: float) -> bool:
+        """Return whether this is a stream that has just stopped coming without letting go."""
+        is_late = now >= self._until and not self._lapsed
+        return self.streams and self._renewed and is_late and not self._twist.is_zero
+
     def holds(self, now: float, last: Stop) -> bool:
         """Return whether this wants something at `now`."""
         return now < self._until and self.ignored(last) is None

@@ -2,10 +2,10 @@
 
 import asyncio
 import threading
-from collections import deque
-from collections.abc import Callable, Iterable
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from math import isfinite
+from math import inf, isfinite
 from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
@@ -14,25 +14,34 @@ from pioneer3.errors import CommandError
 from pioneer3.geometry import Twist2
 from pioneer3.ros.interface.arbiter import Arbiter
 from pioneer3.ros.interface.lab import CommandTopic
+from pioneer3.ros.interface.sender import Sender
 from pioneer3.ros.messages import convert
 from pioneer3.ros.ros1.arrivals import Arrivals
 from pioneer3.ros.ros1.messages import message_class
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
+from pioneer3.stops import Stop
 
 QUEUE: Final = 10
 """Messages that wait in a connection; dropping one would tear a zero from its command."""
 PENDING: Final = 100
 """Commands that wait for the loop."""
+REMEMBERED: Final = 64
+"""Publishers, the last ones."""
 
 
 class Order(NamedTuple):
-    """A message as it arrived: on which topic, from whom, when [s]."""
+    """A message as it arrived: on which topic, over which connection, when [s]."""
 
     message: Any
     shared: bool
-    sender: str
+    connection: Mapping[str, str]
     at: float
+
+    @property
+    def sender(self) -> str:
+        """The node that sent it."""
+        return self.connection.get("callerid", "")
 
 
 class Commands:
@@ -56,8 +65,9 @@ class Commands:
         self._topics = tuple(topics)
         self._timeout = timeout
         self._warn = warn
-        self._hold = Hold("cmd_vel", streams=isfinite(timeout))
+        self._hold = Hold("cmd_vel")
         self._arbiter = Arbiter()
+        self._senders: OrderedDict[int, tuple[object, Sender]] = OrderedDict()
         self._refusal: str | None = None
         self._told: str | None = None
         self._pending: deque[Order] = deque(maxlen=PENDING)
@@ -91,11 +101,10 @@ class Commands:
     def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
         """Take a Twist in rospy's thread; those that come together wake the loop once."""
         shared, arrivals = told
-        sender = message._connection_header.get("callerid", "")
         at = self._loop.time() - arrivals.age(message)
         with self._lock:
             waiting = bool(self._pending)
-            self._pending.append(Order(message, shared, sender, at))
+            self._pending.append(Order(message, shared, message._connection_header, at))
         if not waiting:
             with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
                 self._loop.call_soon_threadsafe(self._drive)
@@ -104,17 +113,23 @@ class Commands:
         with self._lock:
             orders = sorted(self._pending, key=attrgetter("at"))
             self._pending.clear()
-        self._refusal = None
+        self._refusal, now = None, self._loop.time()
         decided: list[Twist2 | None] = []
         for order in orders:
             decided += (self._arbiter.due(order.at), self._understand(order))
-        decided.append(self._arbiter.due(self._loop.time()))
+        decided.append(self._arbiter.due(now))
+        decided += [sender.due(now, self._last_stop) for _, sender in self._senders.values()]
         wanted = next((twist for twist in reversed(decided) if twist is not None), None)
         if wanted is not None:
+            self._hold.release()  # the sender knows whether this counts
             self._refusal = self._robot.helm.hold(self._hold, wanted, self._timeout)
         if orders:
             self._tell()
-        self._wait_for_zero()
+        self._wait()
+
+    @property
+    def _last_stop(self) -> Stop:
+        return self._robot.helm.last_stop
 
     def _understand(self, order: Order) -> Twist2 | None:
         """Return what to do because of one message, if anything."""
@@ -123,17 +138,34 @@ class Commands:
         except CommandError as error:
             self._refusal = str(error)
             return None
+        sender = self._sender(order)
+        self._refusal = sender.take(twist, order.at, self._last_stop)
+        if self._refusal is not None or sender.waits:
+            return None
         return self._arbiter.take(twist, order.at, sender=order.sender, shared=order.shared)
 
-    def _wait_for_zero(self) -> None:
+    def _sender(self, order: Order) -> Sender:
+        """Return what is known of the publisher at the other end of the connection."""
+        key = id(order.connection)
+        if key not in self._senders:
+            self._senders[key] = (order.connection, Sender(order.sender, self._timeout))
+        self._senders.move_to_end(key)
+        while len(self._senders) > REMEMBERED:
+            self._senders.popitem(last=False)
+        return self._senders[key][1]
+
+    def _wait(self) -> None:
+        """Look again when a command that waits is due."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        if isfinite(self._arbiter.deadline):
-            self._timer = self._loop.call_at(self._arbiter.deadline, self._drive)
+        deadlines = (sender.deadline for _, sender in self._senders.values())
+        deadline = min(self._arbiter.deadline, *deadlines, inf)
+        if isfinite(deadline):
+            self._timer = self._loop.call_at(deadline, self._drive)
 
     def _tell(self) -> None:
         """Say why commands are ignored, once."""
         if self._refusal is not None and self._refusal != self._told:
-            self._warn(f"cmd_vel is ignored: {self._refusal}")
+            self._warn(f"cmd_vel is ignored: {self._refusal} (a zero lets go)")
         self._told = self._refusal
