@@ -2,15 +2,19 @@
 
 import asyncio
 import time
+from math import inf, radians
+from random import Random
 
 from benchmarks.simulator import simulator_process
 from benchmarks.table import Row, rows_of_latency
 from pioneer3 import BlockingRobot, connect, connect_async
+from pioneer3.arcos.commands import RVel, to_payload
+from pioneer3.arcos.packet import encode
 from pioneer3.links import Link, open_link
 
 COMMANDS = 120
-PAUSE = 0.06
-"""Between two commands [s]; the driver sends a velocity every 0.05 s at most."""
+PAUSES = (0.02, 0.2)
+"""Between two commands, drawn at random [s]: the repetition of one must not delay the next."""
 SNAPSHOTS = 50
 COST_SECONDS = 10.0
 
@@ -20,7 +24,8 @@ class TimedLink:
 
     def __init__(self, link: Link) -> None:
         self.url, self.speeds = link.url, link.speeds
-        self.wrote_at = self.read_at = 0.0
+        self.written: list[tuple[float, bytes]] = []
+        self.read_at = 0.0
         self._link = link
 
     async def read(self) -> bytes:
@@ -32,7 +37,7 @@ class TimedLink:
     async def write(self, data: bytes) -> None:
         """Note when the bytes are in the hands of the operating system."""
         await self._link.write(data)
-        self.wrote_at = time.perf_counter()
+        self.written.append((time.perf_counter(), data))
 
     async def set_speed(self, baud: int) -> None:
         """Change the speed of the link inside."""
@@ -54,13 +59,14 @@ async def asynchronous(url: str) -> list[Row]:
     began = time.perf_counter()
     async with connect_async(opener) as robot:
         first = time.perf_counter() - began
-        to_wire = []
+        to_wire, random = [], Random(0)
         for number in range(COMMANDS):
-            asked = time.perf_counter()
-            robot.drive(0.1 + number % 2 * 0.1)
-            await asyncio.sleep(PAUSE)
-            if links[0].wrote_at > asked:
-                to_wire.append(links[0].wrote_at - asked)
+            rate, asked = _rate(number), time.perf_counter()
+            robot.drive(0.0, rate)
+            await asyncio.sleep(random.uniform(*PAUSES))
+            frame = encode(to_payload(RVel(rate=rate)))
+            sent = (when for when, data in links[0].written if when > asked and frame in data)
+            to_wire.append(next(sent, inf) - asked)
         robot.stop()
         to_snapshot = [
             time.perf_counter() - links[0].read_at async for _ in robot.snapshots(SNAPSHOTS / 10)
@@ -86,10 +92,15 @@ def blocking(url: str) -> list[Row]:
 
 def _timed(robot: BlockingRobot, number: int) -> float:
     asked = time.perf_counter()
-    robot.drive(0.1 + number % 2 * 0.1)
+    robot.drive(0.0, _rate(number))
     took = time.perf_counter() - asked
-    time.sleep(PAUSE)
+    time.sleep(PAUSES[1])
     return took
+
+
+def _rate(number: int) -> float:
+    """Return another turn rate for each command, which leave the robot where it is [rad/s]."""
+    return radians(10 + number % 50) * (1 if number % 2 else -1)
 
 
 def rows() -> list[Row]:

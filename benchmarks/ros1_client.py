@@ -10,18 +10,20 @@ from __future__ import annotations
 import json
 import sys
 import time
+from random import Random
 
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 
-PAUSE = 0.11
-"""Between two commands [s]; the driver sends a velocity every 0.05 s at most."""
+PAUSES = (0.03, 0.2)
+"""Between two commands, drawn at random [s]: the repetition of one must not delay the next."""
 OTHERS = ("/tf", "sonar", "bumper_state", "battery_voltage", "/diagnostics")
 
 
 def drive(count: int) -> list[float]:
-    """Publish commands, each another one than before."""
+    """Publish commands at random times, each another one than before."""
+    random = Random(0)
     publisher = rospy.Publisher("/RosAria/cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
     while not publisher.get_num_connections():
         rospy.sleep(0.02)
@@ -29,10 +31,10 @@ def drive(count: int) -> list[float]:
     published = []
     for number in range(count):
         twist = Twist()
-        twist.linear.x = 0.1 + number % 2 * 0.1
+        twist.linear.x = 0.1 + number % 100 / 1000
         published.append(time.monotonic())
         publisher.publish(twist)
-        rospy.sleep(PAUSE + number % 7 * 0.013)
+        rospy.sleep(random.uniform(*PAUSES))
     return published
 
 

@@ -95,6 +95,7 @@ class Session:
         self._wake = asyncio.Event()
         self._waiting: deque[Command] = deque()
         self._sending: asyncio.Task[None] | None = None
+        self._held_back = False
         self._lost: Lost | None = None
         self._configured = False
 
@@ -160,7 +161,8 @@ class Session:
                 raise self._failure(self._lost.reason)
             if self._host.config_settled and now >= self._pilot.deadline:
                 self._pilot.tick(now)
-            if self._link_is_free():
+            self._held_back = not self._link_is_free()
+            if not self._held_back:
                 self._send_all(now)
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(min(self._host.deadline, self._pilot.deadline)):
@@ -188,7 +190,12 @@ class Session:
                 self._host.send(command, now)
         if data := self._host.outgoing():
             self._sending = asyncio.ensure_future(self.link.write(data))
-            self._sending.add_done_callback(lambda _: self.wake())
+            self._sending.add_done_callback(self._sent)
+
+    def _sent(self, sending: "asyncio.Task[None]") -> None:
+        """Look again if something waited for the link, or it failed."""
+        if self._held_back or sending.cancelled() or sending.exception() is not None:
+            self.wake()
 
     async def _handle(self, event: Event, now: float) -> None:
         match event:

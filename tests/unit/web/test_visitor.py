@@ -336,3 +336,16 @@ def test_the_nonsense_is_nonsense_for_a_reason() -> None:
 
     fine: dict[str, Any] = {"type": "drive", "v": 0.3, "w": 0}
     assert decode(json.dumps(fine)) == Drive(0.3, 0.0)
+
+
+async def test_a_page_that_was_frozen_does_not_drive_on() -> None:
+    async with product() as the, Browser(the.app) as ann:
+        await ann.keep_driving(0.3, 1.5)
+        assert the.speed == pytest.approx(0.3)
+        await asyncio.sleep(4.0)
+        await ann.keep_driving(0.3, 1.5)
+        assert the.speed == 0.0
+        assert "fell silent" in ann.latest("refused")["message"]
+        ann.drive(0.0, 0.0)
+        await ann.keep_driving(0.3, 1.5)
+        assert the.speed == pytest.approx(0.3)
