@@ -182,6 +182,7 @@ async def test_the_emergency_stop_latches_until_it_is_reset() -> None:
         await asyncio.sleep(1.0)
         assert not the.sim.powered
         assert ann.snapshot["emergency_stop"] is False
+        ann.drive(0.0, 0.0)
         await ann.keep_driving(0.3, 1.5)
         assert the.speed == pytest.approx(0.3)
 
