@@ -1,8 +1,13 @@
 """Pairing, roles, and who drives, in real browsers."""
 
-import pytest
-from playwright.sync_api import Browser, expect
+from pathlib import Path
+from typing import Literal
 
+import pytest
+import zxingcpp
+from playwright.sync_api import Browser, ViewportSize, expect
+
+from pioneer3.sim.maps.png import parse_png
 from pioneer3.web.access.role import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.conftest import Product, wait_for_the_robot
@@ -106,6 +111,30 @@ def test_the_page_of_this_computer_invites_with_a_code(browser: Browser, shared:
         with visiting(browser, link) as vera:
             come_in(vera, "Vera")
             assert "viewer" in (vera.locator("body").get_attribute("class") or "")
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+@pytest.mark.parametrize("size", [(1440, 900), (390, 844), (844, 390)])
+def test_the_code_on_the_screen_leads_to_the_invitation(
+    browser: Browser,
+    shared: Product,
+    tmp_path: Path,
+    scheme: Literal["dark", "light"],
+    size: tuple[int, int],
+) -> None:
+    viewport: ViewportSize = {"width": size[0], "height": size[1]}
+    context = browser.new_context(viewport=viewport, color_scheme=scheme)
+    page = context.new_page()
+    page.goto(shared.address)
+    wait_for_the_robot(page)
+    page.click("#driver")
+    page.click("#invite-driver")
+    page.locator("#invitation svg").scroll_into_view_if_needed()
+    picture = tmp_path / "screen.png"
+    page.screenshot(path=picture)
+    read = zxingcpp.read_barcodes(parse_png(picture, picture.read_bytes()).shades)
+    assert [code.text for code in read] == [page.locator("#invitation code").inner_text()]
+    context.close()
 
 
 def test_the_page_of_the_api_shows_every_operation(browser: Browser, shared: Product) -> None:
