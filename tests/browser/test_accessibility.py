@@ -145,7 +145,7 @@ def test_every_view_fits_the_smallest_and_the_largest_screen(browser: Browser, w
 
 
 def test_a_screen_reader_is_alerted_and_told_how_to_go_on(page: Page) -> None:
-    page.keyboard.press("Space")
+    page.keyboard.press("k")
     alert = page.get_by_role("alert").filter(has_text="EMERGENCY STOP")
     expect(alert).to_contain_text("reset it")
     expect(page.get_by_role("button", name="Reset the emergency stop", exact=True)).to_be_enabled()

@@ -120,7 +120,7 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
     page.keyboard.down("ArrowUp")  # and presses again, in vain
     expect(page.locator("#toast")).to_contain_text("has the wheel")
     assert product.simulation.body.drive.linear.velocity < -0.25
-    assert stopped_after(product, lambda: second.keyboard.press("x")) < BAR
+    assert stopped_after(product, lambda: second.keyboard.press("Space")) < BAR
 
 
 # the server ends

@@ -151,7 +151,7 @@ def test_a_second_page_sees_who_started_it_and_can_only_stop_it(
 
 
 def test_nothing_starts_while_the_emergency_stop_is_latched(modes: Page, product: Product) -> None:
-    modes.keyboard.press("Space")
+    modes.keyboard.press("k")
     for name in ("wander", "follow", "goto"):
         expect(modes.locator(f"#{name}-start")).to_be_disabled()
     expect(modes.locator("#motors-switch")).to_be_disabled()

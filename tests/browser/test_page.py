@@ -69,10 +69,10 @@ def test_a_pressed_button_drives_until_it_is_let_go(page: Page, product: Product
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
 
 
-def test_x_stops_while_an_arrow_is_still_held(page: Page, product: Product) -> None:
+def test_space_stops_while_an_arrow_is_still_held(page: Page, product: Product) -> None:
     page.keyboard.down("ArrowUp")
     until(lambda: speed(product) > 0.25)
-    page.keyboard.press("x")
+    page.keyboard.press("Space")
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
     page.wait_for_timeout(700)
     assert speed(product) == 0.0

@@ -180,13 +180,39 @@ def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple
     context.close()
 
 
-def test_space_latches_all_robots_and_they_are_reset_one_by_one_or_at_once(
+def test_space_stops_the_selected_robot_and_all_others_that_the_user_drives(
+    page: Page, product: Product
+) -> None:
+    def wander(of: Page, key: str) -> None:
+        of.keyboard.press(key)
+        of.locator(".views [data-view=modes]").click()
+        of.locator("#wander-start").click()
+        of.locator("#sheet-close").click()
+
+    second = page.context.new_page()
+    second.goto(product.address)
+    wait_for_the_robot(second)
+    wander(second, "3")
+    wander(page, "1")
+    until(lambda: speeds(product)[0] > 0.1 and speeds(product)[2] > 0.1)
+    page.keyboard.press("2")
+    page.keyboard.press("Space")
+    until(lambda: speeds(product)[0] == 0.0, 2.0)
+    page.wait_for_timeout(300)
+    assert speeds(product)[2] > 0.1  # carol is somebody else's, and not selected
+    page.keyboard.press("3")
+    page.keyboard.press("Space")
+    until(lambda: speeds(product)[2] == 0.0, 2.0)
+    second.close()
+
+
+def test_k_latches_all_robots_and_they_are_reset_one_by_one_or_at_once(
     page: Page, product: Product
 ) -> None:
     def latched() -> list[bool]:
         return [one.robot.supervisor.pilot.emergency for one in product.web.stations.values()]
 
-    page.keyboard.press("Space")
+    page.keyboard.press("k")
     until(lambda: latched() == [True] * 3)
     expect(page.locator("#latched-words")).to_contain_text("alice, bob, carol")
     page.get_by_role("button", name="Reset the emergency stop", exact=True).click()

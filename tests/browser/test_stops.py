@@ -33,9 +33,9 @@ def hang_up(product: Product) -> None:
         guest._hang_up(1013, "the network is gone")
 
 
-def test_space_is_the_emergency_stop(page: Page, product: Product) -> None:
+def test_k_is_the_emergency_stop(page: Page, product: Product) -> None:
     drive(page, product)
-    assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR
+    assert stopped_after(product, lambda: page.keyboard.press("k")) < BAR
     assert latched(product)
     expect(page.locator("#latched-words")).to_contain_text("EMERGENCY STOP")
     expect(page.locator("#latched-how")).to_contain_text("reset it")
@@ -50,47 +50,74 @@ def test_space_is_the_emergency_stop(page: Page, product: Product) -> None:
     page.keyboard.up("ArrowUp")
 
 
-@pytest.mark.parametrize(
-    "focus", ["#goto-x", "#mode-time", "#wander-start", "#speed", "#sheet-body", "#stop"]
-)
-def test_space_is_the_emergency_stop_wherever_the_focus_is(
+ANYWHERE = ["#goto-x", "#mode-time", "#wander-start", "#speed", "#sheet-body", "#estop"]
+
+
+@pytest.mark.parametrize("focus", ANYWHERE)
+def test_k_is_the_emergency_stop_wherever_the_focus_is(
     page: Page, product: Product, focus: str
 ) -> None:
     open_view(page, "modes")
     page.locator(focus).focus()
-    page.keyboard.press("Space")
+    page.keyboard.press("k")
     until(lambda: latched(product))
     assert product.robot.helm.mode is None
 
 
-def test_space_is_a_letter_where_texts_are_written(page: Page, product: Product) -> None:
+@pytest.mark.parametrize("focus", ANYWHERE)
+def test_space_stops_wherever_the_focus_is_and_presses_no_button(
+    page: Page, product: Product, focus: str
+) -> None:
+    drive(page, product)
+    open_view(page, "modes")
+    page.locator(focus).focus()
+    assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR
+    page.wait_for_timeout(300)
+    assert speed(product) == 0.0  # the arrow is still held
+    assert product.robot.helm.mode is None
+    assert not latched(product)
+    page.keyboard.up("ArrowUp")
+
+
+def test_the_keys_that_stop_are_letters_where_texts_are_written(
+    page: Page, product: Product
+) -> None:
     page.evaluate("document.body.append(Object.assign(document.createElement('input'),{id:'t'}))")
     page.locator("#t").focus()
-    page.keyboard.type("a x")
-    assert page.locator("#t").input_value() == "a x"
+    page.keyboard.type("a k")
+    assert page.locator("#t").input_value() == "a k"
     page.wait_for_timeout(200)
     assert not latched(product)
 
 
-def test_a_held_space_stops_once_and_does_not_latch_again(page: Page, product: Product) -> None:
-    page.keyboard.down("Space")
+@pytest.mark.parametrize("modifier", ["Control", "Alt", "Meta"])
+def test_shortcuts_of_the_browser_are_no_emergency_stop(
+    page: Page, product: Product, modifier: str
+) -> None:
+    page.keyboard.press(f"{modifier}+k")
+    page.wait_for_timeout(200)
+    assert not latched(product)
+
+
+def test_a_held_k_stops_once_and_does_not_latch_again(page: Page, product: Product) -> None:
+    page.keyboard.down("k")
     until(lambda: latched(product))
     page.locator("#reset").click()
     until(lambda: not latched(product))
-    page.keyboard.down("Space")  # a repeat of the key that is held
+    page.keyboard.down("k")  # a repeat of the key that is held
     page.wait_for_timeout(300)
     assert not latched(product)
-    page.keyboard.up("Space")
+    page.keyboard.up("k")
 
 
-def test_x_ends_motion_and_mode_and_latches_nothing(page: Page, product: Product) -> None:
+def test_space_ends_motion_and_mode_and_latches_nothing(page: Page, product: Product) -> None:
     open_view(page, "modes")
     page.locator("#wander-start").click()
     until(lambda: speed(product) > 0.1)
-    page.keyboard.press("x")
+    page.keyboard.press("Space")
     until(lambda: speed(product) == 0.0)
     assert not latched(product)
-    expect(page.locator("#view-modes .mode-state")).to_contain_text("somebody stopped the robot")
+    expect(page.locator("#view-modes .mode-state")).to_contain_text("stopped the robot")
 
 
 def test_the_emergency_stop_acts_when_it_is_pressed_not_when_it_is_let_go(
@@ -112,7 +139,7 @@ def test_enter_presses_the_emergency_stop(page: Page, product: Product) -> None:
 def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Product) -> None:
     with two(browser, shared, Role.VIEWER, "Vera") as (ann, vera):
         drive(ann, shared)
-        assert stopped_after(shared, lambda: vera.keyboard.press("Space")) < BAR
+        assert stopped_after(shared, lambda: vera.keyboard.press("k")) < BAR
         expect(vera.locator("#latched-how")).to_have_text("A driver can reset it.")
         expect(vera.locator("#reset")).to_be_hidden()
         expect(ann.locator("#alarm [role=alert]")).to_contain_text("EMERGENCY STOP")
@@ -121,7 +148,7 @@ def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Pr
             expect(page.locator("#alarm")).to_be_hidden()
         ann.keyboard.up("ArrowUp")
         drive(ann, shared)
-        assert stopped_after(shared, lambda: vera.keyboard.press("x")) < BAR
+        assert stopped_after(shared, lambda: vera.keyboard.press("Space")) < BAR
         assert not latched(shared)
 
 
@@ -132,7 +159,7 @@ def test_nothing_covers_the_reset(browser: Browser, product: Product, size: str)
     page.goto(product.address)
     wait_for_the_robot(page)
     open_view(page, "robot")
-    page.keyboard.press("Space")
+    page.keyboard.press("k")
     reset = page.locator("#reset")
     expect(reset).to_be_visible()
     top_one = """(button) => {
@@ -192,7 +219,7 @@ def test_a_stop_that_cannot_be_sent_says_so_and_goes_out_first_on_reconnection(
     product.call(lambda: hang_up(product))
     until(lambda: not page.evaluate("window.pioneer3.state.connected"))
     page.evaluate("window.said.length = 0")
-    page.keyboard.press("Space")
+    page.keyboard.press("k")
     until(lambda: latched(product))
     assert "STOP NOT SENT" in page.evaluate("window.alerts[0]")
     expect(page.locator("#unsent")).to_have_attribute("role", "alert")
@@ -203,5 +230,5 @@ def test_a_stop_that_cannot_be_sent_says_so_and_goes_out_first_on_reconnection(
 
 def test_a_stop_that_nobody_answers_is_said_to_be_in_doubt(page: Page, product: Product) -> None:
     page.evaluate("() => { WebSocket.prototype.send = () => undefined; }")
-    page.keyboard.press("x")
+    page.keyboard.press("Space")
     expect(page.locator("#unsent")).to_contain_text("NOT CONFIRMED")

@@ -48,8 +48,11 @@ export class Hands {
     drive.stop();
   };
 
-  /** Stops the selected robot and its mode, whoever drives. */
-  stop = () => this.#stop({ type: "stop", robot: this.#model.selected?.id });
+  /** Stops the selected robot, whoever drives it, and all others that the user drives; their modes end. */
+  stop = () => {
+    const robots = new Set([this.#model.selected, ...this.#model.mine]);
+    this.#stop(...[...robots].map((robot) => ({ type: "stop", robot: robot?.id })));
+  };
 
   /** Stops all robots: who sees danger must not have to pick first. */
   emergencyStop = () => this.#stop({ type: "emergency_stop" });
@@ -60,9 +63,9 @@ export class Hands {
   /** Resets every robot that is latched. */
   resetAll = () => this.#reset([...this.#model.robots.values()].filter((robot) => robot.snapshot?.emergency_stop));
 
-  #stop(message) {
+  #stop(...messages) {
     this.#drive.forget();
-    this.#post.press(message);
+    for (const message of messages) this.#post.press(message);
     this.#connection.hurry();
     this.#changed();
   }

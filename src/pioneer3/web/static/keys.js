@@ -1,4 +1,4 @@
-// The keyboard -> Drive. Space is the emergency stop wherever the focus is, save where texts are written; x stops.
+// The keyboard -> Drive. Space stops and K is the emergency stop wherever the focus is, save where texts are written.
 
 const KEYS = {
   ArrowUp: { forward: 1, left: 0 },
@@ -23,14 +23,10 @@ export function listenToKeys({ press, release, stop, emergencyStop, abandon }) {
 
   addEventListener("keydown", (event) => {
     if (isWriting(event.target)) return;
-    if (event.code === "Space") {
-      event.preventDefault();
-      if (!event.repeat) emergencyStop();
-      return;
-    }
-    if (isStop(event)) {
-      event.preventDefault();
-      if (!event.repeat) stop();
+    const stops = event.code === "Space" ? stop : isEmergency(event) ? emergencyStop : null;
+    if (stops) {
+      event.preventDefault(); // else a space would press the focused button
+      if (!event.repeat) stops();
       return;
     }
     if (event.key === "Meta") return abandon(); // macOS tells no keyup of keys let go under it
@@ -52,9 +48,9 @@ export function listenToKeys({ press, release, stop, emergencyStop, abandon }) {
   addEventListener("blur", () => down.clear());
 }
 
-/** By its letter or its place: on layouts where they differ both stop. */
-function isStop({ code, key, ctrlKey, altKey, metaKey }) {
-  return (code === "KeyX" || key === "x" || key === "X") && !ctrlKey && !altKey && !metaKey;
+/** By its letter or its place: on layouts where they differ both count. */
+function isEmergency({ code, key, ctrlKey, altKey, metaKey }) {
+  return (code === "KeyK" || key === "k" || key === "K") && !ctrlKey && !altKey && !metaKey;
 }
 
 /** Whether the focus is where a space is part of a text. */

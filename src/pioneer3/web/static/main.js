@@ -180,6 +180,7 @@ function meet(message) {
   people.receive(message);
   model.viewer = people.viewer;
   model.guest = message.id;
+  model.wheels = message.wheels;
 }
 
 function see({ snapshots }) {

@@ -13,6 +13,8 @@ export class Model {
   viewer = false;
   /** Number of this page's guest, by which drivers are told apart. */
   guest = null;
+  /** Who has which wheel: [{robot, id, name}]. */
+  wheels = [];
   #selected = null;
 
   /** Takes in one message of the server. */
@@ -59,6 +61,16 @@ export class Model {
 
   get status() {
     return this.selected?.status ?? null;
+  }
+
+  /** The robots whose wheel this page's guest has: those they drive, also by a mode. */
+  get mine() {
+    return [...this.robots.values()].filter((robot) => this.holderOf(robot)?.id === this.guest);
+  }
+
+  /** Who has the wheel of a Robot: {id, name}, or undefined for nobody. */
+  holderOf(robot) {
+    return this.wheels.find((wheel) => wheel.robot === robot.id);
   }
 
   /** "you", "other" or null: who drives it. */
