@@ -7,6 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from pioneer3.web.access.addresses import lan_addresses
+from pioneer3.web.access.invite import pairing_url
 from pioneer3.web.access.role import Role
 from tests.browser.conftest import Product, wait_for_the_robot
 
@@ -40,12 +41,12 @@ def two(browser: Browser, shared: Product, role: Role, name: str) -> Iterator[tu
 def invitation(shared: Product, role: Role) -> str:
     """Return a fresh address to pair at."""
     token = shared.call(lambda: shared.web.access.invitations.invite(role))
-    return f"{shared.web.access.urls[0]}/pair#{token}"
+    return pairing_url(shared.web.access.urls[0], token, role)
 
 
 def come_in(page: Page, name: str) -> None:
     """Pair, and wait for the robot."""
     page.fill("#name", name)
-    page.click("#drive")
+    page.click("#form button:visible >> nth=0")
     page.wait_for_url("**/")
     wait_for_the_robot(page)

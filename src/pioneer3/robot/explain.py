@@ -1,12 +1,18 @@
 """Why the robot stands still, in one sentence."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 from pioneer3.robot.limits import limit
 from pioneer3.robot.pilot import STANDING, Pilot
 from pioneer3.state import Snapshot
 
 SILENT = 0.5
+IDLE = "Nothing is asked of it"
+_STANDING = "It stands because of "
+_EXPIRED = "The last command expired after "
+_SWITCHING_ON = "The motors are off; they are being switched on."
+_SENT = "The command has just been sent; the wheels do not turn yet."
 
 
 def why_not_moving(
@@ -28,6 +34,20 @@ def why_not_moving(
     return next(_reasons(pilot, snapshot, now, decided))
 
 
+def kind_of(why: str | None) -> Literal["idle", "normal", "fault"] | None:
+    """Return the kind of a reason that :func:`why_not_moving` gave, `None` for none.
+
+    An `idle` robot is asked for nothing, a `normal` one does as it should, a `fault` is to be
+    mended.
+    """
+    if why is None:
+        return None
+    if why.startswith(IDLE):
+        return "idle"
+    normal = why.startswith((_STANDING, _EXPIRED, _SWITCHING_ON, _SENT))
+    return "normal" if normal else "fault"
+
+
 def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) -> Iterator[str]:
     """Yield what keeps the robot from moving, the hardest obstacle first."""
     silent = now - snapshot.stamp
@@ -40,7 +60,7 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) 
     if pilot.blocked:
         yield f"Waiting for a fresh command: {pilot.last_stop.told}."
     if decided and pilot.asked(now).is_zero:
-        yield f"It stands because of {decided}."
+        yield f"{_STANDING}{decided}."
     yield from _about_the_request(pilot, snapshot, now)
 
 
@@ -52,16 +72,13 @@ def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator
             "or the battery empty?"
         )
     if asked.is_zero and pilot.expired and limits:
-        yield (
-            f"The last command expired after {limits.expiry:g} s: "
-            "send it again for as long as the robot shall move."
-        )
+        yield (f"{_EXPIRED}{limits.expiry:g} s: send it again for as long as the robot shall move.")
     if asked.is_zero:
-        yield f"Nothing is asked of it{'' if motors.enabled else ', and the motors are off'}."
+        yield f"{IDLE}{'' if motors.enabled else ', and the motors are off'}."
     if not motors.enabled:
-        yield "The motors are off; they are being switched on."
+        yield _SWITCHING_ON
     if motors.stalled:
         yield "The wheels are stalled: something blocks them."
     if limits and limit(asked, limits, snapshot.bumpers).is_zero:
         yield "A bumper touches something in that direction: drive the other way."
-    yield "The command has just been sent; the wheels do not turn yet."
+    yield _SENT

@@ -203,11 +203,14 @@ class Helm:
         if not self.decision.wanted:
             self._stand()
 
-    def stop(self, by: Hold | None = None) -> None:
-        """End every wish and stand still; what others than `by` hold must be let go first."""
+    def stop(self, by: Hold | None = None, *, why: str = STOPPED) -> None:
+        """End every wish and stand still; what others than `by` hold must be let go first.
+
+        A mode says that it ended because of `why`.
+        """
         if by is not None:
             by.release()
-        self._end_wishes()
+        self._end_wishes(why)
         self._supervisor.stop()
 
     def emergency_stop(self) -> None:
@@ -259,10 +262,10 @@ class Helm:
             self._parts = [part for part in self._parts if part.stack is not mode]
             self.ended = Ended(mode, done, why)
 
-    def _end_wishes(self) -> None:
+    def _end_wishes(self, why: str = STOPPED) -> None:
         """End all but what hands hold, which the stop outdates."""
         if self.mode is not None:
-            self._forget_mode(STOPPED)
+            self._forget_mode(why)
         self._parts = [part for part in self._parts if part.is_held]
         self.decision = Decision()
 

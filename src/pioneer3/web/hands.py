@@ -9,6 +9,7 @@ from typing import Literal
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import Twist2
+from pioneer3.robot.pilot import STOPPED
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, WEB
 
@@ -69,8 +70,11 @@ class Hands:
             hold.release()
         self._helm.decide()
 
-    def stop(self) -> None:
-        """Let go of everything and stop; what others hold must be let go before it counts again."""
+    def stop(self, why: str = STOPPED) -> None:
+        """Let go of everything and stop, which ends a mode because of `why`.
+
+        What others hold must be let go before it counts again.
+        """
         for hold in self._holds.values():
             hold.release()
-        self._helm.stop()
+        self._helm.stop(why=why)

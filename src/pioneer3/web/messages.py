@@ -72,6 +72,7 @@ def snapshot(
     *,
     pose: Pose2,
     why: str | None,
+    standing: str | None = None,
     emergency_stop: bool,
     driver: dict[str, Any] | None,
     mode: str | None = None,
@@ -82,9 +83,10 @@ def snapshot(
 ) -> dict[str, Any]:
     """Say how it stands with a robot, ten times a second.
 
-    `pose` is the robot's in the map; `driver` is as :func:`somebody` tells; `decided` says who in
-    the running `mode` decides what, `target` as :func:`goal` tells where it is going, and `ended`
-    how the last one ended; `commanded` is what the robot was last told to do.
+    `pose` is the robot's in the map; `why` says why it does not move, and `standing` of which kind
+    that is (:func:`pioneer3.robot.explain.kind_of`); `driver` is as :func:`somebody` tells;
+    `decided` says who in the running `mode` decides what, `target` as :func:`goal` tells where it
+    is going, and `ended` how the last one ended; `commanded` is what the robot was last told to do.
     """
     battery, motors = now.battery, now.motors
     return {
@@ -117,6 +119,7 @@ def snapshot(
         },
         "faults": now.faults,
         "why": why,
+        "standing": standing,
         "emergency_stop": emergency_stop,
         "driver": driver,
         "mode": mode,

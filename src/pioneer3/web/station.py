@@ -4,6 +4,7 @@ from typing import Any
 
 from pioneer3.behaviors.goal import Goal
 from pioneer3.geometry import Pose2, Twist2
+from pioneer3.robot.explain import kind_of
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
 from pioneer3.sim.worldfile.errand import Errand, errand
@@ -95,11 +96,13 @@ class Station:
     def snapshot(self, snapshot: Snapshot, driver: dict[str, Any] | None) -> dict[str, Any]:
         """Return what pages are told of a reading; `driver` as in :func:`messages.snapshot`."""
         helm, odom = self.robot.helm, snapshot.odometry.robot_in_odom
+        why = self.robot.why_not_moving()
         return messages.snapshot(
             self.number,
             snapshot,
             pose=self._scene.robot_in_map(odom),
-            why=self.robot.why_not_moving(),
+            why=why,
+            standing=kind_of(why),
             mode=helm.mode.name if helm.mode else None,
             decided=helm.told if helm.mode else (),
             ended=helm.ended,

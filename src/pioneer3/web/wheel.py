@@ -74,11 +74,17 @@ class Wheel:
         return self._hands.ignored
 
     def stop(self, who: Somebody) -> None:
-        """Stop for `who`; what anybody else holds must be let go before it counts again."""
-        if self.holder is who:
-            self._hands.stop()
-        else:
-            self._robot.helm.stop()
+        """Stop for `who`; what anybody else holds must be let go before it counts again.
+
+        Another who has the wheel is told.
+        """
+        holder, why = self.holder, f"{who.name} stopped the robot"
+        if holder is who:
+            self._hands.stop(why)
+            return
+        self._robot.helm.stop(why=why)
+        if holder is not None:
+            self._tell(holder, f"{why}; to drive on, let go and press again")
 
     def start(
         self, who: Somebody, mode: Stack, seconds: float, *, patience: float = KEPT
@@ -127,11 +133,11 @@ class Wheel:
         """Stop the robot, and give the wheel to `who`; who had it is told."""
         before = self.holder
         if before is not who:
-            self._hands.stop()
+            self._hands.stop(f"{who.name} took over")
             self._stopping_until = self._clock() + STOPPING
         self._pass_to(who)
         if before is not None and before is not who:
-            self._tell(before, f"{who.name} has taken over; you watch")
+            self._tell(before, f"{who.name} took over; you watch now")
 
     def hand_over(self, who: Somebody, to: Somebody) -> str | None:
         """Stop the robot, and give the wheel of `who` to another; return why not, or `None`."""

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
-from pioneer3.robot.explain import why_not_moving
+from pioneer3.robot.explain import kind_of, why_not_moving
 from pioneer3.robot.pilot import ENABLE_TRIES, Pilot
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
@@ -50,6 +50,7 @@ def test_without_a_session() -> None:
 def test_nothing_is_asked() -> None:
     assert why(pilot(), OFF) == "Nothing is asked of it, and the motors are off."
     assert why(pilot(), ON) == "Nothing is asked of it."
+    assert kind_of(why(pilot(), OFF)) == kind_of(why(pilot(), ON)) == "idle"
 
 
 def test_the_command_expired() -> None:
@@ -106,3 +107,17 @@ def test_a_bumper() -> None:
     made.drive(AHEAD, 0.0, after=made.last_stop.number)
     touching = replace(ON, bumpers=Bumpers(front=(True,)))
     assert why(made, touching).startswith("A bumper touches something in that direction")
+
+
+def test_a_reason_is_a_fault_unless_all_goes_as_it_should() -> None:
+    asked, moving = pilot(), replace(ON, odometry=replace(ON.odometry, twist=AHEAD))
+    asked.drive(AHEAD, 0.0, after=asked.last_stop.number)
+    assert kind_of(why_not_moving(asked, moving, 0.0)) is None
+    assert kind_of(why(asked, OFF)) == "normal"  # motors are switched on
+    assert kind_of(why(asked, ON)) == "normal"  # just sent
+    assert kind_of(why(asked, replace(ON, stamp=2.0), 2.0)) == "normal"  # expired
+    assert kind_of(why_not_moving(pilot(), ON, 0.0, "wander: somebody in front")) == "normal"
+    asked.emergency_stop(0.0)
+    assert kind_of(why(asked, ON)) == "fault"
+    assert kind_of(why(pilot(), replace(ON, motors=Motors(stop_button=True)))) == "fault"
+    assert kind_of(why(pilot(), None)) == "fault"

@@ -6,7 +6,6 @@ from math import hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.robot.pilot import STOPPED
 from pioneer3.web.access.role import Role
 from pioneer3.web.wheel import KEPT
 from tests.unit.web.browser import Browser, playground, product
@@ -87,7 +86,8 @@ async def test_a_stop_by_anybody_ends_a_mode() -> None:
         vera.say("stop")
         await ann.stay(1.0)
         assert the.speed == 0.0
-        assert ann.snapshot["ended"]["why"] == STOPPED
+        assert ann.snapshot["ended"]["why"] == "Vera stopped the robot"
+        assert ann.latest("told")["message"].startswith("Vera stopped the robot")
 
 
 async def test_only_who_has_the_wheel_starts_and_ends_modes() -> None:

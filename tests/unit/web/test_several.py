@@ -161,7 +161,7 @@ async def test_news_of_a_wheel_names_the_robot() -> None:
         await asyncio.sleep(0.2)
         bob.say("take_over", robot=2)
         await asyncio.sleep(0.2)
-        assert ann.latest("told")["message"] == "right: script 2 has taken over; you watch"
+        assert ann.latest("told")["message"] == "right: script 2 took over; you watch now"
 
 
 async def test_a_lost_robot_is_told_and_the_others_go_on() -> None:

@@ -114,13 +114,23 @@ async def test_the_time_of_a_mode_ends_no_other() -> None:
         assert the.robot.helm.mode is not None
 
 
-@pytest.mark.parametrize("how", ["let_go", "take_over", "stop", "end_mode"])
-async def test_a_mode_ends_with_who_started_it(how: str) -> None:
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ("let_go", "ann let go"),
+        ("take_over", "bob took over"),
+        ("stop", "ann stopped the robot"),
+        ("end_mode", "ann ended it"),
+    ],
+)
+async def test_a_mode_ends_with_who_started_it_and_says_who_ended_it(how: str, why: str) -> None:
     async with product() as the:
         the.wheel.start(ANN, wander(), 100.0, patience=inf)
         await asyncio.sleep(3.0)
         getattr(the.wheel, how)(BOB if how == "take_over" else ANN)
         assert the.robot.helm.mode is None
+        assert the.robot.helm.ended is not None
+        assert the.robot.helm.ended.why == why
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
 
@@ -146,7 +156,7 @@ async def test_pages_take_hand_over_and_give_up_the_wheel_openly() -> None:
         assert bob.latest("told")["message"] == "phone has handed you the wheel"
         ann.say("take_over")
         await asyncio.sleep(0.2)
-        assert bob.latest("told")["message"] == "phone has taken over; you watch"
+        assert bob.latest("told")["message"] == "phone took over; you watch now"
         ann.say("give_up_wheel")
         await asyncio.sleep(0.2)
         assert bob.latest("people")["wheels"] == []

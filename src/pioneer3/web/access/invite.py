@@ -4,10 +4,15 @@ from io import BytesIO, StringIO
 
 import segno
 
+from pioneer3.web.access.role import Role
 
-def pairing_url(base: str, token: str) -> str:
-    """Return the address of the pairing page. No server ever sees what stands after the `#`."""
-    return f"{base}/pair#{token}"
+
+def pairing_url(base: str, token: str, role: Role) -> str:
+    """Return the address of the pairing page. No server ever sees what stands after the `#`.
+
+    A viewer's says so, for the page to offer no more; the token alone decides.
+    """
+    return f"{base}/pair#{token}{'.viewer' if role is Role.VIEWER else ''}"
 
 
 def terminal_lines(url: str) -> list[str]:

@@ -53,7 +53,7 @@ def invitation_lines(access: Access) -> Iterator[str]:
     from pioneer3.web.access.invite import pairing_url, terminal_lines  # noqa: PLC0415
 
     driver, viewer = (
-        pairing_url(access.urls[0], access.invitations.invite(role))
+        pairing_url(access.urls[0], access.invitations.invite(role), role)
         for role in (Role.DRIVER, Role.VIEWER)
     )
     yield from terminal_lines(driver)

@@ -85,7 +85,7 @@ def invite(call: Call, body: types.Invite) -> types.Invitation | Problem:
         return Problem(409, "nobody else can reach this: start it with --lan")
     from pioneer3.web.access.invite import pairing_url, svg  # noqa: PLC0415
 
-    url = pairing_url(access.urls[0], access.invitations.invite(body.role))
+    url = pairing_url(access.urls[0], access.invitations.invite(body.role), body.role)
     return types.Invitation(url, svg(url), body.role, TERM)
 
 

@@ -180,7 +180,8 @@ async def test_only_this_computer_invites_and_only_when_others_can_come() -> Non
         made = (await here.ask("POST", "/api/invitations", {"role": "viewer"})).json
         assert made["url"].startswith("http://192.168.0.7:8080/pair#")
         assert made["svg"].startswith("<svg")
-        token = made["url"].partition("#")[2]
+        token, _, role = made["url"].partition("#")[2].partition(".")
+        assert role == "viewer"  # the page offers no more than the token is good for
         phone = stranger(the.app)
         paired = await phone.ask("POST", "/api/pair", {"token": token})
         assert paired.json["role"] == "viewer"

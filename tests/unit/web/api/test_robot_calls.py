@@ -100,7 +100,7 @@ async def test_the_wheel_is_taken_over_openly() -> None:
         taken = await script.ask("PUT", f"{ROBOT}/wheel", {"take_over": True})
         assert taken.json == {"holder": "survey", "yours": True}
         await asyncio.sleep(0.1)
-        assert ann.latest("told")["message"] == "survey has taken over; you watch"
+        assert ann.latest("told")["message"] == "survey took over; you watch now"
         assert ann.latest("people")["wheels"] == [{"robot": 1, "id": None, "name": "survey"}]
         early = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
         assert (early.status, early.detail) == (409, "the robot is still stopping")

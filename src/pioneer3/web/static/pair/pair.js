@@ -6,7 +6,8 @@ import { ask } from "/static/access.js";
 const byId = (id) => document.getElementById(id);
 const HELP = "Ask for an invitation: whoever started the robot runs “pioneer3 access invite”, or presses Invite on the page.";
 
-const token = location.hash.slice(1);
+const [token, role] = location.hash.slice(1).split(".");
+const viewer = role === "viewer";
 history.replaceState(null, "", location.pathname);
 
 function say(text, bad = false) {
@@ -29,7 +30,9 @@ async function begin() {
   byId("trust").hidden = location.protocol === "https:";
   if (token) {
     byId("form").hidden = false;
-    return say("You are invited to this robot.");
+    byId("drive").hidden = viewer;
+    byId("watch").textContent = viewer ? "Watch" : "Only watch";
+    return say(viewer ? "You are invited to watch this robot, and to stop it." : "You are invited to drive this robot.");
   }
   try {
     await ask("GET", "me");
