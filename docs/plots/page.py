@@ -55,7 +55,7 @@ async def look(browser: Browser, address: str, folder: Path) -> None:
     phone = await browser.new_page(viewport=PHONE, color_scheme="light", has_touch=True)
     await phone.goto(address)
     await phone.wait_for_timeout(2000)
-    await desk.keyboard.press("Space")
+    await desk.keyboard.press("k")
     await phone.click("#details")
     await phone.wait_for_timeout(1500)
     await phone.screenshot(path=folder / "page-phone-stopped.png")

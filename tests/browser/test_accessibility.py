@@ -52,6 +52,9 @@ def test_axe_finds_no_grave_fault_in_any_view(
     assert faults(page) == []
     page.locator("#reset").click()
     page.locator("#sheet-close").click()
+    page.locator("#help-button").click()
+    assert faults(page) == []
+    page.locator("#sheet-close").click()
     page.locator("#driver").click()
     assert faults(page) == []
     page.locator("#people-close").click()

@@ -43,39 +43,36 @@ def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Produc
     office.mouse.click(*spot(office, 4.0, 3.4))
     office.locator("#errand-go").click()
     until(lambda: speed(product) > 0.1)
-    expect(office.locator("#going-where")).to_contain_text("It goes to 4.0")
+    expect(office.locator("#card-going")).to_contain_text("To 4.0")
     target = state(office, "snapshot.target")
     assert hypot(target["x"] - 4.0, target["y"] - 3.4) < 0.1
     until(lambda: state(office, "snapshot.mode") is None, 20.0)
     assert away(product, 4.0, 3.4) < 0.25
-    expect(office.locator("#going")).to_be_hidden()
+    expect(office.locator("#mode-card")).to_be_hidden()
 
 
-def test_cancel_stops_it(office: Page, product: Product) -> None:
+def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 7.0, 5.1))
     expect(office.locator("#errand-where")).to_have_text("Go to Lab?")
     office.locator("#errand-go").click()
     until(lambda: speed(product) > 0.1)
-    expect(office.locator("#going-where")).to_contain_text("It goes to Lab")
-    office.locator("#going-end").click()
+    expect(office.locator("#card-going")).to_contain_text("To Lab")
+    office.locator("#card-end").click()
     until(lambda: speed(product) == 0.0)
     assert product.robot.helm.mode is None
 
 
-def test_somebody_else_may_not_cancel_but_stop_it(
-    browser: Browser, office: Page, product: Product
-) -> None:
+def test_somebody_else_may_end_it_too(browser: Browser, office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 7.0, 5.1))
     office.locator("#errand-go").click()
     until(lambda: speed(product) > 0.1)
     other = browser.new_page()
     other.goto(product.address)
     wait_for_the_robot(other)
-    other.locator("#going-end").click()
-    expect(other.locator("#toast")).to_contain_text("has the wheel")
-    assert product.robot.helm.mode is not None
-    other.keyboard.press("Space")
+    expect(other.locator("#card-end")).to_have_text("End goto")
+    other.locator("#card-end").click()
     until(lambda: speed(product) == 0.0)
+    expect(office.locator("#toast")).to_contain_text("laptop 2 stopped the robot")
     other.close()
 
 
@@ -186,7 +183,7 @@ def test_a_finger_that_stays_offers_a_place_and_turns_the_heading(
         assert box["x"] + box["width"] <= 390
     phone.locator("#errand-go").tap()
     until(lambda: speed(product) > 0.1)
-    phone.locator("#going-end").tap()
+    phone.locator("#card-end").tap()
     until(lambda: speed(product) == 0.0)
 
 

@@ -132,7 +132,7 @@ def test_an_arrow_that_is_held_comes_before_the_mode_which_goes_on_afterwards(
     assert running(product) == "wander"
 
 
-def test_a_second_page_sees_who_started_it_and_can_only_stop_it(
+def test_a_second_page_sees_who_started_it_and_can_only_end_it(
     modes: Page, product: Product
 ) -> None:
     second = modes.context.new_page()
@@ -145,7 +145,7 @@ def test_a_second_page_sees_who_started_it_and_can_only_stop_it(
     second.locator("#follow-start").click()
     expect(second.locator("#toast")).to_contain_text("has the wheel")
     assert running(product) == "wander"
-    expect(second.locator("#card-end")).to_have_text("Stop wander")
+    expect(second.locator("#card-end")).to_have_text("End wander")
     second.locator("#card-end").click()
     until(lambda: running(product) is None)
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from math import hypot
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize
+from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from tests.browser.conftest import Product, wait_for_the_robot
 
@@ -124,6 +124,60 @@ def test_the_emergency_stop_latches_until_it_is_reset(page: Page, product: Produ
     assert speed(product) == 0.0
     assert "EMERGENCY STOP" in page.locator("#alarm").inner_text()
     page.keyboard.up("ArrowUp")
+
+
+@pytest.mark.parametrize(
+    ("touch", "hint"),
+    [
+        (False, "Hold an arrow key to drive. Space stops."),
+        (True, "Hold the stick to drive; let go to stop."),
+    ],
+)
+def test_the_first_screen_says_how_to_drive_and_warns_of_nothing(
+    browser: Browser, product: Product, touch: bool, hint: str
+) -> None:
+    context = browser.new_context(has_touch=touch, is_mobile=touch)
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    expect(page.locator("#why")).to_have_text(hint)
+    assert "fault" not in (page.locator("#why").get_attribute("class") or "")
+    if not touch:
+        page.keyboard.down("ArrowUp")
+        until(lambda: speed(product) > 0.25)
+        page.keyboard.up("ArrowUp")
+        until(lambda: speed(product) == 0.0)
+        expect(page.locator("#why")).to_be_empty()  # known by now
+    product.call(lambda: setattr(product.simulation.body, "stop_button", True))
+    expect(page.locator("#why")).to_contain_text("stop button")
+    expect(page.locator("#why")).to_have_class("why fault")
+    context.close()
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844), (844, 390)])
+def test_help_opens_beside_the_map_and_closes(page: Page, size: tuple[int, int]) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    ways: list[Callable[[], None]] = [
+        lambda: page.get_by_role("button", name="Close this view").click(),
+        lambda: page.keyboard.press("Escape"),
+        lambda: page.keyboard.press("?"),
+        lambda: page.locator("#help-button").click(),
+    ]
+    for close in ways:
+        page.locator("#help-button").click()
+        expect(page.locator("#view-help")).to_be_visible()
+        expect(page.locator("#sheet-title")).to_have_text("Help")
+        canvas, sheet = (
+            page.locator("#canvas").bounding_box(),
+            page.locator("#sheet").bounding_box(),
+        )
+        assert canvas is not None
+        assert sheet is not None
+        beside = canvas["x"] + canvas["width"] <= sheet["x"] + 1
+        assert beside or canvas["y"] + canvas["height"] <= sheet["y"] + 1
+        expect(page.locator("#estop")).to_be_visible()
+        close()
+        expect(page.locator("#sheet")).to_be_hidden()
 
 
 def test_loading_the_page_moves_nothing(page: Page, product: Product) -> None:

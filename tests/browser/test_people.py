@@ -13,7 +13,7 @@ from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting
 from tests.browser.test_page import speed, until
-from tests.browser.views import drive
+from tests.browser.views import drive, open_view
 
 pytestmark = needs_network
 
@@ -46,7 +46,13 @@ def test_a_viewer_cannot_drive_but_stops_the_robot(browser: Browser, shared: Pro
         expect(vera.locator("#toast")).to_contain_text("You are a viewer")
         vera.keyboard.up("ArrowUp")
         expect(vera.locator("#motors")).to_be_disabled()
-        expect(vera.locator("#edit")).to_be_hidden()
+        for name in ("#edit", "#goto", "#pad-forward", "#stick", "#speed", ".knob"):
+            expect(vera.locator(name)).to_be_hidden()
+        expect(vera.locator("#why")).to_contain_text("You watch")
+        vera.locator(".views [data-view=modes]").click()
+        expect(vera.locator("#view-modes")).to_contain_text("No mode runs")
+        expect(vera.locator("#wander-start")).to_be_hidden()
+        vera.locator("#sheet-close").click()
         assert speed(shared) == 0.0
         drive(ann, shared)
         vera.click("#estop")
@@ -69,6 +75,33 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, share
         expect(bob.locator("#driver")).to_have_text("You drive")
         bob.keyboard.up("ArrowUp")
         until(lambda: speed(shared) == 0.0, 2.0)
+
+
+def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: Product) -> None:
+    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
+        open_view(ann, "modes")
+        ann.click("#wander-start")
+        until(lambda: speed(shared) > 0.1)
+        bob.click("#driver")
+        bob.click("#wheel-over")
+        expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
+        expect(ann.locator("#view-modes .mode-state")).to_have_text("Wander ended: Bob took over.")
+        expect(ann.locator("#why")).to_have_text("Bob has the wheel.")
+        ann.wait_for_timeout(500)
+        expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
+
+
+def test_an_invitation_to_watch_offers_no_more(browser: Browser, shared: Product) -> None:
+    with visiting(browser, invitation(shared, Role.VIEWER)) as vera:
+        expect(vera.locator("#lead")).to_contain_text("invited to watch")
+        expect(vera.locator("#drive")).to_be_hidden()
+        vera.get_by_role("button", name="Watch").click()
+        wait_for_the_robot(vera)
+        expect(vera.locator("#driver")).to_have_text("You watch")
+    with visiting(browser, invitation(shared, Role.DRIVER)) as bob:
+        expect(bob.locator("#lead")).to_contain_text("invited to drive")
+        expect(bob.locator("#drive")).to_be_visible()
+        expect(bob.locator("#watch")).to_be_visible()
 
 
 def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> None:

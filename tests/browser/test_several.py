@@ -1,5 +1,6 @@
 """Several robots on one page, in a real browser."""
 
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -19,6 +20,23 @@ THREE = WorldFile(
         for number, name in enumerate(NAMES)
     ),
 )
+KEEP_SOCKETS = """
+window.sockets = [];
+window.WebSocket = class extends WebSocket {
+  constructor(...args) {
+    super(...args);
+    window.sockets.push(this);
+  }
+};
+"""
+TELL_OF = """(count) => {
+  const { hello } = window.pioneer3.state;
+  const robots = Array.from({ length: count }, (_, i) => (
+    { ...hello.robots[0], id: i + 1, name: `robot-${String(i + 1).padStart(2, "0")}` }));
+  const data = JSON.stringify({ ...hello, robots });
+  window.sockets.at(-1).dispatchEvent(new MessageEvent("message", { data }));
+}"""
+"""Lets the page believe that so many robots are there."""
 SIZES = [(1440, 900), (390, 844), (320, 568), (740, 360)]
 
 
@@ -36,12 +54,12 @@ def speeds(product: Product) -> list[float]:
 
 def chosen(page: Page) -> list[str]:
     """Return the names of the robots that are shown as selected."""
-    return page.locator(".robot[aria-pressed=true] strong").all_inner_texts()
+    return page.locator("#robots-row [aria-pressed=true] strong").all_inner_texts()
 
 
 def test_the_robots_are_in_a_row_and_the_first_is_selected(page: Page) -> None:
-    expect(page.locator(".robot strong")).to_have_text(list(NAMES))
-    expect(page.locator(".robot small")).to_have_text(["Ready"] * 3)
+    expect(page.locator("#robots-row strong")).to_have_text(list(NAMES))
+    expect(page.locator("#robots-row small")).to_have_text(["Ready"] * 3)
     assert chosen(page) == ["alice"]
     expect(page.locator("#name")).to_have_text("alice")
 
@@ -60,7 +78,7 @@ def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> 
     expect(page.locator("#name")).to_have_text("bob")
     page.keyboard.down("ArrowUp")
     until(lambda: speeds(product)[1] > 0.25)
-    expect(page.locator(".robot small")).to_have_text(["Ready", "You drive", "Ready"])
+    expect(page.locator("#robots-row small")).to_have_text(["Ready", "You drive", "Ready"])
     assert speeds(product)[::2] == [0.0, 0.0]
     page.keyboard.up("ArrowUp")
     until(lambda: speeds(product) == [0.0] * 3)
@@ -126,10 +144,10 @@ def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product
     until(lambda: speeds(product)[1] > 0.25)
     page.locator("#estop").click()
     until(lambda: speeds(product) == [0.0] * 3, 2.0)
-    expect(page.locator(".robot small")).to_have_text(["E-stop"] * 3)
+    expect(page.locator("#robots-row small")).to_have_text(["E-stop"] * 3)
     second.keyboard.up("ArrowUp")
     page.locator("#reset").click()
-    expect(page.locator(".robot small")).to_have_text(["Ready", "E-stop", "E-stop"])
+    expect(page.locator("#robots-row small")).to_have_text(["Ready", "E-stop", "E-stop"])
     second.close()
 
 
@@ -151,7 +169,7 @@ def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
     page: Page, product: Product
 ) -> None:
     product.call(product.simulation.robots[1].port.faults.unplug)
-    state = page.locator(".robot small").nth(1)
+    state = page.locator("#robots-row small").nth(1)
     until(lambda: state.inner_text() in {"Lost", "Connecting", "No news"})
     page.keyboard.down("ArrowUp")
     until(lambda: speeds(product)[0] > 0.25)
@@ -167,9 +185,10 @@ def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple
     page.goto(product.address)
     wait_for_the_robot(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    last = page.locator(".robot").last
-    last.scroll_into_view_if_needed()
-    last.tap()
+    page.locator("#robots-all").tap()
+    page.locator(".robot-list").get_by_role("button", name="carol").tap()
+    if page.locator("#sheet").is_visible():
+        page.locator("#sheet-close").tap()
     assert chosen(page) == ["carol"]
     for name in ("#stop", "#estop", "#stick"):
         box = page.locator(name).bounding_box()
@@ -177,6 +196,104 @@ def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= size[0]
         assert box["y"] + box["height"] <= size[1]
+    context.close()
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 20, 40])
+def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
+    browser: Browser, product: Product, count: int
+) -> None:
+    for size in [(1440, 900), (1024, 768), (390, 844), (844, 390)]:
+        context = browser.new_context(viewport={"width": size[0], "height": size[1]})
+        context.add_init_script(KEEP_SOCKETS)
+        page = context.new_page()
+        page.goto(product.address)
+        wait_for_the_robot(page)
+        page.evaluate(TELL_OF, count)
+        page.wait_for_timeout(400)
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+        if count == 1:
+            expect(page.locator("#robots")).to_be_hidden()
+            context.close()
+            continue
+        shown = page.locator("#robots-row .robot:visible")
+        assert 1 <= shown.count() <= count
+        if count <= 5 and size[0] >= 1024:
+            assert shown.count() == count  # the lab's own number, at a desk
+        for box in (one.bounding_box() for one in shown.all()):
+            assert box is not None
+            assert box["width"] >= 80  # none is cut off
+            assert box["x"] + box["width"] <= size[0]
+        page.locator("#robots-all").click()
+        expect(page.locator(".robot-list li:visible")).to_have_count(count)
+        page.fill("#robots-search", f"robot-{count:02d}")
+        expect(page.locator(".robot-list li:visible")).to_have_count(1)
+        page.keyboard.press("Enter")
+        assert page.evaluate("window.pioneer3.state.robot") == count
+        assert chosen(page) == [f"robot-{count:02d}"]  # it is in the row, too
+        context.close()
+
+
+def test_who_begins_to_search_lets_go_of_the_robot(page: Page, product: Product) -> None:
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[0] > 0.25)
+    page.keyboard.press("/")
+    until(lambda: speeds(product)[0] == 0.0, 2.0)
+    page.keyboard.up("ArrowUp")
+    page.keyboard.type("bob")
+    page.keyboard.press("Enter")  # the focus leaves the field: keys drive and stop again
+    page.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[1] > 0.25)
+    page.keyboard.press("Space")
+    until(lambda: speeds(product)[1] == 0.0, 2.0)
+    page.keyboard.up("ArrowUp")
+
+
+def test_the_list_says_how_each_robot_is_and_who_drives_it(page: Page, product: Product) -> None:
+    second = page.context.new_page()
+    second.goto(product.address)
+    wait_for_the_robot(second)
+    second.keyboard.press("2")
+    second.keyboard.down("ArrowUp")
+    until(lambda: speeds(product)[1] > 0.25)
+    page.keyboard.press("/")
+    expect(page.locator("#robots-search")).to_be_focused()
+    rows = page.locator(".robot-list button")
+    expect(rows.nth(0)).to_contain_text("Ready")
+    expect(rows.nth(1)).to_contain_text("laptop 2 drives")
+    expect(rows.nth(0)).to_contain_text(re.compile(r"1\d\.\d V, \d+ %"))
+    page.keyboard.type("drives k ")  # words, no stops
+    expect(page.locator(".robot-list li:visible")).to_have_count(0)
+    assert speeds(product)[1] > 0.25
+    page.fill("#robots-search", "drives")
+    expect(page.locator(".robot-list li:visible")).to_have_count(1)
+    second.keyboard.up("ArrowUp")
+    page.keyboard.press("Escape")  # empties the field, then closes the list
+    page.keyboard.press("Escape")
+    expect(page.locator("#sheet")).to_be_hidden()
+    expect(page.locator("#robots-all")).to_be_focused()
+    second.close()
+
+
+@pytest.mark.parametrize("size", [(390, 844), (320, 568), (844, 390)])
+def test_the_banner_of_the_emergency_stop_fits(
+    browser: Browser, product: Product, size: tuple[int, int]
+) -> None:
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]})
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    page.locator("#estop").click()
+    expect(page.locator("#reset-all")).to_be_visible()
+    banner = page.locator("#alarm").bounding_box()
+    assert banner is not None
+    for name in ("#reset", "#reset-all"):
+        box = page.locator(name).bounding_box()
+        assert box is not None
+        assert banner["x"] <= box["x"]
+        assert box["x"] + box["width"] <= banner["x"] + banner["width"]
+        assert box["y"] + box["height"] <= banner["y"] + banner["height"]
+    page.locator("#reset-all").click()
     context.close()
 
 

@@ -13,7 +13,7 @@ export function drawRobot(context, view, palette, { robot, bumpers }, sprites, s
   const ring = SMALL / view.scale / 2;
   if (shape.length_front < ring) drawRing(context, view, palette, ring);
   const key = [shape.model, shape.length_front, shape.length_rear, shape.width, shape.front_bumpers, shape.rear_bumpers,
-    palette.body, palette.nose].join();
+    palette.body, palette.edge].join();
   sprites.drawShape(context, key, around(shape, 24 / scale), scale, (own, at) => drawShape(own, { scale: at }, palette, shape));
   if (bumpers?.front.includes(true)) drawBumper(context, palette, shape, 1, bumpers.front);
   if (bumpers?.rear.includes(true)) drawBumper(context, palette, shape, -1, bumpers.rear);
@@ -75,13 +75,13 @@ function drawBody(context, view, palette, { model, width }, front, rear) {
   box(context, -rear + 0.05, -half + 0.045, length - 0.1, 2 * half - 0.09, 0.05);
   context.fillStyle = palette.deck;
   context.fill();
-  context.beginPath(); // the nose
+  context.beginPath(); // an arrow ahead
   context.moveTo(front - 0.03, 0);
-  context.lineTo(front - 0.21, half * 0.55);
-  context.lineTo(front - 0.165, 0);
-  context.lineTo(front - 0.21, -half * 0.55);
+  context.lineTo(front - 0.25, half * 0.66);
+  context.lineTo(front - 0.19, 0);
+  context.lineTo(front - 0.25, -half * 0.66);
   context.closePath();
-  context.fillStyle = palette.nose;
+  context.fillStyle = palette.arrow;
   context.fill();
 }
 

@@ -46,7 +46,7 @@ export function drawRobots(context, view, palette, placed, { selected, several, 
     drawRobot(context, view, colours, { robot: robot.shape, bumpers }, sprites, scale);
     context.restore();
   };
-  for (const [robot, pose] of placed) if (robot !== selected) one(robot, pose, palette.mate);
+  for (const [robot, pose] of placed) if (robot !== selected) one(robot, pose, palette.mates);
   for (const [robot, pose] of placed) {
     if (robot !== selected) continue;
     if (several) drawRing(context, view, palette, robot, pose);

@@ -45,7 +45,6 @@ export class Errand {
     byId("errand-close").addEventListener("click", () => this.withdraw());
     byId("errand-any").addEventListener("click", () => this.#turn(null));
     byId("errand-place").addEventListener("change", ({ target }) => this.#pick(Number(target.value)));
-    byId("going-end").addEventListener("click", () => this.#send({ type: "end_mode", robot: this.#model.selected.id }));
     byId("goto").addEventListener("click", () => (this.offer ? this.withdraw() : this.#offerMiddle()));
     addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
   }
@@ -106,7 +105,7 @@ export class Errand {
     if (inside) byId("goto").focus();
   }
 
-  /** Shows the offer, and where the robot is going. */
+  /** Shows the offer. */
   show() {
     if (this.offer && !this.possible) this.offer = null;
     this.#aim();
@@ -115,7 +114,6 @@ export class Errand {
     byId("goto").disabled = !this.possible;
     byId("goto").setAttribute("aria-expanded", String(Boolean(this.offer)));
     if (this.offer) this.#showOffer();
-    this.#showGoing();
   }
 
   /** Without a heading it arrives as it comes from where it is. */
@@ -133,16 +131,15 @@ export class Errand {
     this.#list();
   }
 
-  #showGoing() {
-    const { selected, snapshot } = this.#model;
-    const target = this.#model.live ? snapshot?.target : null;
-    byId("going").hidden = !target || this.offer !== null;
-    if (!target) return;
-    const who = this.#model.several ? selected.name : "It";
-    const left = Math.hypot(target.x - snapshot.pose.x, target.y - snapshot.pose.y);
+  /** Where the selected robot is going, in words, or "". */
+  get going() {
+    const { live, snapshot } = this.#model;
+    const target = live ? snapshot?.target : null;
+    if (!target) return "";
+    const left = Math.hypot(target.x - snapshot.pose.x, target.y - snapshot.pose.y).toFixed(1);
+    if (target.person) return `Follows somebody ${left} m away`;
     const place = placeAt(this.#scene.places, target, NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
-    put("going-where", `${who} ${target.person ? "follows somebody" : `goes to ${place}`}: ${left.toFixed(1)} m`);
-    byId("going-end").hidden = this.#model.viewer;
+    return `To ${place}: ${left} m left`;
   }
 
   /** The goals of the map, for who has no pointer. */
@@ -153,7 +150,7 @@ export class Errand {
     select.hidden = places.length === 0;
     if (key !== this.#listed) {
       this.#listed = key;
-      select.replaceChildren(new Option("A place of the map", "-1"), ...places.map(({ name }, at) => new Option(name, String(at))));
+      select.replaceChildren(new Option("A place …", "-1"), ...places.map(({ name }, at) => new Option(name, String(at))));
     }
     const chosen = String(places.findIndex(({ name, x }) => name === this.offer.name && x === this.offer.x));
     if (select.value !== chosen) select.value = chosen;

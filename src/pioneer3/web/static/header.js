@@ -34,6 +34,7 @@ export function showConnection(model, retryAt, holder) {
   else if (!model.live) chip("connection", "No news", "warn");
   else chip("connection", "Connected", "good");
   if (!model.live) chip("driver", "Driver unknown", "idle");
+  else if (model.viewer && !model.driver && !holder) chip("driver", "You watch", "idle");
   else chip("driver", ...driver(model, holder));
 }
 

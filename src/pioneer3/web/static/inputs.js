@@ -17,6 +17,7 @@ export class Inputs {
   #stick;
   #tilt;
   #gamepads;
+  #way = "keys";
   #buttons = [...document.querySelectorAll(".key")];
 
   /** @param hands Hands: what the inputs do */
@@ -36,6 +37,13 @@ export class Inputs {
   /** Takes over what the server says about gamepads. */
   adopt({ gamepad }) {
     this.#gamepads.adopt(gamepad);
+  }
+
+  /** How to drive from here, in words. */
+  get hint() {
+    if (this.#gamepads.usable) return "Hold L1 of the gamepad and move its left stick to drive.";
+    if (!BY_TOUCH.matches) return `Hold an arrow key${this.#way === "stick" ? ", or the stick," : ""} to drive. Space stops.`;
+    return HOLD[this.#way];
   }
 
   /** Shows what `drive` holds; what it does not hold any more is let go here as well. */
@@ -61,6 +69,7 @@ export class Inputs {
   }
 
   #show(way) {
+    this.#way = way;
     for (const each of WAYS) {
       byId(`way-${each}`).setAttribute("aria-pressed", String(each === way));
       byId(each).hidden = each !== way;
@@ -87,6 +96,11 @@ async function whyNoTilt() {
   return ["Tilting needs https: pair at ", link(url, url.replace("https://", "")), ".", ...first];
 }
 
+const HOLD = {
+  stick: "Hold the stick to drive; let go to stop.",
+  keys: "Hold an arrow to drive; let go to stop.",
+  tilt: "Hold the button and tip the phone to drive; let go to stop.",
+};
 const INPUTS = { stick: "stick", "tilt-hold": "tilt" };
 
 function link(href, text) {

@@ -46,6 +46,8 @@ export function listenToKeys({ press, release, stop, emergencyStop, abandon }) {
   }, { capture: true });
 
   addEventListener("blur", () => down.clear());
+  // where text is written the keys that stop are letters: nothing goes on being driven meanwhile
+  addEventListener("focusin", ({ target }) => isWriting(target) && abandon("a text field has the focus"));
 }
 
 /** By its letter or its place: on layouts where they differ both count. */

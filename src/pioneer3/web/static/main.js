@@ -26,15 +26,18 @@ import { Picker } from "./picker.js";
 import { listenToPointer } from "./pointer.js";
 import { Scene } from "./scene.js";
 import { listenToStops, showStops } from "./stops.js";
-import { listenToDisclosures, listenToTools, showMode } from "./tools.js";
+import { listenToTools, showMode } from "./tools.js";
 import { View } from "./view.js";
 import { Workbench } from "./workbench.js";
 
 const CHECK = 250; // ms between looks at the age of what is shown
-const NEWS = 1500; // ms in which news are not covered by a refusal
+const NEWS = 1500; // ms in which news are not covered by what follows from them
+const NEWS_LAST = 8000; // ms
+const WATCHING = "You watch. STOP and E-STOP are for you, too.";
 const PHONE = "(max-width: 760px), (max-height: 520px)";
 
 let toldAt = -Infinity;
+let driven = false; // whether the user has found out how
 const canvas = document.getElementById("canvas");
 const model = new Model();
 const limits = new Limits();
@@ -46,14 +49,14 @@ const connection = new Connection({ onMessage: receive, onChange: connected, onL
 const drive = new Drive({
   send: sendDrive,
   limits: () => limits.values,
-  onChange: () => inputs.show(drive),
+  onChange: () => (driven ||= drive.holding, inputs.show(drive)),
 });
 
 const people = new People({
   send: (message) => connection.send(message) || toast("Not connected: nothing was changed."),
   complain: toast,
 });
-const picker = new Picker({ model, select });
+const picker = new Picker({ model, select, open: () => panels.open("robots") });
 const editor = new Editor({ view, world: model.world, send: sendEdit, lift, changed: showEdit });
 scene.editor = editor;
 const bench = new Workbench({
@@ -81,7 +84,11 @@ const hands = new Hands({ drive, model, post, connection, complain: toast, chang
 const panels = new Panels({
   send: sendToRobot,
   complain: toast,
-  opened: (view) => view && matchMedia(PHONE).matches && bench.open(false),
+  remark,
+  opened: (view) => {
+    if (view && matchMedia(PHONE).matches) bench.open(false);
+    picker.listed(view === "robots");
+  },
 });
 
 /** The socket has opened or closed. */
@@ -134,6 +141,7 @@ function select(id) {
   if (drive.active) drive.stop();
   model.select(id);
   showSelected();
+  if (panels.view === "robots" && matchMedia(PHONE).matches) panels.open(null); // to what it is driven with
   if (model.snapshot) show();
   refresh();
 }
@@ -191,9 +199,17 @@ function see({ snapshots }) {
 function show() {
   if (model.snapshot) {
     showSnapshot(model.snapshot);
-    showWhy(model.snapshot);
+    showWhy(model.snapshot, hint());
   }
   scene.invalidate();
+}
+
+/** What to do with a robot that stands and is asked for nothing. */
+function hint() {
+  if (model.viewer) return WATCHING;
+  const holder = people.holder;
+  if (holder && holder !== "you") return `${holder} has the wheel.`;
+  return driven ? "" : inputs.hint;
 }
 
 /** The world has changed. While a robot says nothing, as in a pause, the world says where it is. */
@@ -229,11 +245,16 @@ function lift(lifted) {
 /** Somebody did something that concerns this page. */
 function told({ message }) {
   toldAt = performance.now();
-  toast(message);
+  toast(message, NEWS_LAST);
+}
+
+/** Says what has happened, unless the user has just been told why. */
+function remark(text) {
+  if (performance.now() - toldAt > NEWS) toast(text);
 }
 
 function refused({ message }) {
-  if (performance.now() - toldAt > NEWS) toast(message); // what was under way is refused because of the news
+  remark(message);
   // Held inputs must not take over by themselves once the other driver leaves.
   if (model.driver === "you") drive.releaseAll();
   else drive.forget();
@@ -250,7 +271,7 @@ function refresh() {
   showStops(snapshot?.emergency_stop ?? false, live);
   showLatched(latched, model);
   showTrouble(post.trouble);
-  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.holder, roundTrip: connection.roundTrip });
+  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.holder, going: errand.going, roundTrip: connection.roundTrip });
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live && !model.viewer);
   showMode(view.mode);
@@ -274,7 +295,6 @@ listenToTools(view, {
   changed: () => (scene.invalidate(), showMode(view.mode)),
   clearTrail: () => model.clearTrail(),
 });
-listenToDisclosures();
 document.getElementById("motors").addEventListener("click", ({ currentTarget }) => {
   const on = currentTarget.getAttribute("aria-checked") !== "true";
   sendToRobot({ type: "motors", on });

@@ -2,15 +2,25 @@
 
 const byId = (id) => document.getElementById(id);
 const TOAST = 4000; // ms
+const BRIEF = 600; // ms that an expected reason to stand lasts before it is shown
 let toastTimer = 0;
+let shown = { why: "", since: 0 };
 
 function put(id, text) {
   const element = byId(id);
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function showWhy({ why, faults }) {
-  put("why", why ?? "");
+/**
+ * Shows why the robot stands: in the colour of a warning only what must be mended.
+ * @param hint what to do with a robot that nobody asks for anything
+ */
+export function showWhy({ why, standing, mode, faults }, hint) {
+  const text = standing === "idle" ? hint : standing === "normal" && mode ? "" : why ?? ""; // a mode's card tells its own
+  if (text !== shown.why) shown = { why: text, since: performance.now() };
+  const brief = standing === "normal" && performance.now() - shown.since < BRIEF;
+  put("why", brief ? "" : text);
+  byId("why").classList.toggle("fault", standing === "fault");
   list("faults", faults);
 }
 
@@ -29,6 +39,7 @@ function list(id, lines) {
 /** Time stands still: so does all the rest. */
 export function showPause() {
   put("why", "Simulated time is paused.");
+  byId("why").classList.remove("fault");
 }
 
 /** Greys the scene while what it shows is old. */
@@ -56,11 +67,11 @@ function reason(model, retryAt) {
   return ["", ""];
 }
 
-/** A short message that goes away by itself. */
-export function toast(text) {
+/** A short message that goes away by itself after some time [ms]. */
+export function toast(text, lasts = TOAST) {
   const element = byId("toast");
   if (element.hidden || element.textContent !== text) element.textContent = text; // else it would be read out again
   element.hidden = false;
   clearTimeout(toastTimer);
-  toastTimer = setTimeout(() => (element.hidden = true), TOAST);
+  toastTimer = setTimeout(() => (element.hidden = true), lasts);
 }

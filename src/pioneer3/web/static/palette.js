@@ -2,19 +2,17 @@
 
 const NAMES = [
   "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
-  "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
-  "box", "box-edge", "person", "person-soft", "person-head", "other", "other-deck", "other-edge", "other-nose", "select", "label",
+  "arrow", "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
+  "box", "box-edge", "person", "person-soft", "person-head", "mate", "mate-deck", "mate-edge", "other", "other-deck", "other-edge", "select", "label",
   "cell", "free", "goal", "dock", "home", "forbidden", "zone", "laser", "target",
 ];
 
-/** Colours by name; `mate` has those of a robot that is not selected, `stranger` of one that is not the page's. */
+/** Colours by name; `mates` has those of a robot that is not selected, `stranger` of one that is not the page's. */
 export function readPalette() {
   const style = getComputedStyle(document.documentElement);
   const palette = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--c-${name}`).trim()]));
-  palette.mate = { ...palette, nose: palette["other-nose"] };
-  palette.stranger = {
-    ...palette.mate, body: palette.other, deck: palette["other-deck"], edge: palette["other-edge"],
-  };
+  const painted = (kind) => ({ ...palette, body: palette[kind], deck: palette[`${kind}-deck`], edge: palette[`${kind}-edge`], nose: palette[`${kind}-deck`] });
+  [palette.mates, palette.stranger] = [painted("mate"), painted("other")];
   return palette;
 }
 

@@ -83,7 +83,7 @@ export class People {
     const state = JSON.stringify([this.#people, this.#robot]);
     if (state === this.#drawn) return; // else it would take the focus away
     this.#drawn = state;
-    put("people-you", `You are ${name}, a ${role}.`);
+    put("people-you", `You are ${name}, a ${role}.${this.viewer ? " You may look, and stop the robots." : ""}`);
     const which = this.#robot?.name ? `the wheel of ${this.#robot.name}` : "the wheel";
     put("people-wheel", this.#mine ? `You have ${which}.` : wheel ? `${wheel.name} has ${which}.` : `T${which.slice(1)} is free.`);
     byId("wheel-take").hidden = this.viewer || wheel !== null;

@@ -114,6 +114,7 @@ export class Scene {
       moving ||= robot.moving(now);
     }
     this.pose = selected?.poseAt(now) ?? null;
+    this.view.setRobots(this.robots.map(([, pose]) => pose));
     if (this.pose) this.view.setRobot(this.pose);
     const gliding = this.view.step(dt);
     const rough = this.#paint(now);

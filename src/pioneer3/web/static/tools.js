@@ -1,4 +1,4 @@
-// The small buttons: view and help; and their keys.
+// The small buttons on the map, and their keys.
 
 const byId = (id) => document.getElementById(id);
 
@@ -25,19 +25,4 @@ export function listenToTools(view, { changed, clearTrail }) {
 
 export function showMode(mode) {
   for (const id of ["follow", "fit"]) byId(id).setAttribute("aria-pressed", String(mode === id));
-}
-
-/** Things that open and close. None of them covers the stop buttons. */
-export function listenToDisclosures() {
-  const toggle = (button, open) => button.setAttribute("aria-expanded", String(open));
-  const showHelp = (open) => {
-    byId("help").hidden = !open;
-    toggle(byId("help-button"), open);
-  };
-  byId("help-button").addEventListener("click", () => showHelp(byId("help").hidden));
-  byId("help").addEventListener("click", () => showHelp(false));
-  addEventListener("keydown", (event) => {
-    if (event.key === "?") showHelp(byId("help").hidden);
-    if (event.key === "Escape") showHelp(false);
-  });
 }

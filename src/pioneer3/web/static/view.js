@@ -7,10 +7,14 @@ const ZOOM_MAX = 600;
 const EASE = 0.09; // s, time constant of a camera move
 const MARGIN = 40; // px around a fitted map
 const TOOLS = 36; // px more on the right, where the buttons are
+const PIECE = 2; // m
+const BESIDE = 0.5; // m around the middle of a robot
 
 export class View extends Camera {
   mode = "fit"; // "fit" | "follow" | "free"
   #bounds = null;
+  #box = null; // around robots that are not within the bounds
+  #boxed = ""; // the same as text
   #robot = { x: 0, y: 0 };
   #goal = null; // {x, y, scale}: where a move ends
   #still;
@@ -32,9 +36,25 @@ export class View extends Camera {
     if (this.mode === "fit") this.#jump();
   }
 
+  /** Where all robots are: a fitted picture shows them, too. */
+  setRobots(poses) {
+    const bounds = this.#bounds;
+    const box = around(bounds ? poses.filter((pose) => !within(bounds, pose)) : poses.length > 1 ? poses : []);
+    const key = JSON.stringify(box);
+    if (key === this.#boxed) return;
+    const first = this.#boxed === "";
+    [this.#boxed, this.#box] = [key, box];
+    if (this.mode === "fit") first ? this.#jump() : this.setMode("fit");
+  }
+
+  /** What a fitted picture shows, or null. */
+  get #whole() {
+    return this.#bounds && this.#box ? joined(this.#bounds, this.#box) : this.#bounds ?? this.#box;
+  }
+
   setRobot(pose) {
     this.#robot = pose;
-    if (this.mode === "follow" || (this.mode === "fit" && !this.#bounds)) {
+    if (this.mode === "follow" || (this.mode === "fit" && !this.#whole)) {
       if (this.#goal) Object.assign(this.#goal, { x: pose.x, y: pose.y });
       else Object.assign(this, { x: pose.x, y: pose.y });
     }
@@ -90,11 +110,12 @@ export class View extends Camera {
 
   #target() {
     if (this.mode === "free") return { x: this.x, y: this.y, scale: this.scale };
-    if (this.mode === "follow" || !this.#bounds) {
+    const whole = this.#whole;
+    if (this.mode === "follow" || !whole) {
       const scale = this.mode === "follow" ? Math.max(this.scale, 45) : Math.min(this.width, this.height) / 8;
       return { x: this.#robot.x, y: this.#robot.y, scale: clamp(scale, ZOOM_MIN, ZOOM_MAX) };
     }
-    const { left, right, bottom, top } = this.#bounds;
+    const { left, right, bottom, top } = whole;
     const fitting = Math.min(
       Math.max(40, this.width - 2 * MARGIN - TOOLS) / (right - left || 1),
       Math.max(40, this.height - 2 * MARGIN) / (top - bottom || 1),
@@ -104,4 +125,16 @@ export class View extends Camera {
   }
 }
 
+/** The box of whole pieces of the map around some poses, or null: it changes seldom while they drive. */
+function around(poses) {
+  if (poses.length === 0) return null;
+  const [xs, ys] = [poses.map(({ x }) => x), poses.map(({ y }) => y)];
+  const [low, high] = [(all) => PIECE * Math.floor((Math.min(...all) - BESIDE) / PIECE), (all) => PIECE * Math.ceil((Math.max(...all) + BESIDE) / PIECE)];
+  return { left: low(xs), right: high(xs), bottom: low(ys), top: high(ys) };
+}
+
+const within = ({ left, right, bottom, top }, { x, y }) => x >= left && x <= right && y >= bottom && y <= top;
+const joined = (a, b) => ({
+  left: Math.min(a.left, b.left), right: Math.max(a.right, b.right), bottom: Math.min(a.bottom, b.bottom), top: Math.max(a.top, b.top),
+});
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));

@@ -4,7 +4,6 @@ import uPlot from "../vendor/uplot-1.6.32/uPlot.esm.js";
 import { make, number, put, set } from "./dom.js";
 
 const HEIGHT = 108; // px
-const MARK = 60; // s between marks of the time axis
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export class Chart {
@@ -13,17 +12,16 @@ export class Chart {
   #picture;
   #values;
   #series;
-  #from = 0;
-  #to = 1;
 
   /**
    * @param title, unit, digits
    * @param series [{label, column, colour: name of a CSS variable, dash}]
    * @param range  function(least, greatest) -> [low, high]
+   * @param axis   the TimeAxis that all charts share
    * @param group  charts of one group share their cursor
    * @param moved  function(row or null): the cursor stands there
    */
-  constructor({ title, unit, digits, series, range, group, moved }) {
+  constructor({ title, unit, digits, series, range, axis, group, moved }) {
     this.#series = series.map((one) => ({ ...one, digits }));
     this.#values = series.map(() => make("b", {}, "–"));
     const legend = series.map((one, i) => {
@@ -34,12 +32,11 @@ export class Chart {
     this.#picture = make("div", { class: "chart-picture", role: "img", "aria-label": title });
     const head = make("p", { class: "chart-head" }, make("span", { class: "chart-title" }, `${title} `, make("small", {}, unit)), ...legend);
     this.element = make("div", { class: "chart" }, head, this.#picture);
-    this.#plot = new uPlot(this.#options(range, group, moved), [[], ...series.map(() => [])], this.#picture);
+    this.#plot = new uPlot(this.#options(range, axis, group, moved), [[], ...series.map(() => [])], this.#picture);
   }
 
   /** Draws columns (times first) between two times [s]. */
   draw(columns, from, to) {
-    [this.#from, this.#to] = [from, to];
     this.#plot.setData([columns[0], ...this.#series.map(({ column }) => columns[column + 1])], false);
     this.#plot.setScale("x", { min: from, max: to });
   }
@@ -75,8 +72,8 @@ export class Chart {
     this.#plot.destroy();
   }
 
-  #options(range, group, moved) {
-    const axis = {
+  #options(range, axis, group, moved) {
+    const look = {
       stroke: () => colour("--muted"),
       font: "11px system-ui, sans-serif",
       grid: { stroke: () => colour("--line"), width: 1 },
@@ -90,24 +87,13 @@ export class Chart {
       cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 }, sync: { key: group } },
       scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least ?? 0, greatest ?? 0) } },
       axes: [
-        { ...axis, size: 22, splits: () => this.#marks(), values: (_, marks) => marks.map((mark) => this.#ago(mark)) },
-        { ...axis, size: 44, space: 18 },
+        { ...look, size: 22, splits: () => axis.marks, values: (_, marks) => marks.map((mark) => axis.ago(mark)) },
+        { ...look, size: 44, space: 18 },
       ],
       series: [{}, ...this.#series.map(({ label, colour: name, dash }) => ({
         label, stroke: () => colour(name), width: dash ? 1.5 : 2, dash, points: { show: false }, spanGaps: false,
       }))],
       hooks: { setCursor: [(plot) => moved(plot.cursor.left >= 0 ? plot.cursor.idx ?? null : null)] },
     };
-  }
-
-  #marks() {
-    const marks = [];
-    for (let mark = this.#to; mark >= this.#from - 1e-6; mark -= MARK) marks.unshift(mark);
-    return marks;
-  }
-
-  #ago(mark) {
-    const minutes = Math.round((this.#to - mark) / MARK);
-    return minutes === 0 ? "now" : `−${minutes} min`;
   }
 }

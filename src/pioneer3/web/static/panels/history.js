@@ -6,8 +6,9 @@ const SLACK = 300; // rows too many before the oldest are forgotten
 const SLOW = 10; // s between points of the battery's long line
 const SLOW_SPAN = 4 * 3600; // s
 const FRONT = Math.PI / 2 + 1e-3;
+const ROUND = 1e4; // of a unit: more digits than that are noise
 
-/** Columns of a row, in order. */
+/** Columns of a row, in order: those of the charts, then the pose in the map. */
 export const COLUMNS = [
   { name: "speed commanded", unit: "m/s", digits: 2 },
   { name: "speed measured", unit: "m/s", digits: 2 },
@@ -15,7 +16,12 @@ export const COLUMNS = [
   { name: "turn rate measured", unit: "rad/s", digits: 2 },
   { name: "battery", unit: "V", digits: 1 },
   { name: "nearest echo in front", unit: "m", digits: 2 },
+  { name: "x", unit: "m", digits: 2 },
+  { name: "y", unit: "m", digits: 2 },
+  { name: "heading", unit: "rad", digits: 2 },
 ];
+/** Of them, in the order of the file. */
+const SAVED = ["x", "y", "heading", ...COLUMNS.map(({ name }) => name).slice(0, -3)];
 
 export class History {
   /** Times [s since 1970], then the columns, all of one length; null where nothing is known. */
@@ -25,6 +31,11 @@ export class History {
 
   static SPAN = SPAN;
 
+  /** When the oldest reading came that is kept [s since 1970], or null. */
+  get since() {
+    return this.columns[0][0] ?? null;
+  }
+
   get length() {
     return this.columns[0].length;
   }
@@ -33,9 +44,10 @@ export class History {
   add(snapshot, sonars, now) {
     const last = this.columns[0].at(-1) ?? now;
     if (now - last > GAP) this.#push(last + 1e-3, COLUMNS.map(() => null));
-    const { twist, commanded, battery } = snapshot;
+    const { twist, commanded, battery, pose } = snapshot;
     this.#push(now, [
       commanded?.v ?? null, twist.v, commanded?.w ?? null, twist.w, battery.voltage, nearest(snapshot.sonar, sonars),
+      pose.x, pose.y, pose.theta,
     ]);
     if (now - (this.battery.at(-1)?.[0] ?? -Infinity) >= SLOW) {
       this.battery.push([now, battery.voltage]);
@@ -53,12 +65,14 @@ export class History {
     return { least: Math.min(...values), greatest: Math.max(...values), mean, last: values.at(-1) };
   }
 
-  /** All of it as comma-separated values (RFC 4180). */
+  /** All of it as comma-separated values (RFC 4180), a row a reading. */
   csv() {
-    const head = ["time", ...COLUMNS.map(({ name, unit }) => `${name} [${unit}]`)].join(",");
+    const order = SAVED.map((saved) => COLUMNS.findIndex(({ name }) => name === saved));
+    const head = ["time", "elapsed [s]", ...order.map((at) => `${COLUMNS[at].name} [${COLUMNS[at].unit}]`)].join(",");
+    const rounded = (value) => (value === null ? "" : Math.round(value * ROUND) / ROUND);
     const rows = this.columns[0].map((time, i) => {
-      const values = this.columns.slice(1).map((column) => column[i] ?? "");
-      return [new Date(time * 1000).toISOString(), ...values].join(",");
+      const values = order.map((at) => rounded(this.columns[at + 1][i]));
+      return [new Date(time * 1000).toISOString(), rounded(time - this.since), ...values].join(",");
     });
     return [head, ...rows, ""].join("\r\n");
   }

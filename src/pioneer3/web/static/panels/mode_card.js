@@ -1,9 +1,10 @@
-// On the map, while a mode runs: what it is, what decides, and the way to end it.
+// On the map, while a mode runs: what it is, where it goes, what decides, and the way to end it.
 
 import { make, put } from "./dom.js";
-import { howItEnded } from "./modes_view.js";
+import { howItEnded, named } from "./modes_view.js";
 
 const byId = (id) => document.getElementById(id);
+const GOING = { goto: "Looks for the way", follow: "Looks for somebody to follow" }; // while there is no target
 
 export class ModeCard {
   #tell;
@@ -18,11 +19,14 @@ export class ModeCard {
     byId("card-end").addEventListener("click", end);
   }
 
-  show({ mode, decided, ended }, starter) {
+  /** @param starter "you" or a name; @param going where it goes, in words, or "" */
+  show({ mode, decided, ended }, starter, going) {
     byId("mode-card").hidden = mode === null;
     if (mode !== null) {
-      put(byId("card-title"), `${mode[0].toUpperCase()}${mode.slice(1)}${starter ? `, started by ${starter}` : ""}`);
-      put(byId("card-end"), `${starter === "you" ? "End" : "Stop"} ${mode}`);
+      put(byId("card-title"), `${named(mode)}${starter ? `, started by ${starter}` : ""}`);
+      put(byId("card-end"), `End ${mode}`);
+      byId("card-going").hidden = !(mode in GOING);
+      put(byId("card-going"), going || GOING[mode] || "");
     }
     this.#list(mode === null ? [] : decided);
     if (this.#mode !== null && mode === null && ended) this.#tell(howItEnded(ended));
@@ -39,6 +43,6 @@ export class ModeCard {
     const key = lines.join("\n");
     if (list.dataset.key === key) return;
     list.dataset.key = key;
-    list.replaceChildren(...lines.map((line) => make("li", {}, line)));
+    list.replaceChildren(...lines.map((line) => make("li", { title: line }, line)));
   }
 }

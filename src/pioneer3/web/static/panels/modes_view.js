@@ -3,15 +3,28 @@
 import { make, put, set } from "./dom.js";
 import { part } from "./rows.js";
 
-const PRESETS = [["lab", "lab: slow, 0.15 m/s"], ["aria", "aria: as ARIA's, 0.4 m/s"], ["explore", "explore: seeks new ground, 0.3 m/s"]];
-const RULES = [["tracking", "tracking: remembers whom it follows"], ["lab", "lab: goes to the nearest echo"]];
+const PRESETS = [
+  ["lab", "Lab", "Slow, 0.15 m/s."],
+  ["aria", "ARIA", "As ARIA's wander, 0.4 m/s."],
+  ["explore", "Explore", "Seeks new ground, 0.3 m/s."],
+];
+const RULES = [
+  ["tracking", "Tracking", "Remembers whom it follows."],
+  ["lab", "Lab", "Goes to the nearest echo."],
+];
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
 const LEAVE = "A mode runs for as long as this page is connected: close it, lose the connection or lock the phone, "
   + "and the robot stops within 5 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
 
 function choice(id, label, options) {
   const select = make("select", { id, class: "small" }, ...options.map(([value, text]) => new Option(text, value)));
-  return [select, make("label", { class: "field" }, make("span", {}, label), select)];
+  const field = make("label", { class: "field" }, make("span", {}, label), select);
+  if (!options[0][2]) return [select, field];
+  const meaning = make("p", { class: "words meaning", role: "status" });
+  const tell = () => put(meaning, options[select.selectedIndex][2]);
+  select.addEventListener("change", tell);
+  tell();
+  return [select, make("div", {}, field, meaning)];
 }
 
 function figure(id, label, unit, attributes) {
@@ -52,7 +65,7 @@ export class ModesView {
     const [y, yField] = figure("goto-y", "y", "m", { value: 0 });
     const [heading, headingField] = figure("goto-heading", "Heading", "°, empty for any", { step: 5, min: -360, max: 360 });
     const seconds = () => Number(time.value);
-    this.#end = button("mode-end", "End it", end, "danger wide");
+    this.#end = button("mode-end", "End", end, "danger wide");
     this.#motors = button("motors-switch", "Switch the motors on", () => motors(this.#motors.dataset.on !== "true"));
     const wander = button("wander-start", "Start wandering", () => this.#start({ mode: "wander", preset: preset.value, seconds: seconds() }));
     const follow = button("follow-start", "Start following", () => this.#check([keep]) && this.#start({ mode: "follow", rule: rule.value, keep: keep.valueAsNumber, seconds: seconds() }));
@@ -61,11 +74,13 @@ export class ModesView {
     this.#starts = [wander, follow, go];
     container.append(
       part("Now", this.#running, this.#decided, this.#end),
-      part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
-      part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
-      part("Wander", make("p", { class: "words" }, "Drives about and keeps clear of what is in the way."), presetField, wander),
-      part("Follow", make("p", { class: "words" }, "Follows the person in front, with the front sonars. Stand 0.6 m before it, then walk slowly."), ruleField, keepField, follow),
-      part("Go to", make("p", { class: "words" }, "Drives to a point of the map, and around what is small."), make("div", { class: "fields" }, xField, yField, headingField), make("div", { class: "row" }, go, here)),
+      make("div", { class: "for-drivers" },
+        part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
+        part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
+        part("Wander", make("p", { class: "words" }, "Drives about and keeps clear of what is in the way."), presetField, wander),
+        part("Follow", make("p", { class: "words" }, "Follows the person in front, with the front sonars. Stand 0.6 m before it, then walk slowly."), ruleField, keepField, follow),
+        part("Go to", make("p", { class: "words" }, "Drives to a point of the map, and around what is small."), make("div", { class: "fields" }, xField, yField, headingField), make("div", { class: "row" }, go, here)),
+      ),
     );
     for (const start of this.#starts) start.setAttribute("aria-describedby", "mode-note");
   }
@@ -82,7 +97,7 @@ export class ModesView {
       this.#decided.replaceChildren(...(runs ? decided : []).map((line) => make("li", {}, line)));
     }
     this.#end.hidden = !runs;
-    put(this.#end, starter === "you" ? "End it" : "Stop it");
+    if (runs) put(this.#end, `End ${mode}`);
     for (const start of this.#starts) start.disabled = !usable || latched;
     this.#motors.disabled = !usable || (latched && !motors.enabled);
     set(this.#motors, "data-on", String(motors.enabled));
@@ -117,7 +132,8 @@ export class ModesView {
   }
 }
 
-const named = (mode) => mode[0].toUpperCase() + mode.slice(1);
+/** A mode's name where a sentence begins. */
+export const named = (mode) => mode[0].toUpperCase() + mode.slice(1);
 
 /** How the last mode ended, in words. */
 export function howItEnded(ended) {

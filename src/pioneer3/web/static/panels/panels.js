@@ -23,17 +23,18 @@ export class Panels {
   /**
    * @param send     function(message): says whether it was sent
    * @param complain function(text)
+   * @param remark   function(text): tells of what has happened
    * @param opened   function(view or null), after the sheet has changed
    */
-  constructor({ send, complain, opened }) {
+  constructor({ send, complain, remark, opened }) {
     this.#send = send;
-    // who did not start it may stop it, as everybody may
+    // who did not start it may end it by a stop, as everybody may
     const end = () => send({ type: this.#starter === "you" ? "end_mode" : "stop" }) || complain("Not connected: press the stop button on the robot.");
     const motors = (on) => send({ type: "motors", on });
     this.#view = new RobotView(byId("view-robot"), { askConfig: () => send({ type: "ask_config" }) });
     this.#plots = new Plots(byId("view-plots"));
     this.#modes = new ModesView(byId("view-modes"), { send, complain, end, motors });
-    this.#card = new ModeCard({ end, tell: complain });
+    this.#card = new ModeCard({ end, tell: remark });
     this.#sheet = new Sheet((view) => (this.#attend(), opened(view)));
   }
 
@@ -41,8 +42,9 @@ export class Panels {
     return this.#sheet.view;
   }
 
-  close() {
-    this.#sheet.open(null);
+  /** Opens a view; null closes the sheet. */
+  open(view) {
+    this.#sheet.open(view);
   }
 
   /** Tells the server again what is open: the connection is new. */
@@ -67,9 +69,9 @@ export class Panels {
   }
 
   /** Shows the newest snapshot of the robot that is selected. */
-  show(snapshot, { usable, starter, roundTrip }) {
+  show(snapshot, { usable, starter, going, roundTrip }) {
     this.#starter = starter;
-    this.#card.show(snapshot, starter);
+    this.#card.show(snapshot, starter, going);
     if (this.view === "modes") this.#modes.show(snapshot, usable, starter);
     if (this.view !== "robot") return;
     this.#view.showSnapshot(snapshot, roundTrip);

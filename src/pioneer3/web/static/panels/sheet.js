@@ -1,7 +1,8 @@
 // The sheet beside the map, or on a phone under it: one view at a time.
 
 const byId = (id) => document.getElementById(id);
-export const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes" };
+const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", robots: "All robots", help: "Help" };
+const OF_ONE = ["robot", "plots", "modes"]; // what the arrow beside a phone's numbers opens
 
 export class Sheet {
   #changed;
@@ -20,7 +21,7 @@ export class Sheet {
     }
     byId("details").addEventListener("click", () => this.open(this.view ? null : this.#last));
     byId("sheet-close").addEventListener("click", () => this.open(null));
-    addEventListener("keydown", (event) => event.key === "Escape" && this.view && this.open(null));
+    addEventListener("keydown", (event) => this.#key(event));
   }
 
   /** Shows a view; null closes the sheet, and gives the focus back to what opened it. */
@@ -29,11 +30,12 @@ export class Sheet {
     const inside = byId("sheet").contains(document.activeElement);
     const closed = this.view;
     this.view = view;
-    this.#last = view ?? this.#last;
+    if (OF_ONE.includes(view)) this.#last = view;
     document.body.classList.toggle("sheet-open", view !== null);
     byId("sheet").hidden = view === null;
     byId("sheet-title").textContent = VIEWS[view] ?? "";
     byId("sheet").setAttribute("aria-label", VIEWS[view] ?? "");
+    byId("sheet").classList.toggle("of-one", OF_ONE.includes(view));
     byId("details").setAttribute("aria-expanded", String(view !== null));
     for (const name of Object.keys(VIEWS)) byId(`view-${name}`).hidden = name !== view;
     for (const button of document.querySelectorAll("[data-view]")) {
@@ -44,8 +46,13 @@ export class Sheet {
     if (view === null && inside) this.#giveBack(closed);
   }
 
+  #key(event) {
+    if (event.key === "Escape" && this.view) this.open(null);
+    else if (event.key === "?" && !event.target.closest?.("input, textarea, select")) this.open(this.view === "help" ? null : "help");
+  }
+
   #giveBack(closed) {
-    const openers = [document.querySelector(`.views [data-view="${closed}"]`), byId("details")];
+    const openers = [document.querySelector(`.bar [data-view="${closed}"]`), byId("details")];
     openers.find((button) => button?.offsetParent)?.focus();
   }
 }
