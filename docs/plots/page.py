@@ -3,36 +3,83 @@
 import asyncio
 import shutil
 import sys
-from contextlib import AsyncExitStack
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from math import pi
 from pathlib import Path
 
 from playwright.async_api import Browser, ViewportSize, async_playwright
 
+from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from pioneer3.web.page import Page
 from pioneer3.web.server import serve
 
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
 PHONE: ViewportSize = {"width": 390, "height": 844}
+ONE = WorldFile(name="office", map="office", robots=(RobotSpec(port=0),))
+THREE = WorldFile(
+    name="three",
+    map="office",
+    robots=(
+        RobotSpec(model="p3at-sh", name="ann", port=0),
+        RobotSpec(model="p3dx-sh", name="bob", start=Pose2(2.6, 7.0), port=0),
+        RobotSpec(model="p3dx-sh", name="cid", start=Pose2(16.0, 7.4, pi), port=0),
+    ),
+)
+PLACES = (7.0, 5.1), (9.0, 7.05), (18.0, 7.0)
+"""Where each of three is sent [m]."""
 WANDERING = 45.0
 """Something has to be seen in the plots [s]."""
 
 
 async def pictures(folder: Path) -> None:
-    """Wander in the simulated office, and look."""
-    async with AsyncExitStack() as stack:
-        running = await stack.enter_async_context(simulator(port=0))
-        robot = await stack.enter_async_context(connect_async(running.url))
-        page = Page()
-        await stack.enter_async_context(page.hosting(robot, running.scene))
-        served = await stack.enter_async_context(serve(page, port=0))
-        playwright = await stack.enter_async_context(async_playwright())
+    """Look at one robot that wanders in the simulated office, and at three on their ways."""
+    async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
         )
-        await look(browser, served.http, folder)
+        async with serving(ONE) as address:
+            await look(browser, address, folder)
+        async with serving(THREE) as address:
+            await look_at_the_map(browser, address, folder)
         await browser.close()
+
+
+@asynccontextmanager
+async def serving(world: WorldFile) -> AsyncIterator[str]:
+    """Run the world and its page; yield the address."""
+    async with AsyncExitStack() as stack:
+        running = await stack.enter_async_context(simulator(map_name=world, port=0))
+        page, several = Page(), len(world.robots) > 1
+        for one in running.robots:
+            robot = await stack.enter_async_context(connect_async(one.url))
+            await stack.enter_async_context(
+                page.hosting(robot, running.scene_of(one), one.name if several else "")
+            )
+        served = await stack.enter_async_context(serve(page, port=0))
+        yield served.http
+
+
+async def look_at_the_map(browser: Browser, address: str, folder: Path) -> None:
+    """Send two robots to places, and offer one to the third."""
+    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
+    await desk.goto(address)
+    await desk.wait_for_timeout(2000)
+    await desk.click("#layers")
+    await desk.check("#layer-laser")
+    await desk.click("#legend-close")
+    canvas = desk.locator("#canvas")
+    for number, (x, y) in enumerate(PLACES, start=1):
+        await desk.keyboard.press(str(number))
+        place = await desk.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [x, y])
+        await canvas.click(position=place)
+        if number < len(PLACES):
+            await desk.click("#errand-go")
+    await desk.wait_for_timeout(4000)
+    await canvas.screenshot(path=folder / "map.png")
 
 
 async def look(browser: Browser, address: str, folder: Path) -> None:

@@ -87,8 +87,8 @@ def put(product: Product, place: Pose2) -> None:
     product.call(lambda: setattr(product.simulation.body, "robot_in_world", place))
 
 
-def say(product: Product, target: dict[str, Any]) -> None:
-    """Let the robot say that it drives a curve, hits something, and goes to `target`."""
+def say(product: Product, target: dict[str, Any], mode: str | None = None) -> None:
+    """Let the robot say that it drives a curve, hits something, and goes to `target` in `mode`."""
     (station,) = product.web.stations.values()
     snapshot = station.robot.snapshot
     assert snapshot is not None
@@ -97,7 +97,7 @@ def say(product: Product, target: dict[str, Any]) -> None:
         odometry=replace(snapshot.odometry, twist=Twist2(0.4, 0.2)),
         bumpers=Bumpers(front=(True, True, False, False, False), rear=()),
     )
-    told = {**station.snapshot(moment, None), "target": target}
+    told = {**station.snapshot(moment, None), "target": target, "mode": mode}
     product.call(lambda: product.web.snapshots.put(station.number, encode(told)))
 
 
@@ -137,10 +137,10 @@ def test_every_layer_is_switched_off_and_on(plan: Page, hall: Product) -> None:
         assert state(plan, "layers")[layer] is False
         plan.locator(f"#layer-{layer}").check()
         assert fingerprint(plan) == full, layer
-    say(hall, goal(Pose2(2.0, -1.0), heads=False, person=True))
+    say(hall, goal(Pose2(2.0, -1.0), heads=False, person=True), mode="follow")
     until(lambda: bool(state(plan, "snapshot.target.person")))
     assert fingerprint(plan) not in prints
-    expect(plan.locator("#going-where")).to_contain_text("It follows somebody")
+    expect(plan.locator("#card-going")).to_contain_text("Follows somebody")
 
 
 def test_what_is_shown_is_remembered(page: Page) -> None:
