@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
@@ -50,6 +50,17 @@ def product() -> Iterator[Product]:
 def speeds(product: Product) -> list[float]:
     """Return how fast each robot really moves [m/s]."""
     return [abs(robot.body.drive.linear.velocity) for robot in product.simulation.robots]
+
+
+def opened(browser: Browser, product: Product, size: tuple[int, int], touch: bool = False) -> Page:
+    """Return the page on a screen of this size; its context is the caller's to close."""
+    viewport: ViewportSize = {"width": size[0], "height": size[1]}
+    context = browser.new_context(viewport=viewport, has_touch=touch)
+    context.add_init_script(KEEP_SOCKETS)
+    page = context.new_page()
+    page.goto(product.address)
+    wait_for_the_robot(page)
+    return page
 
 
 def chosen(page: Page) -> list[str]:
@@ -180,10 +191,7 @@ def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
 
 @pytest.mark.parametrize("size", SIZES)
 def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple[int, int]) -> None:
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, has_touch=True)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
+    page = opened(browser, product, size, touch=True)
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
     page.locator("#robots-all").tap()
     page.locator(".robot-list").get_by_role("button", name="carol").tap()
@@ -196,7 +204,7 @@ def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= size[0]
         assert box["y"] + box["height"] <= size[1]
-    context.close()
+    page.context.close()
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 20, 40])
@@ -204,17 +212,13 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
     browser: Browser, product: Product, count: int
 ) -> None:
     for size in [(1440, 900), (1024, 768), (390, 844), (844, 390)]:
-        context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-        context.add_init_script(KEEP_SOCKETS)
-        page = context.new_page()
-        page.goto(product.address)
-        wait_for_the_robot(page)
+        page = opened(browser, product, size)
         page.evaluate(TELL_OF, count)
         page.wait_for_timeout(400)
         assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
         if count == 1:
             expect(page.locator("#robots")).to_be_hidden()
-            context.close()
+            page.context.close()
             continue
         shown = page.locator("#robots-row .robot:visible")
         assert 1 <= shown.count() <= count
@@ -231,7 +235,7 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
         page.keyboard.press("Enter")
         assert page.evaluate("window.pioneer3.state.robot") == count
         assert chosen(page) == [f"robot-{count:02d}"]  # it is in the row, too
-        context.close()
+        page.context.close()
 
 
 def test_who_begins_to_search_lets_go_of_the_robot(page: Page, product: Product) -> None:
@@ -279,10 +283,7 @@ def test_the_list_says_how_each_robot_is_and_who_drives_it(page: Page, product: 
 def test_the_banner_of_the_emergency_stop_fits(
     browser: Browser, product: Product, size: tuple[int, int]
 ) -> None:
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
+    page = opened(browser, product, size)
     page.locator("#estop").click()
     expect(page.locator("#reset-all")).to_be_visible()
     banner = page.locator("#alarm").bounding_box()
@@ -294,7 +295,7 @@ def test_the_banner_of_the_emergency_stop_fits(
         assert box["x"] + box["width"] <= banner["x"] + banner["width"]
         assert box["y"] + box["height"] <= banner["y"] + banner["height"]
     page.locator("#reset-all").click()
-    context.close()
+    page.context.close()
 
 
 def test_space_stops_the_selected_robot_and_all_others_that_the_user_drives(

@@ -20,7 +20,7 @@ export class ModeCard {
   }
 
   /** @param starter "you" or a name; @param going where it goes, in words, or "" */
-  show({ mode, decided, ended }, starter, going) {
+  show({ mode, decided, ended, emergency_stop: latched }, starter, going) {
     byId("mode-card").hidden = mode === null;
     if (mode !== null) {
       put(byId("card-title"), `${named(mode)}${starter ? `, started by ${starter}` : ""}`);
@@ -29,7 +29,8 @@ export class ModeCard {
       put(byId("card-going"), going || GOING[mode] || "");
     }
     this.#list(mode === null ? [] : decided);
-    if (this.#mode !== null && mode === null && ended) this.#tell(howItEnded(ended));
+    const news = this.#mode !== null && mode === null && ended && !latched; // else the banner says why
+    if (news) this.#tell(howItEnded(ended));
     this.#mode = mode;
   }
 
