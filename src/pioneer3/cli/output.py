@@ -15,6 +15,11 @@ def write_line(text: str) -> None:
     sys.stdout.flush()
 
 
+def write_warning(text: str) -> None:
+    """Write one line to stderr."""
+    print(f"WARNING: {text}", file=sys.stderr, flush=True)  # noqa: T201
+
+
 def write_json(value: object, *, indent: int | None = None) -> None:
     """Write `value`, made of dataclasses and plain types, as JSON; infinity and NaN are null."""
     import msgspec  # noqa: PLC0415
