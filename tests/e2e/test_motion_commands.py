@@ -7,6 +7,7 @@ from math import degrees, hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.simulation import simulator
 from tests.e2e.processes import running
 from tests.e2e.test_diagnosis_commands import pioneer3
@@ -79,6 +80,14 @@ async def test_a_motion_that_takes_too_long_ends_and_says_so() -> None:
         code, _, err = await pioneer3("turn", "720", "--seconds", "1", "-p", simulated.url)
         assert not simulated.body.drive.powered
     assert (code, err) == (1, "pioneer3: not there after 1 s: stopped\n")
+
+
+async def test_a_robot_that_another_program_has_says_so() -> None:
+    async with simulator(port=0) as simulated, connect_async(simulated.url):
+        code, _, err = await pioneer3("move", "0.1", "-p", simulated.url)
+    assert code == 3
+    assert err.count("\n") == 1
+    assert "is another one connected to it?" in err
 
 
 async def test_ctrl_c_stops_a_robot_that_wanders() -> None:

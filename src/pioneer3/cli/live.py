@@ -57,7 +57,7 @@ def how_to_stop() -> str:
     """Return which keys stop a robot that drives by itself."""
     from pioneer3.teleop.terminal import is_in_front  # noqa: PLC0415
 
-    return "any key stops it, k is the emergency stop" if is_in_front() else "Ctrl-C stops it"
+    return "\nany key stops it   k: emergency stop" if is_in_front() else "Ctrl-C stops it"
 
 
 def tell_cuts(limits: "Limits", speed: float | None, turn_rate: float | None) -> None:
