@@ -1,14 +1,13 @@
 """Teach robots to find goals: of 512 ways to drive keep the best, vary them, try again."""
 
-import gymnasium
 import numpy as np
 
-import pioneer3.gym  # noqa: F401 (registers the environment)
+from pioneer3.gym import GoalVectorEnv
 
 ROBOTS, BEST, STEPS, ROUNDS = 512, 25, 120, 10
 USED = [*range(8), *range(16, 21)]  # the sonars in front, the way to the goal, the own motion
 
-env = gymnasium.make_vec("pioneer3/Goal-v0", num_envs=ROBOTS, goal_distance=(1.0, 3.0))
+env = GoalVectorEnv(ROBOTS, goal_distance=(1.0, 3.0))
 rng = np.random.default_rng(0)
 mean, spread = np.zeros((2, len(USED) + 1)), np.ones((2, len(USED) + 1))
 

@@ -1,6 +1,6 @@
 """A thousand robots in one world, without sockets: arrays in, arrays out.
 
-    python examples/06_many_robots.py
+    .venv/bin/python examples/06_many_robots.py
 
 With the extra `fast` the loops are compiled; without it numpy does the same.
 """

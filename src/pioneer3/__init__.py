@@ -51,7 +51,7 @@ _HOME = {
     "load_model": "models",
 }
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "BlockingRobot",
     "CommandError",

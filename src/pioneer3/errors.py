@@ -14,6 +14,18 @@
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
 """
 
+from pathlib import Path
+
+SETUP = Path(__file__).parents[2] / "scripts/setup"
+"""Where this runs from a clone."""
+
+
+def how_to_get(extra: str) -> str:
+    """Return the command that installs an optional part of this package."""
+    if SETUP.is_file():
+        return f"the extra `{extra}` is missing; run: {SETUP}"
+    return f"the extra `{extra}` is missing; run: python -m pip install 'pioneer3[{extra}]'"
+
 
 class PioneerError(Exception):
     """Base class; catch this to catch everything above."""

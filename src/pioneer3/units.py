@@ -1,6 +1,13 @@
-"""The only conversions between SI and the robot's millimetres, degrees, counts and decivolts."""
+"""The only conversions between SI and the robot's millimetres, degrees, counts and decivolts.
 
-from math import degrees, pi, radians
+And from what a person writes, such as `30cm/s`, to SI.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import degrees, isfinite, pi, radians
+from typing import Final
 
 MM = 0.001
 """One millimetre [m]."""
@@ -20,4 +27,72 @@ HEADING_UNIT = 2 * pi / HEADING_UNITS
 DECIVOLT = 0.1
 """One step of the battery byte [V]."""
 
-__all__ = ["DECIVOLT", "DEGREE", "HEADING_UNIT", "HEADING_UNITS", "MM", "MS", "degrees", "radians"]
+NUMBER: Final = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A kind of number that a person writes with its unit, or without.
+
+    Attributes:
+        name: With its article, for messages.
+        units: One of each in SI; the first is the unit of a bare number.
+        example: Something that can be read.
+    """
+
+    name: str
+    units: Mapping[str, float]
+    example: str
+
+    @property
+    def bare(self) -> str:
+        """The unit of a number without one."""
+        return next(iter(self.units))
+
+    def read(self, text: str, bare: str | None = None) -> float:
+        """Return in SI the number that `text` is, `bare` [our own] being the unit of one without.
+
+        Raises:
+            ValueError: it is no finite number with a known unit; the message says which there are.
+        """
+        match = NUMBER.fullmatch(text.strip())
+        size = self.units.get(match[2] or bare or self.bare) if match else None
+        if match is None or size is None:
+            wrong = f"{match[2]!r} is no unit of {self.name}" if match else ""
+            wrong = wrong or f"{text!r} is not {self.name}"
+            units = ", ".join(self.units)
+            raise ValueError(f"{wrong}; write it as {self.example} (units: {units})")
+        value = float(match[1]) * size
+        if not isfinite(value):
+            raise ValueError(f"{text!r} is too large for {self.name}")
+        return value
+
+    def written(self, value: float) -> str:
+        """Return `value` [SI] in the unit of bare numbers."""
+        return f"{value / self.units[self.bare]:.4g} {self.bare}"
+
+
+LENGTH: Final = Quantity("a length", {"m": 1.0, "cm": 0.01, "mm": MM}, "0.5, 50cm")
+ANGLE: Final = Quantity("an angle", {"deg": DEGREE, "°": DEGREE, "rad": 1.0}, "90, 90deg, 1.57rad")
+SPEED: Final = Quantity("a speed", {"m/s": 1.0, "cm/s": 0.01, "mm/s": MM}, "0.3, 30cm/s")
+TURN_RATE: Final = Quantity(
+    "a turn rate", {"deg/s": DEGREE, "°/s": DEGREE, "rad/s": 1.0}, "45, 45deg/s, 0.8rad/s"
+)
+DURATION: Final = Quantity("a time", {"s": 1.0, "ms": MS, "min": 60.0, "h": 3600.0}, "60, 1min")
+
+__all__ = [
+    "ANGLE",
+    "DECIVOLT",
+    "DEGREE",
+    "DURATION",
+    "HEADING_UNIT",
+    "HEADING_UNITS",
+    "LENGTH",
+    "MM",
+    "MS",
+    "SPEED",
+    "TURN_RATE",
+    "Quantity",
+    "degrees",
+    "radians",
+]

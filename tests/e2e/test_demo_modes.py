@@ -25,13 +25,14 @@ from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Stack
 from pioneer3.demo.modes import ALL, Cockpit, Mode, Row
 from pioneer3.demo.program import Maker, Program
-from pioneer3.errors import PortNotFoundError
+from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.devices import Acts, Presence
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.maps import LineMap
+from pioneer3.teleop.keyboard import PATIENCE
 from tests.support import SimulatedRobot, frame, until, wall_at
 
 EVERYTHING = Equipment(gripper=True, compass=True, gyro_type=1, camera="vcc4", camera_port=2)
@@ -103,7 +104,7 @@ async def demo(
     *,
     equipment: Equipment | None = None,
     first: str = "t",
-    patience: float = inf,
+    patience: float = PATIENCE,
     acts: Acts | None = None,
     makers: Sequence[Maker] = ALL,
 ) -> AsyncIterator[Demo]:
@@ -284,6 +285,12 @@ class TestTeleop:
             await asyncio.sleep(2)
             assert the.sim.speed == 0
 
+    @pytest.mark.parametrize("patience", [inf, 10.1, 0.0])
+    async def test_nobody_can_ask_for_more_patience(self, patience: float) -> None:
+        with pytest.raises(ConfigError, match="at most 10 s"):
+            async with demo(patience=patience):
+                pass
+
     async def test_hands_that_are_gone_stop_what_they_set_and_nothing_else(self) -> None:
         async with demo() as the:
             await the.press(*["up"] * 8)
@@ -295,6 +302,24 @@ class TestTeleop:
             the.program.let_go("the terminal lost the focus")
             await asyncio.sleep(1)
             assert the.sim.speed > 0.1
+
+    async def test_space_stops_in_modes_that_have_another_use_for_it_or_none(self) -> None:
+        async with demo() as the:
+            await the.press("w")
+            await until(lambda: the.sim.speed > 0.1)
+            await the.press("space")
+            await until(lambda: the.sim.speed == 0)
+            await asyncio.sleep(5)
+            assert the.sim.speed == 0  # the mode is over, not halted
+            await the.press("w")
+            await until(lambda: the.sim.speed > 0.1)
+            await the.press("d", *"11", "space", *"300", "enter")
+            await until(lambda: the.sim.speed > 0.1)
+            await the.press("space")
+            await until(lambda: the.sim.speed == 0)
+            row = the.program.row()
+            assert row is not None
+            assert row.line == ">  "
 
     async def test_e_brings_power_back_and_sideways_is_explained(self) -> None:
         async with demo() as the:

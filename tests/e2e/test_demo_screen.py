@@ -5,7 +5,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from math import inf
 
 import pytest
 from textual.pilot import Pilot
@@ -66,7 +65,7 @@ async def screen(
     ):
 
         def make(app: DemoApp) -> Program:
-            made.append(partial(Program, robot, patience=inf)(app))
+            made.append(partial(Program, robot)(app))
             return made[0]
 
         app = DemoApp(make)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.e2e.at_terminal import REPEATING, person
-from tests.e2e.processes import PATIENCE, environment, until
+from tests.e2e.processes import PATIENCE, environment, p3, until
 
 pytestmark = pytest.mark.realtime
 
@@ -80,13 +80,43 @@ async def test_latched_one_press_keeps_moving(tmp_path: Path) -> None:
         await until(lambda: the.standing)
 
 
+async def test_what_is_latched_ends_when_no_key_comes(tmp_path: Path) -> None:
+    async with person(tmp_path, "--latch", "--patience", "1.5s") as the:
+        the.type(UP)
+        await until(lambda: the.speed > 0.1)
+        await until(lambda: the.standing)
+        await until(lambda: b"No key for 1.5 s." in the.screen)
+
+
+@pytest.mark.parametrize("patience", ["11", "10001ms", "inf", "0"])
+def test_more_patience_than_10_s_is_refused(patience: str) -> None:
+    for command in ("drive", "demo"):
+        ended = p3(command, "--patience", patience)
+        assert ended.returncode == 2
+        assert "--patience" in ended.stderr
+
+
+@pytest.mark.parametrize(("key", "told"), [(b" ", b"stopped"), (b"k", b"emergency stop")])
+async def test_any_key_stops_a_robot_that_wanders_and_k_as_hard_as_it_can(
+    tmp_path: Path, key: bytes, told: bytes
+) -> None:
+    async with person(tmp_path, command="wander", ready=b"m/s") as the:
+        await until(lambda: the.speed > 0.05)
+        the.type(key)
+        await until(lambda: b"pioneer3: " + told in the.screen)
+        assert await the.code() == 1
+        await until(lambda: the.standing)
+        assert termios.tcgetattr(the.terminal) == the.before
+        assert not the.simulation.body.drive.powered
+
+
 async def test_plus_and_minus_change_the_speed_shown(tmp_path: Path) -> None:
     async with person(tmp_path, "--speed", "0.4") as the:
-        await the.sees(b"[0.40 0.50]")
+        await the.sees(b"[0.40 30]")
         the.type(b"+")
-        await the.sees(b"[0.44 0.55]")
+        await the.sees(b"[0.44 33]")
         the.type(b"--")
-        await the.sees(b"[0.36 0.45]")
+        await the.sees(b"[0.36 27]")
 
 
 async def test_q_leaves_with_the_terminal_as_it_was_and_the_robot_without_power(

@@ -7,6 +7,7 @@ from math import degrees, hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.simulation import simulator
 from tests.e2e.processes import running
 from tests.e2e.test_diagnosis_commands import pioneer3
@@ -44,6 +45,49 @@ async def test_wander_drives_for_its_time_and_says_who_decides() -> None:
     assert hypot(there.x - begin.x, there.y - begin.y) > 0.1
     assert all(reading["mode"] in {"wander", None} for reading in told)
     assert any("constant velocity" in " ".join(reading["decided"]) for reading in told)
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (("wander", "--speed", "9", "--seconds", "1"), "--speed 9 m/s"),
+        (("turn", "5", "--turn-rate", "30rad/s"), "--turn-rate 1719 deg/s"),
+    ],
+)
+async def test_a_speed_beyond_the_robots_own_is_cut_and_told(
+    command: tuple[str, ...], told: str
+) -> None:
+    async with simulator(port=0) as simulated:
+        code, _, err = await pioneer3(*command, "--port", simulated.url)
+    assert code == 0
+    assert err.startswith(f"WARNING: {told} is more than this robot may: it is limited to ")
+    assert err.count("\n") == 1
+
+
+async def test_numbers_may_carry_units_and_the_port_needs_no_scheme() -> None:
+    async with simulator(port=0) as simulated:
+        begin = simulated.body.robot_in_world
+        port = simulated.url.removeprefix("tcp://")
+        assert (await pioneer3("move", "20cm", "--speed", "30cm/s", "-p", port))[0] == 0
+        assert (await pioneer3("turn", "1.57rad", "--rate", "0.8rad/s", "-p", port))[0] == 0
+        there = begin.inverse() @ simulated.body.robot_in_world
+    assert hypot(there.x - 0.2, there.y) < 0.05
+    assert degrees(there.theta) == pytest.approx(90, abs=4)
+
+
+async def test_a_motion_that_takes_too_long_ends_and_says_so() -> None:
+    async with simulator(port=0) as simulated:
+        code, _, err = await pioneer3("turn", "720", "--seconds", "1", "-p", simulated.url)
+        assert not simulated.body.drive.powered
+    assert (code, err) == (1, "pioneer3: not there after 1 s: stopped\n")
+
+
+async def test_a_robot_that_another_program_has_says_so() -> None:
+    async with simulator(port=0) as simulated, connect_async(simulated.url):
+        code, _, err = await pioneer3("move", "0.1", "-p", simulated.url)
+    assert code == 3
+    assert err.count("\n") == 1
+    assert "is another one connected to it?" in err
 
 
 async def test_ctrl_c_stops_a_robot_that_wanders() -> None:

@@ -27,7 +27,7 @@ def why_standing(decision: Decision) -> str | None:
 
 def _about_speed(decision: Decision) -> str | None:
     shares = [share for share in decision.shares if share.channel == "v"]
-    return f"{decision.twist.v:.2f} m/s: {_names(shares)}" if shares else None
+    return f"{decision.twist.v:z.2f} m/s: {_names(shares)}" if shares else None
 
 
 def _about_turn(decision: Decision) -> str | None:

@@ -4,8 +4,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.flags import Flag
-from pioneer3.cli.options import TcpPort
+from pioneer3.cli.options import Flag, TcpPort
 from pioneer3.cli.output import write_json, write_line
 
 WebPort = Annotated[TcpPort, Parameter(name="--web-port")]

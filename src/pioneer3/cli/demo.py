@@ -1,54 +1,56 @@
 """`pioneer3 demo`."""
 
 import sys
-from typing import Annotated, TextIO
+from typing import TextIO
 
-from cyclopts import Parameter
-from cyclopts.validators import Number
-
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Speed
 
 KEYS = "tuwlbspcdofimag"
 
 
 def demo(
     *,
-    port: Port = DEFAULT_PORT,
-    baud: Baud = None,
+    link: LinkOptions = LINK,
     mode: str = "t",
-    patience: Annotated[float, Parameter(validator=Number(gt=0))] = 10.0,
+    patience: Patience = 10.0,
+    max_speed: Speed | None = None,
     acts: str = "tcp://127.0.0.1:5001",
     plain: Flag = False,
 ) -> int:
     """Try everything that a robot can do: the lab's robotDemo on a full screen.
 
-    A letter chooses a mode, h shows the keys, k is the emergency stop, escape quits.
-    It begins in teleop with the motors on, as ARIA's demo does; nothing moves before a key.
+    A letter chooses a mode, h shows the keys, space stops, k is the emergency stop,
+    escape quits. It begins in teleop with the motors on, as ARIA's demo does;
+    nothing moves before a key.
 
     Example: pioneer3 demo --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
-        baud: Serial speed to try first.
+        link: The robot.
         mode: Letter of the mode to begin with.
-        patience: A speed set by hand ends after so long without a key [s]; inf never.
+        patience: A speed set by hand ends after so long without a key; 10 at most.
+        max_speed: Keep below this in any case.
         acts: The colour tracker of the acts mode.
         plain: Print ARIA's lines, for pipes and screen readers; keys come from standard input.
     """
-    return run_until_told_to_leave(_demo(port, baud, mode, patience, acts, plain=plain))
+    return run_until_told_to_leave(_demo(link, mode, patience, max_speed, acts, plain=plain))
 
 
 async def _demo(
-    port: str, baud: int | None, mode: str, patience: float, acts: str, *, plain: bool
+    link: LinkOptions,
+    mode: str,
+    patience: float,
+    max_speed: float | None,
+    acts: str,
+    *,
+    plain: bool,
 ) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
     from pioneer3.demo.start import start_plain, start_screen  # noqa: PLC0415
     from pioneer3.errors import ConfigError  # noqa: PLC0415
-    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
     from pioneer3.runtime.devices import Acts  # noqa: PLC0415
 
     if len(mode) != 1 or mode.lower() not in KEYS:
@@ -56,8 +58,8 @@ async def _demo(
     if not plain and not (_is_terminal(sys.stdin) and _is_terminal(sys.stdout)):
         raise ConfigError("the demo's screen needs a terminal; --plain does without one")
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {port} ..."):
-            robot = await stack.enter_async_context(connect_async(port, baud=baud))
+        with busy_sign(f"Connecting to {link.port} ..."):
+            robot = await stack.enter_async_context(link.connect(max_speed=max_speed))
         start = start_plain if plain else start_screen
         return await start(robot, first=mode.lower(), patience=patience, acts=Acts(acts))
 

@@ -2,16 +2,15 @@
 
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.cli.options import DEFAULT_PORT, Baud, Flag, Port, Seconds
 
 if TYPE_CHECKING:
     from pioneer3.runtime.diagnosis import Finding
 
 
 def doctor(
-    *, port: Port = DEFAULT_PORT, baud: Baud = None, seconds: float = 3.0, json: Flag = False
+    *, port: Port = DEFAULT_PORT, baud: Baud = None, seconds: Seconds = 3.0, json: Flag = False
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
@@ -21,9 +20,9 @@ def doctor(
     Example: pioneer3 doctor --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
+        port: The robot: /dev/ttyUSB0, localhost:8101.
         baud: Serial speed to try first.
-        seconds: How long to listen to the robot [s].
+        seconds: How long to listen to the robot.
         json: Print JSON for programs, nothing else.
     """
     return run_until_told_to_leave(_doctor(port, baud, seconds, json=json))

@@ -3,8 +3,8 @@
 import sys
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import Flag
 
 if TYPE_CHECKING:
     from pioneer3.runtime.ports import SerialPort

@@ -2,15 +2,14 @@
 
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.cli.options import LINK, Flag, LinkOptions
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
 
 
-def info(*, port: Port = DEFAULT_PORT, baud: Baud = None, json: Flag = False) -> int:
+def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
     """Show who the robot is, its limits, its battery and its whole configuration.
 
     Nothing moves.
@@ -18,22 +17,20 @@ def info(*, port: Port = DEFAULT_PORT, baud: Baud = None, json: Flag = False) ->
     Example: pioneer3 info --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
-        baud: Serial speed to try first.
+        link: The robot.
         json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_info(port, baud, json=json))
+    return run_until_told_to_leave(_info(link, json=json))
 
 
-async def _info(port: str, baud: int | None, *, json: bool) -> int:
+async def _info(link: LinkOptions, *, json: bool) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign, write_json  # noqa: PLC0415
-    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
 
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {port} ..."):
-            connecting = connect_async(port, baud=baud, auto_enable=False)
+        with busy_sign(f"Connecting to {link.port} ..."):
+            connecting = link.connect(auto_enable=False)
             robot = await stack.enter_async_context(connecting)
         if json:
             write_json(_as_data(robot), indent=2)

@@ -4,42 +4,74 @@ import shutil
 import sys
 from collections.abc import Callable, Coroutine
 from math import degrees
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.output import write_json, write_line
+from pioneer3.cli.options import LinkOptions, MotionOptions
+from pioneer3.cli.output import write_json, write_line, write_warning
+from pioneer3.units import SPEED, TURN_RATE
 
 if TYPE_CHECKING:
+    from pioneer3.limits import Limits
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
 
 QUIET = 1.0
 """Pause between two lines where nobody watches them come [s]."""
+EXACT = 1e-6
+"""Less than this is rounding [m/s], [rad/s]."""
 
 
 def carry_out(
     motion: Callable[["Robot"], Coroutine[Any, Any, None]],
     words: str,
-    port: str,
-    baud: int | None,
+    link: LinkOptions,
+    options: MotionOptions,
     *,
-    json: bool,
-    record: Path | None = None,
+    speed: float | None = None,
+    turn_rate: float | None = None,
+    max_speed: float | None = None,
 ) -> int:
-    """Connect, run `motion` (in a few `words`) and show it, until it ends or Ctrl-C; then stop.
+    """Connect, run `motion` and show it, until it ends or Ctrl-C; then stop. Return the exit code.
 
-    Returns the exit code.
+    Args:
+        motion: Given the robot.
+        words: What it does then, for people.
+        link: Which robot.
+        options: When to end, and how to show it.
+        speed: Asked for [m/s].
+        turn_rate: Asked for [rad/s].
+        max_speed: Bound of the connection [m/s].
     """
 
     async def command() -> None:
-        from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
-
-        async with connect_async(port, baud=baud, record=record) as robot:
-            announce(robot, f"{words}; Ctrl-C stops it", json=json)
-            await show_while(robot, motion(robot), json=json)
+        async with link.connect(max_speed=max_speed) as robot:
+            tell_cuts(robot.info.limits, speed, turn_rate)
+            announce(robot, f"{words}; {how_to_stop()}", json=options.json)
+            await show_while(robot, motion(robot), json=options.json)
 
     return run_until_told_to_leave(command())
+
+
+def how_to_stop() -> str:
+    """Return which keys stop a robot that drives by itself."""
+    from pioneer3.teleop.terminal import is_in_front  # noqa: PLC0415
+
+    return "\nany key stops it   k: emergency stop" if is_in_front() else "Ctrl-C stops it"
+
+
+def tell_cuts(limits: "Limits", speed: float | None, turn_rate: float | None) -> None:
+    """Say on stderr which of the speeds that were asked for the robot may not reach."""
+    asked = (
+        ("--speed", SPEED, speed, limits.max_speed),
+        ("--turn-rate", TURN_RATE, turn_rate, limits.max_turn_rate),
+    )
+    for option, quantity, wanted, top in asked:
+        if wanted is not None and wanted > top + EXACT:
+            write_warning(
+                f"{option} {quantity.written(wanted)} is more than this robot may: "
+                f"it is limited to {quantity.written(top)}"
+            )
 
 
 async def show_while(
@@ -47,19 +79,47 @@ async def show_while(
 ) -> None:
     """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each reading.
 
+    In a terminal any key stops it, and k is the emergency stop.
+
     Raises:
         MotionError: as `motion` does.
     """
     import asyncio  # noqa: PLC0415
 
-    showing = asyncio.ensure_future(_show(robot, json=json))
+    from pioneer3.errors import MotionError  # noqa: PLC0415
+    from pioneer3.teleop.terminal import is_in_front  # noqa: PLC0415
+
+    listens, pressed = is_in_front(), list[str]()
+    tasks = [asyncio.ensure_future(_show(robot, json=json))]
+    if listens:
+        tasks.append(asyncio.ensure_future(_obey_keys(robot, pressed)))
     try:
         await motion
+    except MotionError:
+        if pressed:
+            raise MotionError(pressed[-1]) from None
+        raise
     finally:
-        showing.cancel()
-        await asyncio.gather(showing, return_exceptions=True)
-        if not json and sys.stdout.isatty():
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        if not json and not listens and sys.stdout.isatty():
             write_line("")
+
+
+async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
+    """Stop at any key, and hard at k; note in `pressed` which it was."""
+    from pioneer3.teleop.keyboard import Key  # noqa: PLC0415
+    from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
+
+    with raw_terminal() as terminal:
+        async for key in keys(terminal):
+            if key is Key.EMERGENCY:
+                pressed.append("emergency stop: k was pressed")
+                robot.emergency_stop()
+            else:
+                pressed.append("stopped: a key was pressed")
+                robot.stop()
 
 
 def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
@@ -80,8 +140,8 @@ def line(robot: "Driven") -> str:
     pose, twist = now.odometry.robot_in_odom, now.odometry.twist
     words = "; ".join(robot.helm.told) or robot.why_not_moving() or ""
     return (
-        f"{twist.v:5.2f} m/s {degrees(twist.w):4.0f}°/s  "
-        f"x{pose.x:6.2f} y{pose.y:6.2f} {degrees(pose.theta):4.0f}°  {words}"
+        f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  "
+        f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°  {words}"
     )
 
 

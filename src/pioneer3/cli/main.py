@@ -2,10 +2,10 @@
 
 import logging
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Group
 
 from pioneer3 import __version__
 from pioneer3.cli.access import access_app
@@ -13,16 +13,15 @@ from pioneer3.cli.demo import demo
 from pioneer3.cli.doctor import doctor
 from pioneer3.cli.drive import drive
 from pioneer3.cli.find_port import find_port
-from pioneer3.cli.follow import follow
 from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
-from pioneer3.cli.motion import goto, move, turn
+from pioneer3.cli.motion import follow, goto, move, turn, wander
+from pioneer3.cli.options import UNITS
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.run import run
 from pioneer3.cli.sim import sim
 from pioneer3.cli.sonar import sonar
-from pioneer3.cli.wander import wander
 from pioneer3.errors import (
     CommandError,
     ConfigError,
@@ -49,31 +48,34 @@ app = App(
     name="pioneer3",
     help="""Drive, simulate and program Pioneer 3 robots, with or without ROS.
 
+    Start here: pioneer3 run simulates a robot and names the page to open.
+
+    Example: pioneer3 run
     Example: pioneer3 run --port /dev/ttyUSB0
     """,
     help_format="plaintext",
     version=__version__,
+    group_commands=Group("This program", sort_key=100),
 )
-for command in (
-    run,
-    sim,
-    access_app,
-    map_app,
-    drive,
-    demo,
-    wander,
-    follow,
-    goto,
-    move,
-    turn,
-    info,
-    monitor,
-    sonar,
-    ros1_app,
-    doctor,
-    find_port,
-):
-    app.command(command)
+app.register_install_completion_command(help="Let the Tab key complete commands and options.")
+GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
+    "Start": (run, sim),
+    "Drive with your hands": (drive, demo),
+    "Let the robot drive": (wander, follow, goto, move, turn),
+    "Look at the robot": (info, monitor, sonar),
+    "When something is wrong": (doctor, find_port),
+    "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),
+}
+WITHOUT_UNITS = (sim, info, find_port, map_app, access_app)
+for number, (name, commands) in enumerate(GROUPS.items()):
+    group = Group(name, sort_key=number)
+    for place, command in enumerate(commands):
+        below = None if command in WITHOUT_UNITS else UNITS
+        if isinstance(command, App):
+            command.group, command.sort_key, command.help_epilogue = (group,), place, below
+            app.command(command)
+        else:
+            app.command(command, group=group, sort_key=place, help_epilogue=below)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 from cyclopts.validators import Number
 
-from pioneer3.cli.flags import Flag
+from pioneer3.cli.options import Flag
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,7 +31,7 @@ map_app = App(
 def show(file: str) -> int:
     """Draw a map in the terminal; say how large it is and what is in it.
 
-    Example: pioneer3 map show lab.map
+    Example: pioneer3 map show lab
 
     Args:
         file: A shipped map (office), or a .map, .yaml or .toml file.
@@ -55,7 +55,7 @@ def check(
 
     The exit code is 0 if nothing is, 1 after warnings, 2 after errors.
 
-    Example: pioneer3 map check lab.map --robot p3dx
+    Example: pioneer3 map check lab --robot p3dx
 
     Args:
         file: A shipped map (office), or a .map, .yaml or .toml file.
@@ -83,10 +83,10 @@ def convert(
 ) -> int:
     """Write a map in another format; the ending of the new name says which.
 
-    .map for ARIA, .yaml with a .pgm picture for ROS, .toml for a world that builds on
-    the map, .svg or .png for a picture to look at.
+    .map for ARIA, .yaml with a .pgm picture for ROS, .toml for a world that builds
+    on the map, .svg or .png for a picture to look at.
 
-    Example: pioneer3 map convert lab.map lab.yaml
+    Example: pioneer3 map convert office office.yaml
 
     Args:
         source: A shipped map (office), or a .map, .yaml or .toml file.

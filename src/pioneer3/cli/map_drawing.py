@@ -127,7 +127,7 @@ def legend(bounds: Bounds, drawing: Drawing) -> Text:
         if ink in used and ink is not Ink.WALL:
             sign = "→" if ink is Ink.HOME else SIGNS.get(ink, "⣿")
             text.append(f"{sign} {ink}  ", STYLES[ink])
-    corners = (
-        f"x {bounds.x_min:.1f} to {bounds.x_max:.1f}, y {bounds.y_min:.1f} to {bounds.y_max:.1f} m"
-    )
+    across, up = (bounds.x_min, bounds.x_max), (bounds.y_min, bounds.y_max)
+    x, y = (f"{low:z.1f} to {high:z.1f}" for low, high in (across, up))
+    corners = f"x {x}, y {y} m"
     return text.append(corners, "dim")

@@ -1,13 +1,12 @@
 """`pioneer3 monitor`."""
 
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable
 from math import inf
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
@@ -15,9 +14,8 @@ if TYPE_CHECKING:
 
 def monitor(
     *,
-    port: Port = DEFAULT_PORT,
-    baud: Baud = None,
-    seconds: float | None = None,
+    link: LinkOptions = LINK,
+    seconds: Seconds | None = None,
     raw: Flag = False,
     json: Flag = False,
 ) -> int:
@@ -29,27 +27,25 @@ def monitor(
     Example: pioneer3 monitor --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101, replay:FILE.
-        baud: Serial speed to try first.
-        seconds: End after this time [s].
+        link: The robot.
+        seconds: End after this time.
         raw: One line for each report, as the robot sent it.
         json: One JSON object for each reading (with --raw: report), a line each.
     """
     length = inf if seconds is None else seconds
     if raw:
-        return run_until_told_to_leave(_raw(port, baud, length, json=json))
-    return run_until_told_to_leave(_monitor(port, baud, length, json=json))
+        return run_until_told_to_leave(_raw(link, length, json=json))
+    return run_until_told_to_leave(_monitor(link, length, json=json))
 
 
-async def _monitor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
-    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
 
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {port} ..."):
-            connecting = connect_async(port, baud=baud, auto_enable=False)
+        with busy_sign(f"Connecting to {link.port} ..."):
+            connecting = link.connect(auto_enable=False)
             robot = await stack.enter_async_context(connecting)
         if json:
             await _print_json(robot, seconds)
@@ -103,7 +99,7 @@ async def _moments(robot: "Robot", seconds: float, patience: float = 0.5) -> Asy
         yield
 
 
-async def _raw(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     import asyncio  # noqa: PLC0415
 
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
@@ -122,9 +118,12 @@ async def _raw(port: str, baud: int | None, seconds: float, *, json: bool) -> in
             write_line(f"{stamp - began:9.3f} {described(report)}")
 
     async def opened() -> Link:
-        return OverheardLink(await open_link(port, baud=baud), tell)
+        return OverheardLink(await open_link(link.port, baud=link.baud), tell)
 
-    async with connect_async(lambda: asyncio.ensure_future(opened()), auto_enable=False) as robot:
+    def opener() -> Awaitable[Link]:
+        return asyncio.ensure_future(opened())
+
+    async with connect_async(opener, auto_enable=False, record=link.record) as robot:
         async for _ in robot.snapshots(seconds):
             pass
     return 0

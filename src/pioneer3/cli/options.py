@@ -1,19 +1,154 @@
-"""Options that several commands share: one name, one help, one default each."""
+"""Options that several commands share: one name, one help, one default, one way to read each.
 
+Numbers are read in SI. Without a unit they are in metres, degrees and seconds.
+"""
+
+from collections.abc import Callable, Coroutine, Sequence
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from cyclopts import Group, Parameter
+from cyclopts import Group, Parameter, Token
 from cyclopts.validators import Number
 
+from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
+
 if TYPE_CHECKING:
+    from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile.arguments import Wishes
 
 DEFAULT_PORT = "tcp://localhost:8101"
+UNITS = (
+    "Numbers are in m, deg, s, m/s and deg/s, or carry a unit: 50cm, 1.57rad, 2min,\n"
+    "30cm/s, 0.8rad/s."
+)
+"""Under each help that has such numbers."""
 
-Port = Annotated[str, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")]
+Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
+"""Off unless given, without a `--no-` twin."""
+PORT = Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT", metavar="PORT")
+Port = Annotated[str, PORT]
 Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
 TcpPort = Annotated[int, Parameter(validator=Number(gte=0, lte=65535))]
+
+
+def reads(
+    quantity: Quantity, *, positive: bool = False, check: Callable[[float], float] = float
+) -> Parameter:
+    """Return how a number of this `quantity` is read and shown.
+
+    Args:
+        quantity: Gives the units.
+        positive: Whether it must be more than zero.
+        check: Returns the value [SI], or raises ValueError with what is wrong.
+    """
+
+    def convert(_: object, tokens: Sequence[Token]) -> float:
+        text = tokens[0].value
+        value = check(quantity.read(text))
+        if positive and value <= 0:
+            raise ValueError(f"{text}: it must be positive")
+        return value
+
+    def default(value: Any) -> Any:  # None shows nothing, though cyclopts says str
+        return None if value in {None, "None"} else quantity.written(float(value))
+
+    return Parameter(
+        converter=convert,
+        metavar=quantity.bare.upper(),
+        show_default=default,
+        allow_leading_hyphen=True,
+    )
+
+
+def _patient(seconds: float) -> float:
+    from pioneer3.teleop.keyboard import patient  # noqa: PLC0415
+
+    return patient(seconds)
+
+
+Length = Annotated[float, reads(LENGTH)]
+Angle = Annotated[float, reads(ANGLE)]
+Distance = Annotated[float, reads(LENGTH, positive=True)]
+Speed = Annotated[float, reads(SPEED, positive=True)]
+TurnRate = Annotated[float, reads(TURN_RATE, positive=True)]
+Seconds = Annotated[float, reads(DURATION, positive=True)]
+Patience = Annotated[float, reads(DURATION, check=_patient)]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkOptions:
+    """Which robot.
+
+    Attributes:
+        port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.
+        baud: Serial speed to try first.
+        record: New file for every byte on the wire; --port replay:FILE plays it.
+    """
+
+    port: Port = DEFAULT_PORT
+    baud: Baud = None
+    record: Path | None = None
+
+    def connect(
+        self, *, max_speed: float | None = None, auto_enable: bool = True
+    ) -> "AbstractAsyncContextManager[Robot]":
+        """Return the connection; entered it is made, left it is closed and the robot stands."""
+        from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
+
+        return connect_async(
+            self.port,
+            baud=self.baud,
+            max_speed=max_speed,
+            auto_enable=auto_enable,
+            record=self.record,
+        )
+
+
+LINK = LinkOptions()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionOptions:
+    """What bounds a motion, and how it is shown.
+
+    Attributes:
+        seconds: Stop after this time.
+        json: One JSON object for each reading, a line each.
+    """
+
+    seconds: Seconds | None = None
+    json: Flag = False
+
+    @property
+    def length(self) -> float:
+        """How long a mode drives that goes on by itself [s]."""
+        return inf if self.seconds is None else self.seconds
+
+    async def bounded(self, motion: Coroutine[Any, Any, None]) -> None:
+        """Carry `motion` out.
+
+        Raises:
+            MotionError: as `motion` does, or it took too long.
+        """
+        import asyncio  # noqa: PLC0415
+
+        from pioneer3.errors import MotionError  # noqa: PLC0415
+
+        try:
+            async with asyncio.timeout(self.seconds) as limit:
+                await motion
+        except TimeoutError:
+            if not limit.expired():
+                raise
+            raise MotionError(f"not there after {self.seconds:g} s: stopped") from None
+
+
+MOTION = MotionOptions()
 
 WORLD = Group.create_ordered("The simulated world")
 
@@ -24,7 +159,7 @@ class WorldOptions:
     """How the simulated world begins.
 
     Attributes:
-        start: x,y,th [mm, deg], home, random or outside; once for all robots, or for each.
+        start: x,y,th as 1m,2m,90deg, or in mm, deg; home, random, outside; one for all or for each.
         fit: Accessories of all robots, such as gripper,bumpers,compass,gyro,camera=vcc4.
         seed: Whole number that makes everything random repeatable, such as 7.
     """

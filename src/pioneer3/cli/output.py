@@ -4,6 +4,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+DIGITS = 6
+"""After the point of numbers in JSON."""
+
 
 def write_line(text: str) -> None:
     """Write one line to stdout, at once.
@@ -15,12 +18,31 @@ def write_line(text: str) -> None:
     sys.stdout.flush()
 
 
+def write_warning(text: str) -> None:
+    """Write one line to stderr."""
+    print(f"WARNING: {text}", file=sys.stderr, flush=True)  # noqa: T201
+
+
 def write_json(value: object, *, indent: int | None = None) -> None:
-    """Write `value`, made of dataclasses and plain types, as JSON; infinity and NaN are null."""
+    """Write `value`, made of dataclasses and plain types, as JSON.
+
+    Infinity and NaN are null; digits beyond a millionth are rounding, and left out.
+    """
     import msgspec  # noqa: PLC0415
 
-    data = msgspec.json.encode(value)
+    data = msgspec.json.encode(_rounded(msgspec.to_builtins(value)))
     write_line((msgspec.json.format(data, indent=indent) if indent else data).decode())
+
+
+def _rounded(value: object) -> object:
+    match value:
+        case float():
+            return round(value, DIGITS) + 0.0  # no -0.0
+        case dict():
+            return {key: _rounded(item) for key, item in value.items()}
+        case list() | tuple():
+            return [_rounded(item) for item in value]
+    return value
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import Baud
+from pioneer3.cli.options import PORT, Baud
 from pioneer3.cli.ros1_demos import (
     android_teleop,
     follow,
@@ -23,7 +23,8 @@ ros1_app = App(
 
     Or, with a command, drive a robot whose node runs, from any computer.
 
-    Without a port the node takes the simulator at localhost:8101, else the robot at a serial port.
+    Without a port the node takes the simulator at localhost:8101, else the robot
+    at a serial port.
 
     Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
     """,
@@ -36,19 +37,20 @@ for command in (robots, rob_key, rob_key_multi, p3_sonar, follow, wander, androi
 @ros1_app.default
 def ros1(
     *arguments: Annotated[str, Parameter(show=True)],
-    port: Annotated[str | None, Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT")] = None,
+    port: Annotated[str | None, PORT] = None,
     baud: Baud = None,
     install_package: Path | None = None,
 ) -> int:
     """Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
 
-    Without a port it takes the simulator at localhost:8101, else the robot at a serial port.
+    Without a port it takes the simulator at localhost:8101, else the robot at a
+    serial port.
 
     Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
 
     Args:
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101.
+        port: The robot: /dev/ttyUSB0, localhost:8101.
         baud: Serial speed to try first.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """

@@ -4,18 +4,15 @@ from math import inf
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
-from cyclopts.validators import Number
 
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.options import Distance, Flag, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
 
 if TYPE_CHECKING:
     from pioneer3.ros.remote import TopicRobot
 
 RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
-Positive = Annotated[float | None, Parameter(validator=Number(gt=0))]
-Speed = Annotated[float, Parameter(validator=Number(gt=0))]
 
 
 def robots(*arguments: Arguments, json: Flag = False) -> int:
@@ -43,21 +40,24 @@ def rob_key(
     *arguments: Arguments,
     which: Which = ANY,
     speed: Speed = 0.5,
-    turn_rate: Speed = 0.5,
+    turn_rate: TurnRate = 0.5,
     latch: bool = True,
+    patience: Patience = 10.0,
 ) -> int:
-    """Drive a robot with the keyboard: one press keeps it moving, space stops, q quits.
+    """Drive a robot with the keyboard: a press keeps it moving, space stops, q quits.
 
-    It sends ten commands a second: should this program or the network fail, the robot stops.
+    k is the emergency stop, Ctrl-R releases it. It sends ten commands a second:
+    should this program or the network fail, the robot stops.
 
     Example: pioneer3 ros1 rob_key --robot p3at_1_113
 
     Args:
         arguments: ROS's own, such as __name:=mine.
         which: The robot.
-        speed: Of the forward key [m/s]; + and - change it.
-        turn_rate: Of the turning keys [rad/s]; + and - change it.
+        speed: Of the forward key; + and - change it.
+        turn_rate: Of the turning keys; + and - change it.
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
+        patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
     from pioneer3.cli.drive import KEYS  # noqa: PLC0415
 
@@ -70,7 +70,8 @@ def rob_key(
 
         with raw_terminal() as terminal:
             write_line(KEYS)
-            keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=latch)
+            limits = driven.info.limits
+            keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
             await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
 
     return drive_robot("rob_key", arguments, which, drive, words="waits for keys")
@@ -81,21 +82,24 @@ def rob_key_multi(
     robot: RobotNames = (),
     model: str | None = None,
     speed: Speed = 0.1,
-    turn_rate: Speed = 0.1,
+    turn_rate: TurnRate = 0.1,
     latch: bool = True,
+    patience: Patience = 10.0,
 ) -> int:
     """Drive several robots with one keyboard, one at a time or all together.
 
-    Arrows drive, q goes on to the next robot, a number chooses one, a all of them; who is left
-    stands. Space stops all; Ctrl-D quits.
+    Arrows drive, q goes on to the next robot, a number chooses one, a all of them;
+    who is left stands. Space stops all, k is the emergency stop of all, Ctrl-R
+    releases it; Ctrl-D quits.
 
     Args:
         arguments: ROS's own, such as __name:=mine.
         robot: Which ones; all on the master if none is said.
         model: What they are, where their nodes do not tell.
-        speed: Of the forward key [m/s].
-        turn_rate: Of the turning keys [rad/s].
+        speed: Of the forward key.
+        turn_rate: Of the turning keys.
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
+        patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
     from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
     from pioneer3.cli.output import write_line  # noqa: PLC0415
@@ -114,7 +118,8 @@ def rob_key_multi(
         board = Switchboard(numbers([each.name for each in wanted]), rewrite)
         for topics, each in zip(wanted, driven, strict=True):
             announce(each, f"is number {board.numbers[topics.name]}")
-            keyboard = Keyboard.within(each.info.limits, speed, turn_rate, latch=latch)
+            limits = each.info.limits
+            keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
             board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))
         with raw_terminal() as terminal:
             write_line(KEYS)
@@ -126,15 +131,15 @@ def rob_key_multi(
 def p3_sonar(
     *arguments: Arguments,
     which: Which = ANY,
-    seconds: Positive = None,
+    seconds: Seconds | None = None,
     json: Flag = False,
 ) -> int:
-    """Show the sonars of a robot, distances in millimetres from its hull; nothing moves.
+    """Show the sonars of a robot, distances in mm from its hull; nothing moves.
 
     Args:
         arguments: ROS's own, such as __name:=mine.
         which: The robot.
-        seconds: End after this time [s].
+        seconds: End after this time.
         json: One JSON object for each reading, a line each.
     """
 
@@ -150,8 +155,8 @@ def follow(
     *arguments: Arguments,
     which: Which = ANY,
     rule: Literal["tracking", "lab"] = "tracking",
-    keep: Positive = None,
-    seconds: Positive = None,
+    keep: Distance | None = None,
+    seconds: Seconds | None = None,
     json: Flag = False,
 ) -> int:
     """Let a robot follow the person in front; see pioneer3 follow. Ctrl-C stops it.
@@ -160,8 +165,8 @@ def follow(
         arguments: ROS's own, such as __name:=mine.
         which: The robot.
         rule: tracking: remembers who it follows; lab: goes to the nearest echo.
-        keep: Distance to keep [m]; 0.3 unless given.
-        seconds: Stop after this time [s].
+        keep: Distance to keep; 0.3 unless given.
+        seconds: Stop after this time.
         json: One JSON object for each reading, a line each.
     """
     from pioneer3.behaviors.follow import follow as following  # noqa: PLC0415
@@ -174,8 +179,8 @@ def wander(
     *arguments: Arguments,
     which: Which = ANY,
     preset: Literal["lab", "aria", "explore"] = "lab",
-    speed: Positive = None,
-    seconds: Positive = None,
+    speed: Speed | None = None,
+    seconds: Seconds | None = None,
     json: Flag = False,
 ) -> int:
     """Let a robot drive about and keep clear of what is in the way; Ctrl-C stops it.
@@ -184,8 +189,8 @@ def wander(
         arguments: ROS's own, such as __name:=mine.
         which: The robot.
         preset: lab: slow, as its robotWander; aria: as ARIA's; explore: seeks new ground.
-        speed: Where nothing is near [m/s]; 0.15 of lab, 0.4 of aria, 0.3 of explore.
-        seconds: Stop after this time [s].
+        speed: Where nothing is near; 0.15 of lab, 0.4 of aria, 0.3 of explore.
+        seconds: Stop after this time.
         json: One JSON object for each reading, a line each.
     """
     from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
@@ -199,19 +204,20 @@ def android_teleop(
     which: Which = ANY,
     imu: str = "/android/imu",
     speed: Speed = 0.2,
-    turn_rate: Speed = 0.5,
+    turn_rate: TurnRate = 0.5,
 ) -> int:
     """Drive a robot by turning a phone that publishes sensor_msgs/Imu.
 
-    Flick it, faster than 3 rad/s: about x for forward and back, about z to turn, about y to stop.
-    A flick acts until the next one; when the phone falls silent, the robot stops.
+    Flick it, faster than 3 rad/s: about x for forward and back, about z to turn,
+    about y to stop. A flick acts until the next one, for 10 s at most; when the
+    phone falls silent, the robot stops.
 
     Args:
         arguments: ROS's own, such as __name:=mine.
         which: The robot.
         imu: Topic of the phone.
-        speed: [m/s].
-        turn_rate: [rad/s].
+        speed: Of flicks forward and back.
+        turn_rate: Of flicks to the side.
     """
 
     async def drive(driven: "TopicRobot") -> None:

@@ -50,7 +50,9 @@ def run_mode(
         length = inf if seconds is None else seconds
         await show_while(driven, driven.run(mode, length), json=json)
 
-    words = None if json else f"{mode.hint}; Ctrl-C stops it"
+    from pioneer3.cli.live import how_to_stop  # noqa: PLC0415
+
+    words = None if json else f"{mode.hint}; {how_to_stop()}"
     return drive_robot(name, arguments, which, drive, words=words)
 
 

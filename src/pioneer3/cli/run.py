@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import WORLD, TcpPort, WorldOptions
+from pioneer3.cli.options import PORT, WORLD, Baud, Flag, Speed, TcpPort, WorldOptions
 from pioneer3.errors import ConfigError
 
 AS_USUAL = WorldOptions()
@@ -16,24 +16,22 @@ MANY = Parameter(negative=(), show_default=False)
 
 def run(
     *,
-    port: Annotated[
-        tuple[str, ...], Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT"), MANY
-    ] = (),
-    baud: Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")] = None,
+    port: Annotated[tuple[str, ...], PORT, MANY] = (),
+    baud: Baud = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
-    ideal: Annotated[bool, Parameter(negative=(), group=WORLD)] = False,
+    ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
     sim_port: TcpPort = 8101,
     web_port: TcpPort = 8080,
-    lan: Annotated[bool, Parameter(negative=())] = False,
+    lan: Flag = False,
     host: str = "127.0.0.1",
     cert: Path | None = None,
     key: Path | None = None,
-    max_speed: float | None = None,
+    max_speed: Speed | None = None,
     record: Path | None = None,
 ) -> int:
-    """Connect to robots and serve the live page; without --port, to simulated ones of its own.
+    """Serve the live page of robots; without --port, of simulated ones of its own.
 
     Example: pioneer3 run --port /dev/ttyUSB0
     Example: pioneer3 run -r p3at -r p3dx:bob
@@ -51,7 +49,7 @@ def run(
         host: Address the page is served on: 127.0.0.1 this computer only, others as --lan.
         cert: Certificate for https in PEM, instead of one made on first use.
         key: Its private key, a file that only you may read.
-        max_speed: Keep below this speed [m/s].
+        max_speed: Keep below this.
         record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
     """
     _refuse_nonsense(port, robot, simulated=ideal or world != AS_USUAL)

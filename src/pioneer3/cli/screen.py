@@ -65,8 +65,8 @@ def line(snapshot: Snapshot) -> str:
     odometry, pose = snapshot.odometry, snapshot.odometry.robot_in_odom
     words = [
         f"#{snapshot.sequence}",
-        f"x {pose.x:+.3f} m  y {pose.y:+.3f} m  heading {degrees(pose.theta):+.1f} deg",
-        f"speed {odometry.twist.v:+.3f} m/s  turn {degrees(odometry.twist.w):+.1f} deg/s",
+        f"x {pose.x:+z.3f} m  y {pose.y:+z.3f} m  heading {degrees(pose.theta):+z.1f} deg",
+        f"speed {odometry.twist.v:+z.3f} m/s  turn {degrees(odometry.twist.w):+z.1f} deg/s",
         f"battery {battery_text(snapshot)}",
         f"motors {'on' if snapshot.motors.enabled else 'off'}",
         f"nearest {_metres(snapshot.sonar.nearest)} m",
@@ -105,12 +105,12 @@ def _readings(snapshot: Snapshot) -> Table:
     grid = Table.grid(padding=(0, 1))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column()
-    grid.add_row("x", f"{pose.x:+8.3f} m")
-    grid.add_row("y", f"{pose.y:+8.3f} m")
-    grid.add_row("heading", f"{degrees(pose.theta):+8.1f} deg")
-    grid.add_row("speed", f"{twist.v:+8.3f} m/s")
-    grid.add_row("turn", f"{degrees(twist.w):+8.1f} deg/s")
-    grid.add_row("wheels", f"{odometry.left_speed:+.3f} {odometry.right_speed:+.3f} m/s")
+    grid.add_row("x", f"{pose.x:+z8.3f} m")
+    grid.add_row("y", f"{pose.y:+z8.3f} m")
+    grid.add_row("heading", f"{degrees(pose.theta):+z8.1f} deg")
+    grid.add_row("speed", f"{twist.v:+z8.3f} m/s")
+    grid.add_row("turn", f"{degrees(twist.w):+z8.1f} deg/s")
+    grid.add_row("wheels", f"{odometry.left_speed:+z.3f} {odometry.right_speed:+z.3f} m/s")
     grid.add_row("battery", _warning(battery_text(snapshot), up=snapshot.battery.low))
     moving = ", moving" if motors.moving else ""
     grid.add_row("motors", Text(f"on{moving}", "bold green") if motors.enabled else "off")
@@ -120,7 +120,7 @@ def _readings(snapshot: Snapshot) -> Table:
     grid.add_row("bumps rear", _bumpers(snapshot.bumpers.rear))
     grid.add_row("inputs", f"{snapshot.inputs.digital_in:08b} {snapshot.inputs.analog:.2f} V")
     if snapshot.inputs.compass is not None:
-        grid.add_row("compass", f"{degrees(snapshot.inputs.compass):+.0f} deg")
+        grid.add_row("compass", f"{degrees(snapshot.inputs.compass):+z.0f} deg")
     if snapshot.inputs.temperature is not None:
         grid.add_row("motor heat", f"{snapshot.inputs.temperature} °C")
     grid.add_row("faults", _alarm(", ".join(snapshot.faults), "none", up=bool(snapshot.faults)))
@@ -173,7 +173,7 @@ def _ring(sonar: Sonar, mounts: Sequence[SonarMount], first: int, length: int) -
 
 def _direction(number: int, mounts: Sequence[SonarMount]) -> str:
     """Return where the transducer looks; its number where nobody knows."""
-    return f"{degrees(mounts[number].theta):+4.0f}°" if number < len(mounts) else f"{number}"
+    return f"{degrees(mounts[number].theta):+z4.0f}°" if number < len(mounts) else f"{number}"
 
 
 def bar(metres: float, length: int) -> Text:

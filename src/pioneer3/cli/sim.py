@@ -37,15 +37,17 @@ def sim(
     time: TimeOptions = TIME,
     errors: ErrorOptions = ERRORS,
     mobilesim: MobileSimOptions = MOBILESIM,
-    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False,
+    verbose: Annotated[
+        bool, Parameter(name=["--verbose", "-v"], negative="", show_default=False)
+    ] = False,
 ) -> int:
     """Run the simulator alone, without a window: robots in a map, each on a TCP port.
 
-    Programs connect to it as to a robot: ours, ARIA's, Player's. They may come and go.
-    MobileSim's options work. Names are for people: to programs every robot is MobileSim,
-    by which ARIA knows a simulator.
+    Programs connect to it as to a robot: ours, ARIA's, Player's. They may come and
+    go. MobileSim's options work. Names are for people: to programs every robot is
+    MobileSim, by which ARIA knows a simulator.
 
-    Example: pioneer3 sim -m lab.map -r p3at -r p3dx:bob --start random
+    Example: pioneer3 sim -m lab -r p3at -r p3dx:bob --start random
 
     Args:
         robot: MODEL[:NAME], such as p3dx:bob; once for each. MODEL may be a .toml or .p file.

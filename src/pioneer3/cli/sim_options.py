@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 from cyclopts.validators import Number
 
-from pioneer3.cli.flags import Flag
-from pioneer3.cli.options import WORLD, TcpPort
+from pioneer3.cli.options import WORLD, Flag, TcpPort
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:

@@ -2,14 +2,10 @@
 
 import sys
 from math import hypot, inf, isfinite
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from cyclopts import Parameter
-from cyclopts.validators import Number
-
-from pioneer3.cli.flags import Flag
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import DEFAULT_PORT, Baud, Port
+from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
 from pioneer3.geometry import Pose2
 from pioneer3.units import MM
 
@@ -31,26 +27,25 @@ NUMBER = 6
 
 def sonar(
     *,
-    port: Port = DEFAULT_PORT,
-    baud: Baud = None,
-    seconds: Annotated[float | None, Parameter(validator=Number(gt=0))] = None,
+    link: LinkOptions = LINK,
+    seconds: Seconds | None = None,
     json: Flag = False,
 ) -> int:
     """Show the sonars: the distances of the front eight, and a picture to scale.
 
-    Distances are in millimetres from the robot's hull, as the lab's p3_sonar has them; - where
-    nothing echoes within 5 m. Nothing moves. Without a terminal, a line for each reading.
+    Distances are in millimetres from the robot's hull, as the lab's p3_sonar has
+    them; - where nothing echoes within 5 m. Nothing moves. Without a terminal, a
+    line for each reading.
 
     Example: pioneer3 sonar --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, tcp://localhost:8101, replay:FILE.
-        baud: Serial speed to try first.
-        seconds: End after this time [s].
+        link: The robot.
+        seconds: End after this time.
         json: One JSON object for each reading, a line each.
     """
     length = inf if seconds is None else seconds
-    return run_until_told_to_leave(_sonar(port, baud, length, json=json))
+    return run_until_told_to_leave(_sonar(link, length, json=json))
 
 
 def hull_distances(model: "RobotModel", ranges: tuple[float, ...]) -> list[int | None]:
@@ -70,10 +65,9 @@ def line(distances: list[int | None]) -> str:
     return "".join(f"{'-' if mm is None else mm:>{NUMBER}}" for mm in distances)
 
 
-async def _sonar(port: str, baud: int | None, seconds: float, *, json: bool) -> None:
-    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
+async def _sonar(link: LinkOptions, seconds: float, *, json: bool) -> None:
 
-    async with connect_async(port, baud=baud, auto_enable=False) as robot:
+    async with link.connect(auto_enable=False) as robot:
         await show_sonar(robot, seconds, json=json)
 
 

@@ -148,7 +148,8 @@ def advice(found: Sequence[Probed]) -> Text:
     best = choose(found)
     if best is None:
         text = Text("\nNo robot found. Is it on, and its cable plugged in?\nWhy not: ", "bold")
-        return text.append(_next_step(found), "bold cyan")
+        text.append(_next_step(found), "bold cyan")
+        return text.append("\nWithout a robot: ").append("p3 sim", "bold cyan")
     text = Text("\nUse: ").append(f"--port {best.url}", "bold green")
     if best.verdict is Verdict.SIMULATOR:
         text.append("  (a SIMULATOR; no real robot answers)", "cyan")

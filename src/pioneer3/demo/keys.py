@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 HELP_KEYS = frozenset("hH?/")
-STOP_KEYS = frozenset("kK")
+EMERGENCY_KEYS = frozenset("kK")
 """ARIA uses neither."""
+STOP_KEY = "space"
 RESET_KEY = "ctrl+r"
 QUIT_KEYS = frozenset({"escape", "ctrl+c", "ctrl+d", "ctrl+q"})
 

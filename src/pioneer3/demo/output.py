@@ -1,14 +1,18 @@
 """A terminal that is gone, or takes nothing any more, must not hold up what drives the robot."""
 
+import sys
 from queue import Full
 
-from textual.drivers.linux_driver import LinuxDriver
+if sys.platform == "win32":
+    from textual.drivers.windows_driver import WindowsDriver as TerminalDriver
+else:
+    from textual.drivers.linux_driver import LinuxDriver as TerminalDriver
 
 PATIENCE = 1.0
 """For the last words to a terminal [s]."""
 
 
-class PatientDriver(LinuxDriver):
+class PatientDriver(TerminalDriver):
     """Textual's, except that it never waits for the terminal.
 
     Attributes:

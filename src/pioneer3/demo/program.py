@@ -7,19 +7,18 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
-from pioneer3.demo.keys import HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEYS
+from pioneer3.demo.keys import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY
 from pioneer3.demo.modes import ALL, Cockpit, Gauge, Mode, Row
 from pioneer3.errors import PioneerError
 from pioneer3.robot.pilot import STOPPED
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.devices import Acts, Presence
 from pioneer3.runtime.robot import Robot
+from pioneer3.teleop.keyboard import PATIENCE, patient
 
 log = logging.getLogger(__name__)
 
 TICK = 0.1
-PATIENCE = 10.0
-"""A speed set by hand ends after so long without a key [s]: a frozen terminal cannot be seen."""
 Maker = Callable[[Cockpit], Mode]
 T = TypeVar("T")
 
@@ -44,7 +43,7 @@ class Program:
         robot: Connected.
         face: Shows what happens.
         first: Key of the mode to begin with.
-        patience: How long a speed set by hand lasts without a key [s]; `inf` is for ever.
+        patience: How long a speed set by hand lasts without a key [s]; see :func:`patient`.
         acts: The colour tracker.
         makers: Of the modes, in the order in which they are listed.
 
@@ -70,7 +69,7 @@ class Program:
         self.modes = {mode.key: mode for mode in made}
         self.active = self.modes[first]
         self._face = face
-        self._patience = patience
+        self._patience = patient(patience)
         self._held = ExitStack()
         self._tasks: set[asyncio.Task[object]] = set()
         self._clock = asyncio.get_running_loop().time
@@ -100,7 +99,7 @@ class Program:
     def press(self, key: str) -> None:
         """Take a key: a character, or a name such as `up`, `space`, `pageup`, `ctrl+r`."""
         self._last_key = self._clock()
-        if key in STOP_KEYS:
+        if key in EMERGENCY_KEYS:
             self.robot.emergency_stop()
             self._face.say("EMERGENCY STOP. Ctrl-R releases it; the motors stay off.")
         elif key in QUIT_KEYS:
@@ -114,6 +113,8 @@ class Program:
         elif key.lower() in self.modes:
             self.choose(self.modes[key.lower()])
         else:
+            if key == STOP_KEY and self._moves():
+                self.robot.helm.stop()  # in every mode; what else the key means is up to the mode
             self._guard(self.active.name, lambda: self.active.on_key(key))
 
     def choose(self, mode: Mode) -> None:
@@ -138,6 +139,7 @@ class Program:
             "quit: escape",
             "help: 'h', 'H', '?' or '/'",
             "emergency stop: 'k' or 'K'; release it: Ctrl-R",
+            "stop: space",
             *(f"{m.name} mode: '{m.key}' or '{m.key.upper()}'" for m in self.modes.values()),
             f"current mode: {self.active.name}",
             *self.active.help,

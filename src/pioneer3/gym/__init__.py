@@ -4,13 +4,13 @@ Importing this package registers `pioneer3/Goal-v0`, for `gymnasium.make` and
 `gymnasium.make_vec`. It needs the extra `gym`.
 """
 
+from pioneer3.errors import how_to_get
+
 try:
     import gymnasium
     import pettingzoo  # noqa: F401
 except ImportError as error:
-    raise ImportError(
-        f"{error}; install the extra `gym`: pip install 'pioneer3[gym]'", name=error.name
-    ) from error
+    raise ImportError(f"{error}: {how_to_get('gym')}", name=error.name) from error
 
 from pioneer3.gym.goal_env import GoalEnv
 from pioneer3.gym.parallel_env import GoalParallelEnv

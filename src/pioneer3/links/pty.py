@@ -2,12 +2,16 @@
 
 import asyncio
 import os
-import tty
 from dataclasses import dataclass
 from pathlib import Path
 
 from pioneer3.errors import LinkError
 from pioneer3.links.stream import StreamLink
+
+try:
+    import tty
+except ImportError:  # Windows
+    tty = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +33,10 @@ def make_pty() -> PtyPair:
     """Make a pseudo terminal; the caller closes both ends.
 
     Raises:
-        LinkError: this machine has no more of them.
+        LinkError: this machine has no more of them, or none at all.
     """
+    if tty is None:
+        raise LinkError("this system has no pseudo terminals; use TCP")
     try:
         master, slave = os.openpty()
     except OSError as error:

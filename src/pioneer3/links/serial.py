@@ -1,9 +1,7 @@
 """Serial ports, and what a person needs to hear when one does not open."""
 
 import errno
-import grp
 import os
-import termios
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -12,6 +10,13 @@ from typing import Final
 
 from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPermissionError
 from pioneer3.links.stream import StreamLink
+
+try:
+    import grp
+    from termios import error as TerminalError  # noqa: N812
+except ImportError:  # Windows
+    grp = None  # type: ignore[assignment]
+    TerminalError = OSError  # type: ignore[misc, assignment]
 
 SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
 """What an ARCOS robot can be set to [baud] (arcos.md 1.1)."""
@@ -35,7 +40,7 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
     async def change_speed(baud: int) -> None:
         try:
             await writer.transport.reconfigure_port(baudrate=baud)
-        except (OSError, ValueError, termios.error, serialx.SerialException) as error:
+        except (OSError, ValueError, TerminalError, serialx.SerialException) as error:
             raise LinkError(f"{path}: cannot be set to {baud} baud: {error}") from None
 
     return StreamLink(f"serial:{path}", reader, writer, speeds=speeds, change_speed=change_speed)
@@ -44,7 +49,8 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
 def explain_open_error(path: str, error: Exception) -> LinkError:
     """Turn what the operating system said into what it means and what mends it."""
     code = error.errno if isinstance(error, OSError) else None
-    if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or not Path(path).exists():
+    is_file = os.name == "posix"  # COM3 is none
+    if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or (is_file and not Path(path).exists()):
         return PortNotFoundError(
             f"{path}: no such port; is the cable plugged in? `pioneer3 find-port` lists what is"
         )
@@ -52,13 +58,15 @@ def explain_open_error(path: str, error: Exception) -> LinkError:
         return PortPermissionError(f"{path}: permission denied; {how_to_get_permission(path)}")
     if code in {errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK}:
         return PortBusyError(f"{path}: busy; another program has it open (see: fuser {path})")
-    if code in {errno.ENOTTY, errno.EINVAL} or not Path(path).is_char_device():
+    if code in {errno.ENOTTY, errno.EINVAL} or (is_file and not Path(path).is_char_device()):
         return LinkError(f"{path}: not a serial port")
     return LinkError(f"{path}: {error}")
 
 
 def how_to_get_permission(path: str) -> str:
     """Return what lets this user open `path`."""
+    if grp is None:
+        return "another program may have it open"
     group = "dialout"
     with suppress(OSError, KeyError):
         status = os.stat(path)  # noqa: PTH116

@@ -33,7 +33,7 @@ class StreamLink:
         try:
             return await self._reader.read(4096)
         except OSError as error:
-            raise LinkError(f"{self.url}: {error}") from error
+            raise self._failed(error) from error
 
     async def write(self, data: bytes) -> None:
         """Send `data`; waits only while the far end does not take it."""
@@ -43,7 +43,15 @@ class StreamLink:
             self._writer.write(data)
             await self._writer.drain()
         except OSError as error:
-            raise LinkError(f"{self.url}: {error}") from error
+            raise self._failed(error) from error
+
+    def _failed(self, error: OSError) -> LinkError:
+        if isinstance(error, ConnectionResetError | BrokenPipeError):
+            return LinkError(
+                f"{self.url}: the far end hung up; a robot takes one program at a time: "
+                "is another one connected to it?"
+            )
+        return LinkError(f"{self.url}: {error}")
 
     async def set_speed(self, baud: int) -> None:
         """Change the line speed, where there is one."""

@@ -1,5 +1,6 @@
 """From what a person writes to an open link."""
 
+import re
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -8,14 +9,17 @@ from pioneer3.links.base import Link
 
 TCP_PORT = 8101
 """Where ARCOS simulators and ARIA expect each other (arcos.md 1.1)."""
-FORMS = "/dev/ttyUSB0, serial:/dev/ttyUSB0, tcp://host:8101, replay:FILE"
+FORMS = "/dev/ttyUSB0, COM3, localhost:8101, tcp://host:8101, replay:FILE"
+HOST_AND_PORT = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[\w.-]+):\d+")
+COM_PORT = re.compile(r"COM\d+", re.IGNORECASE)
+"""A serial port of Windows."""
 
 
 async def open_link(url: str, *, baud: int | None = None) -> Link:
     """Open the link that `url` names.
 
     Args:
-        url: `serial:PATH` or just a path, `tcp://HOST[:PORT]`, `replay:FILE`.
+        url: `serial:PATH` or just a path, `tcp://HOST[:PORT]` or `HOST:PORT`, `replay:FILE`.
         baud: Serial speed to try first.
 
     Raises:
@@ -31,7 +35,7 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
         case "tcp":
             from pioneer3.links.tcp import open_tcp  # noqa: PLC0415
 
-            return await open_tcp(*split_host(url))
+            return await open_tcp(*split_host(f"tcp:{rest}"))
         case _:
             from pioneer3.links.tap import ReplayLink  # noqa: PLC0415
 
@@ -47,6 +51,10 @@ def split_url(url: str) -> tuple[str, str]:
     if not isinstance(url, str):
         raise ConfigError(f"a port is written as text, such as {FORMS}; not {url!r}")
     scheme, colon, rest = url.partition(":")
+    if HOST_AND_PORT.fullmatch(url):
+        return "tcp", f"//{url}"
+    if COM_PORT.fullmatch(url):
+        return "serial", url
     if url.startswith(("/", "./", "~")):
         return "serial", str(Path(url).expanduser())
     if colon and scheme in {"serial", "replay"} and rest.strip("/"):

@@ -59,13 +59,16 @@ class KeyboardDriver:
             status = robot.supervisor.status.latest
             return f"{status.connection.value.upper()}: {status.message}" if status else ""
         pose, twist, near = now.odometry.robot_in_odom, now.odometry.twist, now.sonar.nearest
+        state = robot.why_not_moving() or f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s"
+        if keyboard.has_run_out(self._clock()):
+            state = f"No key for {keyboard.patience:g} s. {state}"
         return "  ".join(
             (
-                robot.why_not_moving() or f"{twist.v:5.2f} m/s {twist.w:5.2f} rad/s",
-                f"[{keyboard.speed:.2f} {keyboard.turn_rate:.2f}]",
+                state,
+                f"[{keyboard.speed:.2f} {degrees(keyboard.turn_rate):.0f}]",
                 f"{now.battery.voltage:4.1f} V{' LOW' if now.battery.low else ''}",
                 f"sonar {near:4.2f} m" if isfinite(near) else "sonar  --   ",
-                f"x{pose.x:6.2f} y{pose.y:6.2f} {degrees(pose.theta):4.0f}°",
+                f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°",
             )
         )
 
@@ -92,8 +95,9 @@ class KeyboardDriver:
                 on = not (self._robot.snapshot and self._robot.snapshot.motors.enabled)
                 self._robot.helm.set_motors(on=on, by=self._hold)
                 key = Key.STOP  # a move still held would switch them on again
-            case Key.EMERGENCY if supervisor.pilot.emergency:
-                supervisor.reset_emergency_stop()
             case Key.EMERGENCY:
                 self._robot.emergency_stop()
+                key = Key.STOP  # else a latched key would drive on once it is released
+            case Key.RESET:
+                supervisor.reset_emergency_stop()
         self._keyboard.press(key, self._clock())

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import inf
 
-from pioneer3.errors import CommandError
+from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Twist2
 from pioneer3.limits import Limits
 from pioneer3.robot.limits import checked
@@ -13,10 +13,24 @@ HOLD = 0.6
 """How long a key acts [s]: longer than the pause before a keyboard begins to repeat."""
 STEP = 1.1
 """Factor of one press of + or -."""
+PATIENCE = 10.0
+"""Longest time that a speed set by a key lasts without a further key [s]: a frozen terminal, or a
+driver who has walked away, cannot be seen."""
+
+
+def patient(seconds: float) -> float:
+    """Return `seconds`, the time that a speed set by a key lasts without a further key.
+
+    Raises:
+        ConfigError: it is not positive, or longer than :data:`PATIENCE`.
+    """
+    if not 0 < seconds <= PATIENCE:
+        raise ConfigError(f"patience must be more than 0 s and at most 10 s, not {seconds:g} s")
+    return seconds
 
 
 class Key(Enum):
-    """Keys that mean something."""
+    """Keys that mean something; RESET releases the emergency stop."""
 
     FORWARD = auto()
     BACK = auto()
@@ -27,6 +41,7 @@ class Key(Enum):
     SLOWER = auto()
     MOTORS = auto()
     EMERGENCY = auto()
+    RESET = auto()
     QUIT = auto()
 
 
@@ -43,12 +58,14 @@ class Keyboard:
     """What the keys ask for.
 
     Each of the two axes follows its last key for :data:`HOLD`, so that alternating two keys drives
-    a curve; with `latch`, a key acts until another one or a stop, as in the lab's `rob_key`.
+    a curve; with `latch`, a key acts until another one or a stop, as in the lab's `rob_key`, but
+    only for `patience` after the last key of any kind.
 
     Attributes:
         speed: Of a forward key [m/s].
         turn_rate: Of a turning key [rad/s].
         latch: One press keeps moving.
+        patience: Time that a latched key acts without a further one [s].
         max_speed: Bound for faster [m/s].
         max_turn_rate: Bound for faster [rad/s].
     """
@@ -56,19 +73,30 @@ class Keyboard:
     speed: float = 0.5
     turn_rate: float = 0.5
     latch: bool = False
+    patience: float = PATIENCE
     max_speed: float = inf
     max_turn_rate: float = inf
     _forward: tuple[int, float] = field(default=(0, -inf), init=False)
     _turn: tuple[int, float] = field(default=(0, -inf), init=False)
 
+    def __post_init__(self) -> None:
+        patient(self.patience)
+
     @classmethod
     def within(
-        cls, limits: Limits, speed: float, turn_rate: float, *, latch: bool = False
+        cls,
+        limits: Limits,
+        speed: float,
+        turn_rate: float,
+        *,
+        latch: bool = False,
+        patience: float = PATIENCE,
     ) -> "Keyboard":
         """Return one that asks for no more than a robot can do.
 
         Raises:
             CommandError: a speed is not a positive number.
+            ConfigError: as :func:`patient`.
         """
         wanted = checked(speed, turn_rate)
         if wanted.v <= 0 or wanted.w <= 0:
@@ -77,13 +105,14 @@ class Keyboard:
             speed=min(wanted.v, limits.max_speed),
             turn_rate=min(wanted.w, limits.max_turn_rate),
             latch=latch,
+            patience=patience,
             max_speed=limits.max_speed,
             max_turn_rate=limits.max_turn_rate,
         )
 
     def press(self, key: Key, now: float) -> None:
-        """Take a key at `now` [s, monotonic]; keys that are not about motion are ignored."""
-        until = inf if self.latch else now + HOLD
+        """Take a key at `now` [s, monotonic]; keys that are not about motion only renew it."""
+        until = now + (self.patience if self.latch else HOLD)
         match key:
             case Key.FORWARD | Key.BACK:
                 self._forward = (MOVES[key][0], until)
@@ -99,6 +128,14 @@ class Keyboard:
                 factor = STEP if key is Key.FASTER else 1 / STEP
                 self.speed = min(self.speed * factor, self.max_speed)
                 self.turn_rate = min(self.turn_rate * factor, self.max_turn_rate)
+        if self.latch:
+            self._forward, self._turn = (
+                (sign, until if end > now else end) for sign, end in (self._forward, self._turn)
+            )
+
+    def has_run_out(self, now: float) -> bool:
+        """Return whether a latched key has ended because no other one came."""
+        return self.latch and -inf < max(self._forward[1], self._turn[1]) <= now
 
     def wanted(self, now: float) -> tuple[Twist2, float]:
         """Return the twist, and for how long it holds from `now` [s]; zero when nothing acts."""

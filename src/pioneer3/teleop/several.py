@@ -12,10 +12,10 @@ from pioneer3.teleop.terminal import SEQUENCES
 
 KEYS: Final = (
     "arrows: drive   q: next robot   0-9: this robot   a: all   space: stop all   + -: speed   "
-    "m: motors   e: emergency stop   Ctrl-D: quit"
+    "m: motors   k: emergency stop   Ctrl-R: release it   Ctrl-D: quit"
 )
 NEXT, ALL, QUIT = {"q", "\t"}, {"a"}, {"\x04", "\x1b"}
-FOR_ALL: Final = {Key.STOP, Key.EMERGENCY}
+FOR_ALL: Final = {Key.STOP, Key.EMERGENCY, Key.RESET}
 """Keys that every robot obeys, chosen or not."""
 LETTERS: Final = {"w", "a", "s", "d", "q"}
 """They drive where there is one robot; here arrows do."""

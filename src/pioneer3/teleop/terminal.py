@@ -4,13 +4,17 @@ import asyncio
 import os
 import re
 import sys
-import termios
-import tty
 from collections.abc import AsyncGenerator, AsyncIterator, Iterator
 from contextlib import aclosing, contextmanager, suppress
 
 from pioneer3.errors import ConfigError
 from pioneer3.teleop.keyboard import Key
+
+try:
+    import termios
+    import tty
+except ImportError:  # Windows
+    termios = None  # type: ignore[assignment]
 
 ESCAPE = "\x1b"
 SEQUENCES = {
@@ -31,7 +35,8 @@ SEQUENCES = {
     "=": Key.FASTER,
     "-": Key.SLOWER,
     "m": Key.MOTORS,
-    "e": Key.EMERGENCY,
+    "k": Key.EMERGENCY,
+    "\x12": Key.RESET,  # Ctrl-R
     "q": Key.QUIT,
     ESCAPE: Key.QUIT,
     "\x04": Key.QUIT,
@@ -45,14 +50,31 @@ PATIENCE = 0.05
 
 
 def keys_in(text: str) -> Iterator[Key]:
-    """Yield the keys in what a terminal sent; what means nothing is skipped.
+    """Yield the keys in what a terminal sent.
 
-    An ESC that begins no sequence is the key.
+    A character without a meaning stops the robot: whoever is in a hurry hits any key. Sequences
+    without one are skipped, since terminals send some by themselves. An ESC that begins no
+    sequence is the key.
     """
     for token in TOKEN.findall(text):
         key = SEQUENCES.get(token if len(token) > 1 else token.lower())
         if key is not None:
             yield key
+        elif token.isprintable():
+            yield Key.STOP
+
+
+def is_in_front() -> bool:
+    """Return whether standard input is a terminal whose keys are for this program.
+
+    In a shell's background the first look at a key would halt it.
+    """
+    if termios is None or sys.stdin is None or not sys.stdin.isatty():
+        return False
+    try:
+        return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except OSError:  # a terminal that controls no session: nobody is halted
+        return True
 
 
 @contextmanager
@@ -60,22 +82,28 @@ def raw_terminal() -> Iterator[int]:
     """Take keys as they are pressed; Ctrl-C stays a signal. Yield the descriptor to read from.
 
     Raises:
-        ConfigError: standard input is not a terminal.
+        ConfigError: standard input is not a terminal, or this system has none of this kind.
     """
     if sys.stdin is None or not sys.stdin.isatty():
         raise ConfigError("driving with the keyboard needs a terminal; standard input is none")
+    if termios is None:
+        raise ConfigError("keys are read on Linux and macOS only; the page of `run` takes them")
     descriptor = sys.stdin.fileno()
     before = termios.tcgetattr(descriptor)
     try:
         tty.setcbreak(descriptor)
-        sys.stdout.write("\x1b[?25l")
-        sys.stdout.flush()
+        _show_cursor(shown=False)
         yield descriptor
     finally:
         with suppress(termios.error, OSError):  # a terminal that was closed
             termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
-            sys.stdout.write("\x1b[?25h\n")
-            sys.stdout.flush()
+            _show_cursor(shown=True)
+
+
+def _show_cursor(*, shown: bool) -> None:
+    if sys.stdout is not None and sys.stdout.isatty():
+        sys.stdout.write("\x1b[?25h\n" if shown else "\x1b[?25l")
+        sys.stdout.flush()
 
 
 async def keys(descriptor: int) -> AsyncIterator[Key]:

@@ -68,6 +68,6 @@ def test_a_simulator_is_never_passed_off_as_a_robot() -> None:
 
 def test_without_a_robot_the_most_promising_port_goes_to_the_doctor() -> None:
     found = [Probed("/dev/ttyS0", Verdict.SILENT), Probed("/dev/ttyUSB0", Verdict.NO_PERMISSION)]
-    assert advice(found).plain.endswith("p3 doctor -p /dev/ttyUSB0")
+    assert "Why not: p3 doctor -p /dev/ttyUSB0\n" in advice(found).plain
     nobody = [Probed("tcp://localhost:8101", Verdict.NOBODY)]
-    assert advice(nobody).plain.endswith("p3 find-port --wait")
+    assert "Why not: p3 find-port --wait\nWithout a robot: p3 sim" in advice(nobody).plain

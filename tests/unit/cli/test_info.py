@@ -8,6 +8,7 @@ from rich.console import Console
 
 from pioneer3.arcos.reports import Config
 from pioneer3.cli.info import info
+from pioneer3.cli.options import LinkOptions
 from pioneer3.cli.tables import robot_tables
 from pioneer3.errors import PortNotFoundError
 from pioneer3.models import load_model
@@ -61,5 +62,5 @@ def test_nothing_goes_to_stdout_when_there_is_no_robot(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with pytest.raises(PortNotFoundError):
-        info(port="/dev/no-such-port", json=True)
+        info(link=LinkOptions(port="/dev/no-such-port"), json=True)
     assert capsys.readouterr().out == ""

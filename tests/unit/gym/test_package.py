@@ -1,6 +1,7 @@
 """The package says what it lacks, and its page says what is true."""
 
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import fields
@@ -10,7 +11,8 @@ import pytest
 
 from pioneer3.gym import Reward, Task
 
-PAGE = (Path(__file__).parents[3] / "docs/how-to/learn.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs/how-to/learn.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
@@ -24,7 +26,17 @@ def test_a_missing_library_is_named_with_the_extra_that_brings_it(missing: str) 
     done = run(f"import sys; sys.modules[{missing!r}] = None; import pioneer3.gym")
     assert done.returncode == 1
     assert f"import of {missing}" in done.stderr
-    assert "pip install 'pioneer3[gym]'" in done.stderr
+    assert f"the extra `gym` is missing; run: {ROOT / 'scripts/setup'}" in done.stderr
+    assert "--extra gym" in (ROOT / "scripts/setup").read_text("utf-8")
+
+
+def test_without_a_clone_pip_brings_the_extra(tmp_path: Path) -> None:
+    copy = tmp_path / "lib/pioneer3"
+    shutil.copytree(ROOT / "src/pioneer3", copy, ignore=shutil.ignore_patterns("web", "*.pyc"))
+    before = f"import sys; sys.path.insert(0, {str(copy.parent)!r})"
+    done = run(f"{before}; sys.modules['gymnasium'] = None; import pioneer3.gym")
+    assert done.returncode == 1
+    assert "run: python -m pip install 'pioneer3[gym]'" in done.stderr
 
 
 @pytest.mark.parametrize("code", BLOCKS, ids=range(len(BLOCKS)))

@@ -20,6 +20,10 @@ from pioneer3.links.urls import split_host, split_url
         ("replay:a.txt", "replay", "a.txt"),
         ("replay:///tmp/a.txt", "replay", "/tmp/a.txt"),
         ("tcp://robot:8101", "tcp", "//robot:8101"),
+        ("localhost:8101", "tcp", "//localhost:8101"),
+        ("192.168.0.160:8101", "tcp", "//192.168.0.160:8101"),
+        ("[::1]:8101", "tcp", "//[::1]:8101"),
+        ("COM3", "serial", "COM3"),
         ("~/robot", "serial", str(Path("~/robot").expanduser())),
         ("replay:~/a", "replay", str(Path("~/a").expanduser())),
     ],
@@ -28,9 +32,11 @@ def test_the_scheme_and_the_rest(url: str, scheme: str, rest: str) -> None:
     assert split_url(url) == (scheme, rest)
 
 
-@pytest.mark.parametrize("url", ["", "COM3", "serial:", "serial://", "replay:/", "ftp://x", ":x"])
+@pytest.mark.parametrize(
+    "url", ["", "robot", "serial:", "serial://", "replay:/", "ftp://x", ":x", "robot:", "robot:x"]
+)
 def test_what_names_no_port_lists_the_forms(url: str) -> None:
-    with pytest.raises(ConfigError, match="use one of: /dev/ttyUSB0, serial:/dev/ttyUSB0, tcp:"):
+    with pytest.raises(ConfigError, match="use one of: /dev/ttyUSB0, COM3, localhost:8101, tcp:"):
         split_url(url)
 
 

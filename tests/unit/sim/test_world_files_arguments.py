@@ -31,6 +31,11 @@ def test_a_robot_is_a_model_and_perhaps_a_name(text: str, model: str, name: str)
     assert parse_robot(text) == RobotSpec(model=model, name=name)
 
 
+def test_a_start_may_carry_units() -> None:
+    assert parse_start("1m,2m,90deg") == Pose2(1.0, 2.0, pi / 2)
+    assert parse_start("50cm, -1.5, 1rad") == Pose2(0.5, -0.0015, 1.0)
+
+
 @pytest.mark.parametrize("text", ["", ":bob", "p3dx:", "p3dx:a\nb", "p3dx:" + "x" * 41])
 def test_what_is_no_robot_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match=r"^--robot .*p3dx:bob") as caught:
@@ -55,7 +60,7 @@ def test_what_is_no_start_is_refused(text: str) -> None:
         parse_start(text)
 
 
-@pytest.mark.parametrize("text", ["1e9,0,0", "0,inf,0", "0,0,inf", "0,0,nan"])
+@pytest.mark.parametrize("text", ["1e9,0,0", "0,101000m,0", "0,-1e9,0"])
 def test_a_start_off_the_earth_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match="not within 100 km"):
         parse_start(text)

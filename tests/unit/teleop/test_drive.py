@@ -10,7 +10,7 @@ import pytest
 from pioneer3 import Robot, connect_async
 from pioneer3.runtime.helm import Helm
 from pioneer3.teleop.drive import LEASE, KeyboardDriver
-from pioneer3.teleop.keyboard import HOLD, Key, Keyboard
+from pioneer3.teleop.keyboard import HOLD, PATIENCE, Key, Keyboard
 from tests.support import SimulatedRobot
 
 BRAKING = 0.45
@@ -47,7 +47,7 @@ class Seat:
 
 
 @asynccontextmanager
-async def seat(*, latch: bool = False) -> AsyncIterator[Seat]:
+async def seat(*, latch: bool = False, patience: float = PATIENCE) -> AsyncIterator[Seat]:
     """Take a seat at the keyboard of a simulated robot."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         typed: asyncio.Queue[Key | None] = asyncio.Queue()
@@ -57,7 +57,7 @@ async def seat(*, latch: bool = False) -> AsyncIterator[Seat]:
                 yield key
 
         lines: list[str] = []
-        keyboard = Keyboard(latch=latch, max_speed=0.7, max_turn_rate=1.0)
+        keyboard = Keyboard(latch=latch, patience=patience, max_speed=0.7, max_turn_rate=1.0)
         driver = KeyboardDriver(robot, keyboard, lines.append)
         driving = asyncio.ensure_future(driver.run(keys()))
         yield Seat(sim, robot, driver, typed, driving, lines)
@@ -118,6 +118,36 @@ async def test_a_latched_key_keeps_moving_after_one_press() -> None:
         assert the.sim.speed == 0.0
 
 
+@pytest.mark.parametrize("patience", [PATIENCE, 3.0])
+async def test_a_latched_key_stops_when_nobody_presses_another(patience: float) -> None:
+    async with seat(latch=True, patience=patience) as the:
+        the.press(Key.FORWARD)
+        await asyncio.sleep(patience - 0.1)
+        assert the.sim.speed == pytest.approx(0.5)
+        await asyncio.sleep(0.1 + BRAKING)
+        assert the.sim.speed == 0.0
+        assert the.lines[-1].startswith(f"No key for {patience:g} s. ")
+        where = the.sim.body.robot_in_world.x
+        await asyncio.sleep(60.0)
+        the.press(Key.FASTER)  # a hand has come back, but the speed does not
+        await asyncio.sleep(2.0)
+        assert the.sim.body.robot_in_world.x == where
+        the.press(Key.FORWARD)
+        await asyncio.sleep(2.0)
+        assert the.sim.speed > 0.4
+        assert "No key" not in the.lines[-1]
+
+
+async def test_keys_now_and_then_keep_a_latched_robot_going() -> None:
+    async with seat(latch=True) as the:
+        the.press(Key.LEFT)
+        for _ in range(5):
+            await asyncio.sleep(PATIENCE - 1.0)
+            assert the.sim.body.drive.angular.velocity > 0.4
+            the.press(Key.FASTER)
+            the.press(Key.SLOWER)
+
+
 async def test_a_latched_key_does_not_survive_a_lost_link() -> None:
     async with seat(latch=True) as the:
         the.press(Key.FORWARD)
@@ -155,7 +185,7 @@ async def test_the_motor_key_switches_on_and_off_and_a_move_switches_on() -> Non
 
 
 @pytest.mark.parametrize("latch", [False, True])
-async def test_the_emergency_key_latches_and_a_second_press_releases(*, latch: bool) -> None:
+async def test_the_emergency_key_latches_until_another_key_releases(*, latch: bool) -> None:
     async with seat(latch=latch) as the:
         await the.hold(Key.FORWARD, 1.5)
         the.press(Key.EMERGENCY)
@@ -164,8 +194,11 @@ async def test_the_emergency_key_latches_and_a_second_press_releases(*, latch: b
         assert the.sim.speed == 0.0
         assert not the.sim.powered
         assert "emergency stop" in the.lines[-1]
+        the.press(Key.EMERGENCY)  # pressed twice in a fright, it stays
+        await the.hold(Key.FORWARD, 1.5)
+        assert the.sim.speed == 0.0
         await asyncio.sleep(1.0)
-        the.press(Key.EMERGENCY)
+        the.press(Key.RESET)
         await asyncio.sleep(1.0)
         assert not the.sim.powered
         await the.hold(Key.FORWARD, 2.5)
@@ -212,10 +245,10 @@ async def test_the_live_line_shows_speed_pose_and_the_speeds_set() -> None:
     async with seat() as the:
         await the.hold(Key.FORWARD, 2.5)
         assert "0.50 m/s" in the.lines[-1]
-        assert "[0.50 0.50]" in the.lines[-1]
+        assert "[0.50 29]" in the.lines[-1]
         the.press(Key.FASTER)
         await asyncio.sleep(0.2)
-        assert "[0.55 0.55]" in the.lines[-1]
+        assert "[0.55 32]" in the.lines[-1]
         pose = the.sim.body.robot_in_world
         shown = the.lines[-1].partition("  x")[2].split(" y")[0]
         assert float(shown) == pytest.approx(pose.x, abs=0.1)
@@ -232,7 +265,7 @@ async def test_why_the_robot_stands_comes_first_for_narrow_terminals() -> None:
     async with seat() as the:
         await asyncio.sleep(0.3)
         assert the.lines[-1].startswith(
-            "Nothing is asked of it, and the motors are off.  [0.50 0.50]"
+            "Nothing is asked of it, and the motors are off.  [0.50 29]"
         )
 
 

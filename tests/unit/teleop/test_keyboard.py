@@ -1,13 +1,14 @@
 """From key presses to a velocity."""
 
-from math import inf, nextafter
+from math import inf, nan, nextafter
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.teleop.keyboard import HOLD, STEP, Key, Keyboard
+from pioneer3.teleop.keyboard import HOLD, PATIENCE, STEP, Key, Keyboard
 
 MOVING = {
     Key.FORWARD: Twist2(0.5, 0.0),
@@ -104,11 +105,44 @@ def test_faster_ends_at_the_limits() -> None:
     assert (keyboard.speed, keyboard.turn_rate) == (0.7, 0.41)
 
 
+@pytest.mark.parametrize("patience", [PATIENCE, 2.5])
 @pytest.mark.parametrize(("key", "twist"), [*MOVING.items()])
-def test_a_latched_key_acts_without_end(key: Key, twist: Twist2) -> None:
+def test_a_latched_key_ends_when_no_other_comes(key: Key, twist: Twist2, patience: float) -> None:
+    keyboard = Keyboard(speed=0.5, turn_rate=0.4, latch=True, patience=patience)
+    keyboard.press(key, 100.0)
+    assert keyboard.wanted(100.0) == (twist, patience)
+    assert keyboard.wanted(nextafter(100.0 + patience, 0))[0] == twist
+    assert not keyboard.has_run_out(nextafter(100.0 + patience, 0))
+    assert keyboard.wanted(100.0 + patience) == (STILL, 0.0)
+    assert keyboard.has_run_out(100.0 + patience)
+
+
+@pytest.mark.parametrize("key", OTHERS)
+def test_any_key_shows_that_hands_are_near_but_brings_back_nothing(key: Key) -> None:
     keyboard = board(latch=True)
-    keyboard.press(key, 0.0)
-    assert keyboard.wanted(3600.0) == (twist, inf)
+    keyboard.press(Key.FORWARD, 0.0)
+    keyboard.press(key, 9.0)
+    assert keyboard.wanted(9.0)[1] == PATIENCE
+    keyboard.press(key, 9.0 + PATIENCE)
+    assert keyboard.wanted(9.0 + PATIENCE) == (STILL, 0.0)
+
+
+@pytest.mark.parametrize("patience", [0.0, -1.0, nextafter(PATIENCE, inf), inf, nan])
+def test_patience_can_be_made_shorter_only(patience: float) -> None:
+    with pytest.raises(ConfigError, match="at most 10 s"):
+        Keyboard(latch=True, patience=patience)
+
+
+@given(PRESSES)
+def test_nothing_latched_outlives_the_last_key_by_more_than_its_patience(
+    presses: list[tuple[Key, float]],
+) -> None:
+    keyboard, now = board(latch=True), 0.0
+    for key, pause in presses:
+        now += pause
+        keyboard.press(key, now)
+    assert keyboard.wanted(now)[1] <= PATIENCE + 1e-9
+    assert keyboard.wanted(now + PATIENCE) == (STILL, 0.0)
 
 
 @pytest.mark.parametrize("first", [*MOVING])

@@ -109,7 +109,7 @@ async def test_the_live_line_tells_who_drives() -> None:
 async def test_the_emergency_stop_is_for_all_and_leaving_stops_all() -> None:
     async with seat() as the:
         await the.press("a", UP)
-        assert await the.press("e") == [0, 0]
+        assert await the.press("k") == [0, 0]
         assert [sim.powered for sim in the.sims] == [False, False]
         the.typed.put_nowait("\x04")
         await asyncio.wait_for(the.driving, 5.0)

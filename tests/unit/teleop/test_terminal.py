@@ -75,9 +75,18 @@ def test_escape_pressed_again_and_again_quits() -> None:
     assert list(keys_in("\x1b\x1b\x1b")) == [Key.QUIT] * 3
 
 
-@pytest.mark.parametrize("text", ["", "xyz", "ß€😀", "\x00\x01\x07", "\r\n\t", "12345"])
-def test_text_that_means_nothing_gives_no_key(text: str) -> None:
+@pytest.mark.parametrize("text", ["", "\x00\x01\x07", "\r\n\t"])
+def test_control_characters_that_mean_nothing_give_no_key(text: str) -> None:
     assert list(keys_in(text)) == []
+
+
+@pytest.mark.parametrize("text", ["x", "e", "E", "1", "ß", "😀"])
+def test_any_other_character_stops(text: str) -> None:
+    assert list(keys_in(text)) == [Key.STOP]
+
+
+def test_space_stops_and_k_is_the_emergency_stop() -> None:
+    assert list(keys_in(" kK")) == [Key.STOP, Key.EMERGENCY, Key.EMERGENCY]
 
 
 @given(st.text())

@@ -43,5 +43,5 @@ class Move:
         return Desire(
             v=approach(remaining, self.speed, self.deceleration),
             w=KEEP_HEADING * wrap(start.theta - here.theta),
-            reason=f"{remaining:.2f} m to go",
+            reason=f"{remaining:z.2f} m to go",
         )

@@ -45,4 +45,4 @@ class Turn:
         rate = approach(remaining, self.rate, self.deceleration)
         if abs(rate) < SLOWEST:
             rate = SLOWEST if rate > 0 else -SLOWEST
-        return Desire(v=0.0, w=rate, reason=f"{degrees(remaining):.0f} deg to go")
+        return Desire(v=0.0, w=rate, reason=f"{degrees(remaining):z.0f} deg to go")

@@ -85,13 +85,13 @@ class _Hand:
             Gauge(
                 name="pan",
                 share=-aim.pan / max(kind.pan.high, -kind.pan.low),
-                text=f"{aim.pan / DEGREE:+.0f}°",
+                text=f"{aim.pan / DEGREE:+z.0f}°",
                 signed=True,
             ),
             Gauge(
                 name="tilt",
                 share=aim.tilt / max(kind.tilt.high, -kind.tilt.low),
-                text=f"{aim.tilt / DEGREE:+.0f}°",
+                text=f"{aim.tilt / DEGREE:+z.0f}°",
                 signed=True,
             ),
             Gauge(name="zoom", share=aim.zoom, text=f"{100 * aim.zoom:.0f} %"),

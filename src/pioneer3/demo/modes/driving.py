@@ -5,6 +5,7 @@ from pioneer3.demo.modes.mode import Gauge
 from pioneer3.demo.modes.row import Cell, Row, degrees_tenths, millimetres, tenths, whole_degrees
 from pioneer3.geometry import Pose2
 from pioneer3.state import Snapshot
+from pioneer3.units import DEGREE
 
 WIDTH = 10
 
@@ -58,12 +59,12 @@ def speed_gauges(cockpit: Cockpit) -> tuple[Gauge, ...]:
     twist = snapshot.odometry.twist
     return (
         Gauge(
-            name="speed", share=twist.v / limits.max_speed, text=f"{twist.v:+.2f} m/s", signed=True
+            name="speed", share=twist.v / limits.max_speed, text=f"{twist.v:+z.2f} m/s", signed=True
         ),
         Gauge(
             name="turn",
             share=-twist.w / limits.max_turn_rate,
-            text=f"{twist.w:+.2f} rad/s",
+            text=f"{twist.w / DEGREE:+z.0f} deg/s",
             signed=True,
         ),
     )

@@ -96,4 +96,4 @@ def _reading(scan: Scan, number: int) -> str:
 
 def _polar(distance: float, angle: float) -> str:
     length = f"{distance / MM:4.0f}mm" if isfinite(distance) else "  no echo"
-    return f"{length} {angle / DEGREE:5.1f} deg"
+    return f"{length} {angle / DEGREE:z5.1f} deg"

@@ -7,6 +7,7 @@ from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.profile import approach
 from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.units import DEGREE
 
 NEAR, ALIGNED = 0.005, radians(1)
 """Near enough [m], [rad]."""
@@ -57,4 +58,4 @@ class Travel:
         )
 
     def _to_go(self, off: float) -> str:
-        return f"{self._left:.2f} m and {off:.2f} rad to go"
+        return f"{self._left:z.2f} m and {off / DEGREE:z.0f} deg to go"

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.sim.kernels.base import Kernels
 from pioneer3.sim.kernels.cache import tell_ready
 from pioneer3.sim.kernels.drives import Drives
@@ -38,8 +38,7 @@ def load_kernels(
         if prefer is None:
             return NumpyKernels()
         raise ConfigError(
-            f"kernels: numba was asked for but cannot be imported ({error}); "
-            "install the extra `fast`: pip install 'pioneer3[fast]'"
+            f"kernels: numba was asked for but cannot be imported ({error}): {how_to_get('fast')}"
         ) from error
     kernels = NumbaKernels(threads)
     if warm:

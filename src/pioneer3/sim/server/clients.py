@@ -3,6 +3,7 @@
 import asyncio
 from contextlib import suppress
 from io import FileIO
+from socket import SocketIO
 from typing import Protocol
 
 from pioneer3.errors import LinkError
@@ -61,7 +62,7 @@ class Connection:
 
     standing = False
 
-    def __init__(self, place: Place, file: FileIO, peer: str) -> None:
+    def __init__(self, place: Place, file: FileIO | SocketIO, peer: str) -> None:
         self.peer = peer
         self._place = place
         self._file = file

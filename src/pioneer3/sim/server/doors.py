@@ -25,6 +25,18 @@ SEND_BUFFER = 64 * 1024
 """Of the operating system [bytes]; its own choice would hide a host that takes nothing."""
 
 
+SOCKETS_ARE_FILES = os.name == "posix"
+
+
+def as_file(connection: socket.socket) -> FileIO | socket.SocketIO:
+    """Return what reads and writes `connection` and closes it; a descriptor takes least time."""
+    if SOCKETS_ARE_FILES:
+        return FileIO(connection.detach(), "r+")
+    file = connection.makefile("rwb", buffering=0)
+    connection.close()  # once the file is
+    return file
+
+
 class TcpDoor:
     """A listening socket in front of one robot's port."""
 
@@ -61,8 +73,9 @@ class TcpDoor:
         with suppress(OSError):  # it has gone already, which reading it will tell
             tune(connection)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-        file = FileIO(connection.detach(), "r+")
-        self._port.admit(Connection(self._port, file, f"tcp://{address[0]}:{address[1]}"))
+        self._port.admit(
+            Connection(self._port, as_file(connection), f"tcp://{address[0]}:{address[1]}")
+        )
 
 
 class PtyDoor:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import PurePath
 
 from pioneer3.errors import ConfigError
@@ -12,7 +11,7 @@ from pioneer3.sim.worldfile.fitting import AS_DELIVERED, Fitting
 from pioneer3.sim.worldfile.parse import MODEL_FILES
 from pioneer3.sim.worldfile.spec import RobotSpec, Start, WorldFile
 from pioneer3.sim.worldfile.table import FARTHEST
-from pioneer3.units import DEGREE, MM
+from pioneer3.units import ANGLE, LENGTH
 
 LONGEST_NAME = 40
 
@@ -104,7 +103,9 @@ def parse_robot(text: str) -> RobotSpec:
 
 
 def parse_start(text: str) -> Start:
-    """Read `x,y,th` in mm and degrees as MobileSim does, or `home`, `random`, `outside`.
+    """Read `x,y,th`, or `home`, `random`, `outside`.
+
+    Numbers are in mm and degrees, as MobileSim takes them, unless they carry units: `1m,2m,90deg`.
 
     Raises:
         ConfigError: It is neither.
@@ -113,13 +114,17 @@ def parse_start(text: str) -> Start:
         case "random" | "outside" | "home":
             return text
     try:
-        x_mm, y_mm, th_deg = (float(part) for part in text.split(","))
+        first, second, third = text.split(",")
+        x, y, theta = LENGTH.read(first, "mm"), LENGTH.read(second, "mm"), ANGLE.read(third)
     except ValueError:
-        hint = "expected x,y,th in mm and degrees such as 3000,3100,90, or home, random, outside"
+        hint = (
+            "expected x,y,th such as 3000,3100,90 [mm, deg] or 3m,3.1m,90deg, "
+            "or home, random, outside"
+        )
         raise _wrong("--start", text, hint) from None
-    if not isfinite(th_deg) or not abs(x_mm) * MM <= FARTHEST or not abs(y_mm) * MM <= FARTHEST:
+    if not abs(x) <= FARTHEST or not abs(y) <= FARTHEST:
         raise _wrong("--start", text, f"not within {FARTHEST / 1000:g} km of the map's origin")
-    return Pose2(x_mm * MM, y_mm * MM, wrap(th_deg * DEGREE))
+    return Pose2(x, y, wrap(theta))
 
 
 def _wrong(option: str, text: str, problem: str) -> ConfigError:
