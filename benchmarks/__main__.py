@@ -13,6 +13,7 @@ from benchmarks import (
     bench_start,
     bench_web,
     bench_world,
+    hostile,
     ros1,
 )
 
@@ -28,6 +29,7 @@ BENCHMARKS = {
     "gym": bench_gym,
     "ros1": ros1,
     "web": bench_web,
+    "hostile": hostile,
 }
 
 

@@ -95,7 +95,10 @@ def viewers_process(address: str, count: int, seconds: float) -> Iterator[Callab
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         process.stdout.readline()
-        yield lambda: Seen(**json.loads(process.communicate()[0]))
+        try:
+            yield lambda: Seen(**json.loads(process.communicate()[0]))
+        finally:
+            process.kill()
 
 
 def main(address: str, count: str, seconds: str) -> None:

@@ -17,8 +17,8 @@ from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap
 from pioneer3.web import visitor
 from pioneer3.web.page import Page
-from pioneer3.web.patience import ShortSocket
 from pioneer3.web.server import serve
+from pioneer3.web.websocket import ShortSocket
 from tests.support import SimulatedRobot, until
 
 pytestmark = pytest.mark.realtime

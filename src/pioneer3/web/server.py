@@ -15,8 +15,9 @@ from pioneer3.web.access.certificate import Certificate
 from pioneer3.web.access.names import is_loopback, own_names
 from pioneer3.web.access.sharing import others_urls
 from pioneer3.web.app import make_app
+from pioneer3.web.connections import BACKLOG, Limits, Server
 from pioneer3.web.page import Page
-from pioneer3.web.patience import ShortSocket
+from pioneer3.web.websocket import ShortSocket
 
 GOODBYE = 1
 """How long open pages are waited for at the end [s]."""
@@ -53,15 +54,15 @@ async def serve(
     Raises:
         PortBusyError, LinkError: the ports cannot be listened on.
     """
-    names = own_names(host)
+    names, limits = own_names(host), Limits()
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(running(page.run()))
         plain = _listen(host, port, stack)
-        await stack.enter_async_context(_running(page, names, plain))
+        await stack.enter_async_context(_running(page, names, limits, plain))
         served = Served(f"http://{shown(local_host(host))}:{_port(plain)}")
         if certificate is not None:
             secure = _listen(host, port and port + 1, stack)
-            await stack.enter_async_context(_running(page, names, secure, certificate))
+            await stack.enter_async_context(_running(page, names, limits, secure, certificate))
             served = Served(served.http, f"https://{shown(local_host(host))}:{_port(secure)}")
         page.access.authority = certificate.authority if certificate else None
         page.access.urls = others_urls(
@@ -77,6 +78,7 @@ async def serve(
 async def _running(
     page: Page,
     names: frozenset[str],
+    limits: Limits,
     listeners: list[socket.socket],
     certificate: Certificate | None = None,
 ) -> AsyncIterator[None]:
@@ -94,7 +96,7 @@ async def _running(
         ssl_keyfile=certificate.key if certificate else None,
         timeout_graceful_shutdown=GOODBYE,
     )
-    server = uvicorn.Server(config)
+    server = Server(config, limits)
     # its own serve() would take the signals away from those who stop the robot
     serving = asyncio.ensure_future(server._serve(listeners))
     try:
@@ -127,7 +129,8 @@ def _bind(host: str, port: int) -> socket.socket:
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         # it listens now, so that the address may be told before the server has started
-        listener = socket.create_server((host, port), family=family)
+        listener = socket.create_server((host, port), family=family, backlog=BACKLOG)
+        listener.setblocking(False)
         # small messages leave at once; connections inherit it
         listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     except OSError as error:

@@ -1,5 +1,6 @@
 """The doorkeeper: everything about who is in."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
@@ -7,8 +8,11 @@ from pioneer3.web.access.invitations import Invitations
 from pioneer3.web.access.names import is_from_here
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind, Session, Sessions
-from pioneer3.web.access.throttle import Throttle
+from pioneer3.web.access.throttle import NO_LIMIT, Rate, Throttle
 
+REQUESTS, VISITS, STOPS = Rate(1000, 0.005), Rate(80, 0.25), Rate(50, 0.05)
+"""From one address: of HTTP, and WebSockets; from one session for each robot: stops."""
+STOP = re.compile(r"/api/(robots/\d+/)?(emergency_)?stop")
 DEVICES = (("iPad", "tablet"), ("Tablet", "tablet"), ("Mobi", "phone"), ("Mozilla", "laptop"))
 
 
@@ -28,6 +32,9 @@ class Access:
         self.sessions = Sessions(clock)
         self.invitations = Invitations(clock)
         self.throttle = Throttle(clock)
+        self._requests, self._visits, self._stops = (
+            Throttle(clock, rate, NO_LIMIT) for rate in (REQUESTS, VISITS, STOPS)
+        )
 
     def pair(
         self, token: str, name: str, role: Role | None, others: Iterable[str] = ()
@@ -58,6 +65,17 @@ class Access:
         if session is None and is_from_here(peer, headers):
             return self.here
         return session
+
+    def is_too_much(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
+        """Note a request, or the `visit` of a page; return whether `peer` asks too much.
+
+        Stops are counted apart, so that a flood of other requests delays none of them.
+        """
+        if visit:
+            return self._visits.wait(peer) > 0
+        if session is not None and STOP.fullmatch(path):
+            return self._stops.wait(f"{session.id} {path}") > 0
+        return self._requests.wait(peer) > 0
 
 
 def device(user_agent: str) -> str:

@@ -24,6 +24,7 @@ HEADERS = {
     b"cache-control": b"no-cache",
 }
 POLICY_VIOLATION = 1008
+TOO_MUCH = Problem(429, "too many requests from your address; stops are counted apart")
 SECURE = frozenset({"https", "wss"})
 
 
@@ -55,7 +56,8 @@ class Gate:
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": POLICY_VIOLATION})
         else:
-            await answer(refused)(scope, receive, send_with_headers)
+            headers = {"Connection": "close"} if refused is TOO_MUCH else None
+            await answer(refused, headers)(scope, receive, send_with_headers)
 
     def _admit(self, scope: Scope) -> Problem | None:
         """Note who asks; return why a request goes no further, or `None`."""
@@ -68,7 +70,9 @@ class Gate:
         cookie = HTTPConnection(scope).cookies.get(cookie_name(scope))
         session = self._access.session(peer, headers, cookie)
         scope.setdefault("state", {})["session"] = session
-        return None
+        visit = scope["type"] == "websocket"
+        too_much = self._access.is_too_much(peer, session, scope["path"], visit=visit)
+        return TOO_MUCH if too_much else None
 
 
 def session_of(connection: HTTPConnection) -> Session | None:

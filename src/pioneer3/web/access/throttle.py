@@ -1,35 +1,49 @@
-"""Slows down who guesses."""
+"""Slows down who asks too much: who guesses tokens, who floods the page with requests."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf
 
-PER_ADDRESS, IN_ALL = 10, 60
-"""Attempts in a row from one address, and from everywhere."""
-PAUSE_PER_ADDRESS, PAUSE_IN_ALL = 6.0, 1.0
-"""After these, one more each so often [s]."""
-MOST_ADDRESSES = 10_000
+MOST_KEYS = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """So many in a row, after these one more each so often [s]."""
+
+    burst: int
+    pause: float
+
+
+GUESSES, GUESSES_IN_ALL = Rate(10, 6.0), Rate(60, 1.0)
+"""Tokens from one address, and from everywhere."""
+NO_LIMIT = Rate(1, 0.0)
 
 
 class Throttle:
-    """Counts attempts, per address and in all. `clock` returns the time [s, monotonic].
+    """Counts attempts, per key and in all. `clock` returns the time [s, monotonic].
 
     Each count drains by one per pause, a leaky bucket: what a person does is never slowed.
     """
 
-    def __init__(self, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, clock: Callable[[], float], each: Rate = GUESSES, every: Rate = GUESSES_IN_ALL
+    ) -> None:
         self._clock = clock
+        self._each = each
+        self._every = every
         self._all = -inf
-        self._by_address: dict[str, float] = {}
+        self._by_key: dict[str, float] = {}
 
-    def wait(self, address: str) -> float:
-        """Note an attempt from `address`; return how long it must wait [s], 0 if it may pass."""
-        now = self._clock()
-        if len(self._by_address) >= MOST_ADDRESSES:
-            self._by_address = {a: full for a, full in self._by_address.items() if full > now}
-        one = max(now, self._by_address.get(address, -inf)) + PAUSE_PER_ADDRESS
-        every = max(now, self._all) + PAUSE_IN_ALL
-        late = max(one - now - PER_ADDRESS * PAUSE_PER_ADDRESS, every - now - IN_ALL * PAUSE_IN_ALL)
-        if late > 0 or len(self._by_address) >= MOST_ADDRESSES:
-            return max(late, PAUSE_IN_ALL)
-        self._by_address[address], self._all = one, every
+    def wait(self, key: str) -> float:
+        """Note an attempt of `key`, such as an address; return how long it must wait [s], or 0."""
+        now, each, every = self._clock(), self._each, self._every
+        if len(self._by_key) >= MOST_KEYS:
+            self._by_key = {k: full for k, full in self._by_key.items() if full > now}
+        one = max(now, self._by_key.get(key, -inf)) + each.pause
+        all_ = max(now, self._all) + every.pause
+        late = max(one - now - each.burst * each.pause, all_ - now - every.burst * every.pause)
+        if late > 0 or len(self._by_key) >= MOST_KEYS:
+            return late if late > 0 else each.pause
+        self._by_key[key], self._all = one, all_
         return 0.0

@@ -113,7 +113,7 @@ def _is_theirs(who: Session, session: Session) -> bool:
 LOOK: Literal[Role.VIEWER] = Role.VIEWER
 DO: Literal[Role.DRIVER] = Role.DRIVER
 ACCESS = (
-    operation("POST", "/api/pair", pair, None, 403, 409, 429),
+    operation("POST", "/api/pair", pair, None, 403, 409),
     operation("GET", "/api/me", get_me, LOOK),
     operation("DELETE", "/api/me", leave, LOOK),
     operation("GET", "/api/sessions", list_sessions, DO),

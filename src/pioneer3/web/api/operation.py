@@ -115,7 +115,7 @@ def operation(
         needs=needs,
         body=hints.get("body"),
         answer=answer,
-        problems=tuple(sorted({*usual, *problems, 421})),
+        problems=tuple(sorted({*usual, *problems, 421, 429})),
     )
 
 

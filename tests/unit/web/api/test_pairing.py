@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.web.access.invitations import TERM
 from pioneer3.web.access.role import Role
-from pioneer3.web.access.throttle import PAUSE_PER_ADDRESS, PER_ADDRESS
+from pioneer3.web.access.throttle import GUESSES
 from tests.unit.web.asking import LAN, Answer, Script, stranger
 from tests.unit.web.browser import product
 
@@ -55,14 +55,14 @@ async def test_guessing_is_slowed_down_and_then_not_even_a_good_token_passes() -
         mallory = stranger(the.app)
         statuses = [
             (await mallory.ask("POST", "/api/pair", {"token": f"guess{n}"})).status
-            for n in range(PER_ADDRESS + 5)
+            for n in range(GUESSES.burst + 5)
         ]
-        assert statuses == [403] * PER_ADDRESS + [429] * 5
+        assert statuses == [403] * GUESSES.burst + [429] * 5
         token = the.page.access.invitations.invite(DRIVER)
         assert (await mallory.ask("POST", "/api/pair", {"token": token})).status == 429
         elsewhere = Script(the.app, host=LAN, peer="192.168.0.5")
         assert (await elsewhere.ask("POST", "/api/pair", {"token": token})).status == 200
-        await asyncio.sleep(PAUSE_PER_ADDRESS + 0.1)
+        await asyncio.sleep(GUESSES.pause + 0.1)
         assert (await mallory.ask("POST", "/api/pair", {"token": "x"})).status == 403
 
 

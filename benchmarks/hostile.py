@@ -1,0 +1,228 @@
+"""How soon a robot stands while clients mean no good.
+
+Attackers, viewers and the server are processes of their own. The robot is simulated in this one,
+which has nothing else to do, or in the server's, as `pioneer3 run` does. All are at one address, as
+an attacker is who sits at this very computer, or behind the same router.
+"""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from contextlib import AbstractContextManager, asynccontextmanager, suppress
+from statistics import median
+from typing import TypeVar
+from urllib.parse import urlsplit
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+
+from benchmarks.hostile_clients import attackers
+from benchmarks.table import Row
+from benchmarks.web_server import server_process
+from benchmarks.web_viewers import viewers_process
+from benchmarks.web_wire import Wire, wire_to
+from pioneer3 import MotionError, connect_async
+from pioneer3.arcos import commands
+from pioneer3.links import Link
+from pioneer3.runtime.simulation import simulator
+from pioneer3.runtime.tasks import running
+from tests.support import SimulatedRobot
+
+FILES = 256
+"""What the server under attack may open."""
+IDLE, DRIPPING, FLOODERS, ASKERS, VIEWERS = 400, 300, 4, 20, 50
+STOPS, STANDS = 20, 8
+PATIENCE, STOP_PATIENCE = 15.0, 3.0
+SPEED = 0.3
+RENEWAL, RENEWALS = 0.066, 30
+"""Between two requests of a page that drives [s], and how many."""
+SETTLE = 0.5
+"""Until the motors are seen to be off after an emergency stop [s]."""
+STAND_BAR, FROZEN_BAR, STOP_BAR = 300.0, 800.0, 300.0
+FLOOD = 6.5
+"""How long a program asks for stops in a loop [s]."""
+BAUD_BYTES = 960.0
+"""What a line of 9600 baud carries [bytes/s]."""
+
+T = TypeVar("T")
+Stand = Callable[[float], Coroutine[None, None, float]]
+"""Waits until the robot stands, at the earliest then; returns when [s, monotonic]."""
+
+
+def rows() -> Iterator[Row]:
+    """Measure everything of this file."""
+    yield from asyncio.run(_stops("wait", IDLE, f"{IDLE} idle connections, {FILES} files"))
+    yield from asyncio.run(_stops("drip", DRIPPING, f"{DRIPPING} slow senders, {FILES} files"))
+    yield from asyncio.run(_stops("ask", ASKERS, f"{ASKERS} askers in a loop"))
+    yield from asyncio.run(_stands_apart())
+    yield from asyncio.run(_stands_here())
+    yield from asyncio.run(_flooded_link())
+
+
+async def _stops(manner: str, count: int, what: str) -> list[Row]:
+    """Stop by HTTP during an attack; see when the robot is told."""
+    async with (
+        simulator(port=0) as robot,
+        wire_to(robot.url) as wire,
+        _beside(server_process([wire.url], FILES)) as server,
+        _beside(attackers(manner, server.address, count)),
+    ):
+        await asyncio.sleep(2.0)
+        took = [await _stop(server.address, wire) for _ in range(STOPS)]
+    answered = [ms for ms in took if ms is not None]
+    return [
+        Row(f"{what}: e-stops that got through", len(answered), "", STOPS, more_is_better=True),
+        Row(f"{what}: HTTP e-stop to the wire, median", median(answered or [0]), "ms", None),
+        Row(f"{what}: HTTP e-stop to the wire, worst", max(answered or [0]), "ms", STOP_BAR),
+    ]
+
+
+async def _stop(address: str, wire: Wire) -> float | None:
+    """Post an emergency stop over a new connection; return how long it took [ms]."""
+    where = urlsplit(address).netloc
+    arrival, asked = wire.next(commands.Stop), time.monotonic()
+    writer = None
+    try:
+        async with asyncio.timeout(STOP_PATIENCE):
+            _, writer = await asyncio.open_connection(*where.split(":"))
+            writer.write(
+                f"POST /api/emergency_stop HTTP/1.1\r\nHost: {where}\r\nContent-Length: 0\r\n\r\n"
+                "".encode()
+            )
+            took = (await arrival - asked) * 1000
+    except (OSError, TimeoutError):
+        return None
+    finally:
+        if writer is not None:
+            writer.close()
+    await asyncio.sleep(0.2)
+    return took
+
+
+@asynccontextmanager
+async def _beside(context: AbstractContextManager[T]) -> AsyncIterator[T]:
+    """Enter and leave `context`, which waits for processes, beside this loop."""
+    entered = await asyncio.to_thread(context.__enter__)
+    try:
+        yield entered
+    finally:
+        await asyncio.to_thread(context.__exit__, None, None, None)
+
+
+async def _stands_apart() -> list[Row]:
+    """Let pages drive a robot that is simulated here."""
+    async with (
+        simulator(port=0) as robot,
+        _beside(server_process([robot.url])) as server,
+    ):
+
+        async def stand(after: float) -> float:
+            assert robot.body.drive.linear.velocity, "it did not drive"
+            while robot.body.drive.linear.velocity:
+                await asyncio.sleep(0.002)
+            return time.monotonic()
+
+        return await _rows_of_stands("a robot elsewhere", server.address, stand)
+
+
+async def _stands_here() -> list[Row]:
+    """Let pages drive a robot that is simulated by their server."""
+    async with _beside(server_process([])) as server:
+
+        async def stand(after: float) -> float:
+            while True:
+                at = float(await asyncio.to_thread(server.lines.readline))
+                if at > after:
+                    return at
+
+        return await _rows_of_stands("simulated by the server", server.address, stand)
+
+
+async def _rows_of_stands(which: str, address: str, stand: Stand) -> list[Row]:
+    """Drive from one page and stop from another, among viewers and flooders."""
+    url = f"{address.replace('http', 'ws', 1)}/ws"
+    async with (
+        connect(url) as driver,
+        connect(url) as other,
+        running(_read(driver), _read(other)),
+        _beside(viewers_process(address, VIEWERS, 1e6)),
+        _beside(attackers("ping", address, FLOODERS)),
+    ):
+        stopped, frozen = [], []
+        for _ in range(STANDS):  # to and fro, so that it stays where nothing is in the way
+            stopped.append(await _drive_and_end(driver, other, stand, SPEED, stop=True))
+            frozen.append(await _drive_and_end(driver, other, stand, -SPEED, stop=False))
+    what = f"{FLOODERS} flooders, {VIEWERS} viewers, {which}"
+    return [
+        Row(f"{what}: e-stop to stand, median", median(stopped), "ms", None),
+        Row(f"{what}: e-stop to stand, worst", max(stopped), "ms", STAND_BAR),
+        Row(f"{what}: frozen to stand, median", median(frozen), "ms", None),
+        Row(f"{what}: frozen to stand, worst", max(frozen), "ms", FROZEN_BAR),
+    ]
+
+
+async def _drive_and_end(
+    driver: ClientConnection, other: ClientConnection, stand: Stand, speed: float, *, stop: bool
+) -> float:
+    """Drive for a moment, then freeze, or stop from another page; return the time to stand [ms]."""
+    await other.send('{"type":"reset_emergency_stop"}')
+    await asyncio.sleep(SETTLE)
+    await driver.send('{"type":"drive","v":0,"w":0}')
+    for _ in range(RENEWALS):
+        await asyncio.sleep(RENEWAL)
+        await driver.send(f'{{"type":"drive","v":{speed},"w":0}}')
+    asked = time.monotonic()
+    if stop:
+        await other.send('{"type":"emergency_stop"}')
+    async with asyncio.timeout(PATIENCE):
+        return (await stand(asked) - asked) * 1000
+
+
+async def _read(page: ClientConnection) -> None:
+    with suppress(ConnectionClosed):
+        async for _ in page:
+            pass
+
+
+class SlowLine:
+    """A link that takes bytes as fast as 9600 baud carry them."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self.url, self.speeds = link.url, link.speeds
+        self.read, self.set_speed, self.close = link.read, link.set_speed, link.close
+
+    async def write(self, data: bytes) -> None:
+        """Send all of `data`, and wait until it has left."""
+        await asyncio.sleep(len(data) / BAUD_BYTES)
+        await self._link.write(data)
+
+
+async def _flooded_link() -> list[Row]:
+    """Ask for stops in a loop, of a robot at a slow line; see when it can be driven again."""
+    rows = []
+    for kind in ("stop", "emergency_stop"):
+        async with SimulatedRobot() as sim:
+
+            async def opened(sim: SimulatedRobot = sim) -> Link:
+                return SlowLine(await sim.open())
+
+            async with connect_async(opened) as robot:
+                clock = asyncio.get_running_loop().time
+                end, ask = clock() + FLOOD, getattr(robot, kind)
+                while clock() < end:
+                    ask()
+                    await asyncio.sleep(0.001)
+                asked = clock()
+                robot.reset_emergency_stop()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(PATIENCE):
+                        while not sim.speed:
+                            with suppress(MotionError):
+                                robot.drive(0.2)
+                            await asyncio.sleep(0.05)
+                took = clock() - asked
+                stops = sum(isinstance(c, commands.Stop) for w in sim.wires for c in w.commands)
+        rows.append(Row(f"{FLOOD:g} s of {kind} at 9600 baud: drives again", took, "s", 2))
+        rows.append(Row(f"{FLOOD:g} s of {kind} at 9600 baud: STOPs sent", stops, "", None))
+    return rows

@@ -1,0 +1,125 @@
+"""uvicorn's WebSocket, kept short both ways: nothing piles up for a page, or because of one."""
+
+import asyncio
+import json
+import socket
+from asyncio import BaseTransport
+from typing import Any
+
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame
+
+UNSENT = 16_384
+"""What the system keeps for a page beyond what is on its way [bytes]; a frame more is kept here."""
+LAST_WORDS = 1.0
+"""How long a page that took nothing is given to hear why it is sent away [s]."""
+RATE = 60.0
+"""Frames that a page may send [1/s]; one that drives sends 15, and some more for what it shows."""
+ENOUGH, TOO_MANY = 120, 240
+"""Frames beyond that rate: who sends more is told, and heard no more but for stops; then closed."""
+SLICE = 1024
+"""Bytes of a page that are read at once; then all others have their turn."""
+MOST_UNREAD = 65_536
+"""A page that has sent so much more than could be read is closed [bytes]."""
+POLICY_VIOLATION = 1008
+FLOODS = "this page sends too much"
+STOPS = b"stop"
+"""Is in every request to stop."""
+
+
+class ShortSocket(WebSocketsSansIOProtocol):
+    """A WebSocket that takes the next message when the last has been handed to the network.
+
+    `state["hang_up"](code, reason)` of the ASGI scope closes one that takes nothing any more. One
+    that says more than a page has to say is told, and closed if it goes on: what it drives stops.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._unread = bytearray()
+        self._reading = self._told = self._deaf = False
+        self._frames, self._counted_at = 0.0, self.loop.time()
+
+    def connection_made(self, transport: BaseTransport) -> None:
+        """Keep the buffers of the connection small."""
+        assert isinstance(transport, asyncio.Transport)
+        transport.set_write_buffer_limits(high=0)
+        line = transport.get_extra_info("socket")
+        if line is not None and hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT)
+        self.app_state = {**self.app_state, "hang_up": self._hang_up}
+        super().connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Read what has come, a little at a time."""
+        if self._deaf:
+            return
+        self._unread += data
+        if len(self._unread) > MOST_UNREAD:
+            self._show_out()
+        elif not self._reading:
+            self._read_on()
+
+    def handle_text(self, event: Frame) -> None:
+        """Hear a message, unless there were too many; a stop is always heard."""
+        if not self._deaf and (self._count() <= ENOUGH or STOPS in event.data or not event.fin):
+            super().handle_text(event)
+
+    def handle_bytes(self, event: Frame) -> None:
+        """Count it with the messages."""
+        self._count()
+        super().handle_bytes(event)
+
+    def handle_cont(self, event: Frame) -> None:
+        """Count it with the messages."""
+        self._count()
+        super().handle_cont(event)
+
+    def handle_ping(self) -> None:
+        """Count it with the messages; browsers send none."""
+        self._count()
+        super().handle_ping()
+
+    def _read_on(self) -> None:
+        part = bytes(self._unread[:SLICE])
+        del self._unread[:SLICE]
+        super().data_received(part)
+        self._reading = bool(self._unread) and not self._deaf
+        if self._reading:
+            self.loop.call_soon(self._read_on)
+
+    def _count(self) -> float:
+        """Count a frame; return how many there were beyond the rate."""
+        now = self.loop.time()
+        self._frames = max(0.0, self._frames - (now - self._counted_at) * RATE) + 1
+        self._counted_at = now
+        if self._frames <= ENOUGH:
+            self._told = False
+        elif self._frames > TOO_MANY:
+            self._show_out()
+        elif not self._told:
+            self._told = True
+            self._tell(f"{FLOODS}: only stops are heard")
+        return self._frames
+
+    def _tell(self, message: str) -> None:
+        if self.handshake_complete and not self.close_sent and not self.transport.is_closing():
+            self.conn.send_text(json.dumps({"type": "told", "message": message}).encode())
+            self.transport.write(b"".join(self.conn.data_to_send()))
+
+    def _show_out(self) -> None:
+        """Hear no more, and let the application know that this page is gone."""
+        if self._deaf:
+            return
+        self._deaf = True
+        self._unread.clear()
+        self.queue.put_nowait(
+            {"type": "websocket.disconnect", "code": POLICY_VIOLATION, "reason": FLOODS}
+        )
+        self._hang_up(POLICY_VIOLATION, FLOODS)
+
+    def _hang_up(self, code: int, reason: str) -> None:
+        """Say why, if that still gets through; then drop the connection and all that waits."""
+        self.conn.fail(code, reason)
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        self.loop.call_later(LAST_WORDS, self.transport.abort)
