@@ -66,14 +66,18 @@ class Access:
             return self.here
         return session
 
+    def is_stop(self, session: Session | None, path: str) -> bool:
+        """Whether this is a request to stop, of somebody who may."""
+        return session is not None and STOP.fullmatch(path) is not None
+
     def is_too_much(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
         """Note a request, or the `visit` of a page; return whether `peer` asks too much.
 
-        Stops are counted apart, so that a flood of other requests delays none of them.
+        Stops are counted apart, so that a flood of other requests keeps none of them out.
         """
         if visit:
             return self._visits.wait(peer) > 0
-        if session is not None and STOP.fullmatch(path):
+        if session is not None and self.is_stop(session, path):
             return self._stops.wait(f"{session.id} {path}") > 0
         return self._requests.wait(peer) > 0
 

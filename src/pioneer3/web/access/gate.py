@@ -1,5 +1,6 @@
 """The rules of the house, for every request: our names, our pages, who it is, safe headers."""
 
+import asyncio
 from collections.abc import Mapping
 
 from starlette.datastructures import Headers
@@ -41,6 +42,7 @@ class Gate:
         self._app = app
         self._access = access
         self._names = names
+        self._turn = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request or WebSocket."""
@@ -50,7 +52,7 @@ class Gate:
                 message["headers"] = [*message.get("headers", ()), *HEADERS.items()]
             await send(message)
 
-        refused = self._admit(scope)
+        refused = self._identify(scope) or await self._refuse_flood(scope)
         if refused is None:
             await self._app(scope, receive, send_with_headers)
         elif scope["type"] == "websocket":
@@ -59,20 +61,35 @@ class Gate:
             headers = {"Connection": "close"} if refused is TOO_MUCH else None
             await answer(refused, headers)(scope, receive, send_with_headers)
 
-    def _admit(self, scope: Scope) -> Problem | None:
+    def _identify(self, scope: Scope) -> Problem | None:
         """Note who asks; return why a request goes no further, or `None`."""
         headers = Headers(scope=scope)
         if not is_ours(headers.get("host"), self._names):
             return Problem(421, "this server does not go by that host name")
         if not is_own_origin(headers):
             return Problem(403, "another web page asked for this; only our own may")
-        peer = (scope.get("client") or ("", 0))[0]
         cookie = HTTPConnection(scope).cookies.get(cookie_name(scope))
-        session = self._access.session(peer, headers, cookie)
+        session = self._access.session(_peer(scope), headers, cookie)
         scope.setdefault("state", {})["session"] = session
+        return None
+
+    async def _refuse_flood(self, scope: Scope) -> Problem | None:
+        """Return why this is one request too many, or `None`; all but stops wait for their turn.
+
+        One has its turn in a round of the loop, so that rounds stay short: whatever the crowd, a
+        stop takes some of them from the network to the robot.
+        """
+        session, path = scope["state"]["session"], scope["path"]
+        if not self._access.is_stop(session, path):
+            async with self._turn:
+                await asyncio.sleep(0)
         visit = scope["type"] == "websocket"
-        too_much = self._access.is_too_much(peer, session, scope["path"], visit=visit)
+        too_much = self._access.is_too_much(_peer(scope), session, path, visit=visit)
         return TOO_MUCH if too_much else None
+
+
+def _peer(scope: Scope) -> str:
+    return str((scope.get("client") or ("", 0))[0])
 
 
 def session_of(connection: HTTPConnection) -> Session | None:

@@ -1,0 +1,101 @@
+"""A page that sends too much is told, then closed; its stops, and others, are heard at once."""
+
+import asyncio
+import json
+from contextlib import suppress
+
+import pytest
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosedError
+
+from pioneer3.web.websocket import ENOUGH, FLOODS, MOST_UNREAD, TOO_MANY
+from tests.unit.web.test_server import closing_code, served, until_driving, until_standing
+
+pytestmark = pytest.mark.realtime
+
+PING = '{"type":"ping","t":1}'
+PATIENCE = 20.0
+
+
+def burst(texts: list[str]) -> bytes:
+    """Return messages as they are on the wire, masked with zeros."""
+    frames = (b"\x81" + bytes([0x80 | len(t)]) + bytes(4) + t.encode() for t in texts)
+    return b"".join(frames)
+
+
+async def told(page: ClientConnection) -> list[str]:
+    """Return what the page is told, until it is closed."""
+    heard = []
+    with suppress(ConnectionClosedError):
+        async for text in page:
+            message = json.loads(text)
+            if message["type"] == "told":
+                heard.append(message["message"])
+    return heard
+
+
+async def test_who_pings_in_a_loop_is_told_once_then_closed() -> None:
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        page.transport.write(burst([PING] * (TOO_MANY + 10)))
+        async with asyncio.timeout(PATIENCE):
+            assert await told(page) == [f"{FLOODS}: only stops are heard"]
+        assert page.close_code == 1008
+        assert page.close_reason == FLOODS
+
+
+async def test_a_stop_behind_too_many_pings_is_heard_and_the_page_stays() -> None:
+    async with served() as (sim, where), connect(f"ws://{where}/ws") as page:
+        await until_driving(sim, page)
+        page.transport.write(burst([PING] * (ENOUGH + 20) + ['{"type":"emergency_stop"}']))
+        await until_standing(sim)
+        pongs = 0
+        async with asyncio.timeout(PATIENCE):
+            async for text in page:
+                pongs += '"pong"' in str(text)
+                if '"emergency_stop":true' in str(text):
+                    break
+        assert pongs < ENOUGH  # the oldest answers are forgotten, and the last pings were not heard
+        assert page.close_code is None
+
+
+async def test_who_floods_stops_driving() -> None:
+    async with served() as (sim, where), connect(f"ws://{where}/ws") as page:
+        await until_driving(sim, page)
+        drive = '{"type":"drive","v":0.3,"w":0}'
+        page.transport.write(burst([drive] * (TOO_MANY + 10)))
+        assert await closing_code(page) == 1008
+        await until_standing(sim)
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        pytest.param(b"\x89\x80" + bytes(4), id="pings of the protocol"),
+        pytest.param(b"\x80\x80" + bytes(4), id="empty parts of a message"),
+        pytest.param(b"\x82\x80" + bytes(4), id="bytes"),
+    ],
+)
+async def test_frames_of_any_kind_count(frame: bytes) -> None:
+    first = b"\x01\x80" + bytes(4) if frame[0] == 0x80 else b""
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        frame = frame.replace(b"\x80\x80", b"\x00\x80")
+        page.transport.write(first + frame * (TOO_MANY + 10))
+        assert await closing_code(page) == 1008
+
+
+async def test_who_sends_more_than_can_be_read_is_closed_unread() -> None:
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        page.transport.write(b"\x81" * 4 * MOST_UNREAD)
+        async with asyncio.timeout(PATIENCE):
+            await page.wait_closed()
+        assert page.close_code in {1006, 1008}  # the system may drop what was not read
+
+
+async def test_who_drives_and_looks_as_a_page_does_is_never_told() -> None:
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        listening = asyncio.ensure_future(told(page))
+        for _ in range(2 * ENOUGH):  # three times as often as a page that drives
+            await page.send(PING)
+            await asyncio.sleep(0.02)
+        await page.close()
+        assert await listening == []
