@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
+from pioneer3.behaviors.goal import Headway
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Action, Stack
@@ -72,6 +73,7 @@ class Helm:
         self._parts: list[_Part] = []
         self._decided_after = self.last_stop
         self._memory: RangeMemory | None = None
+        self._headway = Headway()
         self._clock = asyncio.get_running_loop().time
         supervisor.on_reading = self._take
 
@@ -182,6 +184,7 @@ class Helm:
         """Stop, then let `mode` drive in place of the one before; return why it does not."""
         self.stop()
         self.mode, self.ended = mode, None
+        self._headway = Headway()
         self._join(mode)
         return self.decide()
 
@@ -234,6 +237,13 @@ class Helm:
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
             self.decide()
+        self._look_for_headway(snapshot)
+
+    def _look_for_headway(self, snapshot: Snapshot) -> None:
+        """End a mode that goes somewhere and does not get there."""
+        here = snapshot.odometry.robot_in_odom
+        if self.mode and not self._headway.made(self.mode.goal, here.x, here.y, snapshot.stamp):
+            self.end_mode(": ".join(("something is in the way", *self.told)))
 
     @property
     def told(self) -> tuple[str, ...]:

@@ -1,8 +1,7 @@
 """Motions that take a while: waits until they are done, or says what ended them."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
-from math import inf
+from collections.abc import AsyncIterator
 
 from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.behaviors.stack import Stack
@@ -15,16 +14,10 @@ from pioneer3.state import Snapshot
 
 STUCK_PATIENCE = 2.0
 """A motion that makes no headway for this long [s] has failed."""
-BLOCKED_PATIENCE = 15.0
-"""On the way somewhere, people may step aside within this time [s]."""
 EARLY = 1e-6
 """A loop may call somebody so much too early [s]."""
-HEADWAY = 0.1
-"""Less than this in that time is none [m]."""
 
 Readings = AsyncIterator[Snapshot]
-Left = Callable[[Snapshot], float]
-"""Returns how far there is to go [m]."""
 
 
 async def carry_out(
@@ -52,47 +45,27 @@ async def carry_out(
         helm.remove(action)
 
 
-async def run_mode(
-    mode: Stack, helm: Helm, readings: Readings, *, until: float, left: Left | None = None
-) -> None:
+async def run_mode(mode: Stack, helm: Helm, readings: Readings, *, until: float) -> None:
     """Let `mode` drive `until` then [s, loop time], or until it has done what it is for.
 
     Raises:
-        MotionError: something else ended it, or what is `left` has not shrunk for a while; the
-            message says why.
+        MotionError: something else ended it; the message says what.
     """
     clock = asyncio.get_running_loop().time
     helm.start(mode)
-    headway = _Headway(clock())
     try:
-        async for snapshot in readings:
+        async for _ in readings:
             ended = helm.ended
             if ended is not None and ended.mode is mode and ended.done:
                 return
             if helm.mode is not mode:
                 why = ended.why if ended and ended.mode is mode else "another mode was started"
                 raise MotionError(f"{mode.name}: {why}")
-            if left and not headway.made(left(snapshot), snapshot.stamp):
-                told = "; ".join(helm.told)
-                raise MotionError(f"{mode.name}: something is in the way: {told}")
         if clock() < until - EARLY:
             raise MotionError(f"{mode.name}: the connection was closed")
     finally:
         if helm.mode is mode:
             helm.end_mode("its time was over")
-
-
-class _Headway:
-    """Watches a distance that must shrink."""
-
-    def __init__(self, now: float) -> None:
-        self._best, self._at = inf, now
-
-    def made(self, distance: float, now: float) -> bool:
-        """Return whether it has shrunk lately."""
-        if distance < self._best - HEADWAY:
-            self._best, self._at = distance, now
-        return now - self._at < BLOCKED_PATIENCE
 
 
 def _check(action: Move | Turn, helm: Helm, supervisor: Supervisor) -> None:

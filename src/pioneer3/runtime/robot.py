@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from math import hypot, inf
+from math import inf
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.actions import Hold, Move, Turn
@@ -138,9 +138,7 @@ class Robot:
         top = limits.max_speed if speed is None else _positive("speed", speed)
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
-        await run_mode(
-            mode, self.helm, self.snapshots(), until=inf, left=lambda now: _distance(now, x, y)
-        )
+        await run_mode(mode, self.helm, self.snapshots(), until=inf)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has done what it is for.
@@ -178,11 +176,6 @@ class Robot:
     async def _carry_out(self, action: Move | Turn) -> None:
         self._hold.release()
         await carry_out(action, self.helm, self.supervisor, self.snapshots())
-
-
-def _distance(snapshot: Snapshot, x: float, y: float) -> float:
-    here = snapshot.odometry.robot_in_odom
-    return hypot(x - here.x, y - here.y)
 
 
 def _positive(name: str, value: float) -> float:

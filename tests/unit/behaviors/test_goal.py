@@ -1,53 +1,48 @@
-"""Where modes say that they are going to."""
+"""Whether a robot comes nearer to where it is going."""
 
-from dataclasses import replace
-from math import inf
+from pioneer3.behaviors.goal import HEADWAY, PATIENCE, Goal, Headway
 
-import pytest
-
-from pioneer3.behaviors import modes
-from pioneer3.behaviors.actions.follow_lab import FollowLab
-from pioneer3.behaviors.actions.follow_tracking import FollowTracking
-from pioneer3.behaviors.follow import follow
-from pioneer3.behaviors.goal import Goal
-from pioneer3.behaviors.stack import Stack
-from pioneer3.geometry import Pose2
-from pioneer3.state import Sonar
-from tests.unit.behaviors.actions.test_follow_tracking import decided
-from tests.unit.behaviors.support import P3AT, seen
-from tests.unit.behaviors.tracking.scene import Scene, ahead
+AHEAD = Goal(x=10.0, y=0.0)
 
 
-def test_goto_is_going_to_its_place() -> None:
-    assert modes.goto(1.0, 2.0, 0.5).goal == Goal(x=1.0, y=2.0, heading=0.5)
-    assert modes.goto(1.0, 2.0).goal == Goal(x=1.0, y=2.0)
+def until_given_up(headway: Headway, x: float, begin: float = 0.0, *, goal: Goal = AHEAD) -> float:
+    """Look four times a second at a robot that stands at `x`; return when it makes no headway."""
+    now = begin
+    while headway.made(goal, x, 0.0, now):
+        now += 0.25
+        assert now < begin + 1000.0
+    return now - begin
 
 
-def test_wander_and_teleop_are_going_nowhere() -> None:
-    assert modes.wander().goal is None
-    assert modes.teleop().goal is None
+def test_who_stands_is_given_up_after_a_while() -> None:
+    assert until_given_up(Headway(), 0.0) == PATIENCE
 
 
-def test_follow_is_going_to_somebody_once_it_hears_them() -> None:
-    action = FollowTracking()
-    assert Stack.alone(action, 20).goal is None
-    assert follow().goal is None
-    decided(Scene(people=[ahead(0.6)]), action)
-    goal = Stack.alone(action, 20).goal
-    assert goal is not None
-    assert goal.person
-    x, y = action.target.estimate.position if action.target else (inf, inf)
-    assert (goal.x, goal.y) == (x, y)
+def test_who_comes_nearer_is_waited_for_again_and_who_only_jitters_is_not() -> None:
+    headway = Headway()
+    for second in range(100):
+        assert headway.made(AHEAD, second * 1.1 * HEADWAY, 0.0, second)
+    jitter = Headway()
+    looks = [jitter.made(AHEAD, 0.05 * (n % 2), 0.0, n / 4) for n in range(80)]
+    assert looks.index(False) == 60
 
 
-def test_the_labs_follow_is_going_to_the_nearest_echo() -> None:
-    action, here = FollowLab(), seen(pose=Pose2(1.0, 2.0, 0.0))
-    ranges = tuple(0.6 if number == 3 else inf for number in range(16))
-    heard = replace(here, snapshot=replace(here.snapshot, sonar=Sonar(ranges=ranges)))
-    action.decide(heard)
-    mount = P3AT.sonars[3]
-    echo = here.pose @ Pose2(mount.x, mount.y, mount.theta) @ Pose2(0.6)
-    assert action.goal is not None
-    assert (action.goal.x, action.goal.y) == pytest.approx((echo.x, echo.y))
-    action.decide(here)
-    assert action.goal is None
+def test_another_goal_has_its_own_time() -> None:
+    headway = Headway()
+    assert headway.made(AHEAD, 0.0, 0.0, 0.0)
+    until_given_up(headway, 0.0)
+    assert headway.made(Goal(x=5.0, y=0.0), 0.0, 0.0, 100.0)
+
+
+def test_a_person_may_stand_and_nowhere_need_not_come_nearer() -> None:
+    headway = Headway()
+    person = Goal(x=1.0, y=0.0, person=True)
+    for second in range(100):
+        assert headway.made(person if second < 50 else None, 0.0, 0.0, second)
+
+
+def test_time_without_readings_does_not_count() -> None:
+    headway = Headway()
+    assert headway.made(AHEAD, 0.0, 0.0, 0.0)
+    assert headway.made(AHEAD, 0.0, 0.0, 600.0)
+    assert until_given_up(headway, 0.0, 600.1) > PATIENCE - 2.0

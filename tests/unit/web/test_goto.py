@@ -14,6 +14,7 @@ from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap, MapObject
+from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product
 
 AREA = MapObject(
@@ -43,6 +44,29 @@ async def test_the_robot_goes_where_it_is_sent_and_says_so() -> None:
         assert hypot(here.x - 0.5, here.y + 1.0) < 0.2
         assert abs(here.theta) < 0.15
         assert (newest(ann)["mode"], newest(ann)["target"]) == (None, None)
+
+
+async def test_a_way_that_is_blocked_is_given_up_with_the_reason() -> None:
+    async with playground(Pose2(-1.0, 0.0, pi), line_map=ROOM) as the, Browser(the.app) as ann:
+        ann.say("goto", x=-6.0, y=0.0)
+        await ann.stay(10.0)
+        assert newest(ann)["mode"] == "goto"  # somebody may step aside
+        await ann.stay(30.0)
+        assert newest(ann)["mode"] is None
+        assert newest(ann)["ended"]["why"].startswith("something is in the way: ")
+        assert not newest(ann)["ended"]["done"]
+        assert not the.simulation.body.drive.linear.velocity
+
+
+async def test_a_script_is_told_that_the_way_is_blocked() -> None:
+    async with playground(Pose2(-1.0, 0.0, pi), line_map=ROOM) as the:
+        script = Script(the.app)
+        wish = {"x": 5.0, "y": 0.0, "seconds": 600}
+        assert (await script.ask("POST", "/api/robots/1/goto", wish)).status == 200
+        await asyncio.sleep(40.0)
+        ended = (await script.ask("GET", "/api/robots/1/mode")).json
+        assert ended["mode"] is None
+        assert ended["ended"].startswith("goto: something is in the way")
 
 
 async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:
