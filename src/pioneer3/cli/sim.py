@@ -3,6 +3,7 @@
 import logging
 import sys
 from collections.abc import Iterator
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -16,6 +17,7 @@ from pioneer3.cli.sim_options import (
     PortOptions,
     TimeOptions,
 )
+from pioneer3.errors import PortBusyError
 
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
@@ -85,7 +87,11 @@ def sim(
 async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]") -> int:
     import asyncio  # noqa: PLC0415
 
-    async with simulation as running:
+    async with AsyncExitStack() as stack:
+        try:
+            running = await stack.enter_async_context(simulation)
+        except PortBusyError as error:
+            raise PortBusyError(f"{error} with -p, or --acts for colour trackers") from None
         for note in running.notes:
             _warn(note)
         print("\n".join(_greeting(running)), flush=True)  # noqa: T201

@@ -9,6 +9,7 @@ from pioneer3.sim.maps import LineMap
 
 if TYPE_CHECKING:  # they make scenes themselves
     from pioneer3.runtime.simulation import RunningSimulation, SimulatedRobot
+    from pioneer3.runtime.simulation.elsewhere import WorldElsewhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,21 +22,26 @@ class Scene:
         truth: Returns the true pose in the map, where a simulator knows it.
         simulated: The simulation to look at and to change, and the robot in it; `None` for a real
             robot.
+        elsewhere: What a simulator in another program tells, if the robot is of one.
     """
 
     map: LineMap | None = None
     odom_in_map: Pose2 = ORIGIN
     truth: Callable[[], Pose2] | None = None
     simulated: "tuple[RunningSimulation, SimulatedRobot] | None" = None
+    elsewhere: "WorldElsewhere | None" = None
 
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
         """Return the pose to draw [m, rad]: the true one if it is known."""
-        return self.truth() if self.truth else self.odom_in_map @ robot_in_odom
+        told = self.elsewhere.pose if self.elsewhere else None
+        return told or (self.truth() if self.truth else self.odom_in_map @ robot_in_odom)
 
     @property
     def map_now(self) -> LineMap | None:
         """The map; clients of a simulator may have loaded another since."""
-        return self.simulated[0].world.map if self.simulated else self.map
+        if self.simulated:
+            return self.simulated[0].world.map
+        return self.elsewhere.map if self.elsewhere else self.map
 
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
         """Return where the odometry's origin seems to lie [m, rad], given what odometry says now.

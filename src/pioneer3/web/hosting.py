@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
@@ -14,6 +14,7 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.identity import kind
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.simulation.elsewhere import WorldElsewhere
 from pioneer3.runtime.tasks import running
 from pioneer3.web.page import Page
 
@@ -121,7 +122,8 @@ class Keeper:
                 record=target.record,
                 timing=target.timing,
             ) as robot,
-            self._page.hosting(robot, target.scene, target.name, self._number) as station,
+            self._in_scene(robot) as scene,
+            self._page.hosting(robot, scene, target.name, self._number) as station,
         ):
             self._tell(f"Connected to a {kind(robot.info)}: {_who(robot, station.name)}")
             self.tried.set()
@@ -129,6 +131,17 @@ class Keeper:
             async for status in robot.supervisor.status.values():
                 self._tell(f"{which}{status.connection.value}: {status.message}")
             await asyncio.sleep(0)
+
+    @asynccontextmanager
+    async def _in_scene(self, robot: Robot) -> AsyncIterator[Scene]:
+        """Yield what surrounds `robot`: another program's simulator is asked for it."""
+        scene = self._target.scene
+        if scene.simulated:
+            yield scene
+            return
+        elsewhere = WorldElsewhere(robot, scene.map, self._tell)
+        async with running(elsewhere.follow()):
+            yield replace(scene, elsewhere=elsewhere)
 
     def _note(self, error: Exception) -> None:
         if not self.tried.is_set():

@@ -9,6 +9,7 @@ from math import inf
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.errors import PortBusyError
 from pioneer3.models import load_model
 from pioneer3.runtime.scene import Scene
 from pioneer3.runtime.simulation import RunningSimulation, simulator
@@ -16,6 +17,7 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import RobotSpec, load_world
 from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
 from pioneer3.web.access.certificate import digest
+from pioneer3.web.access.names import is_loopback
 from pioneer3.web.access.sessions import free_name
 from pioneer3.web.access.sharing import certificate_for, invitation_lines
 from pioneer3.web.hosting import Target, hosted
@@ -72,20 +74,29 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
         PioneerError: something could not be started; the message says what to do.
     """
     async with AsyncExitStack() as stack:
+        taken: list[int] = []
         if options.ports:
             targets = _real(options)
         else:
-            targets = _simulated(await _simulation(options, stack, tell))
+            simulation = await _simulation(options, stack, tell)
+            targets = _simulated(simulation)
+            taken = simulation.tcp_ports
         page = Page()
         certificate = certificate_for(options.host, options.cert, options.key)
         served = await stack.enter_async_context(
-            serve(page, host=options.host, port=options.web_port, certificate=certificate)
+            serve(
+                page,
+                host=options.host,
+                port=options.web_port,
+                certificate=certificate,
+                taken=taken,
+            )
         )
         # the page waits for the robots, so that a port in use is told before anything else
         await stack.enter_async_context(hosted(page, _with_options(targets, options), tell))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
-        for line in _how_to_come_in(page, show_tokens=options.show_tokens):
+        for line in _how_to_come_in(page, options):
             tell(line)
         await asyncio.get_running_loop().create_future()
     return 0
@@ -111,14 +122,16 @@ async def _simulation(
     options: Options, stack: AsyncExitStack, tell: Callable[[str], None]
 ) -> RunningSimulation:
     wishes = replace(options.wishes, robots=options.robots or options.wishes.robots)
-    running = await stack.enter_async_context(
-        simulator(
-            map_name=options.map_name or "office",
-            port=options.sim_port,
-            wishes=wishes,
-            realism=Realism.ideal() if options.ideal else Realism(),
-        )
+    simulation = simulator(
+        map_name=options.map_name or "office",
+        port=options.sim_port,
+        wishes=wishes,
+        realism=Realism.ideal() if options.ideal else Realism(),
     )
+    try:
+        running = await stack.enter_async_context(simulation)
+    except PortBusyError as error:
+        raise PortBusyError(f"{error} for simulated robots with --sim-port") from None
     for note in running.notes:
         tell(f"WARNING: {note}")
     return running
@@ -157,13 +170,19 @@ def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
     return [path.with_stem(f"{path.stem}-{label}") for label in labels]
 
 
-def _how_to_come_in(page: Page, *, show_tokens: bool) -> Iterator[str]:
-    """Yield what others need who want to join; nothing where nobody can."""
+def _how_to_come_in(page: Page, options: Options) -> Iterator[str]:
+    """Yield what others need who want to join, or why they cannot; nothing where nobody shall."""
+    if is_loopback(options.host):
+        return
     if not page.access.urls:
+        yield (
+            "No other device can come in: this computer has no address in a network. Connect it "
+            "(see `ip address`), then start this again"
+        )
         return
     yield f"From other devices, once paired: {'  '.join(page.access.urls)}"
     if page.access.authority is not None:
         yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
-    if show_tokens:
+    if options.show_tokens:
         yield from invitation_lines(page.access)
     yield "Who is in, one more invitation, showing somebody out: pioneer3 access --help"

@@ -113,9 +113,9 @@ class Page:
             return
         news = self.people.look()
         if self.world is not None and self.world_news is not None:
-            if self.world.simulation.world.map is not self._map:  # clients may load another
-                self._greet()
             news |= self.world_news.look()
+        if self._map_now() is not self._map:  # clients of a simulator may load another
+            self._greet()
         if news:
             self._wake()
 
@@ -186,7 +186,6 @@ class Page:
         others = dict(self.stations)
         self.stations.clear()
         self.stations.update(sorted({**others, station.number: station}.items()))
-        self._map = self._map or scene.map
         if scene.simulated:
             simulation, robot = scene.simulated
             if self.world is None:
@@ -213,8 +212,7 @@ class Page:
 
     def _greet(self) -> None:
         """Say what is here, if that has changed."""
-        if self.world is not None:
-            self._map = self.world.simulation.world.map
+        self._map = self._map_now()
         hello = messages.hello(
             __version__,
             [station.describe() for station in self.stations.values()],
@@ -226,6 +224,13 @@ class Page:
             news |= self.notices.put("map", messages.encode(plan(self._map)))
         if news:
             self._wake()
+
+    def _map_now(self) -> LineMap | None:
+        """Return the map of the simulated world, or the first that a robot's surroundings have."""
+        if self.world is not None:
+            return self.world.simulation.world.map
+        maps = (station.scene.map_now for station in self.stations.values())
+        return next((known for known in maps if known is not None), self._map)
 
     def _tell_status(self, station: Station) -> None:
         text = messages.encode(station.status())

@@ -3,8 +3,8 @@
 import asyncio
 import errno
 import socket
-from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import AsyncIterator, Collection
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 
 import uvicorn
@@ -21,6 +21,8 @@ from pioneer3.web.websocket import ShortSocket
 
 GOODBYE = 1
 """How long open pages are waited for at the end [s]."""
+NEXT_PORTS = 100
+"""So far from the page's port https may be."""
 ANY = frozenset({"0.0.0.0", "::"})
 """Hosts that mean every address of this machine."""
 FRAME_LIMIT = 4096
@@ -42,6 +44,7 @@ async def serve(
     host: str = "127.0.0.1",
     port: int = 8080,
     certificate: Certificate | None = None,
+    taken: Collection[int] = (),
 ) -> AsyncIterator[Served]:
     """Serve `page`; yield where.
 
@@ -49,7 +52,8 @@ async def serve(
         page: What is served.
         host: Address to listen on; who comes from elsewhere needs a session of :attr:`Page.access`.
         port: TCP port; 0 takes a free one.
-        certificate: To serve https with as well, on the next port.
+        certificate: To serve https with as well, on the next free port.
+        taken: Ports that are somebody else's, though perhaps at another address.
 
     Raises:
         PortBusyError, LinkError: the ports cannot be listened on.
@@ -61,7 +65,7 @@ async def serve(
         await stack.enter_async_context(_running(page, names, limits, plain))
         served = Served(f"http://{shown(local_host(host))}:{_port(plain)}")
         if certificate is not None:
-            secure = _listen(host, port and port + 1, stack)
+            secure = _listen_next(host, port, taken, stack)
             await stack.enter_async_context(_running(page, names, limits, secure, certificate))
             served = Served(served.http, f"https://{shown(local_host(host))}:{_port(secure)}")
         page.access.authority = certificate.authority if certificate else None
@@ -108,10 +112,29 @@ async def _running(
 
 def _listen(host: str, port: int, stack: AsyncExitStack) -> list[socket.socket]:
     """Listen at `host`, and always at this very machine, where no token is needed."""
-    first = stack.enter_context(_bind(host, port))
-    if is_loopback(host) or host in ANY:
-        return [first]
-    return [first, stack.enter_context(_bind("127.0.0.1", _port([first])))]
+    with ExitStack() as opened:
+        listeners = [opened.enter_context(_bind(host, port))]
+        if not is_loopback(host) and host not in ANY:
+            listeners.append(opened.enter_context(_bind("127.0.0.1", _port(listeners))))
+        stack.enter_context(opened.pop_all())
+    return listeners
+
+
+def _listen_next(
+    host: str, port: int, taken: Collection[int], stack: AsyncExitStack
+) -> list[socket.socket]:
+    """Listen at the next port after `port` that is free; at any if that is 0."""
+    if not port:
+        return _listen(host, 0, stack)
+    last = min(port + NEXT_PORTS, 65535)
+    for number in range(port + 1, last + 1):
+        if number not in taken:
+            with suppress(PortBusyError):
+                return _listen(host, number, stack)
+    raise PortBusyError(
+        f"{host}: no port from {port + 1} to {last} is free for https; "
+        "choose another port for the page with --web-port"
+    )
 
 
 def _port(listeners: list[socket.socket]) -> int:

@@ -28,6 +28,7 @@ class Station:
         name: What people call it; no two at a page have the same.
         robot: What is driven.
         wheel: Who drives it.
+        scene: Where it is.
         details: What is told to those only who look closely.
     """
 
@@ -37,7 +38,7 @@ class Station:
         self.robot = robot
         self.wheel = wheel
         self.details = Details(number, robot, scene)
-        self._scene = scene
+        self.scene = scene
 
     def drive(self, who: Somebody, twist: Twist2, source: Input = "touch") -> str | None:
         """Let `who` hold `twist` with `source`; return why they must let go first, or `None`.
@@ -64,7 +65,7 @@ class Station:
         if snapshot is None:
             return Errand("The robot is not connected.")
         odom = snapshot.odometry.robot_in_odom
-        here, line_map = self._scene.robot_in_map(odom), self._scene.map_now
+        here, line_map = self.scene.robot_in_map(odom), self.scene.map_now
         said = Errand()
         if line_map is not None:
             model = self.robot.info.model
@@ -72,7 +73,7 @@ class Station:
         if said.refused:
             return said
         place = Pose2(wish.x, wish.y, wish.heading or 0.0)
-        goal = self._scene.odom_in_map_now(odom).inverse() @ place
+        goal = self.scene.odom_in_map_now(odom).inverse() @ place
         heading = None if wish.heading is None else goal.theta
         mode = Goto(x=goal.x, y=goal.y, heading=heading, speed=wish.speed, seconds=GOTO_TIME)
         refused = self.start_mode(who, mode)
@@ -80,7 +81,7 @@ class Station:
 
     def seen_from(self, scan: Scan) -> Pose2:
         """Return where the laser was in the map at the time of a sweep [m, rad]."""
-        return self._scene.robot_in_map(scan.robot_in_odom) @ scan.sensor_in_robot
+        return self.scene.robot_in_map(scan.robot_in_odom) @ scan.sensor_in_robot
 
     def describe(self) -> dict[str, Any]:
         """Return what a page needs to draw and drive this robot."""
@@ -100,7 +101,7 @@ class Station:
         return messages.snapshot(
             self.number,
             snapshot,
-            pose=self._scene.robot_in_map(odom),
+            pose=self.scene.robot_in_map(odom),
             why=why,
             standing=kind_of(why),
             mode=helm.mode.name if helm.mode else None,
@@ -115,5 +116,5 @@ class Station:
     def _target(self, goal: Goal | None, odom: Pose2) -> dict[str, Any] | None:
         if goal is None:
             return None
-        place = self._scene.odom_in_map_now(odom) @ Pose2(goal.x, goal.y, goal.heading or 0.0)
+        place = self.scene.odom_in_map_now(odom) @ Pose2(goal.x, goal.y, goal.heading or 0.0)
         return messages.goal(place, heads=goal.heading is not None, person=goal.person)

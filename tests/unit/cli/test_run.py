@@ -3,20 +3,32 @@
 import asyncio
 import contextlib
 import re
+import socket
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from pioneer3 import ConfigError, PortNotFoundError
+from pioneer3 import ConfigError, PortBusyError, PortNotFoundError
 from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.runtime.scene import Scene
+from pioneer3.runtime.simulation import simulator
 from pioneer3.sim.worldfile import Fitting, RobotSpec
 from pioneer3.sim.worldfile.arguments import Wishes
 from pioneer3.web import live as live_module
+from pioneer3.web.access import sharing
+from pioneer3.web.access.role import Role
+from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.live import Options, live
+from pioneer3.web.page import Page
+from pioneer3.web.server import serve
+from tests.support import until
 
 PATIENCE = 20.0
+TWO = (RobotSpec(model="p3at"), RobotSpec(model="p3dx"))
 R2D2 = (RobotSpec(model="r2d2"),)
 
 
@@ -175,6 +187,70 @@ async def test_a_person_at_a_terminal_is_shown_a_code_and_two_tokens() -> None:
     assert len(tokens) == len(set(tokens)) == 2
     assert all(len(token) * 6 >= 128 for token in tokens)  # bits
     assert any("█" in line for line in lines)
+
+
+@pytest.mark.realtime
+async def test_who_wants_others_in_but_has_no_network_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sharing, "lan_addresses", lambda host: [])
+    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No other device")
+    assert "this computer has no address in a network" in lines[-1]
+
+
+@pytest.mark.realtime
+async def test_a_busy_port_is_refused_with_the_option_that_changes_it() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(PortBusyError, match=f"127.0.0.1:{port}: in use.* with --sim-port"):
+            await live(Options(sim_port=port, web_port=0), print)
+        with pytest.raises(PortBusyError, match=f"127.0.0.1:{port}: in use.* with --web-port"):
+            await live(Options(sim_port=0, web_port=port), print)
+
+
+@pytest.mark.realtime
+async def test_https_does_not_take_the_port_of_a_simulated_robot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: dict[str, object] = {}
+
+    def note(page: Page, **options: Any) -> Any:
+        seen.update(options)
+        return serve(page, **options)
+
+    monkeypatch.setattr(live_module, "serve", note)
+    lines = await told_by(Options(robots=TWO, sim_port=0, web_port=0), 2, "Connected")
+    told = {int(line.rsplit(":", 1)[1]) for line in lines if "Connected" in line}
+    assert seen["taken"] == sorted(told)
+
+
+@pytest.mark.realtime
+async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_in_it() -> None:
+    page, told = Page(), list[str]()
+    async with simulator(map_name="lab", port=0) as there:
+        target = Target(url=there.url, scene=Scene())
+        async with hosted(page, [target], told.append):
+            scene = page.stations[1].scene
+            await until(lambda: scene.map_now and scene.elsewhere and scene.elsewhere.pose)
+            assert scene.map_now is not None
+            assert scene.map_now.name == "lab"
+            home = there.body.robot_in_world
+            drawn = scene.robot_in_map(ORIGIN)
+            assert (drawn.x, drawn.y) == pytest.approx((home.x, home.y), abs=0.002)
+            assert drawn.theta == pytest.approx(home.theta, abs=0.01)
+            page.enter(Onlooker())
+            assert '"name":"lab"' in "".join(page.notices.since(0))
+    assert "SIMULATOR" in told[0]
+
+
+@dataclass(eq=False)
+class Onlooker:
+    name: str = "ann"
+    role: Role = Role.VIEWER
+
+    def tell(self, news: str) -> None: ...
+
+    def wake(self) -> None: ...
 
 
 @pytest.mark.realtime

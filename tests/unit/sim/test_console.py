@@ -143,8 +143,9 @@ def test_the_longest_name_is_answered(bench: Bench) -> None:
 
 def test_siminfo_tells_program_and_devices(bench: Bench) -> None:
     bench.say(commands.SimCtrl(SimOperation.REQUEST_INFO))
-    (info,) = bench.hear()
+    info, in_use = bench.hear()
     assert isinstance(info, SimInfo)
+    assert in_use == MapChanged(by_user=True, reloaded=0, file_name=bench.world.map.name)
     assert (info.application, info.version) == ("pioneer3", pioneer3.__version__)
     assert [device.name for device in info.devices] == ["drive", "sonar", "laser"]
 
@@ -154,8 +155,9 @@ def test_siminfo_of_a_robot_with_everything_fits_a_packet() -> None:
     bench = Bench(equipment=fitted).open()
     bench.hear()
     bench.say(commands.SimCtrl(SimOperation.REQUEST_INFO))
-    (info,) = bench.hear()
+    info, in_use = bench.hear()
     assert isinstance(info, SimInfo)
+    assert in_use == MapChanged(by_user=True, reloaded=0, file_name=bench.world.map.name)
     assert len(info.devices) == 8
     assert len(reports.to_payload(info)) <= 200
 

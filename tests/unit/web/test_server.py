@@ -5,7 +5,8 @@ import json
 import re
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -14,6 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, Robot, connect_async
 from pioneer3.runtime.scene import Scene
+from pioneer3.web.access import certificate
 from pioneer3.web.app import STATIC
 from pioneer3.web.page import Page
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
@@ -185,6 +187,19 @@ async def test_a_port_in_use_is_refused_with_a_way_out() -> None:
             with pytest.raises(PortBusyError, match=rf"127\.0\.0\.1:{port}.*--web-port"):
                 async with serve_page(robot, Scene(), port=port):
                     pass
+
+
+async def test_https_takes_the_next_port_that_is_nobodys(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    ours = certificate.own(tmp_path, ["localhost"])
+    async with AsyncExitStack() as stack:
+        stack.enter_context(socket.create_server(("127.0.0.1", port + 2)))
+        page = Page()
+        taken = {port + 1}
+        at = await stack.enter_async_context(serve(page, port=port, certificate=ours, taken=taken))
+        assert at.https is not None
+        assert urlsplit(at.https).port == port + 3
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,12 @@ class RunningSimulation:
         return self.factory_url or self.robots[0].url
 
     @property
+    def tcp_ports(self) -> list[int]:
+        """The TCP port of each robot that has one."""
+        addresses = (robot.port.address for robot in self.robots)
+        return [address[1] for address in addresses if address is not None]
+
+    @property
     def body(self) -> Body:
         """The first robot."""
         return self.robots[0].body

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from numpy.random import default_rng
 
+from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.runtime.simulation.choice import KernelChoice, chosen_kernels
 from pioneer3.runtime.simulation.factory import robot_factory
@@ -66,7 +67,7 @@ async def simulator(
             only with the same ones.
 
     Raises:
-        ConfigError: The map, a model or a place is wrong.
+        ConfigError: The map, a model, a place or the port of the ACTS servers is wrong.
         LinkError: A port cannot be listened on.
     """
     if robot is not None:
@@ -102,9 +103,23 @@ async def simulator(
             door = robot_factory(here, product, port, host)
             here.factory_url = await stack.enter_async_context(door)
         if acts is not None:
+            _refuse_robots_ports(acts, here)
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
+
+
+def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
+    """Refuse colour trackers at a port that is a robot's.
+
+    Raises:
+        ConfigError: One would be.
+    """
+    wanted = range(acts, acts + len(here.robots)) if acts else ()
+    if common := set(wanted) & set(here.tcp_ports):
+        raise ConfigError(
+            f"ACTS from port {acts} on: {min(common)} is a robot's; choose another port for ACTS"
+        )
 
 
 def _robots(

@@ -92,6 +92,9 @@ class Console:
         if self._wants_info:
             self._wants_info = False
             due.append(self._info())
+            # an addition of ours: which map is in use, as if a person had just left it as it is
+            name = _text(self.world.map.name)
+            due.append(MapChanged(by_user=True, reloaded=0, file_name=name))
         if self._asked.due(cycle=cycle):
             due.append(self._stat())
         return due

@@ -120,7 +120,7 @@ async def listening(host: str, number: int) -> socket.socket:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortBusyError(
-                f"{where}: in use; is another simulator running? Choose another port with -p"
+                f"{where}: in use; is another simulator running? Choose another port"
             ) from None
         raise LinkError(f"{where}: cannot listen there: {error.strerror}") from None
 
