@@ -44,7 +44,7 @@ def run(
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
         sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
-        web_port: TCP port of the page, and https on the next with --lan; 0 takes free ones.
+        web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
         host: Address the page is served on: 127.0.0.1 this computer only, others as --lan.
         cert: Certificate for https in PEM, instead of one made on first use.

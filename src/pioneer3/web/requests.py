@@ -218,6 +218,7 @@ Edit = (
 )
 """What concerns the simulated world."""
 AnyRequest = Wish | WheelRequest | ModeRequest | Look | Edit
+TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 
 
@@ -227,4 +228,7 @@ def decode(text: str) -> AnyRequest:
     Raises:
         msgspec.MsgspecError: it is none; the message says what is wrong with it.
     """
-    return _decoder.decode(text)
+    try:
+        return _decoder.decode(text)
+    except RecursionError:
+        raise msgspec.ValidationError(TOO_DEEP) from None

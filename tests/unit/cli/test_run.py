@@ -212,7 +212,7 @@ async def test_a_busy_port_is_refused_with_the_option_that_changes_it() -> None:
 async def test_https_does_not_take_the_port_of_a_simulated_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    seen: dict[str, object] = {}
+    seen: dict[str, Any] = {}
 
     def note(page: Page, **options: Any) -> Any:
         seen.update(options)
@@ -221,7 +221,7 @@ async def test_https_does_not_take_the_port_of_a_simulated_robot(
     monkeypatch.setattr(live_module, "serve", note)
     lines = await told_by(Options(robots=TWO, sim_port=0, web_port=0), 2, "Connected")
     told = {int(line.rsplit(":", 1)[1]) for line in lines if "Connected" in line}
-    assert seen["taken"] == sorted(told)
+    assert sorted(seen["taken"]) == sorted(told)
 
 
 @pytest.mark.realtime

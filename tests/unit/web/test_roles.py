@@ -7,7 +7,7 @@ import pytest
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.visitor import ONLY_DRIVERS, REVOKED
-from tests.unit.web.asking import ELSEWHERE, LAN
+from tests.unit.web.asking import ELSEWHERE, LAN, Script
 from tests.unit.web.browser import Browser, Playground, Product, playground, product
 
 POLICY_VIOLATION = 1008
@@ -146,3 +146,40 @@ async def test_everybody_is_told_who_is_here() -> None:
         await vera.leave()
         await asyncio.sleep(0.2)
         assert [guest["name"] for guest in ann.latest("people")["guests"]] == ["Ann"]
+
+
+async def test_who_asks_in_a_loop_is_refused_but_their_stops_are_not() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        statuses = [(await script.ask("GET", "/api/robots")).status for _ in range(1010)]
+        assert statuses[:1000] == [200] * 1000
+        assert statuses[-1] == 429
+        refused = await script.ask("GET", "/api/robots")
+        assert refused.headers["connection"] == "close"
+        assert "too many requests" in refused.detail
+        assert (await script.ask("POST", "/api/emergency_stop")).status == 204
+        assert (await script.ask("POST", "/api/robots/1/stop")).status == 200
+        assert the.robot.supervisor.pilot.emergency
+        another = Script(the.app, peer="127.0.0.2")
+        assert (await another.ask("GET", "/api/robots")).status == 200
+
+
+async def test_a_stop_does_not_wait_for_others_turns() -> None:
+    async with product() as the:
+        script = Script(the.app)
+        crowd = [asyncio.ensure_future(script.ask("GET", "/api/robots")) for _ in range(50)]
+        await asyncio.sleep(0)
+        assert (await script.ask("POST", "/api/emergency_stop")).status == 204
+        assert not any(one.done() for one in crowd[5:])
+        await asyncio.gather(*crowd)
+
+
+async def test_so_many_pages_at_a_time_come_from_one_address() -> None:
+    async with product() as the:
+        for _ in range(80):
+            async with Browser(the.app) as page:
+                assert page.closed is None
+        late = Browser(the.app)
+        async with late:
+            pass
+        assert late.closed == 1008

@@ -8,11 +8,24 @@ import pytest
 
 from pioneer3.teleop.lease import TERM
 from pioneer3.web.wheel import EXPIRY
+from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, product
 
 BRAKING = 0.3
 """From 0.3 m/s to a stand, with a cycle of reports before it [s]."""
 AT_ONCE = 0.05
+
+
+async def test_a_request_that_is_nested_deeply_is_answered_and_the_page_stays() -> None:
+    async with product() as the, Browser(the.app) as ann:
+        ann.say_text('{"a":' * 800)
+        ann.say_text('{"a":' * 800 + "1" + "}" * 800)
+        ann.say("ping", t=3)
+        await asyncio.sleep(0.1)
+        assert len(ann.all("refused")) == 2
+        assert ann.latest("pong")["t"] == 3
+        answer = await Script(the.app).ask("PUT", "/api/robots/1/mode", raw=b'{"a":' * 3000)
+        assert (answer.status, answer.detail) == (400, "nested too deeply")
 
 
 async def test_a_visitor_is_told_who_then_how_then_what() -> None:

@@ -13,6 +13,7 @@ from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Session
 from pioneer3.web.page import Page
 from pioneer3.web.problem import Problem
+from pioneer3.web.requests import TOO_DEEP
 from pioneer3.web.station import Station
 
 Method = Literal["GET", "POST", "PUT", "DELETE"]
@@ -125,4 +126,7 @@ def decode(operation: Operation, data: bytes) -> Any:
     Raises:
         msgspec.MsgspecError, UnicodeError: it is none; the message says what is wrong with it.
     """
-    return msgspec.json.decode(data or b"{}", type=operation.body)
+    try:
+        return msgspec.json.decode(data or b"{}", type=operation.body)
+    except RecursionError:
+        raise msgspec.ValidationError(TOO_DEEP) from None
