@@ -62,7 +62,7 @@ def rob_key(
     from pioneer3.cli.drive import KEYS  # noqa: PLC0415
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import rewrite  # noqa: PLC0415
+        from pioneer3.cli.live import rewrite, tell_cuts  # noqa: PLC0415
         from pioneer3.cli.output import write_line  # noqa: PLC0415
         from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
         from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
@@ -71,6 +71,7 @@ def rob_key(
         with raw_terminal() as terminal:
             write_line(KEYS)
             limits = driven.info.limits
+            tell_cuts(limits, speed, turn_rate)
             keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
             await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
 
@@ -196,7 +197,7 @@ def wander(
     from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
 
     mode = wandering(preset=preset, speed=speed)
-    return run_mode("wander", arguments, which, mode, seconds=seconds, json=json)
+    return run_mode("wander", arguments, which, mode, seconds=seconds, json=json, speed=speed)
 
 
 def android_teleop(

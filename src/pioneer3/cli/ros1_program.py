@@ -41,12 +41,14 @@ def run_mode(
     *,
     seconds: float | None,
     json: bool,
+    speed: float | None = None,
 ) -> int:
-    """Let `mode` drive the robot for `seconds`, as the node `name`."""
+    """Let `mode` drive the robot for `seconds`, as the node `name`; `speed` was asked for."""
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import show_while  # noqa: PLC0415
+        from pioneer3.cli.live import show_while, tell_cuts  # noqa: PLC0415
 
+        tell_cuts(driven.info.limits, speed, None)
         length = inf if seconds is None else seconds
         await show_while(driven, driven.run(mode, length), json=json)
 
