@@ -2,13 +2,14 @@
 
 import asyncio
 import atexit
-import signal
+import os
 import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from concurrent.futures import wait
 from contextlib import AsyncExitStack
 from math import inf
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import Any, TypeVar
 
 from pioneer3.arcos.commands import Command
@@ -17,9 +18,13 @@ from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.state import Snapshot
 
 T = TypeVar("T")
+
+CLOSE_PATIENCE = 3.0
+"""For the end of a session [s]: the link has 0.5 s to take the farewell and 0.5 s to close."""
 
 
 def connect(
@@ -56,14 +61,15 @@ class BlockingRobot:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="pioneer3", daemon=True)
         self._stack = AsyncExitStack()
+        self._robot: Robot
+        self._process = os.getpid()
         self._closed = False
         self._thread.start()
         atexit.register(self.close)
-        self._old_handler = _raise_on_sigterm()
+        self._signals = StopOnSignals(self._loop, self._stand, self.close)
+        self._signals.__enter__()
         try:
-            self._robot: Robot = self._wait(
-                self._stack.enter_async_context(connect_async(url, **options))
-            )
+            self._robot = self._wait(self._stack.enter_async_context(connect_async(url, **options)))
         except BaseException:
             self.close()
             raise
@@ -80,19 +86,24 @@ class BlockingRobot:
         self.close()
 
     def close(self) -> None:
-        """Stop the robot and end the session; safe to call twice."""
+        """Stop the robot and end the session; safe to call twice, and in any thread."""
         if self._closed:
             return
         self._closed = True
+        if self._process != os.getpid():  # a fork: the session is its parent's
+            return
         atexit.unregister(self.close)
+        leaving = asyncio.run_coroutine_threadsafe(self._leave(), self._loop)
         try:
-            self._wait(self._leave())
+            wait([leaving], CLOSE_PATIENCE)
         finally:
+            wait([leaving], CLOSE_PATIENCE)  # an interrupt must not come before the farewell
             self._loop.call_soon_threadsafe(self._loop.stop)
-            self._thread.join()
-            self._loop.close()
-            if self._old_handler is not None:
-                signal.signal(signal.SIGTERM, self._old_handler)
+            self._thread.join(CLOSE_PATIENCE)
+            if not self._thread.is_alive():
+                self._loop.close()
+            self._signals.__exit__(None, None, None)
+        leaving.result(0)
 
     @property
     def info(self) -> RobotInfo:
@@ -160,6 +171,11 @@ class BlockingRobot:
         """See :meth:`pioneer3.Robot.send_unsafe`."""
         self._call(lambda: self._robot.send_unsafe(command))
 
+    def _stand(self) -> None:
+        """Let the robot stand, whoever drives, in the loop."""
+        if hasattr(self, "_robot"):
+            self._robot.helm.stop()
+
     async def _leave(self) -> None:
         """End the session, and whatever was interrupted before there was one."""
         await self._stack.aclose()
@@ -189,19 +205,3 @@ class BlockingRobot:
 
 async def _next_or_none(values: AsyncIterator[Snapshot]) -> Snapshot | None:
     return await anext(values, None)
-
-
-def _raise_on_sigterm() -> Callable[[int, FrameType | None], Any] | int | None:
-    """Make SIGTERM an exception, so that it passes the `with` block; return what was there.
-
-    Only where nobody else handles it, and in the main thread; `None` where nothing was changed.
-    """
-
-    def leave(number: int, frame: FrameType | None) -> None:
-        raise SystemExit(128 + number)
-
-    if threading.current_thread() is not threading.main_thread():
-        return None
-    if signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        return None
-    return signal.signal(signal.SIGTERM, leave)
