@@ -585,3 +585,22 @@ async def test_a_program_that_is_suspended_and_resumed_does_not_drive_on(site: S
     assert b"MotionError" in errors
     await said_goodbye(site)
     assert site.body.robot_in_world.x == pytest.approx(stood_at, abs=0.05)
+
+
+@pytest.mark.realtime
+async def test_nothing_is_imported_while_a_robot_waits_for_an_answer(site: Site) -> None:
+    program = """
+        import asyncio, sys
+        from pioneer3 import connect_async
+        from pioneer3.links import open_link
+        async def main():
+            async def opened():
+                link = await open_link(url)
+                loaded.update(sys.modules)
+                return link
+            loaded = set()
+            async with connect_async(opened):
+                print(*sorted(set(sys.modules) - loaded), file=sys.stderr)
+        asyncio.run(main())
+        """
+    assert await site.run(program) == (0, "\n")

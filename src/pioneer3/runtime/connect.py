@@ -10,12 +10,14 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, open_link
 from pioneer3.links.tap import recorded
-from pioneer3.models import RobotModel
+from pioneer3.models import RobotModel, load_model
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.runtime.tasks import running
+
+USUAL = "p3at-sh"
 
 
 @asynccontextmanager
@@ -65,6 +67,7 @@ async def connect_async(
             opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         helm = Helm(supervisor, remark)
+        load_model(USUAL)  # what reads models is slow to load, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), helm.stop))
         async with running(supervisor.run()):
             await _first_snapshot(supervisor)
