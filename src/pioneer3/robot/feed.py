@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from math import isfinite
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -38,18 +37,6 @@ class Feed(Generic[T]):
             seen = self._count
             if self.latest is not None:
                 yield self.latest
-
-    async def values_for(self, seconds: float) -> AsyncIterator[T]:
-        """Yield as :meth:`values` does, for `seconds`; `inf` until it is closed."""
-        end = asyncio.get_running_loop().time() + seconds
-        values = self.values()
-        while True:
-            try:
-                async with asyncio.timeout_at(end if isfinite(end) else None):
-                    value = await anext(values)
-            except (TimeoutError, StopAsyncIteration):
-                return
-            yield value
 
     def _wake(self) -> None:
         self._changed.set()
