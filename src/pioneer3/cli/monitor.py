@@ -86,14 +86,15 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.live import looks  # noqa: PLC0415
     from pioneer3.cli.screen import screen  # noqa: PLC0415
 
-    console = Console(highlight=False)
+    console, code = Console(highlight=False), 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
-        async for _ in looks(robot, seconds):
+        async for snapshot in looks(robot, seconds):
             status = robot.supervisor.status.latest
             why = robot.why_not_moving()
             view = screen(robot.info, robot.snapshot, why, status, console.width)
             live.update(view, refresh=True)
-    return 0 if robot.snapshot is not None else 1
+            code = 1 if snapshot is None else 0
+    return code
 
 
 async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
@@ -102,7 +103,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
     from pioneer3.cli.live import lost, watch  # noqa: PLC0415
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
-    from pioneer3.links import Link, open_link  # noqa: PLC0415
+    from pioneer3.links import Link, opener  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
     from pioneer3.runtime.overheard import OverheardLink, described  # noqa: PLC0415
 
@@ -115,13 +116,15 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
         else:
             write_line(f"{stamp - began:9.3f} {described(report)}")
 
-    async def opened() -> Link:
-        return OverheardLink(await open_link(link.port, baud=link.baud), tell)
+    open_ = opener(link.port, baud=link.baud)
 
-    def opener() -> Awaitable[Link]:
+    async def opened() -> Link:
+        return OverheardLink(await open_(), tell)
+
+    def overhear() -> Awaitable[Link]:
         return asyncio.ensure_future(opened())
 
-    async with connect_async(opener, auto_enable=False, record=link.record) as robot:
+    async with connect_async(overhear, auto_enable=False, record=link.record) as robot:
 
         def gone() -> None:
             time = asyncio.get_running_loop().time() - began

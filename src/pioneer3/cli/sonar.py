@@ -106,9 +106,10 @@ async def _show(robot: "Driven", seconds: float) -> int:
     from pioneer3.demo.drawing import reach_for, ring  # noqa: PLC0415
 
     console = Console(highlight=False)
-    reach = 3.0
+    reach, code = 3.0, 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
         async for snapshot in looks(robot, seconds):
+            code = 1 if snapshot is None else 0
             if snapshot is None:
                 live.update(lost(robot), refresh=True)
                 continue
@@ -117,7 +118,7 @@ async def _show(robot: "Driven", seconds: float) -> int:
             rows = max(4, console.height - 5)
             picture = ring(robot.info.model, ranges, console.width, rows, reach=reach)
             live.update(_view(robot.info, snapshot, picture), refresh=True)
-    return 0 if robot.snapshot is not None else 1
+    return code
 
 
 def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "RenderableType":

@@ -28,15 +28,20 @@ class Feed(Generic[T]):
         self._wake()
 
     async def values(self) -> AsyncIterator[T]:
-        """Yield each value published from now on, skipping those that came while busy."""
+        """Yield each value published from now on, skipping those that came while busy.
+
+        The last one before :meth:`close` is not skipped.
+        """
         seen = self._count
-        while not self._closed:
-            if self._count == seen:
+        while True:
+            if self._count != seen:
+                seen = self._count
+                if self.latest is not None:
+                    yield self.latest
+            elif self._closed:
+                return
+            else:
                 await self._changed.wait()
-                continue
-            seen = self._count
-            if self.latest is not None:
-                yield self.latest
 
     def _wake(self) -> None:
         self._changed.set()

@@ -3,12 +3,11 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack, asynccontextmanager
-from functools import partial
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.limits import Limits
-from pioneer3.links import Opener, open_link
+from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel, load_model
 from pioneer3.robot.supervisor import Supervisor
@@ -57,14 +56,14 @@ async def connect_async(
         return limits.lowered_to(max_speed, max_turn_rate)
 
     remark: Callable[[str], None] | None = None
-    opener = url if callable(url) else partial(open_link, url, baud=baud)
+    open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
         if record is not None:
             clock = asyncio.get_running_loop().time
-            recorder = stack.enter_context(recorded(opener, record, clock))
-            opener, remark = recorder.open, recorder.remark
+            recorder = stack.enter_context(recorded(open_, record, clock))
+            open_, remark = recorder.open, recorder.remark
         supervisor = Supervisor(
-            opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
+            open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         helm = Helm(supervisor, remark)
         load_model(USUAL)  # what reads models is slow to load, and a robot that waits is lost

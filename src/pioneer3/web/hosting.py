@@ -128,7 +128,7 @@ class Keeper:
             which = "" if self._alone else f"{station.name}: "
             async for status in robot.supervisor.status.values():
                 self._tell(f"{which}{status.connection.value}: {status.message}")
-            await asyncio.sleep(0)
+            await asyncio.get_running_loop().create_future()  # the page of a recording stays
 
     def _note(self, error: Exception) -> None:
         if not self.tried.is_set():
