@@ -57,7 +57,7 @@ async def test_every_signal_stops_the_robot_and_gives_the_terminal_back(
         the.process.send_signal(signal.Signals[way])
         assert await the.code() == code
         await until(lambda: the.standing)
-        assert not the.simulation.body.drive.powered
+        await until(lambda: not the.simulation.body.drive.powered)
         assert termios.tcgetattr(the.terminal) == the.before
         assert b"Traceback" not in the.screen
 

@@ -152,7 +152,7 @@ async def test_every_signal_leaves_the_terminal_as_it_was_and_stops(
         assert termios.tcgetattr(the.terminal) == the.before
         assert b"Traceback" not in the.screen
         await until(lambda: the.standing)
-        assert not the.simulation.body.drive.powered
+        await until(lambda: not the.simulation.body.drive.powered)
 
 
 async def test_closing_the_window_stops_the_robot(tmp_path: Path) -> None:

@@ -106,7 +106,7 @@ async def test_a_signal_stops_a_robot_that_wanders(number: signal.Signals, code:
                 pass
             assert (await command.end(number))[0] == code
         await until(lambda: simulated.body.drive.linear.velocity == 0.0)
-        assert not simulated.body.drive.powered
+        await until(lambda: not simulated.body.drive.powered)
 
 
 async def test_sonar_prints_the_front_eight_and_moves_nothing() -> None:

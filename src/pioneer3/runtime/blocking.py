@@ -29,7 +29,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 CLOSE_PATIENCE = 3.0
-"""For the end of a session [s]: the link has 0.5 s to take the farewell and 0.5 s to close."""
+"""For the end of a session [s]: 1 s to stand, 0.5 s for the farewell, 0.5 s to close the link."""
 
 
 def connect(
