@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.cli import live, monitor
+from pioneer3.cli.options import LinkOptions
 from pioneer3.errors import MotionError
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.connect import connect_async
@@ -67,7 +68,7 @@ async def test_monitor_shows_a_recording_to_its_end_and_is_content(
     readings = await record(path)
     out = Terminal(isatty=False)
     monkeypatch.setattr(sys, "stdout", out)
-    assert await monitor._monitor(f"replay:{path}", None, 1000.0, json=False) == 0
+    assert await monitor._monitor(LinkOptions(port=f"replay:{path}"), 1000.0, json=False) == 0
     assert abs(len(out.texts) - len(readings)) <= 2
     assert not any("LOST" in text for _, text in out.texts)
 
