@@ -5,6 +5,7 @@
         * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
         * :exc:`PortPermissionError` (also :exc:`PermissionError`): the port is not ours to open
         * :exc:`PortBusyError`: somebody else has the port
+        * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
     * :exc:`CommandError` (also :exc:`ValueError`): *we* were asked to send what must not be sent
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not do the motion; says why
@@ -45,6 +46,10 @@ class PortPermissionError(LinkError, PermissionError):
 
 class PortBusyError(LinkError):
     """Another program has the port open."""
+
+
+class RecordingOverError(LinkError):
+    """A recording in the place of a robot has been played to its end: nothing more will come."""
 
 
 class NoRobotError(PioneerError, TimeoutError):

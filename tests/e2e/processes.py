@@ -13,6 +13,7 @@ from pathlib import Path
 
 PATIENCE = 30.0
 """Longest wait for anything on a busy machine [s]."""
+KILLED = -1000
 COMMAND = (sys.executable, "-m", "pioneer3")
 
 
@@ -62,7 +63,7 @@ class Command:
     async def end(self, number: signal.Signals | None = None) -> tuple[int, str]:
         """Send a signal and wait; return the exit code and all of stderr.
 
-        The exit code is what a shell shows: 128 + the signal that killed it.
+        The exit code is what the command returned, or :data:`KILLED` less the signal it died of.
         """
         assert self.process.stderr is not None
         if number is not None:
@@ -71,7 +72,7 @@ class Command:
             stderr = (await self.process.stderr.read()).decode()
             code = await self.process.wait()
         assert in_session(self.process.pid) == []
-        return (code if code >= 0 else -1000 + code), stderr
+        return (code if code >= 0 else KILLED + code), stderr
 
 
 @asynccontextmanager

@@ -17,7 +17,7 @@ from websockets.asyncio.client import connect as connect_page
 from pioneer3 import connect_async
 from pioneer3.arcos.commands import Close, Enable, Sonar, Stop, Vel
 from pioneer3.runtime.simulation import simulator
-from tests.e2e.processes import COMMAND, PATIENCE, Command, environment, p3, running, until
+from tests.e2e.processes import COMMAND, KILLED, PATIENCE, Command, environment, p3, running, until
 from tests.support import Wire
 
 pytestmark = pytest.mark.realtime
@@ -176,7 +176,13 @@ async def test_the_simulator_outlives_scanners_and_noise() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+    ("number", "code"),
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+        (signal.SIGQUIT, KILLED - signal.SIGQUIT),
+    ],
 )
 @pytest.mark.parametrize("command", ["sim -p 0", "run --sim-port 0 --web-port 0"])
 async def test_a_signal_ends_a_command_with_its_own_code_and_no_traceback(

@@ -45,7 +45,10 @@ async def test_it_starts_drives_and_quits_with_the_terminal_as_it_was(tmp_path: 
         await until(lambda: SHOW_CURSOR in the.screen and MAIN_SCREEN in the.screen)
 
 
-@pytest.mark.parametrize(("way", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+@pytest.mark.parametrize(
+    ("way", "code"),
+    [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130), ("SIGQUIT", -signal.SIGQUIT)],
+)
 async def test_every_signal_stops_the_robot_and_gives_the_terminal_back(
     tmp_path: Path, way: str, code: int
 ) -> None:
@@ -54,7 +57,7 @@ async def test_every_signal_stops_the_robot_and_gives_the_terminal_back(
         the.process.send_signal(signal.Signals[way])
         assert await the.code() == code
         await until(lambda: the.standing)
-        assert not the.simulation.body.drive.powered
+        await until(lambda: not the.simulation.body.drive.powered)
         assert termios.tcgetattr(the.terminal) == the.before
         assert b"Traceback" not in the.screen
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.arcos import commands, reports
+from pioneer3.arcos.host_events import Event
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import from_payload
 from pioneer3.errors import LinkError, NoRobotError
@@ -15,8 +16,9 @@ from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, bytewise, clean
 from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
+from pioneer3.robot.session import Session
 from pioneer3.runtime.connect import connect_async
-from tests.support import TICK, First, SimulatedRobot, corrupted, doubled, frame, hold, lost
+from tests.support import TICK, First, SimulatedRobot, corrupted, doubled, frame, hold, lost, until
 
 SYNCS = [bytes.fromhex(sync) for sync in ("fafb03000000", "fafb03010001", "fafb03020002")]
 SYNC_NAMES = ["SYNC0", "SYNC1", "SYNC2"]
@@ -294,3 +296,51 @@ async def test_a_home_that_is_not_writable_is_no_obstacle(
     ):
         assert driver.info.speed == 9600
     assert remembered_speed("/dev/robot") is None
+
+
+def hold_up(seconds: float) -> None:
+    """Be busy for so long, as a program that imports or computes: nobody reads the link."""
+    asyncio.get_running_loop()._autojump.now += seconds  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("event", ["Opened", "Configured", "Received"])
+async def test_a_computer_that_is_busy_while_it_connects_loses_no_healthy_robot(
+    event: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    handle, busy = Session._handle, [3.0]
+
+    async def slowly(self: Session, happened: Event, stamp: float) -> None:
+        await handle(self, happened, stamp)
+        if type(happened).__name__ == event and busy:
+            hold_up(busy.pop())
+
+    monkeypatch.setattr(Session, "_handle", slowly)
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        assert 3.0 <= now() < 3.5
+        assert driver.info.config is not None
+        await hold(driver, 0.2)
+        assert robot.speed > 0.1
+        assert len(robot.wires) == 1
+
+
+async def test_time_in_which_nobody_listens_is_not_taken_off_the_patience_of_a_handshake() -> None:
+    busy = [13.0]
+
+    def answers_wait(data: bytes) -> tuple[bytes, ...]:
+        if busy:
+            hold_up(busy.pop())
+        return (data,)
+
+    async with SimulatedRobot(to_host=answers_wait) as robot, connect_async(robot.open) as driver:
+        assert 13.0 < now() < 13.5
+        assert driver.info.config is not None
+
+
+async def test_a_robot_that_falls_silent_while_the_computer_is_busy_is_lost_all_the_same() -> None:
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        robot.silent = True
+        await asyncio.sleep(0.5)
+        hold_up(3.0)
+        woken = now()
+        await until(lambda: driver.snapshot is None)
+        assert now() - woken == pytest.approx(1.5, abs=0.15)

@@ -17,7 +17,7 @@ from tests.e2e.processes import PATIENCE, environment, p3, until
 pytestmark = pytest.mark.realtime
 
 UP, DOWN, RIGHT, LEFT = b"\x1b[A", b"\x1b[B", b"\x1b[C", b"\x1b[D"
-CTRL_C = b"\x03"
+CONTROLS = {"Ctrl-C": b"\x03", "Ctrl-\\": b"\x1c"}
 SHOW_CURSOR = b"\x1b[?25h"
 SLACK = 0.5
 """How far a busy machine may let the robot go on [m]."""
@@ -134,7 +134,9 @@ async def test_q_leaves_with_the_terminal_as_it_was_and_the_robot_without_power(
 
 
 @pytest.mark.parametrize(
-    ("way", "code"), [("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129)], ids=str
+    ("way", "code"),
+    [("Ctrl-C", 130), ("Ctrl-\\", -signal.SIGQUIT), ("SIGTERM", 143), ("SIGHUP", 129)],
+    ids=str,
 )
 async def test_every_signal_leaves_the_terminal_as_it_was_and_stops(
     tmp_path: Path, way: str, code: int
@@ -142,15 +144,15 @@ async def test_every_signal_leaves_the_terminal_as_it_was_and_stops(
     async with person(tmp_path, "--latch") as the:
         the.type(UP)
         await until(lambda: the.speed > 0.2)
-        if way == "Ctrl-C":
-            the.type(CTRL_C)
+        if way in CONTROLS:
+            the.type(CONTROLS[way])
         else:
             the.process.send_signal(signal.Signals[way])
         assert await the.code() == code
         assert termios.tcgetattr(the.terminal) == the.before
         assert b"Traceback" not in the.screen
         await until(lambda: the.standing)
-        assert not the.simulation.body.drive.powered
+        await until(lambda: not the.simulation.body.drive.powered)
 
 
 async def test_closing_the_window_stops_the_robot(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ def velocities(sent: list[Command]) -> set[float]:
 
 
 async def reconnected(driver: Robot, sessions: int = 2) -> None:
-    async for snapshot in driver.snapshots(30):
+    async for snapshot in driver.snapshots(30, patience=30):
         if snapshot.link.sessions == sessions:
             return
     raise AssertionError("did not reconnect")

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.simulation import simulator
-from tests.e2e.processes import running
+from tests.e2e.processes import KILLED, running, until
 from tests.e2e.test_diagnosis_commands import pioneer3
 
 pytestmark = pytest.mark.realtime
@@ -90,15 +90,23 @@ async def test_a_robot_that_another_program_has_says_so() -> None:
     assert "is another one connected to it?" in err
 
 
-async def test_ctrl_c_stops_a_robot_that_wanders() -> None:
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+        (signal.SIGQUIT, KILLED - signal.SIGQUIT),
+    ],
+)
+async def test_a_signal_stops_a_robot_that_wanders(number: signal.Signals, code: int) -> None:
     async with simulator(port=0) as simulated:
         async with running("wander", "--port", simulated.url) as command:
             while "constant velocity" not in await command.line():
                 pass
-            code, _ = await command.end(signal.SIGINT)
-        assert simulated.body.drive.linear.velocity == 0.0
-        assert not simulated.body.drive.powered
-    assert code == 130
+            assert (await command.end(number))[0] == code
+        await until(lambda: simulated.body.drive.linear.velocity == 0.0)
+        await until(lambda: not simulated.body.drive.powered)
 
 
 async def test_sonar_prints_the_front_eight_and_moves_nothing() -> None:

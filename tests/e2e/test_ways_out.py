@@ -31,8 +31,15 @@ FAREWELL: list[Command] = [
 ]
 BYE = b"".join(frame(command) for command in FAREWELL)
 SOON = 20.0  # of a busy machine
-HEAR_INTERRUPTS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-"""A shell's background jobs ignore SIGINT, and pass that on."""
+AS_IN_THE_FOREGROUND = """
+import resource, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+for number in (signal.SIGHUP, signal.SIGQUIT):
+    signal.signal(number, signal.SIG_DFL)
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+"""
+"""A shell's background jobs ignore signals, and pass that on; nobody wants the core of SIGQUIT."""
+SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
 SLOW = re.compile(r"^Executing <.* took [\d.]+ seconds\n", re.MULTILINE)
 """What asyncio, debugged, remarks on a busy machine."""
 
@@ -69,23 +76,31 @@ class Site:
 
         Returns its code and what it wrote to stderr.
         """
-        code = f"{HEAR_INTERRUPTS}\nurl = {self.url!r}\n" + textwrap.dedent(program)
-        child = await asyncio.create_subprocess_exec(
-            sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
-        )
-        try:
+        async with self.started(program) as child:
             if sent is not None:
                 for site in (self, *others):
                     await site.drives()
                 child.send_signal(sent)
             async with asyncio.timeout(SOON):
                 _, errors = await child.communicate()
+        assert child.returncode is not None
+        return child.returncode, SLOW.sub("", errors.decode())
+
+    @asynccontextmanager
+    async def started(self, program: str) -> AsyncIterator[asyncio.subprocess.Process]:
+        """Let `program` run beside the block."""
+        code = f"{AS_IN_THE_FOREGROUND}\nurl = {self.url!r}\n" + textwrap.dedent(program)
+        child = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-X", "dev", "-c", code),
+            stdin=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        try:
+            yield child
         finally:
             if child.returncode is None:
                 child.kill()
-                await child.wait()
-        assert child.returncode is not None
-        return child.returncode, SLOW.sub("", errors.decode())
+                await child.communicate()
 
 
 @pytest.fixture
@@ -192,19 +207,188 @@ ASYNC = """
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
 @pytest.mark.parametrize(
     "program", [SCRIPT, LONG_MOVE, NO_WITH, ASYNC], ids=["drive", "move", "no with", "async"]
 )
 async def test_a_signal_stops_the_robot(site: Site, program: str, sent: int) -> None:
     code, errors = await site.run(program, sent)
     await said_goodbye(site)
-    assert code != 0
-    assert "never awaited" not in errors
-    assert "destroyed" not in errors
-    assert "ResourceWarning" not in errors
     if sent == signal.SIGINT:
+        assert code == -signal.SIGINT
         assert errors.strip().endswith("KeyboardInterrupt")
+        for accident in ("never awaited", "destroyed", "ResourceWarning"):
+            assert accident not in errors
+    else:
+        assert code == (-sent if sent == signal.SIGQUIT else 128 + sent)
+        assert errors == ""
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+async def test_the_robot_is_told_before_the_blocks_of_the_program_end(
+    site: Site, sent: int
+) -> None:
+    program = """
+        import sys
+        from pioneer3 import connect
+        with connect(url) as robot:
+            try:
+                robot.move(50.0)
+            finally:
+                sys.stdin.readline()
+        """
+    async with site.started(program) as child:
+        await site.drives()
+        child.send_signal(sent)
+        await site.stands()
+        if sent != signal.SIGINT:
+            await said_goodbye(site)
+        if sent != signal.SIGQUIT:
+            assert child.returncode is None
+        await child.communicate(b"go on\n")
+
+
+THREAD = """
+    import threading, time
+    from pioneer3 import connect
+    robot = connect(url)
+    def drive():
+        while True:
+            robot.drive(0.3)
+            time.sleep(0.1)
+    threading.Thread(target=drive).start()
+    """
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+async def test_a_signal_stops_a_robot_that_another_thread_drives(site: Site, sent: int) -> None:
+    await site.run(THREAD, sent)
+    await said_goodbye(site)
+
+
+def with_own_handler(sent: int, *, before: bool, action: str = "pass") -> str:
+    """Return a program that has a handler of its own, and leaves when that was called."""
+    handle = f"signal.signal({sent}, mine)"
+    return f"""
+    import sys, time
+    from pioneer3 import MotionError, connect
+    ended = []
+    def mine(number, frame):
+        ended.append(number)
+        print("mine", file=sys.stderr, flush=True)
+        {action}
+    {handle if before else ""}
+    with connect(url) as robot:
+        {"" if before else handle}
+        while not ended:
+            try:
+                robot.drive(0.3)
+            except MotionError as refused:
+                assert "stopped" in str(refused)
+            time.sleep(0.1)
+    sys.exit(7)
+    """
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("before", [True, False], ids=["before", "after"])
+@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+async def test_a_handler_of_the_program_itself_is_called(
+    site: Site, sent: int, before: bool
+) -> None:
+    assert await site.run(with_own_handler(sent, before=before), sent) == (7, "mine\n")
+    await said_goodbye(site)
+
+
+@pytest.mark.realtime
+async def test_a_signal_stops_the_robot_before_a_handler_that_was_there_is_called(
+    site: Site,
+) -> None:
+    waits = with_own_handler(signal.SIGTERM, before=True, action="sys.stdin.readline()")
+    async with site.started(waits) as child:
+        await site.drives()
+        child.send_signal(signal.SIGTERM)
+        await site.stands()
+        assert child.returncode is None
+        assert BYE not in site.firmware.heard
+        await child.communicate(b"go on\n")
+        assert child.returncode == 7
+    await said_goodbye(site)
+
+
+@pytest.mark.realtime
+async def test_a_loop_s_own_handler_is_called_and_the_robot_stopped(site: Site) -> None:
+    program = """
+        import asyncio, signal, sys
+        from pioneer3 import MotionError, connect_async
+        async def main():
+            told = asyncio.Event()
+            asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, told.set)
+            async with connect_async(url) as robot:
+                try:
+                    await robot.move(50.0)
+                except MotionError as error:
+                    print(error, file=sys.stderr)
+                await told.wait()
+        asyncio.run(main())
+        """
+    assert await site.run(program, signal.SIGTERM) == (0, "move: somebody stopped the robot\n")
+    await said_goodbye(site)
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("ignored", [signal.SIGHUP, signal.SIGINT], ids=lambda sent: sent.name)
+@pytest.mark.parametrize("program", [SCRIPT, ASYNC], ids=["drive", "async"])
+async def test_what_the_program_ignores_stops_nothing(
+    site: Site, program: str, ignored: int
+) -> None:
+    nohup = f"import signal; signal.signal({ignored}, signal.SIG_IGN)\n"
+    async with site.started(nohup + textwrap.dedent(program)) as child:
+        await site.drives()
+        child.send_signal(ignored)
+        went_by = site.body.robot_in_world.x
+        await until(lambda: site.body.robot_in_world.x > went_by + 0.3, SOON)
+        child.send_signal(signal.SIGTERM)
+        await child.communicate()
+        assert child.returncode == 128 + signal.SIGTERM
+    await said_goodbye(site)
+
+
+@pytest.mark.realtime
+async def test_each_robot_that_is_left_open_is_told_in_whatever_order_others_were_left(
+    site: Site,
+) -> None:
+    async with running() as other, running() as third:
+        program = f"""
+        import time
+        from pioneer3 import connect
+        first, second, third = connect(url), connect({other.url!r}), connect({third.url!r})
+        second.close()
+        first.close()
+        while True:
+            third.drive(0.3)
+            time.sleep(0.1)
+        """
+        code, errors = await third.run(program.replace("(url)", f"({site.url!r})"), signal.SIGHUP)
+        assert (code, errors) == (128 + signal.SIGHUP, "")
+        for each in (site, other, third):
+            await said_goodbye(each)
+
+
+@pytest.mark.realtime
+async def test_when_all_robots_are_left_signals_do_what_they_did(site: Site) -> None:
+    program = """
+        import signal
+        from pioneer3 import connect
+        numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+        before = [signal.getsignal(number) for number in numbers]
+        first = connect(url)
+        first.close()
+        assert [signal.getsignal(number) for number in numbers] == before
+        """
+    assert await site.run(program) == (0, "")
 
 
 @pytest.mark.realtime
@@ -223,7 +407,7 @@ async def test_interrupting_a_connection_that_does_not_come_about_ends_it(
     server = await asyncio.start_server(mute, "127.0.0.1", unused_tcp_port)
     async with server:
         url = f"tcp://127.0.0.1:{unused_tcp_port}"
-        code = f"{HEAR_INTERRUPTS}\nfrom pioneer3 import connect\nconnect({url!r})"
+        code = f"{AS_IN_THE_FOREGROUND}\nfrom pioneer3 import connect\nconnect({url!r})"
         child = await asyncio.create_subprocess_exec(
             sys.executable, "-X", "dev", "-c", code, stderr=asyncio.subprocess.PIPE
         )
@@ -402,3 +586,22 @@ async def test_a_program_that_is_suspended_and_resumed_does_not_drive_on(site: S
     assert b"MotionError" in errors
     await said_goodbye(site)
     assert site.body.robot_in_world.x == pytest.approx(stood_at, abs=0.05)
+
+
+@pytest.mark.realtime
+async def test_nothing_is_imported_while_a_robot_waits_for_an_answer(site: Site) -> None:
+    program = """
+        import asyncio, sys
+        from pioneer3 import connect_async
+        from pioneer3.links import open_link
+        async def main():
+            async def opened():
+                link = await open_link(url)
+                loaded.update(sys.modules)
+                return link
+            loaded = set()
+            async with connect_async(opened):
+                print(*sorted(set(sys.modules) - loaded), file=sys.stderr)
+        asyncio.run(main())
+        """
+    assert await site.run(program) == (0, "\n")

@@ -32,12 +32,28 @@ def test_the_example_runs(path: Path, url: str) -> None:
     assert len(path.read_text().splitlines()) <= 40
 
 
-def test_the_code_in_the_readme_runs(url: str) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 1
-    code = blocks[0].replace("tcp://localhost:8101", url)
+def blocks_of(page: str, url: str) -> list[str]:
+    """Return the Python on a page, for the simulator of this test."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+    return [block.replace("tcp://localhost:8101", url) for block in blocks]
+
+
+def run(code: str) -> str:
+    """Run `code`; return what it prints."""
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("Pose2") >= 40
+    assert done.stderr == ""
+    return done.stdout
+
+
+def test_the_code_in_the_readme_runs(url: str) -> None:
+    blocks = blocks_of("README.md", url)
+    assert len(blocks) == 1
+    assert run(blocks[0]).count("Pose2") >= 40
+
+
+def test_the_code_about_the_python_api_runs(url: str) -> None:
+    for block in blocks_of("docs/reference/python-api.md", url):
+        run(block)

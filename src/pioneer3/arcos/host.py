@@ -14,7 +14,7 @@ Rules:
    PULSE, and firmware that hears one resumes the motion it had before.
 2. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
 3. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
-   itself: the caller opens a new one.
+   itself: the caller opens a new one. Time in which nobody listened is no silence: `held_up`.
 4. What is not the answer awaited is late mail of an earlier session, and is ignored.
 
 Facts: arcos.md 2.1 to 2.5.
@@ -142,6 +142,14 @@ class Host:
         if now < self.deadline or self.state is State.CLOSED:
             return []
         return self._keep_open(now) if self.state is State.OPEN else self._knock(now)
+
+    def held_up(self, seconds: float) -> None:
+        """Do not count the last `seconds` as silence: nobody listened meanwhile."""
+        self._began += seconds
+        self._sip_at += seconds
+        self._opened_at += seconds
+        if self.state is not State.OPEN:  # else a pulse may be due
+            self.deadline += seconds
 
     def _knock(self, now: float) -> list[Event]:
         """Begin the handshake, at the next speed if this one stayed silent."""

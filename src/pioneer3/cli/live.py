@@ -2,8 +2,8 @@
 
 import shutil
 import sys
-from collections.abc import Callable, Coroutine
-from math import degrees
+from collections.abc import AsyncIterator, Callable, Coroutine
+from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.cli.loop import run_until_told_to_leave
@@ -15,11 +15,14 @@ if TYPE_CHECKING:
     from pioneer3.limits import Limits
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
+    from pioneer3.state import Snapshot
 
 QUIET = 1.0
 """Pause between two lines where nobody watches them come [s]."""
 EXACT = 1e-6
 """Less than this is rounding [m/s], [rad/s]."""
+AWAY = 0.5
+"""Between two looks at a robot whose link is lost [s]."""
 
 
 def carry_out(
@@ -135,14 +138,53 @@ def line(robot: "Driven") -> str:
     """Return how it moves, where it is and who decides, the most important first."""
     now = robot.snapshot
     if now is None:
-        status = robot.supervisor.status.latest
-        return f"{status.connection.value.upper()}: {status.message}" if status else ""
+        return lost(robot)
     pose, twist = now.odometry.robot_in_odom, now.odometry.twist
     words = "; ".join(robot.helm.told) or robot.why_not_moving() or ""
     return (
         f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  "
         f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°  {words}"
     )
+
+
+def lost(robot: "Driven") -> str:
+    """Return that the link is lost, and why."""
+    return f"LOST: {robot.why_not_moving()}"
+
+
+async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapshot | None"]:
+    """Yield each reading for `seconds`; `None` again and again while the link is lost."""
+    import asyncio  # noqa: PLC0415
+
+    from pioneer3.errors import LinkError  # noqa: PLC0415
+
+    clock = asyncio.get_running_loop().time
+    end = clock() + seconds
+    while (left := end - clock()) > 0:
+        try:
+            async for snapshot in robot.snapshots(left, AWAY):
+                yield snapshot
+        except LinkError:
+            yield None
+        else:
+            return
+
+
+async def watch(
+    robot: "Driven", seconds: float, show: Callable[["Snapshot"], None], gone: Callable[[], None]
+) -> int:
+    """Call `show` with each reading for `seconds`, and `gone` once at each loss of the link.
+
+    Returns the exit code: 1 if the link is lost in the end.
+    """
+    there = True
+    async for snapshot in looks(robot, seconds):
+        if snapshot is not None:
+            show(snapshot)
+        elif there:
+            gone()
+        there = snapshot is not None
+    return 0 if there else 1
 
 
 def rewrite(text: str) -> None:
@@ -154,7 +196,7 @@ def rewrite(text: str) -> None:
 
 async def _show(robot: "Driven", *, json: bool) -> None:
     if json:
-        async for snapshot in robot.snapshots():
+        async for snapshot in looks(robot):
             mode = robot.helm.mode
             write_json(
                 {
@@ -165,11 +207,14 @@ async def _show(robot: "Driven", *, json: bool) -> None:
                 }
             )
     elif sys.stdout.isatty():
-        async for _ in robot.snapshots():
+        async for _ in looks(robot):
             rewrite(line(robot))
     else:
         import asyncio  # noqa: PLC0415
 
-        while True:
-            await asyncio.sleep(QUIET)
-            write_line(line(robot))
+        clock, there = asyncio.get_running_loop().time, True
+        due = clock() + QUIET
+        async for snapshot in looks(robot):
+            if clock() >= due or there != (snapshot is not None):
+                there, due = snapshot is not None, clock() + QUIET
+                write_line(line(robot))

@@ -3,16 +3,13 @@
 import signal
 import sys
 from collections.abc import Coroutine
+from types import FrameType
 from typing import TYPE_CHECKING, Any
+
+from pioneer3.runtime.signals import LEAVE
 
 if TYPE_CHECKING:
     from asyncio import AbstractEventLoop
-
-LEAVE = tuple(
-    signal.Signals[name]
-    for name in ("SIGINT", "SIGTERM", "SIGHUP")
-    if name in signal.Signals.__members__  # Windows has two of them
-)
 
 
 def new_loop() -> "AbstractEventLoop":
@@ -23,26 +20,32 @@ def new_loop() -> "AbstractEventLoop":
 
 
 def run_until_told_to_leave(command: Coroutine[Any, Any, int | None]) -> int:
-    """Run `command`; return its exit code, or 128 + signal after SIGINT, SIGTERM or SIGHUP."""
+    """Run `command`; return its exit code, or 128 + the signal that ended it.
+
+    A hang-up that is ignored, as under nohup, stays ignored.
+    """
     import asyncio  # noqa: PLC0415  40 ms that `--help` need not wait
 
     received: list[int] = []
+    before: dict[int, Any] = {}
 
     async def guarded() -> int | None:
         task = asyncio.current_task()
+        loop = asyncio.get_running_loop()
         assert task is not None
 
-        def leave(number: int) -> None:
+        def leave(number: int, frame: FrameType | None) -> None:
             received.append(number)
-            task.cancel()
+            loop.call_soon_threadsafe(task.cancel)
 
-        loop = asyncio.get_running_loop()
         for number in LEAVE:
-            try:
-                loop.add_signal_handler(number, leave, number)
-            except NotImplementedError:  # Windows
-                signal.signal(number, lambda n, _: loop.call_soon_threadsafe(leave, n))
-        return await command
+            if number.name != "SIGHUP" or signal.getsignal(number) is not signal.SIG_IGN:
+                before[number] = signal.signal(number, leave) or signal.SIG_DFL
+        try:
+            return await command
+        finally:
+            for each, handler in before.items():
+                signal.signal(each, handler)
 
     try:
         with asyncio.Runner(loop_factory=new_loop) as runner:

@@ -31,6 +31,7 @@ from pioneer3.errors import (
     PortBusyError,
     PortPermissionError,
 )
+from pioneer3.runtime.signals import die_of
 
 
 class Exit(IntEnum):
@@ -42,6 +43,7 @@ class Exit(IntEnum):
     NOT_REACHABLE = 3
     NO_PERMISSION = 4
     INTERRUPTED = 130
+    QUIT = 131
 
 
 app = App(
@@ -81,7 +83,10 @@ for number, (name, commands) in enumerate(GROUPS.items()):
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code (:class:`Exit`)."""
     logging.basicConfig(format="%(levelname)s: %(message)s", level=logging.WARNING)
-    raise SystemExit(execute(sys.argv[1:] if arguments is None else arguments))
+    code = execute(sys.argv[1:] if arguments is None else arguments)
+    if code == Exit.QUIT:
+        die_of(code - 128)
+    raise SystemExit(code)
 
 
 def execute(arguments: Sequence[str]) -> int:

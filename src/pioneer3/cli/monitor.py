@@ -1,7 +1,7 @@
 """`pioneer3 monitor`."""
 
 import sys
-from collections.abc import AsyncIterator, Awaitable
+from collections.abc import Awaitable
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
+    from pioneer3.state import Snapshot
 
 
 def monitor(
@@ -22,7 +23,8 @@ def monitor(
     """Show live everything the robot says; Ctrl-C ends it.
 
     Nothing moves, and the motors stay off. On a terminal it is a screen, else a
-    line for each reading.
+    line for each reading. A lost link is shown, in JSON by a snapshot or report
+    that is null; if it is still lost at the end, the exit code is 1.
 
     Example: pioneer3 monitor --port /dev/ttyUSB0
 
@@ -48,63 +50,60 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
             connecting = link.connect(auto_enable=False)
             robot = await stack.enter_async_context(connecting)
         if json:
-            await _print_json(robot, seconds)
-        elif sys.stdout.isatty():
-            await _show_screen(robot, seconds)
-        else:
-            await _print_lines(robot, seconds)
-    return 0
+            return await _print_json(robot, seconds)
+        if sys.stdout.isatty():
+            return await _show_screen(robot, seconds)
+        return await _print_lines(robot, seconds)
 
 
-async def _print_json(robot: "Robot", seconds: float) -> None:
+async def _print_json(robot: "Robot", seconds: float) -> int:
+    from pioneer3.cli.live import watch  # noqa: PLC0415
     from pioneer3.cli.output import write_json  # noqa: PLC0415
 
-    async for snapshot in robot.snapshots(seconds):
+    def show(snapshot: "Snapshot | None" = None) -> None:
         write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
 
+    return await watch(robot, seconds, show, show)
 
-async def _print_lines(robot: "Robot", seconds: float) -> None:
+
+async def _print_lines(robot: "Robot", seconds: float) -> int:
+    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
     from pioneer3.cli.output import write_line  # noqa: PLC0415
     from pioneer3.cli.screen import line  # noqa: PLC0415
 
-    async for snapshot in robot.snapshots(seconds):
-        write_line(line(snapshot))
+    return await watch(
+        robot,
+        seconds,
+        lambda snapshot: write_line(line(snapshot)),
+        lambda: write_line(lost(robot)),
+    )
 
 
-async def _show_screen(robot: "Robot", seconds: float) -> None:
+async def _show_screen(robot: "Robot", seconds: float) -> int:
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
 
+    from pioneer3.cli.live import looks  # noqa: PLC0415
     from pioneer3.cli.screen import screen  # noqa: PLC0415
 
-    console = Console(highlight=False)
+    console, code = Console(highlight=False), 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
-        async for _ in _moments(robot, seconds):
+        async for snapshot in looks(robot, seconds):
             status = robot.supervisor.status.latest
             why = robot.why_not_moving()
             view = screen(robot.info, robot.snapshot, why, status, console.width)
             live.update(view, refresh=True)
-
-
-async def _moments(robot: "Robot", seconds: float, patience: float = 0.5) -> AsyncIterator[None]:
-    """Return at each reading; every `patience` [s] while there is none."""
-    import asyncio  # noqa: PLC0415
-
-    clock = asyncio.get_running_loop().time
-    end = clock() + seconds
-    yield
-    while (left := end - clock()) > 0:
-        async for _ in robot.snapshots(min(patience, left)):
-            yield
-        yield
+            code = 1 if snapshot is None else 0
+    return code
 
 
 async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     import asyncio  # noqa: PLC0415
 
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
+    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
-    from pioneer3.links import Link, open_link  # noqa: PLC0415
+    from pioneer3.links import Link, opener  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
     from pioneer3.runtime.overheard import OverheardLink, described  # noqa: PLC0415
 
@@ -117,13 +116,21 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
         else:
             write_line(f"{stamp - began:9.3f} {described(report)}")
 
-    async def opened() -> Link:
-        return OverheardLink(await open_link(link.port, baud=link.baud), tell)
+    open_ = opener(link.port, baud=link.baud)
 
-    def opener() -> Awaitable[Link]:
+    async def opened() -> Link:
+        return OverheardLink(await open_(), tell)
+
+    def overhear() -> Awaitable[Link]:
         return asyncio.ensure_future(opened())
 
-    async with connect_async(opener, auto_enable=False, record=link.record) as robot:
-        async for _ in robot.snapshots(seconds):
-            pass
-    return 0
+    async with connect_async(overhear, auto_enable=False, record=link.record) as robot:
+
+        def gone() -> None:
+            time = asyncio.get_running_loop().time() - began
+            if json:
+                write_json({"time": time, "report": None, "fields": lost(robot)})
+            else:
+                write_line(f"{time:9.3f} {lost(robot)}")
+
+        return await watch(robot, seconds, lambda snapshot: None, gone)

@@ -65,44 +65,60 @@ def line(distances: list[int | None]) -> str:
     return "".join(f"{'-' if mm is None else mm:>{NUMBER}}" for mm in distances)
 
 
-async def _sonar(link: LinkOptions, seconds: float, *, json: bool) -> None:
-
+async def _sonar(link: LinkOptions, seconds: float, *, json: bool) -> int:
     async with link.connect(auto_enable=False) as robot:
-        await show_sonar(robot, seconds, json=json)
+        return await show_sonar(robot, seconds, json=json)
 
 
-async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> None:
-    """Show the sonars for `seconds`: a picture in a terminal, else a line or JSON a reading."""
+async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
+    """Show the sonars for `seconds`: a picture in a terminal, else a line or JSON a reading.
+
+    Returns the exit code: 1 if the link is lost in the end.
+    """
+    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
 
-    if not json and sys.stdout.isatty():
-        await _show(robot, seconds)
-        return
-    if not json:
-        write_line("".join(f"{number:>{NUMBER}}" for number in range(len(BODY))))
-    async for snapshot in robot.snapshots(seconds):
+    def show(snapshot: "Snapshot") -> None:
         distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
         if json:
             write_json({"stamp": snapshot.stamp, "hull_mm": distances, "sonar": snapshot.sonar})
         else:
             write_line(line(distances))
 
+    def gone() -> None:
+        if json:
+            write_json({"stamp": None, "hull_mm": None, "sonar": None})
+        else:
+            write_line(lost(robot))
 
-async def _show(robot: "Driven", seconds: float) -> None:
+    if not json and sys.stdout.isatty():
+        return await _show(robot, seconds)
+    if not json:
+        write_line("".join(f"{number:>{NUMBER}}" for number in range(len(BODY))))
+    return await watch(robot, seconds, show, gone)
+
+
+async def _show(robot: "Driven", seconds: float) -> int:
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
 
+    from pioneer3.cli.live import looks, lost  # noqa: PLC0415
     from pioneer3.demo.drawing import reach_for, ring  # noqa: PLC0415
 
     console = Console(highlight=False)
-    reach = 3.0
+    reach, code = 3.0, 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
-        async for snapshot in robot.snapshots(seconds):
+        async for snapshot in looks(robot, seconds):
+            code = 1 if snapshot is None else 0
+            if snapshot is None:
+                live.update(lost(robot), refresh=True)
+                continue
             ranges = snapshot.sonar.ranges
             reach = reach_for(ranges, reach)
             rows = max(4, console.height - 5)
             picture = ring(robot.info.model, ranges, console.width, rows, reach=reach)
             live.update(_view(robot.info, snapshot, picture), refresh=True)
+    return code
 
 
 def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "RenderableType":

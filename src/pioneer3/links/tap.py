@@ -2,23 +2,27 @@
 
 The format::
 
-    # a comment
+    # pioneer3 <version>, <when the recording began, ISO 8601, UTC>
     <seconds> C>S|S>C <number of bytes> <hex>
 
-`C>S` is what the host sent, `S>C` what the robot sent; seconds count from the opening of the link.
-Comments of the form `# <seconds> <words>` say what else happened, such as what decided the motion.
+`C>S` is what the host sent, `S>C` what the robot sent; seconds count from the beginning. Lines that
+start with # are comments; those of the form `# <seconds> <words>` say what else happened, such as
+what decided the motion. Older files have no heading, and begin anew at 0 s with each connection.
 """
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TextIO
 
+from pioneer3 import __version__
 from pioneer3.clock import Clock
-from pioneer3.errors import ConfigError, PortNotFoundError
+from pioneer3.errors import ConfigError, PortNotFoundError, RecordingOverError
 from pioneer3.links.base import Link, Opener
 
 log = logging.getLogger(__name__)
@@ -38,13 +42,13 @@ class Chunk:
 class TapLink:
     """A host's link that writes down everything that passes; same contract as the link inside."""
 
-    def __init__(self, link: Link, file: TextIO, clock: Clock) -> None:
+    def __init__(self, link: Link, file: TextIO, clock: Clock, began: float | None = None) -> None:
         self.url = link.url
         self.speeds = link.speeds
         self._link = link
         self._file = file
         self._clock = clock
-        self._began = clock()
+        self._began = clock() if began is None else began
         self._broken = False
         self._put(f"# {link.url}")
 
@@ -98,11 +102,12 @@ class Recorder:
         self._open = opener
         self._file = file
         self._clock = clock
+        self._began = clock()
         self._tap: TapLink | None = None
 
     async def open(self) -> Link:
         """Open the link, and record it."""
-        self._tap = TapLink(await self._open(), self._file, self._clock)
+        self._tap = TapLink(await self._open(), self._file, self._clock, self._began)
         return self._tap
 
     def remark(self, words: str) -> None:
@@ -118,52 +123,92 @@ def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
     Raises:
         ConfigError: the file cannot be written; one that exists is left alone.
     """
+    when = datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     try:
         file = path.open("x", encoding="utf-8", buffering=1)
+        file.write(f"# pioneer3 {__version__}, {when}\n")
     except OSError as error:
         raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
     with file:
         yield Recorder(opener, file, clock)
 
 
-class ReplayLink:
-    """Plays what a robot said in a recording, at the pace it was recorded.
+class Replay:
+    """Plays what a robot said in a recording, once, at the pace it was recorded.
 
-    The recorded time starts with the first byte the host sends. What the host sends besides is
-    thrown away.
+    The recorded time starts with the first byte the host sends. It goes on over a link that is
+    closed: the next one gets what comes after, as with a robot.
     """
-
-    speeds: tuple[int, ...] = ()
 
     def __init__(self, path: Path) -> None:
         self.url = f"replay:{path}"
-        self._chunks = [c for c in read_recording(path) if c.way == FROM_ROBOT]
-        self._next = 0
+        self._chunks: deque[Chunk] = deque()
         self._began: float | None = None
+        offset = latest = 0.0
+        for chunk in read_recording(path):
+            if chunk.time + offset < latest:  # an older file: time began anew
+                offset = latest
+            latest = chunk.time + offset
+            if chunk.way == FROM_ROBOT:
+                self._chunks.append(replace(chunk, time=latest))
+        self._first = self._chunks[0].time if self._chunks else 0.0
+
+    async def open(self) -> Link:
+        """Return a link to the robot that was recorded, where the one before ended."""
+        return ReplayLink(self)
+
+    def begin(self) -> None:
+        """Let the recorded time run, if it does not yet."""
+        if self._began is None:
+            self._began = asyncio.get_running_loop().time()
+
+    def due(self) -> float:
+        """Return when the next chunk comes [s, loop time].
+
+        Raises:
+            RecordingOverError: there is none.
+        """
+        assert self._began is not None
+        if not self._chunks:
+            raise RecordingOverError(f"{self.url}: the recording is over")
+        return self._began + self._chunks[0].time - self._first
+
+    def take(self) -> bytes:
+        """Return the next chunk."""
+        return self._chunks.popleft().data
+
+
+class ReplayLink:
+    """A link to a robot that was recorded; it does not listen."""
+
+    speeds: tuple[int, ...] = ()
+
+    def __init__(self, recording: Replay) -> None:
+        self.url = recording.url
+        self._recording = recording
         self._started = asyncio.Event()
         self._closed = asyncio.Event()
 
     async def read(self) -> bytes:
-        """Return the next recorded chunk when its time has come; `b""` at the end."""
+        """Return the next recorded chunk when its time has come.
+
+        Raises:
+            RecordingOverError: there is none.
+        """
         await self._started.wait()
-        if self._next == len(self._chunks) or self._closed.is_set():
+        if self._closed.is_set():
             return b""
-        chunk = self._chunks[self._next]
-        assert self._began is not None
-        due = self._began + chunk.time - self._chunks[0].time
         try:
-            async with asyncio.timeout_at(due):
+            async with asyncio.timeout_at(self._recording.due()):
                 await self._closed.wait()
         except TimeoutError:
-            self._next += 1
-            return chunk.data
+            return self._recording.take()
         return b""
 
     async def write(self, data: bytes) -> None:
         """Start the clock; the recording does not listen."""
-        if self._began is None:
-            self._began = asyncio.get_running_loop().time()
-            self._started.set()
+        self._recording.begin()
+        self._started.set()
 
     async def set_speed(self, baud: int) -> None:
         """Do nothing: a recording has no line speed."""

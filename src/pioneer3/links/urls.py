@@ -1,11 +1,12 @@
 """From what a person writes to an open link."""
 
 import re
+from functools import partial
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError
-from pioneer3.links.base import Link
+from pioneer3.links.base import Link, Opener
 
 TCP_PORT = 8101
 """Where ARCOS simulators and ARIA expect each other (arcos.md 1.1)."""
@@ -37,9 +38,22 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
 
             return await open_tcp(*split_host(f"tcp:{rest}"))
         case _:
-            from pioneer3.links.tap import ReplayLink  # noqa: PLC0415
+            return await opener(url)()
 
-            return ReplayLink(Path(rest))
+
+def opener(url: str, *, baud: int | None = None) -> Opener:
+    """Return a function that opens the link anew at each call; a recording goes on where it was.
+
+    Raises:
+        ConfigError: the URL is not of the forms of :func:`open_link`, or the recording is wrong.
+        PortNotFoundError: there is no such recording.
+    """
+    scheme, rest = split_url(url)
+    if scheme != "replay":
+        return partial(open_link, url, baud=baud)
+    from pioneer3.links.tap import Replay  # noqa: PLC0415
+
+    return Replay(Path(rest)).open
 
 
 def split_url(url: str) -> tuple[str, str]:

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from math import isfinite
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -29,27 +28,20 @@ class Feed(Generic[T]):
         self._wake()
 
     async def values(self) -> AsyncIterator[T]:
-        """Yield each value published from now on, skipping those that came while busy."""
-        seen = self._count
-        while not self._closed:
-            if self._count == seen:
-                await self._changed.wait()
-                continue
-            seen = self._count
-            if self.latest is not None:
-                yield self.latest
+        """Yield each value published from now on, skipping those that came while busy.
 
-    async def values_for(self, seconds: float) -> AsyncIterator[T]:
-        """Yield as :meth:`values` does, for `seconds`; `inf` until it is closed."""
-        end = asyncio.get_running_loop().time() + seconds
-        values = self.values()
+        The last one before :meth:`close` is not skipped.
+        """
+        seen = self._count
         while True:
-            try:
-                async with asyncio.timeout_at(end if isfinite(end) else None):
-                    value = await anext(values)
-            except (TimeoutError, StopAsyncIteration):
+            if self._count != seen:
+                seen = self._count
+                if self.latest is not None:
+                    yield self.latest
+            elif self._closed:
                 return
-            yield value
+            else:
+                await self._changed.wait()
 
     def _wake(self) -> None:
         self._changed.set()

@@ -35,6 +35,8 @@ from pioneer3.units import DEGREE, MM
 log = logging.getLogger(__name__)
 
 FAREWELL_PATIENCE = 0.5
+LATE = 0.2
+"""The program was held up if the session gets its turn so much too late [s]."""
 MOST_WAITING = 256
 """Commands of devices and programs that may wait for a link that takes nothing."""
 AT_ONCE = 8
@@ -91,7 +93,8 @@ class Session:
         self._listener = listener
         self._restrict = restrict
         self._clock = asyncio.get_running_loop().time
-        self._host = Host(self._clock(), link.speeds, timing)
+        self._due = self._clock()
+        self._host = Host(self._due, link.speeds, timing)
         self._wake = asyncio.Event()
         self._waiting: deque[Command] = deque()
         self._sending: asyncio.Task[None] | None = None
@@ -145,7 +148,7 @@ class Session:
 
     async def _read(self) -> None:
         while data := await self.link.read():
-            now = self._clock()
+            now = self._now()
             for event in self._host.receive(data, now):
                 await self._handle(event, now)
             self.wake()
@@ -154,7 +157,7 @@ class Session:
     async def _write(self) -> None:
         while True:
             self._wake.clear()
-            now = self._clock()
+            now = self._now()
             for event in self._host.tick(now):
                 await self._handle(event, now)
             if self._lost is not None:
@@ -164,9 +167,18 @@ class Session:
             self._held_back = not self._link_is_free()
             if not self._held_back:
                 self._send_all(now)
+            self._due = min(self._host.deadline, self._pilot.deadline)
             with suppress(TimeoutError):
-                async with asyncio.timeout_at(min(self._host.deadline, self._pilot.deadline)):
+                async with asyncio.timeout_at(self._due):
                     await self._wake.wait()
+
+    def _now(self) -> float:
+        """Return the time; if the program was held up, what the robot said waits to be read."""
+        now = self._clock()
+        if now - self._due > LATE:
+            self._host.held_up(now - self._due)
+        self._due = now
+        return now
 
     def _link_is_free(self) -> bool:
         """Return whether the link has taken the last bytes.

@@ -11,7 +11,7 @@ from math import inf
 from pioneer3.arcos.commands import Command, to_payload
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
-from pioneer3.errors import CommandError, LinkError, NoRobotError
+from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
 from pioneer3.geometry import Twist2
 from pioneer3.limits import Limits, Pace
 from pioneer3.links import Opener
@@ -116,18 +116,23 @@ class Supervisor:
         return self._fresh
 
     async def run(self) -> None:
-        """Connect, and reconnect after every loss; ends by cancellation.
+        """Connect, and reconnect after every loss; ends by cancellation, or with a recording.
 
         Raises:
             LinkError, NoRobotError, ConfigError: the *first* connection failed.
         """
+        end = "closed"
         try:
             attempt = 0
             while True:
                 attempt = await self._serve_once(attempt)
                 await asyncio.sleep(BACK_OFF[min(attempt, len(BACK_OFF)) - 1])
+        except RecordingOverError as over:
+            if self.snapshots.latest is None:
+                raise
+            end = str(over)
         finally:
-            self._tell(Connection.CLOSED, "closed")
+            self._tell(Connection.CLOSED, end)
             for feed in (self.snapshots, self.status):
                 feed.close()
             self.reports.close()
@@ -287,7 +292,8 @@ class Supervisor:
             )
             await self._session.run()
         except (LinkError, NoRobotError) as error:
-            if self.snapshots.latest is None:
+            if self.snapshots.latest is None or isinstance(error, RecordingOverError):
+                self.pilot.session_lost(str(error), self._clock())
                 raise
             self._tell(Connection.LOST, str(error))
             if self.assembler.sessions == began_with:

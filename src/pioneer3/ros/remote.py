@@ -14,6 +14,7 @@ from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
 from pioneer3.robot.pilot import STANDING, Pilot
 from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.runtime.driven import LOST_AFTER, readings
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Motors, Snapshot
@@ -203,9 +204,11 @@ class TopicRobot:
         """The latest reading, or `None` while the topics are silent."""
         return self.supervisor.snapshot
 
-    def snapshots(self, seconds: float = inf) -> AsyncIterator[Snapshot]:
-        """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow."""
-        return self.supervisor.snapshots.values_for(seconds)
+    def snapshots(
+        self, seconds: float = inf, patience: float = LOST_AFTER
+    ) -> AsyncIterator[Snapshot]:
+        """See :meth:`Robot.snapshots`."""
+        return readings(self.supervisor, seconds, patience)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`; see :meth:`Robot.run`."""

@@ -1,25 +1,35 @@
-"""The robot for scripts and notebooks: the same, without `await`."""
+"""The robot for scripts and notebooks: the same, without `await`.
+
+Nothing is written twice: a facade calls what it stands for on the event loop of a thread. There a
+coroutine is awaited, an asynchronous iterator becomes an iterator, a context manager is entered and
+left, and what is itself asynchronous, such as a device, becomes a facade too.
+"""
 
 import asyncio
 import atexit
-import signal
+import inspect
+import os
 import threading
-from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
-from contextlib import AsyncExitStack
-from math import inf
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Coroutine, Hashable, Iterator
+from concurrent.futures import wait
+from contextlib import AbstractContextManager, AsyncExitStack, contextmanager
+from functools import cache, wraps
 from pathlib import Path
-from types import FrameType, TracebackType
-from typing import Any, TypeVar
+from types import GenericAlias, TracebackType
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast, get_args, get_origin, overload
 
-from pioneer3.arcos.commands import Command
-from pioneer3.behaviors.stack import Stack
 from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.state import Snapshot
 
+P = ParamSpec("P")
 T = TypeVar("T")
+
+CLOSE_PATIENCE = 3.0
+"""For the end of a session [s]: 1 s to stand, 0.5 s for the farewell, 0.5 s to close the link."""
 
 
 def connect(
@@ -49,19 +59,191 @@ def connect(
     )
 
 
-class BlockingRobot:
+class LoopThread:
+    """An event loop in a thread of its own, for the threads of one process."""
+
+    def __init__(self) -> None:
+        self.loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self.loop.run_forever, name="pioneer3", daemon=True)
+        self._process = os.getpid()
+        self._thread.start()
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether this process started the thread; a fork has only a picture of it."""
+        return self._process == os.getpid()
+
+    def wait(self, coroutine: Coroutine[Any, Any, T]) -> T:
+        """Run `coroutine` on the loop; an interrupt of this thread cancels it there.
+
+        Raises:
+            RuntimeError: the loop has ended, or belongs to the process that forked this one.
+        """
+        if self.loop.is_closed() or not self.is_ours:
+            coroutine.close()
+            if self.is_ours:
+                raise RuntimeError("this robot has been closed; connect again")
+            raise RuntimeError("the process that forked this one has the robot; connect again")
+        future = asyncio.run_coroutine_threadsafe(coroutine, self.loop)
+        try:
+            return future.result()
+        except BaseException:
+            future.cancel()
+            raise
+
+    def call(self, function: Callable[[], T | Coroutine[Any, Any, T]]) -> T:
+        """Call `function` on the loop, and await what it returns if that is a coroutine."""
+
+        async def call() -> T:
+            result = function()
+            return await result if inspect.iscoroutine(result) else cast("T", result)
+
+        return self.wait(call())
+
+    def end(self, last: Coroutine[Any, Any, None]) -> None:
+        """Run `last`, then end the loop and its thread; an interrupt has to wait for that."""
+        ending = asyncio.run_coroutine_threadsafe(last, self.loop)
+        try:
+            wait([ending], CLOSE_PATIENCE)
+        finally:
+            wait([ending], CLOSE_PATIENCE)
+            self.loop.call_soon_threadsafe(self.loop.stop)
+            self._thread.join(CLOSE_PATIENCE)
+            if not self._thread.is_alive():
+                self.loop.close()
+        ending.result(0)
+
+
+class Facade:
+    """Stands for an asynchronous object; each of its public names does the same, and waits."""
+
+    def __init__(self, target: Any, thread: LoopThread) -> None:
+        self._target, self._thread = target, thread
+
+    def _read(self, name: str) -> Any:
+        return _adapted(self._thread.call(lambda: getattr(self._target, name)), self._thread)
+
+
+class MadeFacade(Facade):
+    """A facade whose members come from a class, and from attributes that an object has besides."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._read(name)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*object.__dir__(self), *(n for n in vars(self._target) if n[0] != "_")})
+
+
+@cache
+def facade_of(kind: type) -> type[Facade]:
+    """Return the class of facades of `kind`, with its names, signatures and docstrings."""
+    members: dict[str, Any] = {"__doc__": kind.__doc__}
+    for name in (name for name in dir(kind) if not name.startswith("_")):
+        member = getattr(kind, name)
+        members[name] = blocking(member) if inspect.isfunction(member) else _property(name, member)
+    return type(f"Blocking{kind.__name__}", (MadeFacade,), members)
+
+
+@overload
+def blocking(
+    method: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]],
+) -> Callable[Concatenate[Any, P], T]: ...
+@overload
+def blocking(
+    method: Callable[Concatenate[Any, P], AsyncIterator[T]],
+) -> Callable[Concatenate[Any, P], Iterator[T]]: ...
+@overload
+def blocking(
+    method: Callable[Concatenate[Any, P], T],
+) -> Callable[Concatenate[Any, P], T]: ...
+def blocking(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the method of a facade that does as `method` does."""
+
+    @wraps(method)
+    def call(self: Facade, *arguments: Any, **options: Any) -> Any:
+        result = self._thread.call(lambda: method(self._target, *arguments, **options))
+        return _adapted(result, self._thread)
+
+    signature = inspect.signature(method)
+    if _iterates(signature.return_annotation):
+        items = get_args(signature.return_annotation)[:1]
+        signature = signature.replace(return_annotation=GenericAlias(Iterator, items))
+    call.__signature__ = signature  # type: ignore[attr-defined]
+    return call
+
+
+def _property(name: str, member: Any) -> property:
+    return property(lambda self: self._read(name), doc=inspect.getdoc(member))
+
+
+def _adapted(value: Any, thread: LoopThread) -> Any:
+    """Return what a program without an event loop can do with `value`."""
+    if isinstance(value, AsyncIterator):
+        return _iterate(value, thread)
+    if isinstance(value, AbstractContextManager):
+        return _within(value, thread)
+    kind = cast("Hashable", type(value))
+    return facade_of(kind)(value, thread) if _is_asynchronous(kind) else value
+
+
+def _iterate(values: AsyncIterator[T], thread: LoopThread) -> Iterator[T]:
+    async def following() -> list[T]:
+        async for value in values:
+            return [value]
+        return []
+
+    try:
+        while value := thread.wait(following()):
+            yield value[0]
+    finally:
+        # not waited for: the thread of the loop may be the one that clears up
+        if isinstance(values, AsyncGenerator) and thread.is_ours and thread.loop.is_running():
+            asyncio.run_coroutine_threadsafe(_close(values), thread.loop)
+
+
+async def _close(values: AsyncGenerator[Any, None]) -> None:
+    await values.aclose()
+
+
+@contextmanager
+def _within(context: AbstractContextManager[T], thread: LoopThread) -> Iterator[T]:
+    entered = thread.call(context.__enter__)
+    try:
+        yield entered
+    finally:
+        thread.call(lambda: context.__exit__(None, None, None))
+
+
+@cache
+def _is_asynchronous(kind: type) -> bool:
+    """Whether objects of this class of ours have anything to wait for."""
+    return kind.__module__.startswith("pioneer3.") and any(
+        inspect.iscoroutinefunction(member)
+        or _iterates(inspect.signature(member).return_annotation)
+        for name, member in vars(kind).items()
+        if inspect.isfunction(member) and not name.startswith("_")
+    )
+
+
+def _iterates(annotation: Any) -> bool:
+    origin = get_origin(annotation)
+    return isinstance(origin, type) and issubclass(origin, AsyncIterator)
+
+
+class BlockingRobot(Facade):
     """A :class:`pioneer3.Robot` on an event loop in a thread of its own."""
 
     def __init__(self, url: str, **options: Any) -> None:
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name="pioneer3", daemon=True)
+        super().__init__(None, LoopThread())
         self._stack = AsyncExitStack()
         self._closed = False
-        self._thread.start()
         atexit.register(self.close)
-        self._old_handler = _raise_on_sigterm()
+        self._signals = StopOnSignals(self._thread.loop, self._stand, self.close)
+        self._signals.__enter__()
         try:
-            self._robot: Robot = self._wait(
+            self._target = self._thread.wait(
                 self._stack.enter_async_context(connect_async(url, **options))
             )
         except BaseException:
@@ -80,85 +262,58 @@ class BlockingRobot:
         self.close()
 
     def close(self) -> None:
-        """Stop the robot and end the session; safe to call twice."""
+        """Stop the robot and end the session; safe to call twice, and in any thread.
+
+        In a process that was forked from the one that connected it does nothing.
+        """
         if self._closed:
             return
         self._closed = True
+        if not self._thread.is_ours:
+            return
         atexit.unregister(self.close)
         try:
-            self._wait(self._leave())
+            self._thread.end(self._leave())
         finally:
-            self._loop.call_soon_threadsafe(self._loop.stop)
-            self._thread.join()
-            self._loop.close()
-            if self._old_handler is not None:
-                signal.signal(signal.SIGTERM, self._old_handler)
+            self._signals.__exit__(None, None, None)
 
     @property
     def info(self) -> RobotInfo:
-        """Identity, model, limits and configuration of the robot."""
-        return self._robot.info
+        """Identity, model, limits and configuration of the robot last connected."""
+        return cast("RobotInfo", self._read("info"))
 
     @property
     def snapshot(self) -> Snapshot | None:
         """The latest reading, or `None` while the link is lost."""
-        return self._robot.snapshot
+        return cast("Snapshot | None", self._read("snapshot"))
 
-    def snapshots(self, seconds: float = inf) -> Iterator[Snapshot]:
-        """Yield each reading as it arrives, for `seconds`."""
-        values: AsyncIterator[Snapshot] = self._robot.snapshots(seconds)
-        while (snapshot := self._wait(_next_or_none(values))) is not None:
-            yield snapshot
+    @property
+    def devices(self) -> Any:
+        """What the robot has besides wheels and sonars: :class:`pioneer3.runtime.devices.Devices`.
 
-    def drive(self, speed: float, turn_rate: float = 0.0) -> None:
-        """See :meth:`pioneer3.Robot.drive`."""
-        self._call(lambda: self._robot.drive(speed, turn_rate))
+        Facades, made as they are asked for: `robot.devices.gripper.open()`, or
+        `for scan in robot.devices.laser.values()`. Their types are known when the program runs.
+        """
+        return _adapted(self._target.devices, self._thread)
 
-    def stop(self) -> None:
-        """Stand still, whoever drives."""
-        self._call(self._robot.stop)
+    snapshots = blocking(Robot.snapshots)
+    drive = blocking(Robot.drive)
+    stop = blocking(Robot.stop)
+    emergency_stop = blocking(Robot.emergency_stop)
+    reset_emergency_stop = blocking(Robot.reset_emergency_stop)
+    motors = blocking(Robot.motors)
+    move = blocking(Robot.move)
+    turn = blocking(Robot.turn)
+    goto = blocking(Robot.goto)
+    run = blocking(Robot.run)
+    why_not_moving = blocking(Robot.why_not_moving)
+    send = blocking(Robot.send)
+    send_unsafe = blocking(Robot.send_unsafe)
 
-    def emergency_stop(self) -> None:
-        """See :meth:`pioneer3.Robot.emergency_stop`."""
-        self._call(self._robot.emergency_stop)
-
-    def reset_emergency_stop(self) -> None:
-        """Release the latch. The motors stay off."""
-        self._call(self._robot.reset_emergency_stop)
-
-    def motors(self, on: bool) -> None:
-        """See :meth:`pioneer3.Robot.motors`."""
-        self._wait(self._robot.motors(on))
-
-    def move(self, distance: float, speed: float | None = None) -> None:
-        """See :meth:`pioneer3.Robot.move`."""
-        self._wait(self._robot.move(distance, speed))
-
-    def turn(self, angle: float, rate: float | None = None) -> None:
-        """See :meth:`pioneer3.Robot.turn`."""
-        self._wait(self._robot.turn(angle, rate))
-
-    def goto(
-        self, x: float, y: float, heading: float | None = None, *, speed: float | None = None
-    ) -> None:
-        """See :meth:`pioneer3.Robot.goto`."""
-        self._wait(self._robot.goto(x, y, heading, speed=speed))
-
-    def run(self, mode: Stack, seconds: float = inf) -> None:
-        """See :meth:`pioneer3.Robot.run`."""
-        self._wait(self._robot.run(mode, seconds))
-
-    def why_not_moving(self) -> str | None:
-        """Return in one sentence why the robot stands still, or `None` while it moves."""
-        return self._call(self._robot.why_not_moving)
-
-    def send(self, command: Command) -> None:
-        """See :meth:`pioneer3.Robot.send`."""
-        self._call(lambda: self._robot.send(command))
-
-    def send_unsafe(self, command: Command) -> None:
-        """See :meth:`pioneer3.Robot.send_unsafe`."""
-        self._call(lambda: self._robot.send_unsafe(command))
+    def _stand(self) -> None:
+        """Let the robot stand, whoever drives, in the loop."""
+        if self._target is not None:
+            self._target.helm.stop()
 
     async def _leave(self) -> None:
         """End the session, and whatever was interrupted before there was one."""
@@ -167,41 +322,3 @@ class BlockingRobot:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-
-    def _call(self, function: Callable[[], T]) -> T:
-        async def call() -> T:
-            return function()
-
-        return self._wait(call())
-
-    def _wait(self, coroutine: Coroutine[Any, Any, T]) -> T:
-        """Run `coroutine` on the loop; an interrupt of this thread cancels it there."""
-        if self._loop.is_closed():
-            coroutine.close()
-            raise RuntimeError("this robot has been closed; connect again")
-        future = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
-        try:
-            return future.result()
-        except BaseException:
-            future.cancel()
-            raise
-
-
-async def _next_or_none(values: AsyncIterator[Snapshot]) -> Snapshot | None:
-    return await anext(values, None)
-
-
-def _raise_on_sigterm() -> Callable[[int, FrameType | None], Any] | int | None:
-    """Make SIGTERM an exception, so that it passes the `with` block; return what was there.
-
-    Only where nobody else handles it, and in the main thread; `None` where nothing was changed.
-    """
-
-    def leave(number: int, frame: FrameType | None) -> None:
-        raise SystemExit(128 + number)
-
-    if threading.current_thread() is not threading.main_thread():
-        return None
-    if signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        return None
-    return signal.signal(signal.SIGTERM, leave)

@@ -1,22 +1,22 @@
 """Connecting to a robot, and every way of leaving it."""
 
 import asyncio
-import signal
-import threading
 from collections.abc import AsyncIterator, Callable
-from contextlib import ExitStack, asynccontextmanager, suppress
-from functools import partial
+from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.limits import Limits
-from pioneer3.links import Opener, open_link
+from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
-from pioneer3.models import RobotModel
+from pioneer3.models import RobotModel, load_model
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.runtime.tasks import running
+
+USUAL = "p3at-sh"
 
 
 @asynccontextmanager
@@ -32,6 +32,8 @@ async def connect_async(
     timing: Timing | None = None,
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
+
+    In the main thread the signals to leave are ways out too: :mod:`pioneer3.runtime.signals`.
 
     Args:
         url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
@@ -54,17 +56,18 @@ async def connect_async(
         return limits.lowered_to(max_speed, max_turn_rate)
 
     remark: Callable[[str], None] | None = None
-    opener = url if callable(url) else partial(open_link, url, baud=baud)
+    open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
         if record is not None:
             clock = asyncio.get_running_loop().time
-            recorder = stack.enter_context(recorded(opener, record, clock))
-            opener, remark = recorder.open, recorder.remark
+            recorder = stack.enter_context(recorded(open_, record, clock))
+            open_, remark = recorder.open, recorder.remark
         supervisor = Supervisor(
-            opener, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
+            open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         helm = Helm(supervisor, remark)
-        leave_on_sigterm()
+        load_model(USUAL)  # what reads models is slow to load, and a robot that waits is lost
+        stack.enter_context(StopOnSignals(asyncio.get_running_loop(), helm.stop))
         async with running(supervisor.run()):
             await _first_snapshot(supervisor)
             yield Robot(supervisor, helm)
@@ -74,19 +77,3 @@ async def _first_snapshot(supervisor: Supervisor) -> None:
     """Wait until the robot has said something; what ends the supervisor cancels this."""
     if await anext(supervisor.snapshots.values(), None) is None:
         await asyncio.get_running_loop().create_future()
-
-
-def leave_on_sigterm() -> None:
-    """Make SIGTERM end this event loop as an exit of the program does, not as a kill.
-
-    `asyncio.run` then cancels every task, and each robot is told to stop on that way out. Only
-    where nobody else handles SIGTERM, and in the main thread. It lasts as long as the loop.
-    """
-    main = threading.current_thread() is threading.main_thread()
-    if main and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
-        with suppress(NotImplementedError):  # Windows
-            asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, _exit, signal.SIGTERM)
-
-
-def _exit(number: int) -> None:
-    raise SystemExit(128 + number)

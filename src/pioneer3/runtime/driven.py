@@ -1,9 +1,11 @@
 """What it takes to drive a robot, be it at a cable or on the other side of topics."""
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Protocol
 
+from pioneer3.errors import LinkError
 from pioneer3.geometry import Twist2
 from pioneer3.limits import Pace
 from pioneer3.robot.feed import Feed
@@ -13,6 +15,9 @@ from pioneer3.state import Snapshot
 
 if TYPE_CHECKING:
     from pioneer3.runtime.helm import Helm
+
+LOST_AFTER = 2.5
+"""Nobody waits longer for a lost robot [s]: 2 s of silence are a loss, 0.5 s may bring it back."""
 
 
 class Drivable(Protocol):
@@ -82,8 +87,10 @@ class Driven(Protocol):
     def snapshot(self) -> Snapshot | None:
         """The latest reading, or `None` while there is none."""
 
-    def snapshots(self, seconds: float = inf) -> AsyncIterator[Snapshot]:
-        """Yield each reading as it arrives, for `seconds`."""
+    def snapshots(
+        self, seconds: float = inf, patience: float = LOST_AFTER
+    ) -> AsyncIterator[Snapshot]:
+        """Return :func:`readings` of it."""
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
@@ -93,3 +100,36 @@ class Driven(Protocol):
 
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off, latched."""
+
+
+async def readings(
+    robot: Drivable, seconds: float = inf, patience: float = LOST_AFTER
+) -> AsyncIterator[Snapshot]:
+    """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow.
+
+    This is the rule for everything that waits for a robot: whoever waits is told of a lost link.
+    Motions and modes turn the error into a MotionError. The driver goes on connecting: who iterates
+    again gets readings as soon as the robot is back.
+
+    Raises:
+        LinkError: the link is lost, and nothing has come for `patience` [s], `inf` to wait for as
+            long as it takes, or `seconds` are over.
+    """
+    clock = asyncio.get_running_loop().time
+    end = clock() + seconds
+    values = robot.snapshots.values()
+    while True:
+        until = min(end, clock() + patience)
+        try:
+            async with asyncio.timeout_at(until if isfinite(until) else None):
+                snapshot = await anext(values)
+        except StopAsyncIteration:
+            return
+        except TimeoutError:
+            if robot.snapshot is None:
+                raise LinkError(robot.why_not_moving()) from None
+            if until == end:
+                return
+            values = robot.snapshots.values()  # silent, but not lost: a simulator that is paused
+        else:
+            yield snapshot

@@ -1,11 +1,12 @@
 """Motions that take a while: waits until they are done, or says what ended them."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
 
 from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.behaviors.stack import Stack
-from pioneer3.errors import MotionError
+from pioneer3.errors import LinkError, MotionError
 from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.helm import Helm
@@ -20,27 +21,39 @@ EARLY = 1e-6
 Readings = AsyncIterator[Snapshot]
 
 
+@contextmanager
+def lost_as_motion_error(name: str) -> Iterator[None]:
+    """Let what is called `name` fail by a MotionError when the link is lost."""
+    try:
+        yield
+    except LinkError as error:
+        raise MotionError(f"{name}: {error}") from error
+
+
 async def carry_out(
     action: Move | Turn, helm: Helm, supervisor: Supervisor, readings: Readings
 ) -> None:
     """Let `action` drive until it is done.
 
     Raises:
-        MotionError: something else ended it, or it got stuck; the message says why.
+        MotionError: something else ended it, it got stuck, or the link was lost; the message says
+            why.
     """
     clock = asyncio.get_running_loop().time
     helm.add(action, PROGRAM)
+    moved_at = clock()
     try:
-        async with asyncio.timeout(STUCK_PATIENCE) as patience:
+        with lost_as_motion_error(action.name):
             async for _ in readings:
                 if action.done:
                     return
                 _check(action, helm, supervisor)
-                if helm.why_not_moving() is None or helm.driver != action.name:
-                    patience.reschedule(clock() + STUCK_PATIENCE)
+                stuck = helm.why_not_moving()
+                if stuck is None or helm.driver != action.name:
+                    moved_at = clock()
+                elif clock() - moved_at >= STUCK_PATIENCE:
+                    raise MotionError(f"{action.name}: {stuck}")
         raise MotionError(f"{action.name}: the connection was closed")
-    except TimeoutError:
-        raise MotionError(f"{action.name}: {helm.why_not_moving()}") from None
     finally:
         helm.remove(action)
 
@@ -49,18 +62,19 @@ async def run_mode(mode: Stack, helm: Helm, readings: Readings, *, until: float)
     """Let `mode` drive `until` then [s, loop time], or until it has done what it is for.
 
     Raises:
-        MotionError: something else ended it; the message says what.
+        MotionError: something else ended it, or the link was lost; the message says what.
     """
     clock = asyncio.get_running_loop().time
     helm.start(mode)
     try:
-        async for _ in readings:
-            ended = helm.ended
-            if ended is not None and ended.mode is mode and ended.done:
-                return
-            if helm.mode is not mode:
-                why = ended.why if ended and ended.mode is mode else "another mode was started"
-                raise MotionError(f"{mode.name}: {why}")
+        with lost_as_motion_error(mode.name):
+            async for _ in readings:
+                ended = helm.ended
+                if ended is not None and ended.mode is mode and ended.done:
+                    return
+                if helm.mode is not mode:
+                    why = ended.why if ended and ended.mode is mode else "another mode was started"
+                    raise MotionError(f"{mode.name}: {why}")
         if clock() < until - EARLY:
             raise MotionError(f"{mode.name}: the connection was closed")
     finally:

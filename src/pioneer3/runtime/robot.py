@@ -12,8 +12,9 @@ from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.devices import Devices
+from pioneer3.runtime.driven import LOST_AFTER, readings
 from pioneer3.runtime.helm import Helm
-from pioneer3.runtime.motions import carry_out, run_mode
+from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
 
@@ -47,9 +48,18 @@ class Robot:
         """The latest reading, or `None` while the link is lost."""
         return self.supervisor.snapshot
 
-    def snapshots(self, seconds: float = inf) -> AsyncIterator[Snapshot]:
-        """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow."""
-        return self.supervisor.snapshots.values_for(seconds)
+    def snapshots(
+        self, seconds: float = inf, patience: float = LOST_AFTER
+    ) -> AsyncIterator[Snapshot]:
+        """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow.
+
+        A loss that is mended within `patience` [s] only leaves a gap; with `inf` every loss does.
+        The driver goes on connecting: after an error, iterate again for the next readings.
+
+        Raises:
+            LinkError: the link has been lost for `patience`, or is lost when `seconds` are over.
+        """
+        return readings(self.supervisor, seconds, patience)
 
     def drive(self, speed: float, turn_rate: float = 0.0) -> None:
         """Drive at `speed` [m/s] and `turn_rate` [rad/s] until that expires.
@@ -78,15 +88,16 @@ class Robot:
         """Switch the motors' power; return when the robot confirms it.
 
         Raises:
-            MotionError: the robot did not follow.
+            MotionError: the robot did not follow, or the link was lost.
         """
         self.stop()
         refused = self.supervisor.set_motors(on=on)
         if refused:
             raise MotionError(refused)
-        async for snapshot in self.snapshots(MOTOR_PATIENCE):
-            if snapshot.motors.enabled == on:
-                return
+        with lost_as_motion_error("motors"):
+            async for snapshot in self.snapshots(MOTOR_PATIENCE):
+                if snapshot.motors.enabled == on:
+                    return
         raise MotionError(self.why_not_moving() or f"the motors did not switch {_on(on)}")
 
     async def move(self, distance: float, speed: float | None = None) -> None:
@@ -94,7 +105,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there; the message says why.
+            MotionError: it did not get there, or the link was lost; the message says why.
         """
         limits = self.info.limits
         top = limits.max_speed if speed is None else _positive("speed", speed)
@@ -111,7 +122,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there; the message says why.
+            MotionError: it did not get there, or the link was lost; the message says why.
         """
         limits = self.info.limits
         top = limits.max_turn_rate if rate is None else _positive("rate", rate)
@@ -132,7 +143,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there; the message says why.
+            MotionError: it did not get there, or the link was lost; the message says why.
         """
         limits = self.info.limits
         top = limits.max_speed if speed is None else _positive("speed", speed)
@@ -147,7 +158,7 @@ class Robot:
         page come before it.
 
         Raises:
-            MotionError: something else ended it; the message says what.
+            MotionError: something else ended it, or the link was lost; the message says what.
         """
         until = asyncio.get_running_loop().time() + seconds
         await run_mode(mode, self.helm, self.snapshots(seconds), until=until)

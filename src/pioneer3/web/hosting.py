@@ -130,7 +130,7 @@ class Keeper:
             which = "" if self._alone else f"{station.name}: "
             async for status in robot.supervisor.status.values():
                 self._tell(f"{which}{status.connection.value}: {status.message}")
-            await asyncio.sleep(0)
+            await asyncio.get_running_loop().create_future()  # the page of a recording stays
 
     @asynccontextmanager
     async def _in_scene(self, robot: Robot) -> AsyncIterator[Scene]:

@@ -286,6 +286,26 @@ def test_a_command_takes_the_place_of_a_pulse() -> None:
     assert decoded(host.outgoing()) == [commands.Pulse()]
 
 
+def test_time_in_which_nobody_listened_is_no_silence() -> None:
+    host = configured()
+    host.receive(wire(SIP), 0.5)
+    host.tick(0.5)
+    host.held_up(3.0)
+    assert not any(isinstance(event, Lost) for event in later(host, 5.49))
+    assert isinstance(later(host, 5.51)[-1], Lost)
+
+
+def test_a_handshake_that_was_held_up_asks_again_only_after_its_patience() -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    host.outgoing()
+    host.held_up(20.0)
+    assert host.tick(20.39) == []
+    assert host.outgoing() == b""
+    host.receive(SYNC[0], 20.39)
+    assert host.outgoing() == SYNC[1]
+
+
 def test_two_seconds_without_a_report_are_a_lost_session() -> None:
     host = configured()
     host.receive(wire(SIP), 1.0)

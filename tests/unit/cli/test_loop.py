@@ -7,6 +7,7 @@ import signal
 import pytest
 
 from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.runtime.signals import LEAVE
 
 pytestmark = pytest.mark.realtime
 
@@ -19,7 +20,7 @@ def test_the_result_is_the_exit_code(result: int | None, code: int) -> None:
     assert run_until_told_to_leave(command()) == code
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", LEAVE)
 def test_a_signal_passes_the_finally_blocks(number: signal.Signals) -> None:
     passed = []
 
@@ -68,11 +69,24 @@ def test_a_command_that_is_cancelled_without_a_signal_says_so() -> None:
 
 
 def test_the_handlers_are_put_back() -> None:
-    before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    before = [signal.getsignal(n) for n in LEAVE]
 
     async def command() -> None:
         assert signal.getsignal(signal.SIGTERM) is not before[1]
 
     run_until_told_to_leave(command())
-    after = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    assert after == before
+    assert [signal.getsignal(n) for n in LEAVE] == before
+
+
+def test_a_hang_up_that_is_ignored_stays_ignored() -> None:
+    async def command() -> int:
+        os.kill(os.getpid(), signal.SIGHUP)
+        await asyncio.sleep(0.1)
+        return 7
+
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert run_until_told_to_leave(command()) == 7
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)

@@ -17,6 +17,7 @@ CODES = {
     errors.NoRobotError: 3,
     errors.PortPermissionError: 4,
     errors.PortBusyError: 1,
+    errors.RecordingOverError: 3,
     errors.MotionError: 1,
     errors.DeviceError: 1,
     errors.PioneerError: 1,

@@ -2,14 +2,25 @@
 
 import asyncio
 import io
+import re
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from pioneer3.errors import ConfigError, PortNotFoundError
-from pioneer3.links import open_link
+from pioneer3 import __version__
+from pioneer3.errors import ConfigError, PortNotFoundError, RecordingOverError
+from pioneer3.links import Link, open_link, opener
 from pioneer3.links.memory import null_modem
-from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, ReplayLink, TapLink, read_recording
+from pioneer3.links.tap import (
+    FROM_HOST,
+    FROM_ROBOT,
+    Chunk,
+    Replay,
+    TapLink,
+    read_recording,
+    recorded,
+)
 
 
 async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_path: Path) -> None:
@@ -42,15 +53,70 @@ async def test_a_recording_plays_back_what_the_robot_said_when_it_said_it(tmp_pa
     await replay.write(b"nobody listens")
     assert (await replay.read(), clock() - began) == (b"\x01\x02", 0.0)
     assert (await replay.read(), clock() - began) == (b"\xff", 2.5)
-    assert await replay.read() == b""
+    with pytest.raises(RecordingOverError, match="the recording is over"):
+        await replay.read()
     await replay.close()
+
+
+async def test_a_recording_goes_on_over_links_and_does_not_begin_anew(tmp_path: Path) -> None:
+    path = tmp_path / "wire.txt"
+    path.write_text("1 S>C 1 01\n2 S>C 1 02\n4 S>C 1 03\n")
+    clock = asyncio.get_running_loop().time
+    open_ = opener(f"replay:{path}")
+    first = await open_()
+    await first.write(b"x")
+    assert await first.read() == b"\1"
+    await first.close()
+    assert await first.read() == b""
+    second, began = await open_(), clock()
+    await second.write(b"x")
+    assert (await second.read(), clock() - began) == (b"\2", 1.0)
+    assert (await second.read(), clock() - began) == (b"\3", 3.0)
+    for link in (second, await open_()):
+        await link.write(b"x")
+        with pytest.raises(RecordingOverError):
+            await link.read()
+
+
+async def test_in_an_older_file_each_connection_begins_at_zero(tmp_path: Path) -> None:
+    path = tmp_path / "wire.txt"
+    path.write_text("# tcp\n0 C>S 1 00\n1 S>C 1 01\n# tcp\n0 C>S 1 00\n0.5 S>C 1 02\n")
+    clock = asyncio.get_running_loop().time
+    link = await opener(f"replay:{path}")()
+    await link.write(b"x")
+    assert (await link.read(), clock()) == (b"\1", 0.0)
+    assert (await link.read(), clock()) == (b"\2", 0.5)
+
+
+async def test_a_recording_says_when_it_began_and_counts_from_there(tmp_path: Path) -> None:
+    path, clock = tmp_path / "wire.txt", asyncio.get_running_loop().time
+    ends = []
+
+    async def open_() -> Link:
+        ours, theirs = null_modem()
+        ends.append(theirs)
+        return ours
+
+    before = datetime.now(UTC)
+    with recorded(open_, path, clock) as recorder:
+        for pause in (1.0, 2.0):
+            await asyncio.sleep(pause)
+            link = await recorder.open()
+            await link.write(b"x")
+            await link.close()
+    heading, *lines = path.read_text().splitlines()
+    found = re.fullmatch(rf"# pioneer3 {re.escape(__version__)}, (\S+Z)", heading)
+    assert found is not None
+    assert abs(datetime.fromisoformat(found[1]) - before) < timedelta(minutes=1)
+    assert [chunk.time for chunk in read_recording(path)] == [1.0, 3.0]
+    assert len(lines) == 4
 
 
 async def test_closing_a_replay_ends_a_read_that_waits(tmp_path: Path) -> None:
     path = tmp_path / "wire.txt"
     path.write_text("0 S>C 1 00\n99 S>C 1 01\n")
     for started in (False, True):
-        replay = ReplayLink(path)
+        replay = await Replay(path).open()
         if started:
             await replay.write(b"x")
             assert await replay.read() == b"\0"

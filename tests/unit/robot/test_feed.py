@@ -37,7 +37,8 @@ async def test_a_slow_reader_misses_old_values_and_blocks_nobody() -> None:
     assert await fast == list(range(10))
     got = await slow
     assert got[0] == 0
-    assert len(got) == 4
+    assert len(got) == 5
+    assert got[-1] == 9
     assert got == sorted(got)
 
 
@@ -48,3 +49,13 @@ async def test_closing_ends_readers_that_wait_and_those_that_come_later() -> Non
     feed.close()
     assert await waiting == []
     assert await collect(feed) == []
+
+
+async def test_the_last_value_is_read_though_the_feed_is_closed_at_once() -> None:
+    feed: Feed[int] = Feed()
+    reader = asyncio.ensure_future(collect(feed))
+    await asyncio.sleep(0)
+    feed.publish(1)
+    feed.publish(2)
+    feed.close()
+    assert await reader == [2]

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Final
 
 from pioneer3.arcos.reports import Config
-from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
 from pioneer3.models import find_model, load_model
 from pioneer3.robot.limits import limits_for
@@ -124,12 +124,12 @@ async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[Topic
     await asyncio.to_thread(ears.open)
     try:
         async with running(supervisor.run()):
-            async for _ in robot.snapshots(FIRST):
-                break
-            else:
+            try:
+                await anext(robot.snapshots(FIRST, patience=FIRST))
+            except LinkError:
                 raise NoRobotError(
                     f"{topics.node} publishes nothing on {topics.pose}: has it lost its robot?"
-                )
+                ) from None
             yield robot
     finally:
         await asyncio.to_thread(ears.close)

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
+from math import inf
 from typing import Any
 
 from pioneer3.arcos.commands import Command
@@ -149,7 +150,7 @@ class Ros1Node:
             self._loop.call_soon_threadsafe(function)
 
     async def _publish_all(self) -> None:
-        async for snapshot in self._robot.snapshots():
+        async for snapshot in self._robot.snapshots(patience=inf):
             self._publishers.publish(self._reading(snapshot))
 
     def _reading(self, snapshot: Snapshot) -> Reading:

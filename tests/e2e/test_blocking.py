@@ -1,0 +1,189 @@
+"""The robot without `await`: what it has, from which threads and processes, against a simulator."""
+
+import asyncio
+import inspect
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+import pytest
+
+from pioneer3 import BlockingRobot, DeviceError, Robot, connect
+from pioneer3.arcos.reports import Config
+from pioneer3.runtime.blocking import facade_of
+from pioneer3.runtime.devices import (
+    Camera,
+    Devices,
+    Gripper,
+    Gyro,
+    Laser,
+    Lines,
+    Safety,
+    TcmCompass,
+)
+from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.state import Scan
+from tests.e2e.test_ways_out import BYE, SLOW, running, said_goodbye
+
+pytestmark = pytest.mark.realtime
+
+DEVICES = [Camera, Devices, Gripper, Gyro, Laser, Lines, Safety, TcmCompass]
+
+
+def public(thing: object) -> set[str]:
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+@pytest.mark.parametrize("kind", [Robot, *DEVICES], ids=lambda kind: kind.__name__)
+def test_a_facade_has_every_name_with_its_signature_and_words(kind: type) -> None:
+    facade = BlockingRobot if kind is Robot else facade_of(kind)
+    assert public(kind) <= public(facade)
+    for name in public(kind):
+        theirs, ours = getattr(kind, name), getattr(facade, name)
+        assert inspect.getdoc(ours) == inspect.getdoc(theirs)
+        assert not inspect.iscoroutinefunction(ours)
+        if inspect.isfunction(theirs):
+            parameters = inspect.signature(theirs).parameters
+            assert inspect.signature(ours).parameters == parameters
+            assert "Async" not in str(inspect.signature(ours))
+
+
+@pytest.fixture
+async def simulated() -> AsyncIterator[RunningSimulation]:
+    async with simulator(port=0) as running:
+        yield running
+
+
+async def script(simulated: RunningSimulation, program: Callable[[BlockingRobot], Any]) -> Any:
+    """Run `program` in another thread, as a script beside this simulator."""
+
+    def run() -> Any:
+        with connect(simulated.url) as robot:
+            return program(robot)
+
+    return await asyncio.to_thread(run)
+
+
+async def test_devices_are_used_without_await(simulated: RunningSimulation) -> None:
+    def program(robot: BlockingRobot) -> None:
+        devices = robot.devices
+        scan = devices.laser.reading()
+        assert isinstance(scan, Scan)
+        several = zip(range(3), devices.laser.values(), strict=False)
+        assert all(isinstance(each, Scan) for _, each in several)
+        with devices.laser.wanted():
+            while devices.laser.latest is scan:
+                pass
+            assert devices.laser.rate >= 0
+        assert isinstance(devices.configuration(), Config)
+        assert len(devices.lines.reading().digital_out) >= 8
+        devices.lines.set_output(3, high=True)
+        assert not devices.safety.texts
+        assert devices.camera("sony").aim.pan == 0
+        assert {"aim", "kind", "where"} <= set(dir(devices.camera("sony")))
+        with pytest.raises(DeviceError):
+            devices.safety.ask()
+        with pytest.raises(AttributeError):
+            devices.laser.nothing  # noqa: B018
+
+    await script(simulated, program)
+
+
+async def test_an_iteration_that_is_left_lets_go_of_the_device(
+    simulated: RunningSimulation,
+) -> None:
+    def program(robot: BlockingRobot) -> None:
+        laser = robot.devices.laser
+        for _ in laser.values():
+            break
+        for _ in robot.snapshots(0.2):
+            pass
+        laser.set_up(step=0.0349)  # raises while somebody wants scans
+
+    await script(simulated, program)
+
+
+async def test_a_robot_can_be_closed_in_another_thread_than_it_was_opened_in() -> None:
+    async with running() as site:
+        program = """
+            import signal, threading
+            from pioneer3 import connect
+            robot = connect(url)
+            robot.drive(0.3)
+            failed = []
+            threading.excepthook = failed.append
+            closing = threading.Thread(target=robot.close)
+            closing.start()
+            closing.join()
+            assert not failed
+            robot.close()
+            second = connect(url)
+            second.drive(0.3)
+            signal.raise_signal(signal.SIGTERM)
+            """
+        assert await site.run(program) == (143, "")
+        await said_goodbye(site)
+        assert site.firmware.heard.count(BYE) == 2
+
+
+async def test_a_robot_can_be_opened_and_forgotten_in_a_thread() -> None:
+    async with running() as site:
+        program = """
+            import threading
+            from pioneer3 import connect
+            kept = []
+            opening = threading.Thread(target=lambda: kept.append(connect(url)))
+            opening.start()
+            opening.join()
+            kept[0].drive(0.3)
+            """
+        assert await site.run(program) == (0, "")
+        await said_goodbye(site)
+
+
+FORKED = {
+    "close": "robot.close()",
+    "end": "pass",
+    "block": "with robot: pass",
+    "signal": "os.kill(os.getpid(), signal.SIGTERM)",
+    "drive": """
+    try:
+        robot.drive(0.3)
+    except RuntimeError as error:
+        assert "forked" in str(error)""",
+}
+
+
+@pytest.mark.parametrize("does", FORKED)
+async def test_a_forked_child_leaves_the_session_to_its_parent(does: str) -> None:
+    async with running() as site:
+        program = f"""
+import os, signal, sys
+from pioneer3 import connect
+robot = connect(url)
+list(robot.snapshots(0.3))
+child = os.fork()
+if child == 0:
+    {FORKED[does]}
+    sys.exit(0)
+status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+assert status == (-signal.SIGTERM if {does!r} == "signal" else 0), status
+assert len(list(robot.snapshots(1.0))) >= 5
+print("heard", file=sys.stderr, flush=True)
+sys.stdin.readline()
+robot.drive(0.3)
+list(robot.snapshots(0.3))
+"""
+        async with site.started(program) as child:
+            assert child.stderr is not None
+            async with asyncio.timeout(20):
+                said = ""
+                while not said.endswith("heard\n"):
+                    line = await child.stderr.readline()
+                    assert line, said
+                    said = SLOW.sub("", said + line.decode())
+            assert said == "heard\n"
+            assert BYE not in site.firmware.heard
+            assert site.firmware.device.is_open
+            _, errors = await child.communicate(b"go on\n")
+            assert (child.returncode, SLOW.sub("", errors.decode())) == (0, "")
+        await said_goodbye(site)
