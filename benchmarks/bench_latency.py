@@ -23,7 +23,7 @@ class TimedLink:
     """A link that notes when bytes leave and arrive; same contract as the link inside."""
 
     def __init__(self, link: Link) -> None:
-        self.url, self.speeds = link.url, link.speeds
+        self.url, self.speeds, self.round_trip = link.url, link.speeds, link.round_trip
         self.written: list[tuple[float, bytes]] = []
         self.read_at = 0.0
         self._link = link

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
+from typing import Self
 
 import numpy as np
 
@@ -103,7 +104,7 @@ class SimulatedRobot:
         self._link: MemoryLink | None = None
         self._tasks: list[asyncio.Task[None]] = []
 
-    async def __aenter__(self) -> "SimulatedRobot":
+    async def __aenter__(self) -> Self:
         self._clock = asyncio.get_running_loop().time
         self._tasks.append(asyncio.ensure_future(self._live()))
         return self

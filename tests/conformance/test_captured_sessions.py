@@ -11,7 +11,7 @@ from pioneer3 import connect_async
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.device import Commanded, Device, SessionClosed, SessionOpened
 from pioneer3.arcos.host import Host
-from pioneer3.arcos.host_events import Configured, Opened, Received
+from pioneer3.arcos.host_events import Configured, Opened, Received, Timing
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
 from pioneer3.models import load_model
@@ -106,7 +106,8 @@ def test_simple_connect_is_served_from_open_to_close() -> None:
 
 @each
 def test_our_host_opens_and_follows_every_session(capture: Path) -> None:
-    host, events, clock = Host(0.0), [], 0.0
+    host, events, clock = Host(-Timing().listen), [], 0.0
+    host.tick(-Timing().listen)
     host.tick(0.0)
     heard = way(capture, FROM_ROBOT)
     for chunk in heard:
@@ -142,5 +143,6 @@ async def test_a_replay_gives_every_snapshot_at_its_time(capture: Path) -> None:
     sequences = [s.sequence for s in seen]
     assert sequences == sorted(set(sequences))
     assert len(seen) >= sips - 2  # of two reports in one read the newer one wins
-    assert loop.time() == pytest.approx(heard[-1].time - heard[0].time, abs=2 * CYCLE)
+    took = loop.time() - Timing().listen  # the recording starts with the first question
+    assert took == pytest.approx(heard[-1].time - heard[0].time, abs=2 * CYCLE)
     assert all(s.battery.voltage == pytest.approx(13.0) for s in seen)

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -13,7 +14,7 @@ from pioneer3.arcos.reports import from_payload
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.geometry import Pose2
 from pioneer3.links import Link
-from pioneer3.links.memory import MemoryLink, bytewise, clean
+from pioneer3.links.memory import MemoryLink, Noise, bytewise, clean
 from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
 from pioneer3.robot.session import Session
@@ -25,7 +26,10 @@ SYNC_NAMES = ["SYNC0", "SYNC1", "SYNC2"]
 STOP = bytes.fromhex("fafb031d001d")
 OPEN = frame(commands.Open())
 CONFIG = frame(commands.RequestConfig())
+CLOSE = frame(commands.Close())
+LISTEN = 0.2
 ONE_CYCLE = 0.1  # from OPEN to the first report that the driver hands on
+AT_ONCE = LISTEN + ONE_CYCLE
 RETRY = 0.4
 
 
@@ -33,12 +37,12 @@ def now() -> float:
     return asyncio.get_running_loop().time()
 
 
-async def test_an_undisturbed_handshake_takes_one_cycle() -> None:
+async def test_an_undisturbed_handshake_takes_one_cycle_after_listening() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
-        assert now() == pytest.approx(ONE_CYCLE)
+        assert now() == pytest.approx(AT_ONCE)
         assert driver.info.identity.model == "p3at-sh"
         assert driver.info.config is not None
-    assert robot.wires[0].data.startswith(STOP + SYNCS[0] + SYNCS[1] + SYNCS[2] + OPEN + STOP)
+    assert robot.wires[0].data.startswith(SYNCS[0] + SYNCS[1] + SYNCS[2] + OPEN + STOP)
 
 
 @pytest.mark.parametrize("sync", SYNCS, ids=SYNC_NAMES)
@@ -49,7 +53,7 @@ async def test_a_spoilt_sync_costs_one_retry(
     fault = First(sync, becomes)
     async with SimulatedRobot(to_robot=fault) as robot, connect_async(robot.open) as driver:
         assert fault.times == 0
-        assert now() == pytest.approx(RETRY + ONE_CYCLE)
+        assert now() == pytest.approx(RETRY + AT_ONCE)
         await hold(driver, 0.2)
         assert robot.speed > 0.1
 
@@ -59,7 +63,7 @@ async def test_a_doubled_sync_costs_nothing(sync: bytes) -> None:
     fault = First(sync, doubled)
     async with SimulatedRobot(to_robot=fault) as robot, connect_async(robot.open) as driver:
         assert fault.times == 0
-        assert now() == pytest.approx(ONE_CYCLE)
+        assert now() == pytest.approx(AT_ONCE)
         await hold(driver, 0.2)
         assert robot.speed > 0.1
 
@@ -72,14 +76,14 @@ async def test_a_spoilt_echo_costs_one_retry(
     fault = First(SYNCS[number], becomes)
     async with SimulatedRobot(to_host=fault) as robot, connect_async(robot.open):
         assert fault.times == 0
-        assert now() == pytest.approx(RETRY + ONE_CYCLE)
+        assert now() == pytest.approx(RETRY + AT_ONCE)
 
 
 async def test_a_lost_open_is_repeated_with_the_request_for_config() -> None:
     fault = First(OPEN, lost)
     async with SimulatedRobot(to_robot=fault) as robot, connect_async(robot.open) as driver:
         assert fault.times == 0
-        assert now() == pytest.approx(0.25 + ONE_CYCLE, abs=TICK)
+        assert now() == pytest.approx(0.25 + AT_ONCE, abs=TICK)
         assert driver.info.config is not None
         assert robot.wires[0].data.count(OPEN) == 1
 
@@ -93,7 +97,7 @@ async def test_a_robot_that_moves_in_an_earlier_session_is_stopped_with_the_firs
         await asyncio.sleep(1.5)
         assert robot.speed > 0.3
         async with connect_async(robot.open) as driver:
-            assert robot.wires[0].data.startswith(STOP)
+            assert robot.wires[0].data.startswith(STOP + CLOSE)
             assert now() < 1.5 + 1.0
             assert robot.speed < 0.4 - 0.3 * 0.2
             await asyncio.sleep(1.5)
@@ -103,8 +107,16 @@ async def test_a_robot_that_moves_in_an_earlier_session_is_stopped_with_the_firs
             assert robot.speed > 0.1
 
 
-async def test_a_robot_that_the_watchdog_holds_is_stopped_before_it_hears_anything_else() -> None:
-    async with SimulatedRobot() as robot:
+@pytest.mark.parametrize(
+    ("latency", "speeds"), [(0.0, ()), (0.1, ()), (0.3, ()), (0.0, (38400,)), (0.0, SPEEDS)]
+)
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+async def test_a_robot_that_the_watchdog_holds_is_stopped_before_it_hears_anything_else(
+    latency: float, speeds: tuple[int, ...], noise: float
+) -> None:
+    to_host = Noise(Random(1), corrupt=noise)
+    async with SimulatedRobot(speeds=speeds, to_host=to_host) as robot:
+        robot.latency = latency
         for payload in (b"\0", b"\1", b"\2"):
             robot.firmware.receive(encode(payload), now())
         for command in (commands.Open(), commands.Enable(on=True), commands.Vel(0.4)):
@@ -116,6 +128,31 @@ async def test_a_robot_that_the_watchdog_holds_is_stopped_before_it_hears_anythi
         async with connect_async(robot.open):
             await asyncio.sleep(1.0)
             assert robot.body.robot_in_world == before
+
+
+async def test_at_the_speeds_that_give_noise_nothing_is_sent() -> None:
+    async with SimulatedRobot(speeds=SPEEDS) as robot:
+        for payload in (b"\0", b"\1", b"\2", b"\1"):
+            robot.firmware.receive(encode(payload), now())
+        async with connect_async(robot.open) as driver:
+            assert driver.info.speed == SPEEDS[-1]
+            assert robot.wires[0].data.startswith(STOP + CLOSE)
+            assert now() < len(SPEEDS) * 0.4
+
+
+async def test_a_held_robot_whose_reports_are_lost_drives_for_one_retry_at_most() -> None:
+    async with SimulatedRobot(to_host=lambda data: ()) as robot:
+        for payload in (b"\0", b"\1", b"\2"):
+            robot.firmware.receive(encode(payload), now())
+        for command in (commands.Open(), commands.Enable(on=True), commands.Vel(0.4)):
+            robot.firmware.receive(frame(command), now())
+        await asyncio.sleep(6.0)
+        before = robot.body.robot_in_world
+        with pytest.raises(NoRobotError):
+            async with connect_async(robot.open):
+                pass
+        assert robot.body.robot_in_world.x - before.x < 0.4 * (3 * RETRY + 0.5)
+        assert robot.speed == 0
 
 
 async def test_a_robot_that_talks_but_does_not_hear_is_given_up() -> None:
@@ -133,7 +170,7 @@ async def test_bytes_one_at_a_time_make_no_difference() -> None:
         SimulatedRobot(to_robot=bytewise, to_host=bytewise) as robot,
         connect_async(robot.open) as driver,
     ):
-        assert now() == pytest.approx(ONE_CYCLE)
+        assert now() == pytest.approx(AT_ONCE)
         await hold(driver, 0.2)
         assert robot.speed > 0.1
 
@@ -177,14 +214,14 @@ async def test_a_robot_at_another_speed_is_found_and_the_speed_remembered() -> N
         robot.robot_speed = 38400
         async with connect_async(robot.open) as driver:
             assert driver.info.speed == 38400
-            assert now() == pytest.approx(4 * RETRY + ONE_CYCLE)  # two tries each at 9600, 19200
+            assert now() == pytest.approx(2 * (LISTEN + 2 * RETRY) + AT_ONCE)  # two tries each
             await hold(driver, 0.2)
             assert robot.speed > 0.1
         robot.speeds = speeds()
         assert robot.speeds[0] == 38400
         began = now()
         async with connect_async(robot.open):
-            assert now() - began < 0.5
+            assert now() - began < 0.6
 
 
 async def test_a_line_that_answers_at_no_speed_names_the_speeds() -> None:
@@ -243,7 +280,7 @@ async def test_without_config_the_values_of_the_model_hold() -> None:
     ):
         assert driver.info.config is None
         assert driver.info.limits.max_speed == load_model("p3at-sh").max_speed
-        assert now() == pytest.approx(1.5, abs=ONE_CYCLE)
+        assert now() == pytest.approx(LISTEN + 1.5, abs=ONE_CYCLE)
         await hold(driver, 0.2)
         assert robot.speed > 0.1
 

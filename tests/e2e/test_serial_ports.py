@@ -44,7 +44,7 @@ class Board:
             return data
 
         self.pty.link.read = noted  # type: ignore[method-assign]
-        simulation = Simulation(self.world, [self.firmware])
+        simulation = Simulation(self.world, [self.firmware], keep_session=True)
         self.tasks = [
             asyncio.ensure_future(simulation.ports[0].serve(self.pty.link)),
             asyncio.ensure_future(simulation.run()),

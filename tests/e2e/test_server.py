@@ -16,7 +16,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pace import TICK, Pace
 from pioneer3.sim.world import World
 from tests.support import frame, hold
 
@@ -34,9 +34,11 @@ def robots(count: int = 1) -> tuple[World, list[Firmware]]:
 class Station:
     """A robot's port in virtual time."""
 
-    def __init__(self, pace: Pace | None = None) -> None:
+    def __init__(self, pace: Pace | None = None, *, keep_session: bool = False) -> None:
         self.world, (self.firmware,) = robots()
-        self.simulation = Simulation(self.world, [self.firmware], pace=pace)
+        self.simulation = Simulation(
+            self.world, [self.firmware], pace=pace, keep_session=keep_session
+        )
         (self.port,) = self.simulation.ports
         self.tasks: list[asyncio.Task[None]] = [asyncio.ensure_future(self.simulation.run())]
 
@@ -98,13 +100,43 @@ async def test_a_hundred_sessions_one_after_the_other(station: Station) -> None:
     assert len(done) == 100
 
 
-async def test_a_client_that_vanishes_leaves_a_robot_that_stops_and_takes_the_next(
-    station: Station,
-) -> None:
+async def driven_and_killed(station: Station) -> None:
+    """Drive as a program does that is killed."""
     link = station.plug_in()
     await link.write(SYNCS + OPEN + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
     await asyncio.sleep(1.0)
+    assert station.firmware.body.drive.linear.velocity > 0.2
     await link.close()
+
+
+async def test_a_client_that_vanishes_from_the_network_ends_its_session(station: Station) -> None:
+    await driven_and_killed(station)
+    await asyncio.sleep(2 * TICK + 0.3 / 4.0)  # wheels without power
+    assert not station.firmware.body.drive.powered
+    assert station.firmware.body.drive.linear.velocity == 0
+    async with connect_async(station.open) as driver:
+        assert await hold(driver, 0.2) == 0
+
+
+async def test_a_program_of_arias_is_served_at_once_after_one_that_was_killed(
+    station: Station,
+) -> None:
+    await driven_and_killed(station)
+    link = station.plug_in()
+    for number in (0, 1):  # it takes the first packet for the answer
+        sync = encode(bytes([number]))
+        await link.write(sync)
+        assert await link.read() == sync
+    await link.write(encode(b"\2"))
+    assert b"MobileSim" in await link.read()
+    assert not station.firmware.body.drive.powered
+    await asyncio.sleep(0.1)
+    assert station.firmware.body.drive.linear.velocity == 0
+
+
+async def test_a_session_that_is_kept_goes_on_until_the_watchdog_ends_it() -> None:
+    station = Station(keep_session=True)
+    await driven_and_killed(station)
     body = station.firmware.body
     await asyncio.sleep(0.9)
     assert body.drive.linear.velocity > 0  # it cannot know yet
@@ -113,20 +145,21 @@ async def test_a_client_that_vanishes_leaves_a_robot_that_stops_and_takes_the_ne
     assert body.drive.linear.velocity == 0
     async with connect_async(station.open) as driver:
         assert await hold(driver, 0.2) == 0
+    await station.close()
 
 
-async def test_a_client_that_comes_at_once_after_one_that_vanished_is_served(
-    station: Station,
+@pytest.mark.parametrize("keep_session", [False, True])
+async def test_a_driver_that_comes_at_once_after_one_that_vanished_is_served(
+    *, keep_session: bool
 ) -> None:
-    link = station.plug_in()
-    await link.write(SYNCS + OPEN + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
-    await asyncio.sleep(1.0)
-    await link.close()
+    station = Station(keep_session=keep_session)
+    await driven_and_killed(station)
     await asyncio.sleep(0)
     async with connect_async(station.open) as driver:
         await asyncio.sleep(1.0)
         assert station.firmware.body.drive.linear.velocity == 0
         assert await hold(driver, 0.2) == 0
+    await station.close()
 
 
 async def test_half_a_packet_of_the_last_client_is_not_held_against_the_next(
@@ -206,6 +239,7 @@ class Stuck:
     def __init__(self) -> None:
         self.url = "memory:stuck"
         self.speeds: tuple[int, ...] = ()
+        self.round_trip = 0.0
         self.closed = asyncio.Event()
         self.first = SYNCS + OPEN
 

@@ -2,22 +2,27 @@
 
 ::
 
-    SYNC0 ──echo──► SYNC1 ──echo──► SYNC2 ──identity──► OPEN ──leave()──► CLOSED
-      ▲                                                   │ silence
-      └── nothing for `retry`: the next speed's turn ──┐  └─────────────► CLOSED
-          a report: the robot still serves an earlier  │
-          session: STOP, CLOSE, `drain`, again ────────┘
+    LISTENING ──silence──► SYNC0 ──echo──► SYNC1 ──echo──► SYNC2 ──identity──► OPEN ──► CLOSED
+      ▲   │                  ▲ └── nothing for `retry`: again, then the next speed's turn ──┐
+      │   └─ a report: STOP, CLOSE, `drain` ─┘                                              │
+      └─────────────────────────────────────────────────────────────────────────────────────┘
 
 Rules:
 
-1. Every SYNC0 follows a STOP. A robot that kept an earlier session open would take the SYNC0 for a
-   PULSE, and firmware that hears one resumes the motion it had before.
-2. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
-3. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
+1. A robot that serves an earlier session hears STOP and CLOSE first: it would take SYNC0 for a
+   PULSE, and firmware that hears one resumes the motion it had before. Such a robot streams
+   reports, so the host listens before it says a word. Bytes that make no packet, not even a spoilt
+   one, come from a robot at another speed: nothing is sent until all speeds have been listened to.
+   Where anything was heard, each SYNC0 follows a STOP.
+2. A robot that is silent hears SYNC0 first. AMRISim takes the first packet for a SYNC whatever it
+   is: after a STOP it never shakes hands any more (arcos.md 2.7). A SYNC0 that stays unanswered may
+   have reached a robot whose reports are lost, and the next ones follow a STOP.
+3. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
+4. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
    itself: the caller opens a new one. Time in which nobody listened is no silence: `held_up`.
-4. What is not the answer awaited is late mail of an earlier session, and is ignored.
+5. What is not the answer awaited is late mail of an earlier session, and is ignored.
 
-Facts: arcos.md 2.1 to 2.5.
+Facts: arcos.md 2.1 to 2.7.
 """
 
 from collections.abc import Sequence
@@ -41,6 +46,13 @@ from pioneer3.errors import CommandError
 from pioneer3.state import Identity
 
 TRIES_PER_SPEED: Final = 2
+TRIES_BEFORE_STOP: Final = 1
+TRIES_BEFORE_STOP_OVER_NETWORK: Final = 2
+"""So many SYNC0 go out alone. A network may lead to AMRISim, and it may be slow to answer."""
+ROUNDING: Final = 1e-9
+"""Event loops wake up this much early [s]."""
+HEAR_OUT: Final = 0.25
+"""Once bytes come, a whole report has come after this [s], at 9600 baud too."""
 DISLODGE_EVERY: Final = 0.1
 SLOWEST_RETRY: Final = 2.0
 """Networks may be slower than robots: without speeds to try, each try is as patient as two before,
@@ -54,6 +66,7 @@ class Host:
         now: The time [s, monotonic]; so for every `now` below.
         speeds: Baud rates to try in this order; empty for links without a speed.
         timing: How patient to be.
+        round_trip: How much later than over a cable an answer may come [s].
 
     Attributes:
         deadline: When :meth:`tick` must next be called [s].
@@ -62,18 +75,24 @@ class Host:
     """
 
     def __init__(
-        self, now: float, speeds: Sequence[int] = (), timing: Timing | None = None
+        self,
+        now: float,
+        speeds: Sequence[int] = (),
+        timing: Timing | None = None,
+        *,
+        round_trip: float = 0.0,
     ) -> None:
-        self.state = State.SYNC0
+        self.state = State.LISTENING
         self.deadline = now
         self.identity: Identity | None = None
         self.config: reports.Config | None = None
         self.reader = PacketReader()
         self._timing = timing or Timing()
-        self._retry = self._timing.retry
+        self._listening = self._timing.listen + round_trip
+        self._retry = self._timing.retry + round_trip
         self._speeds = tuple(speeds)
-        self._speed_index = 0
-        self._tries = 0
+        self._turns = self._tries = self._frames_before = 0
+        self._overheard = False
         self._noise = False
         self._began = self._sent_at = self._sip_at = now
         self._dislodged_at = float("-inf")
@@ -86,7 +105,7 @@ class Host:
     @property
     def speed(self) -> int | None:
         """The speed in use [baud], or `None` on a link without one."""
-        return self._speeds[self._speed_index] if self._speeds else None
+        return self._speeds[max(self._turns - 1, 0) % len(self._speeds)] if self._speeds else None
 
     @property
     def config_settled(self) -> bool:
@@ -124,24 +143,36 @@ class Host:
         """Process received bytes; return what they mean."""
         events: list[Event] = []
         skipped = self.reader.bytes_skipped
+        if self.state is State.LISTENING and self._turns and data and not self._overheard:
+            self._overheard, self.deadline = True, now + HEAR_OUT
         for payload in self.reader.feed(data, now):
             match self.state:
                 case State.OPEN:
                     events += self._serve(reports.from_payload(payload), now)
                 case State.CLOSED:
                     break
-                case _:
+                case _ if self._turns:
                     events += self._shake_hands(payload, now)
-        self._noise |= self.reader.bytes_skipped > skipped
+        if self.reader.bytes_skipped > skipped:
+            self._noise = self._overheard = True
         if self.state is State.OPEN and self._config_due is not None:
             events += self._consider_doubtful_config(now)
         return events
 
     def tick(self, now: float) -> list[Event]:
         """Act on the passing of time. Harmless to call too often."""
-        if now < self.deadline or self.state is State.CLOSED:
+        if now < self.deadline - ROUNDING or self.state is State.CLOSED:
             return []
-        return self._keep_open(now) if self.state is State.OPEN else self._knock(now)
+        now = max(now, self.deadline)
+        if self.state is State.OPEN:
+            return self._keep_open(now)
+        if now >= self._began + self._timing.give_up:
+            return [self._lose(self._why_nobody_answered())]
+        worn_out = self._speeds and self._tries >= TRIES_PER_SPEED
+        if self._turns == 0 or worn_out or self._is_noise():
+            return self._listen(now)
+        self._knock(now)
+        return []
 
     def held_up(self, seconds: float) -> None:
         """Do not count the last `seconds` as silence: nobody listened meanwhile."""
@@ -151,27 +182,47 @@ class Host:
         if self.state is not State.OPEN:  # else a pulse may be due
             self.deadline += seconds
 
-    def _knock(self, now: float) -> list[Event]:
-        """Begin the handshake, at the next speed if this one stayed silent."""
-        if now >= self._began + self._timing.give_up:
-            return [self._lose(self._why_nobody_answered())]
-        events: list[Event] = []
-        if self._speeds and self._tries >= TRIES_PER_SPEED:
-            self._speed_index = (self._speed_index + 1) % len(self._speeds)
-            self._tries = 0
-        if self._speeds and self._tries == 0:
-            events.append(SpeedWanted(self._speeds[self._speed_index]))
+    def _is_noise(self) -> bool:
+        """Whether a robot talks at a speed that has not been listened to yet."""
+        return (
+            self.state is State.LISTENING
+            and self._turns <= len(self._speeds)
+            and self._overheard
+            and self._frames_before == self._frames
+        )
+
+    @property
+    def _frames(self) -> int:
+        """Frames heard, good or spoilt."""
+        return self.reader.packets + self.reader.bad_checksums
+
+    def _listen(self, now: float) -> list[Event]:
+        """Say nothing, at the next speed, until it is clear whether somebody talks."""
+        self.state = State.LISTENING
+        self._turns += 1
+        self._tries, self._overheard = 0, False
+        self.reader.forget()
+        self._frames_before = self._frames
+        self._wait(now, self._listening)
+        return [] if self.speed is None else [SpeedWanted(self.speed)]
+
+    def _knock(self, now: float) -> None:
+        """Begin the handshake."""
         if self._tries and not self._speeds:
-            self._retry = min(2 * self._retry, SLOWEST_RETRY)
+            self._retry = min(2 * self._retry, max(SLOWEST_RETRY, self._retry))
+        alone = TRIES_BEFORE_STOP if self._speeds else TRIES_BEFORE_STOP_OVER_NETWORK
+        if self._overheard or self._tries >= alone:
+            self._queue(commands.Stop(), now)
         self._tries += 1
-        self._queue(commands.Stop(), now)
         self._sync(State.SYNC0, now)
-        return events
 
     def _sync(self, state: State, now: float) -> None:
         self.state = state
         self._queue_payload(bytes([state.value]), now)
-        self.deadline = min(now + self._retry, self._began + self._timing.give_up)
+        self._wait(now, self._retry)
+
+    def _wait(self, now: float, seconds: float) -> None:
+        self.deadline = min(now + seconds, self._began + self._timing.give_up)
 
     def _shake_hands(self, payload: bytes, now: float) -> list[Event]:
         answer = reports.from_payload(payload)
@@ -184,6 +235,10 @@ class Host:
                 self._sync(State.SYNC2, now)
             case State.SYNC2, reports.SyncIdentity():
                 return self._open(answer, now)
+            case _, reports.SyncEcho() | reports.SyncIdentity():
+                pass
+            case _:
+                self._overheard = True
         return []
 
     def _dislodge(self, now: float) -> list[Event]:
@@ -191,6 +246,7 @@ class Host:
         if now >= self._began + self._timing.give_up:
             return [self._lose("the robot talks, but does not hear: its receive line is dead")]
         self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
+        self._overheard = True
         self.deadline = now + self._timing.drain
         if now >= self._dislodged_at + DISLODGE_EVERY:
             self._dislodged_at = now
@@ -266,6 +322,8 @@ class Host:
         return Lost(reason)
 
     def _why_nobody_answered(self) -> str:
+        if self.reader.packets:
+            return "it speaks the robot's protocol, but does not finish the handshake"
         if self._noise:
             return "something answers, but not as a Pioneer robot does"
         at = f" at {', '.join(map(str, sorted(self._speeds)))} baud" if self._speeds else ""

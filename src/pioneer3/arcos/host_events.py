@@ -13,6 +13,8 @@ class Timing:
     """How patient the host is, all in [s].
 
     Attributes:
+        listen: Before the first SYNC packet at each speed; a robot that serves an earlier session
+            says something every 0.1 s.
         retry: Between the first unanswered SYNC packets; a robot answers within 30 ms.
         drain: Silence to wait for after closing an earlier session.
         config_retry: Between requests for CONFIG.
@@ -22,6 +24,7 @@ class Timing:
         give_up: Longest handshake over all speeds.
     """
 
+    listen: float = 0.2
     retry: float = 0.4
     drain: float = 0.2
     config_retry: float = 0.25
@@ -34,6 +37,7 @@ class Timing:
 class State(Enum):
     """Where the session is."""
 
+    LISTENING = -1
     SYNC0 = 0
     SYNC1 = 1
     SYNC2 = 2

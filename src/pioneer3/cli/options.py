@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Group, Parameter, Token
 from cyclopts.validators import Number
 
+from pioneer3.cli.flags import Flag
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
@@ -162,6 +163,7 @@ class WorldOptions:
         start: x,y,th as 1m,2m,90deg, or in mm, deg; home, random, outside; one for all or for each.
         fit: Accessories of all robots, such as gripper,bumpers,compass,gyro,camera=vcc4.
         seed: Whole number that makes everything random repeatable, such as 7.
+        keep_session: A program that vanishes leaves its session behind, as on a serial line.
     """
 
     start: Annotated[
@@ -170,6 +172,7 @@ class WorldOptions:
     ] = ()
     fit: Annotated[str, Parameter(show_default=False)] = ""
     seed: Annotated[int | None, Parameter(validator=Number(gte=0, lt=2**63))] = None
+    keep_session: Flag = False
 
     def wishes(
         self, robots: tuple[str, ...] = (), *, factory: str = "", own_ports: bool = True
@@ -196,6 +199,7 @@ class WorldOptions:
             starts=tuple(map(parse_start, self.start)),
             equipment=parse_fitting(self.fit),
             seed=self.seed,
+            keep_session=self.keep_session,
             own_ports=own_ports,
             factory=factory,
         )

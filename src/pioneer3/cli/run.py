@@ -82,7 +82,9 @@ def _refuse_nonsense(ports: tuple[str, ...], robots: tuple[str, ...], *, simulat
         ConfigError: They do not; says which and why.
     """
     if ports and simulated:
-        raise ConfigError("--start, --fit, --seed, --ideal: simulated robots only, without --port")
+        raise ConfigError(
+            "--start, --fit, --seed, --keep-session, --ideal: simulated robots only, without --port"
+        )
     twice = next((url for url in ports if ports.count(url) > 1), None)
     if twice:
         raise ConfigError(f"--port {twice}: given twice")

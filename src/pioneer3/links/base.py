@@ -16,6 +16,10 @@ class Link(Protocol):
     url: str
     speeds: tuple[int, ...]
 
+    @property
+    def round_trip(self) -> float:
+        """How much later than over a cable an answer may come [s], as far as opening it told."""
+
     async def read(self) -> bytes:
         """Return the next bytes, at least one; `b""` once the far end has closed.
 

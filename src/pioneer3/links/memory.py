@@ -66,6 +66,11 @@ class MemoryLink:
         self._inbox: asyncio.Queue[bytes] = asyncio.Queue()
         self._closed = False
 
+    @property
+    def round_trip(self) -> float:
+        """How long bytes take there and back [s]."""
+        return self.delay + (self.peer.delay if self.peer is not None else 0.0)
+
     async def read(self) -> bytes:
         """Return what the far end sent; `b""` once either end has closed."""
         if self._closed and self._inbox.empty():

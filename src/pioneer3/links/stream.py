@@ -18,10 +18,12 @@ class StreamLink:
         writer: asyncio.StreamWriter,
         *,
         speeds: tuple[int, ...] = (),
+        round_trip: float = 0.0,
         change_speed: Callable[[int], Awaitable[None]] | None = None,
     ) -> None:
         self.url = url
         self.speeds = speeds
+        self.round_trip = round_trip
         self._reader = reader
         self._writer = writer
         self._change_speed = change_speed

@@ -45,6 +45,7 @@ class TapLink:
     def __init__(self, link: Link, file: TextIO, clock: Clock, began: float | None = None) -> None:
         self.url = link.url
         self.speeds = link.speeds
+        self.round_trip = link.round_trip
         self._link = link
         self._file = file
         self._clock = clock
@@ -182,6 +183,7 @@ class ReplayLink:
     """A link to a robot that was recorded; it does not listen."""
 
     speeds: tuple[int, ...] = ()
+    round_trip = 0.0
 
     def __init__(self, recording: Replay) -> None:
         self.url = recording.url

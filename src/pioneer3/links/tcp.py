@@ -8,6 +8,8 @@ from pioneer3.errors import LinkError, PortNotFoundError
 from pioneer3.links.stream import StreamLink
 
 CONNECT_PATIENCE = 5.0
+LONGEST_ROUND_TRIP = 1.0
+"""Connecting takes one round trip; what takes longer was looking up the name [s]."""
 KEEPALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 10_000}
 """A far end that is gone without a word is noticed within about 10 s [s, s, times, ms]."""
 
@@ -20,6 +22,8 @@ async def open_tcp(host: str, port: int) -> StreamLink:
         LinkError: the host cannot be reached.
     """
     url = f"tcp://{host}:{port}"
+    clock = asyncio.get_running_loop().time
+    began = clock()
     try:
         async with asyncio.timeout(CONNECT_PATIENCE):
             reader, writer = await asyncio.open_connection(host, port)
@@ -35,13 +39,19 @@ async def open_tcp(host: str, port: int) -> StreamLink:
                 f"{url}: nobody listens there; a simulator starts with: pioneer3 sim -p {port}"
             ) from None
         raise LinkError(f"{url}: {error}") from error
-    return accepted(url, reader, writer)
+    return accepted(url, reader, writer, round_trip=min(clock() - began, LONGEST_ROUND_TRIP))
 
 
-def accepted(url: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> StreamLink:
+def accepted(
+    url: str,
+    reader: asyncio.StreamReader,
+    writer: asyncio.StreamWriter,
+    *,
+    round_trip: float = 0.0,
+) -> StreamLink:
     """Make a link of a connected socket."""
     tune(writer.get_extra_info("socket"))
-    return StreamLink(url, reader, writer)
+    return StreamLink(url, reader, writer, round_trip=round_trip)
 
 
 def tune(connection: socket.socket) -> None:

@@ -94,7 +94,7 @@ class Session:
         self._restrict = restrict
         self._clock = asyncio.get_running_loop().time
         self._due = self._clock()
-        self._host = Host(self._due, link.speeds, timing)
+        self._host = Host(self._due, link.speeds, timing, round_trip=link.round_trip)
         self._wake = asyncio.Event()
         self._waiting: deque[Command] = deque()
         self._sending: asyncio.Task[None] | None = None

@@ -31,14 +31,15 @@ from pioneer3.runtime.strangers import SCIP_QUESTION, Kind, Stranger, recognise
 from pioneer3.state import Identity
 from pioneer3.units import DEGREE, MM
 
-QUICK: Final = Timing(retry=0.25, give_up=3.0)
+QUICK: Final = Timing(retry=0.25, give_up=3.5)
 """Once over all serial speeds."""
-THOROUGH: Final = Timing(give_up=8.5)
+THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
 SCIP_SPEEDS: Final = (19200, 115200)
 """What Hokuyo lasers with a serial port are set to [baud] (arcos.md 11.3)."""
 SCIP_PATIENCE: Final = 0.5
 FAREWELL_PATIENCE: Final = 0.5
+CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}
 MOST_HEARD: Final = 4096
 
 
@@ -69,7 +70,7 @@ class Conversation:
         self.closed = False
         self._link = link
         self._clock = asyncio.get_running_loop().time
-        self._host = Host(self._clock(), link.speeds, timing)
+        self._host = Host(self._clock(), link.speeds, timing, round_trip=link.round_trip)
         self._before = PacketReader()
         self._heard: defaultdict[int | None, bytearray] = defaultdict(bytearray)
         self._sent = bytearray()
@@ -142,11 +143,11 @@ class Conversation:
     async def stranger(self) -> Stranger | None:
         """Return who it is that does not answer as a robot; `None` when all is silent.
 
-        What is neither a laser nor an echo by what it said is asked whether it is a laser.
+        What is no laser, no echo and no robot by what it said is asked whether it is a laser.
         """
         said = [recognise(bytes(data), bytes(self._sent)) for data in self._heard.values()]
         known = [who for who in said if who is not None]
-        certain = next((who for who in known if who.kind in {Kind.LASER, Kind.ECHO}), None)
+        certain = next((who for who in known if who.kind in CERTAIN), None)
         if certain is None and not self.closed:
             certain = await self._ask_for_a_laser()
         return certain or next(iter(known), None)

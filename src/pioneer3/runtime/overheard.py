@@ -23,6 +23,7 @@ class OverheardLink:
     def __init__(self, link: Link, hearer: Hearer) -> None:
         self.url = link.url
         self.speeds = link.speeds
+        self.round_trip = link.round_trip
         self._link = link
         self._hearer = hearer
         self._reader = PacketReader()

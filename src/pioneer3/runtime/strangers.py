@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+from pioneer3.arcos.packet import PacketReader
+
 LMS_START: Final = b"\x02\x80"
 LMS_LONGEST: Final = 812
 LMS_POLYNOMIAL: Final = 0x8005
 SCIP_QUESTION: Final = b"\nVV\n"
 """Asks a SCIP laser for its version. It switches and sets nothing; the first LF ends whatever the
 laser took for the beginning of a command."""
-ECHO_ENOUGH: Final = 12
+ECHO_ENOUGH: Final = 18
+"""Three packets: a robot sends SYNC0 and SYNC1 back as they are, and answers SYNC2 otherwise."""
 TEXT_ENOUGH: Final = 4
 TEXT_SHARE: Final = 0.9
 
@@ -25,6 +28,7 @@ class Kind(StrEnum):
 
     LASER = "laser"
     ECHO = "echo"
+    PACKETS = "packets"
     TEXT = "text"
     NOISE = "noise"
 
@@ -48,7 +52,7 @@ def recognise(heard: bytes, sent: bytes = b"") -> Stranger | None:
         return None
     if len(sent) >= ECHO_ENOUGH and sent[:ECHO_ENOUGH] in heard:
         return Stranger(Kind.ECHO, "what was sent comes back")
-    return scip_laser(heard) or lms_laser(heard) or _text(heard) or _noise(heard)
+    return scip_laser(heard) or lms_laser(heard) or _packets(heard) or _text(heard) or _noise(heard)
 
 
 def scip_laser(heard: bytes) -> Stranger | None:
@@ -86,6 +90,17 @@ def lms_checksum(telegram: bytes) -> int:
         crc ^= before << 8 | byte
         before = byte
     return crc
+
+
+def _packets(heard: bytes) -> Stranger | None:
+    """Return the stranger that speaks the robot's protocol, for the greater part."""
+    reader = PacketReader()
+    numbers = [payload[0] for payload in reader.feed(heard)]
+    if not numbers or reader.bytes_skipped > len(heard) // 2:
+        return None
+    amount = "1 well-formed packet" if len(numbers) == 1 else f"{len(numbers)} well-formed packets"
+    kinds = ", ".join(map(str, sorted(set(numbers))))
+    return Stranger(Kind.PACKETS, f"{amount} (number {kinds})")
 
 
 def _text(heard: bytes) -> Stranger | None:

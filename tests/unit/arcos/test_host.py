@@ -21,6 +21,7 @@ from pioneer3.errors import CommandError
 from pioneer3.state import Identity
 from tests.support import decoded, frame
 
+LISTEN, RETRY = Timing().listen, Timing().retry
 STOP, CLOSE = frame(commands.Stop()), frame(commands.Close())
 SYNC = [encode(bytes([number])) for number in (0, 1, 2)]
 WHO = encode(b"\x02Robot\0Pioneer\0P3AT-SH\0")
@@ -37,10 +38,17 @@ def spoilt(data: bytes) -> bytes:
     return data[:-1] + bytes([data[-1] ^ 1])
 
 
+def listened(now: float = 0.0) -> Host:
+    """Return a host that heard nothing, and has just sent its first SYNC0."""
+    host = Host(now - LISTEN)
+    host.tick(now - LISTEN)
+    host.tick(now)
+    return host
+
+
 def opened(now: float = 0.0) -> Host:
     """Return a host that has just sent what follows the handshake."""
-    host = Host(now)
-    host.tick(now)
+    host = listened(now)
     for answer in (SYNC[0], SYNC[1]):
         assert host.receive(answer, now) == []
     assert host.receive(WHO, now) == [Opened(IDENTITY)]
@@ -68,10 +76,13 @@ def later(host: Host, until: float) -> list[Event]:
     return events
 
 
-def test_a_handshake_is_three_questions_after_a_stop() -> None:
+def test_a_handshake_is_three_questions_to_a_robot_that_was_silent() -> None:
     host = Host(0.0)
     host.tick(0.0)
-    assert host.outgoing() == STOP + SYNC[0]
+    host.tick(0.19)
+    assert host.outgoing() == b""
+    host.tick(0.2)
+    assert host.outgoing() == SYNC[0]
     host.receive(SYNC[0], 0.0)
     assert host.outgoing() == SYNC[1]
     host.receive(SYNC[1], 0.0)
@@ -82,8 +93,7 @@ def test_a_handshake_is_three_questions_after_a_stop() -> None:
 
 
 def test_after_open_come_stop_and_motors_off_before_anything_else() -> None:
-    host = Host(0.0)
-    host.tick(0.0)
+    host = listened()
     for answer in (SYNC[0], SYNC[1]):
         host.receive(answer, 0.0)
     host.outgoing()
@@ -99,22 +109,20 @@ def test_after_open_come_stop_and_motors_off_before_anything_else() -> None:
 
 @pytest.mark.parametrize("answers", [0, 1, 2])
 def test_silence_in_the_handshake_begins_it_anew(answers: int) -> None:
-    host = Host(0.0)
-    host.tick(0.0)
+    host = listened()
     for answer in SYNC[:answers]:
         host.receive(answer, 0.0)
     host.outgoing()
     host.tick(0.39)
     assert host.outgoing() == b""
     host.tick(0.4)
-    assert host.outgoing() == STOP + SYNC[0]
+    assert host.outgoing() == SYNC[0]
     assert host.state is State.SYNC0
 
 
 @pytest.mark.parametrize("stray", [SYNC[1], SYNC[2], WHO, encode(b"\xff"), encode(b"\x90\1\2")])
 def test_late_mail_is_ignored_in_the_handshake(stray: bytes) -> None:
-    host = Host(0.0)
-    host.tick(0.0)
+    host = listened()
     host.outgoing()
     assert host.receive(stray, 0.0) == []
     assert host.state is State.SYNC0
@@ -124,9 +132,9 @@ def test_late_mail_is_ignored_in_the_handshake(stray: bytes) -> None:
 def test_each_speed_gets_two_tries_in_turn() -> None:
     host = Host(0.0, speeds=(9600, 38400))
     assert host.speed == 9600
-    wanted = [event.baud for event in later(host, 3.3) if isinstance(event, SpeedWanted)]
+    wanted = [event.baud for event in later(host, 4.3) if isinstance(event, SpeedWanted)]
     assert wanted == [9600, 38400, 9600, 38400, 9600]
-    assert host.outgoing().count(SYNC[0]) == 9
+    assert host.outgoing() == (SYNC[0] + STOP + SYNC[0]) * 4 + SYNC[0]
 
 
 def test_a_link_without_speeds_is_asked_for_none() -> None:
@@ -155,7 +163,6 @@ def test_giving_up_says_what_was_heard(speeds: tuple[int, ...], noise: bytes, re
 def test_a_robot_still_in_a_session_is_stopped_closed_and_left_to_fall_silent(number: int) -> None:
     host, sip = Host(0.0), wire(reports.Sip(number=number))
     host.tick(0.0)
-    host.outgoing()
     host.receive(sip, 0.05)
     assert host.outgoing() == STOP + CLOSE
     host.receive(sip, 0.10)
@@ -166,6 +173,71 @@ def test_a_robot_still_in_a_session_is_stopped_closed_and_left_to_fall_silent(nu
     assert host.outgoing() == b""
     host.tick(0.36)
     assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_a_robot_that_reports_while_the_host_listens_hears_stop_and_close_first() -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    host.receive(wire(SIP), 0.1)
+    assert host.outgoing() == STOP + CLOSE
+    host.tick(0.31)
+    assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_a_report_that_has_begun_is_heard_out() -> None:
+    host, sip = Host(0.0), wire(SIP)
+    host.tick(0.0)
+    host.receive(sip[:5], 0.19)
+    host.tick(0.2)
+    assert host.outgoing() == b""
+    host.receive(sip[5:], 0.25)
+    assert host.outgoing() == STOP + CLOSE
+
+
+@pytest.mark.parametrize("heard", [b"\x91\x00", spoilt(wire(SIP)), encode(b"\xff")])
+def test_whoever_was_heard_hears_a_stop_before_every_sync0(heard: bytes) -> None:
+    host = Host(0.0)
+    host.tick(0.0)
+    host.receive(heard, 0.1)
+    later(host, 0.4)
+    assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_at_a_speed_that_gives_noise_nothing_is_sent_before_all_have_been_listened_to() -> None:
+    host = Host(0.0, speeds=(9600, 38400))
+    host.tick(0.0)
+    host.receive(b"\x91\x00", 0.1)
+    assert later(host, 0.35) == [SpeedWanted(38400)]
+    host.receive(b"\x91\x00", 0.4)
+    assert later(host, 0.65) == [SpeedWanted(9600)]
+    assert host.outgoing() == b""
+    host.receive(b"\x91\x00", 0.7)
+    assert later(host, 0.95) == []
+    assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_at_a_speed_that_gives_spoilt_packets_the_robot_is_asked_at_once() -> None:
+    host = Host(0.0, speeds=(9600, 38400))
+    host.tick(0.0)
+    host.receive(spoilt(wire(SIP)), 0.1)
+    assert later(host, 0.35) == []
+    assert host.outgoing() == STOP + SYNC[0]
+
+
+def test_over_a_network_the_third_sync0_in_vain_follows_a_stop() -> None:
+    host = listened()
+    later(host, 1.21)
+    assert host.outgoing() == SYNC[0] + SYNC[0] + STOP + SYNC[0]  # at 0, 0.4 and 1.2 s
+
+
+def test_what_the_network_needs_is_waited_for_besides() -> None:
+    host = Host(0.0, round_trip=0.6)
+    later(host, 0.7)
+    assert host.outgoing() == b""
+    later(host, 0.8)
+    assert host.outgoing() == SYNC[0]
+    later(host, 1.7)
+    assert host.outgoing() == b""
 
 
 def test_a_robot_that_streams_and_does_not_listen_is_given_up() -> None:
@@ -183,7 +255,7 @@ def test_dislodging_keeps_the_speed_that_the_robot_answers_at() -> None:
     later(host, 1.3)
     assert host.speed == 38400
     host.receive(wire(SIP), 1.3)
-    host.tick(1.5)
+    host.tick(1.7)
     assert host.speed == 38400
 
 
@@ -331,7 +403,7 @@ def test_a_robot_may_end_the_session(number: int) -> None:
 def test_patience_is_a_parameter() -> None:
     host = Host(0.0, timing=Timing(retry=0.1, give_up=0.5))
     assert later(host, 1.0) == [Lost("nothing answers")]
-    assert host.outgoing().count(SYNC[0]) == 3  # at 0, 0.1 and 0.3 s
+    assert host.outgoing().count(SYNC[0]) == 2  # at 0.2 and 0.3 s
 
 
 def test_without_a_session_commands_are_refused() -> None:
@@ -363,4 +435,16 @@ def test_ticking_too_often_does_no_harm() -> None:
     host = Host(0.0)
     for _ in range(100):
         host.tick(0.0)
-    assert host.outgoing() == STOP + SYNC[0]
+        host.tick(LISTEN)
+    assert host.outgoing() == SYNC[0]
+
+
+def test_a_tick_that_comes_early_by_a_rounding_error_is_in_time() -> None:
+    host = configured()
+    host.receive(wire(SIP), 0.1)
+    later(host, 0.3)
+    host.outgoing()
+    due = host.deadline
+    host.tick(due - 1e-12)
+    assert decoded(host.outgoing()) == [commands.Pulse()]
+    assert host.deadline > due

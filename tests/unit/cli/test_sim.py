@@ -90,8 +90,9 @@ def test_a_factory_makes_a_model(option: str, simulated: Seen) -> None:
 
 
 def test_the_world_may_be_changed(simulated: Seen) -> None:
-    asked = wishes("-m lab --seed 7 --fit gripper,camera=vcc4", simulated)
-    assert asked == Wishes(seed=7, equipment=Fitting(gripper=True, camera="vcc4"))
+    asked = wishes("-m lab --seed 7 --fit gripper,camera=vcc4 --keep-session", simulated)
+    fitted = Fitting(gripper=True, camera="vcc4")
+    assert asked == Wishes(seed=7, equipment=fitted, keep_session=True)
 
 
 def test_a_given_port_wins_over_the_worlds(simulated: Seen) -> None:

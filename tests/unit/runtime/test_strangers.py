@@ -2,6 +2,7 @@
 
 import pytest
 
+from pioneer3.arcos.packet import encode
 from pioneer3.runtime.strangers import (
     SCIP_QUESTION,
     Kind,
@@ -13,7 +14,7 @@ VERSION = (
     b"\nVV\n00P\nVEND:Hokuyo Automatic Co.,Ltd.;[\nPROD:SOKUIKI Sensor URG-04LX;R\n"
     b"FIRM:3.3.00;b\nPROT:SCIP 2.0;N\nSERI:H0902345;k\n\n"
 )
-SENT = bytes.fromhex("fafb031d001dfafb03000000")
+SENT = b"".join(encode(bytes([number])) for number in (0, 1, 2))
 
 
 def telegram(data: bytes) -> bytes:
@@ -73,6 +74,24 @@ def test_our_own_words_are_an_echo() -> None:
     who = recognise(SENT * 3, SENT)
     assert who is not None
     assert who.kind is Kind.ECHO
+
+
+def test_a_robot_that_answers_two_of_three_syncs_is_no_echo() -> None:
+    who = recognise(SENT[:12], SENT)
+    assert who is not None
+    assert (who.kind, who.name) == (Kind.PACKETS, "2 well-formed packets (number 0, 1)")
+
+
+def test_packets_between_a_few_spoilt_bytes_are_still_packets() -> None:
+    who = recognise(b"\xfb\x07" + encode(b"\x1d") + b"\xfa")
+    assert who is not None
+    assert (who.kind, who.name) == (Kind.PACKETS, "1 well-formed packet (number 29)")
+
+
+def test_a_packet_in_much_noise_is_noise() -> None:
+    who = recognise(b"\x91\x00\xfe" * 20 + encode(b"\x1d"))
+    assert who is not None
+    assert who.kind is Kind.NOISE
 
 
 def test_a_readable_banner_is_quoted() -> None:

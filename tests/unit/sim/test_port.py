@@ -49,12 +49,12 @@ class Host:
 class Site:
     """A robot and its port."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, keep_session: bool = False) -> None:
         self.body = Body(load_model("p3dx-sh"))
         self.world = World(None, [self.body])
         self.firmware = Firmware(self.world, self.body)
         self.woken = 0
-        self.port = RobotPort(self.firmware, self._wake)
+        self.port = RobotPort(self.firmware, self._wake, keep_session=keep_session)
         self.turn = 0
 
     def welcome(self, *names: str) -> list[Host]:
@@ -188,6 +188,7 @@ async def test_a_host_that_floods_and_leaves_does_not_burden_the_next() -> None:
     site.port.hear(first, b"\xfa\xfb\xff" * 1000)
     site.port.leave(first)
     site.welcome("second")
+    site.tick()
     assert not site.port.pending
 
 
@@ -218,8 +219,59 @@ async def test_last_words_are_heard() -> None:
     assert not site.port.is_open
 
 
-async def test_a_session_left_over_ends_after_the_watchdogs_time() -> None:
+async def test_a_host_that_vanishes_has_ended_its_session_before_the_next_is_heard() -> None:
     site = Site()
+    first, second = site.welcome("first", "second")
+    site.port.hear(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
+    site.tick(50)
+    assert site.body.drive.powered
+    site.port.leave(first)
+    site.port.hear(second, SYNC)
+    site.tick()
+    assert second.kinds == [0]
+    assert not site.port.is_open
+    assert not site.body.drive.powered
+
+
+async def test_the_last_words_of_a_host_that_vanishes_are_heard() -> None:
+    site = Site()
+    (host,) = site.welcome("first")
+    site.port.hear(host, HELLO)
+    site.tick(3)
+    site.port.hear(host, encode(b"\xee\x2b\x02hi\0"))  # SIM_MESSAGE
+    site.port.leave(host)
+    site.tick()
+    assert list(site.firmware.messages) == ["hi"]
+    assert not site.port.is_open
+
+
+async def test_a_host_that_gives_way_leaves_no_session_to_the_next() -> None:
+    site = Site()
+    (first,) = site.welcome("first")
+    site.port.hear(first, HELLO)
+    site.tick(3)
+    await asyncio.sleep(STALE)
+    (second,) = site.welcome("second")
+    assert first.closed
+    site.port.hear(second, SYNC)
+    site.tick()
+    assert second.kinds == [0]
+
+
+async def test_a_session_that_is_kept_is_there_for_the_next_host() -> None:
+    site = Site(keep_session=True)
+    first, second = site.welcome("first", "second")
+    site.port.hear(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
+    site.tick(50)
+    site.port.leave(first)
+    site.port.hear(second, SYNC)
+    site.tick(10)
+    assert set(second.kinds) == {0x33}  # it streams reports, and SYNC0 was a PULSE
+    assert site.body.drive.linear.velocity > 0.2
+
+
+async def test_a_session_left_over_ends_after_the_watchdogs_time() -> None:
+    site = Site(keep_session=True)
     (host,) = site.welcome("first")
     site.port.hear(host, HELLO)
     site.tick(3)

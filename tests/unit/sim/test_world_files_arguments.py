@@ -1,5 +1,6 @@
 """Robots and starts on the command line, laid over a world."""
 
+from dataclasses import replace
 from math import pi, radians
 
 import pytest
@@ -104,6 +105,13 @@ def test_fittings_are_added_to_what_robots_have() -> None:
         Fitting(gripper=True, compass=True),
         Fitting(compass=True),
     ]
+
+
+@pytest.mark.parametrize("asked", [False, True])
+@pytest.mark.parametrize("said", [False, True])
+def test_sessions_are_kept_where_either_says_so(*, asked: bool, said: bool) -> None:
+    world = Wishes(keep_session=asked).laid_over(replace(LAB, keep_session=said))
+    assert world.keep_session == (asked or said)
 
 
 def test_seed_and_ports_of_the_command_line_win() -> None:

@@ -43,6 +43,7 @@ async def interview(link: Link, seconds: float, known: Facts) -> Facts:
         return replace(
             known,
             closed=conversation.closed,
+            streaming=conversation.streaming,
             stranger=stranger,
             heard_at=tuple(speed for speed in conversation.heard_at if speed is not None),
         )

@@ -203,12 +203,22 @@ def _silence(facts: Facts) -> Finding:
 
 
 def _about(stranger: Stranger, facts: Facts) -> Finding:
+    if facts.streaming:
+        return Finding(
+            check="answer",
+            level=Level.FAIL,
+            found=f"a robot that talks, but does not hear: {stranger.name}",
+            meaning="Its reports of an earlier session arrive; nothing that is sent to it does.",
+            advice="Look at the cable: one of its lines is broken, or it is meant for something "
+            "else. Press reset on the robot.",
+            code=UNREACHABLE,
+        )
     meaning, advice = _STRANGERS[stranger.kind]
     at = f" (at {', '.join(map(str, facts.heard_at))} baud)" if facts.heard_at else ""
     return Finding(
         check="answer",
         level=Level.FAIL,
-        found=f"not a robot but {_named(stranger)}{at}",
+        found=f"{_named(stranger)}{at}",
         meaning=meaning,
         advice=advice,
         code=UNREACHABLE,
@@ -218,13 +228,15 @@ def _about(stranger: Stranger, facts: Facts) -> Finding:
 def _named(stranger: Stranger) -> str:
     match stranger.kind:
         case Kind.LASER:
-            return f"a laser: {stranger.name}"
+            return f"not a robot but a laser: {stranger.name}"
         case Kind.ECHO:
-            return "our own words"
+            return "not a robot but our own words"
+        case Kind.PACKETS:
+            return f"no handshake, but {stranger.name}"
         case Kind.TEXT:
-            return stranger.name
+            return f"not a robot but {stranger.name}"
         case Kind.NOISE:
-            return f"bytes that make no sense: {stranger.name}"
+            return f"not a robot but bytes that make no sense: {stranger.name}"
 
 
 _STRANGERS: Final = {
@@ -235,6 +247,12 @@ _STRANGERS: Final = {
     Kind.ECHO: (
         "Sent and received lines are joined: a loopback plug, a loose cable end, a modem.",
         "Connect the cable to the robot's HOST socket.",
+    ),
+    Kind.PACKETS: (
+        "It speaks the robot's protocol, but does not finish the handshake. A simulator such as "
+        "AMRISim does so when an earlier program began with something else.",
+        "Quit all other programs and try again: a new connection begins anew. If that does not "
+        "help, start the simulator again, or press reset on the robot.",
     ),
     Kind.TEXT: (
         "A device or program for people or others listens there.",

@@ -85,7 +85,7 @@ async def simulator(
     things: tuple[Box | Person, ...] = world_file.movable + world_file.people
     for thing in things:
         world.add_obstacle(thing)
-    simulation = Simulation(world, firmwares, pace=pace)
+    simulation = Simulation(world, firmwares, pace=pace, keep_session=world_file.keep_session)
     product = wishes.product
     if product:
         load_model(product.model)  # better now than when the first client comes

@@ -5,9 +5,10 @@ Rules, besides those of :mod:`pioneer3.sim.server.seat`:
 1. What hosts send waits in a small buffer for the next tick; when that is full the host waits.
    Each tick a robot takes as much as a fast serial line would bring, answers included, so a flood
    costs the other robots nothing that a busy serial line would not.
-2. A host that leaves without CLOSE leaves its session behind; :data:`STALE` simulated seconds
-   after its last word that is ended as the firmware's watchdog would, unless the next host has
-   come before.
+2. A host that leaves the network without CLOSE has ended its session, as with MobileSim: the robot
+   stops, and the next host finds it waiting. On a serial line, or with `keep_session`, the robot
+   cannot know: it goes on, and :data:`STALE` simulated seconds after the last word the session is
+   ended as the firmware's watchdog would, unless the next host has come before.
 """
 
 from collections.abc import Callable
@@ -42,6 +43,7 @@ class RobotPort:
     Args:
         firmware: The robot.
         wake: Called whenever a host has said something.
+        keep_session: Whether hosts on the network leave as on a serial line.
 
     Attributes:
         firmware: The robot.
@@ -52,7 +54,13 @@ class RobotPort:
         slot: In which tick of the cycle this session's reports come.
     """
 
-    def __init__(self, firmware: Firmware, wake: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self,
+        firmware: Firmware,
+        wake: Callable[[], None] = lambda: None,
+        *,
+        keep_session: bool = False,
+    ) -> None:
         self.firmware = firmware
         self.address: tuple[str, int] | None = None
         self.doors: list[Door] = []
@@ -60,6 +68,9 @@ class RobotPort:
         self.due = inf
         self.slot = 0
         self._wake = wake
+        self._keep_session = keep_session
+        self._last_words: bytes | None = None
+        self._served: Client | None = None
         self._seat = Seat(self._welcome, lambda: self.label)
         self._rated_watchdog = firmware.watchdog
         self._spoke_at = -inf
@@ -151,7 +162,9 @@ class RobotPort:
         self._wake()
 
     def leave(self, client: Client) -> None:
-        """Take note that `client` has gone; a session of its own stays for a while."""
+        """Take note that `client` has gone."""
+        if client is self._seat.host and not client.standing:
+            self._end_session()
         if self._seat.leave(client):
             self.due = -inf
 
@@ -170,6 +183,10 @@ class RobotPort:
             turn: Counts the ticks; each brings :data:`BYTES_PER_TICK`.
             listen: Whether the host is listened to, or only what is on its way arrives.
         """
+        if self._last_words is not None:
+            self._tell(self._last_words, now)
+            self.firmware.hang_up(now)
+            self._last_words = None
         self._credit = min(BURST, self._credit + BYTES_PER_TICK * (turn - self._turn))
         self._turn = turn
         data = self._from_inbox(max(0, self._credit)) if listen else b""
@@ -236,8 +253,19 @@ class RobotPort:
         self._outbox = self.firmware.device.outgoing()
         self._credit -= len(self._outbox)
 
+    def _end_session(self) -> None:
+        """Let the robot hear the last words of its host, and then that it is gone."""
+        if not self._keep_session:
+            self._last_words = ((self._last_words or b"") + self._inbox)[:BURST]
+            self._forget()
+            self.pending = True
+            self._wake()
+
     def _welcome(self) -> None:
         """Make ready for another host."""
+        last, self._served = self._served, self._seat.host
+        if last is not None and not last.standing and self.is_open:
+            self._end_session()  # it was silent, and gave way
         self.firmware.device.reader.forget()
         self._to_host.lose()  # that was for the last one
         if len(self._inbox) > BURST:  # it has flooded us; less may be its farewell

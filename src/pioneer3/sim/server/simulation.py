@@ -38,6 +38,8 @@ class Simulation:
         world: What is simulated.
         firmwares: One for each robot that can be connected to.
         pace: How fast; in real time if not given.
+        keep_session: Whether a host that vanishes from the network leaves its session behind, as
+            on a serial line.
 
     Attributes:
         world: The same.
@@ -46,11 +48,17 @@ class Simulation:
     """
 
     def __init__(
-        self, world: World, firmwares: Sequence[Firmware], *, pace: Pace | None = None
+        self,
+        world: World,
+        firmwares: Sequence[Firmware],
+        *,
+        pace: Pace | None = None,
+        keep_session: bool = False,
     ) -> None:
         self.world = world
         self.pace = pace or Pace()
         self.ports: list[RobotPort] = []
+        self._keep_session = keep_session
         self._heard = asyncio.Event()
         self._host: str | None = None
         self._next_number = 0
@@ -103,7 +111,7 @@ class Simulation:
 
     def attach(self, firmware: Firmware) -> RobotPort:
         """Let one more robot live; return where to :meth:`RobotPort.serve` its hosts."""
-        port = RobotPort(firmware, self._heard.set)
+        port = RobotPort(firmware, self._heard.set, keep_session=self._keep_session)
         port.stretch(self._stretch)
         self.ports.append(port)
         return port

@@ -25,6 +25,7 @@ class Wishes:
         starts: One for all robots, or one for each.
         equipment: Fitted to all robots, besides what they have.
         seed: Of everything random.
+        keep_session: Whether sessions outlive their programs, whatever the world says.
         own_ports: Whether robots keep the ports that the world file gives them.
         factory: A model of which every client of one port gets a robot; empty for none.
     """
@@ -33,6 +34,7 @@ class Wishes:
     starts: tuple[Start, ...] = ()
     equipment: Fitting = AS_DELIVERED
     seed: int | None = None
+    keep_session: bool = False
     own_ports: bool = True
     factory: str = ""
 
@@ -49,6 +51,7 @@ class Wishes:
         return replace(
             world,
             seed=world.seed if self.seed is None else self.seed,
+            keep_session=world.keep_session or self.keep_session,
             robots=tuple(
                 replace(
                     robot,

@@ -24,7 +24,7 @@ PLACES = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
 _PLACE = ("x", "y", "theta_deg", "name")
 KEYS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "world": ("name", "map", "seed"),
+        "world": ("name", "map", "seed", "keep_session"),
         "robot": ("model", "name", "start", "port", "equipment"),
         "robot.start": ("x", "y", "theta_deg"),
         "robot.equipment": EQUIPMENT,
@@ -74,6 +74,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
         name=world.string("name", path.stem),
         map=_map(world, path),
         seed=world.whole("seed", 0, LARGEST_SEED),
+        keep_session=world.flag("keep_session", default=False),
         robots=robots,
         boxes=tuple(map(_box, top.tables("box"))),
         walls=tuple(map(_wall, top.tables("wall"))),

@@ -110,6 +110,8 @@ class WorldFile:
         name: What to call it on screen.
         map: A shipped map's name, `empty`, or the path of a map file.
         seed: Of everything random; `None` for another one each time.
+        keep_session: Whether a program that vanishes from the network leaves its session behind, as
+            on a serial line.
         robots: In file order.
         boxes: In file order; only the fixed ones become walls.
         walls: In addition to the map's.
@@ -120,6 +122,7 @@ class WorldFile:
     name: str
     map: str | Path = "empty"
     seed: int | None = None
+    keep_session: bool = False
     robots: tuple[RobotSpec, ...] = ()
     boxes: tuple[Box, ...] = ()
     walls: tuple[Wall, ...] = ()

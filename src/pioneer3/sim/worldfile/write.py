@@ -30,7 +30,8 @@ def to_toml(world: WorldFile, folder: Path) -> str:
 def _blocks(world: WorldFile, folder: Path) -> Iterator[list[str]]:
     map_name = _relative(world.map, folder) if isinstance(world.map, Path) else world.map
     seed = [f"seed = {world.seed}"] if world.seed is not None else []
-    yield ["[world]", f"name = {_text(world.name)}", f"map = {_text(map_name)}", *seed]
+    kept = ["keep_session = true"] if world.keep_session else []
+    yield ["[world]", f"name = {_text(world.name)}", f"map = {_text(map_name)}", *seed, *kept]
     for robot in world.robots:
         yield ["[[robot]]", *_robot(robot, folder)]
     for box in world.boxes:
