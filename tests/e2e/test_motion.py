@@ -1,14 +1,16 @@
 """How exactly the robot gets where it is told to. Virtual time."""
 
 import asyncio
+from dataclasses import replace
 from math import degrees, pi
 
 import pytest
 
+from pioneer3.arcos import commands
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.runtime.connect import connect_async
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, decoded
 
 MODELS = ["p3at-sh", "p3dx-sh", "amigo-sh"]
 
@@ -181,3 +183,12 @@ async def test_huge_velocities_are_cut_to_the_limits() -> None:
             driver.drive(1e300)
             await asyncio.sleep(0.1)
         assert robot.speed == pytest.approx(driver.info.limits.max_speed, abs=0.002)
+
+
+async def test_accelerations_that_are_changed_reach_a_standing_robot_at_once() -> None:
+    async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
+        await asyncio.sleep(1.0)
+        before = len(robot.wires[0].data)
+        driver.supervisor.change_limits(lambda limits: replace(limits, acceleration=0.4))
+        await asyncio.sleep(0.25)
+        assert commands.SetA(acceleration=0.4) in decoded(robot.wires[0].data[before:])

@@ -88,8 +88,16 @@ async def test_one_key_press_keeps_the_robot_going_without_a_timeout(ros1: None)
 async def test_a_command_each_second_drives_in_bursts_with_a_timeout(ros1: None) -> None:
     async with laboratory() as lab, program("lab/cmd.py"):
         await until(lambda: len(lab.tap.velocities) >= 6)
+        await lab.warns("cmd_vel of /test_cmd has expired: nothing came for 0.6 s")
     names = "".join(name(twist) for _, twist in lab.tap.velocities[:6])
     assert names == "f.f.f."
+
+
+async def test_a_command_each_second_drives_on_with_a_longer_timeout(ros1: None) -> None:
+    async with laboratory("_cmd_vel_timeout:=1.5") as lab, program("lab/cmd.py"):
+        await until(lambda: lab.tap.velocities)
+        await asyncio.sleep(3.5)
+        assert "".join(name(twist) for _, twist in lab.tap.velocities) == "f"
 
 
 async def test_a_phone_drives(ros1: None) -> None:

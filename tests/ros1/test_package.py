@@ -36,6 +36,21 @@ async def test_roslaunch_starts_the_node_by_any_name(package: Path) -> None:
             assert "---" in await ros("rostopic", "echo", "-n", "1", "/front/pose")
 
 
+async def test_rosarias_manual_and_launch_files_start_the_node(
+    package: Path, tmp_path: Path
+) -> None:
+    launch = tmp_path / "lab.launch"
+    async with simulated() as (_, url):
+        port = f"_port:={url.removeprefix('tcp://')}"
+        launch.write_text(
+            f'<launch><node name="RosAria" pkg="rosaria" type="RosAria" args="{port}"'
+            ' output="screen"/></launch>'
+        )
+        for command in (("rosrun", "rosaria", "RosAria", port), ("roslaunch", str(launch))):
+            async with until_said("node /RosAria on", *command):
+                assert "---" in await ros("rostopic", "echo", "-n", "1", "/RosAria/pose")
+
+
 async def test_bumper_states_can_be_echoed_and_shown(package: Path) -> None:
     async with simulated() as (_, url):
         command = ("rosrun", "pioneer3", "RosAria", f"_port:={url}")

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from tests.e2e.processes import until
 from tests.ros1.conftest import Lab
 from tests.ros1.master import PYTHON, ended, ros
 
@@ -24,6 +26,11 @@ PACKAGE = """<package format="2">
 """Without it Debian's dynparam does not start."""
 
 
+def said_to(lab: Lab) -> list[Command]:
+    """Return what the robot has heard."""
+    return [command for _, command in lab.tap.heard]
+
+
 async def test_dynparam_finds_shows_and_sets(
     shared_lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -34,8 +41,12 @@ async def test_dynparam_finds_shows_and_sets(
     said = await ros(*DYNPARAM, "get", "/RosAria")
     assert "'trans_accel': 0.3" in said
     assert "'rot_accel': 1.745" in said
+    await ros(*DYNPARAM, "set", "/RosAria", "trans_accel", "50")
+    assert "'trans_accel': 2.0" in await ros(*DYNPARAM, "get", "/RosAria")
+    await until(lambda: commands.SetA(acceleration=2.0) in said_to(shared_lab))  # though it stands
+    await ros(*DYNPARAM, "set", "/RosAria", "trans_accel", "0.3")
     await ros(*DYNPARAM, "set", "/RosAria", "TicksMM", "139")
-    assert commands.TicksMM(ticks_per_mm=139) in [command for _, command in shared_lab.tap.heard]
+    assert commands.TicksMM(ticks_per_mm=139) in said_to(shared_lab)
     assert "'TicksMM': 139" in await ros(*DYNPARAM, "get", "/RosAria")
 
 

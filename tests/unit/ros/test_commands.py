@@ -74,6 +74,38 @@ async def begins_anew(the: Drive) -> None:
     assert the.speed == pytest.approx(AHEAD)
 
 
+async def test_a_command_that_expires_is_told_of_once_for_each_sender() -> None:
+    async with driven(0.6) as the:
+        for _ in range(3):
+            await asyncio.sleep(1.0)
+            the.say(0.0)
+            the.say(AHEAD)
+        await asyncio.sleep(1.0)
+        the.say(AHEAD, SOMEBODY_ELSE)
+        await asyncio.sleep(1.0)
+        assert [warning.split(":")[0] for warning in the.warnings] == [
+            "cmd_vel of /somebody has expired",
+            "cmd_vel of /somebody_else has expired",
+        ]
+        assert "nothing came for 0.6 s" in the.warnings[0]
+        assert "_cmd_vel_timeout:=1.5" in the.warnings[0]
+
+
+@pytest.mark.parametrize("ends", ["zero", "emergency stop", "lost robot", "no timeout"])
+async def test_what_ends_otherwise_is_not_said_to_expire(ends: str) -> None:
+    async with driven(inf if ends == "no timeout" else 0.6) as the:
+        match ends:
+            case "zero":
+                the.say(0.0)
+            case "emergency stop":
+                the.robot.emergency_stop()
+            case "lost robot":
+                the.sim.silent = True
+                await the.publish(3.0)
+        await asyncio.sleep(1.0)
+        assert not [warning for warning in the.warnings if "expired" in warning]
+
+
 @TIMEOUTS
 async def test_the_stop_button_ends_what_is_published_until_a_zero(patience: float) -> None:
     async with driven(patience) as the:
@@ -141,7 +173,8 @@ async def test_a_publisher_that_was_frozen_does_not_drive_on() -> None:
         await asyncio.sleep(4.0)
         await the.publish(5.0)
         assert the.speed == 0.0
-        assert the.warnings == [
+        assert the.warnings[0].startswith("cmd_vel of /somebody has expired")
+        assert the.warnings[1:] == [
             "cmd_vel is ignored: /somebody fell silent while it drove; let go, then ask again"
             " (a zero lets go)"
         ]
@@ -184,7 +217,7 @@ async def test_a_key_that_is_pressed_again_drives_again() -> None:
             assert the.speed == pytest.approx(AHEAD)
             await asyncio.sleep(3.0)
             assert the.speed == 0.0
-        assert the.warnings == []
+        assert [warning[:33] for warning in the.warnings] == ["cmd_vel of /somebody has expired:"]
 
 
 async def test_single_presses_drive_each_time() -> None:

@@ -35,6 +35,17 @@ def test_no_variance_is_zero_and_standing_still_is_surer(speed: float) -> None:
     assert diagonal[2:5] == [1e6, 1e6, 1e6]
 
 
+def test_a_robot_without_bumpers_has_five_and_five_for_rosarias_clients_only() -> None:
+    told, honest = Blank(), Blank()
+    convert.rosarias_bumpers(told, reading(seen()))
+    convert.bumpers(honest, reading(seen()))
+    assert (told.front_bumpers, told.rear_bumpers) == ([False] * 5, [False] * 5)
+    assert (honest.front_bumpers, honest.rear_bumpers) == ([], [])
+    touched = Bumpers(front=(True, False, False), rear=(False, True))
+    convert.rosarias_bumpers(told, reading(seen(bumpers=touched)))
+    assert (told.front_bumpers, told.rear_bumpers) == ([True, False, False], [True, False])
+
+
 def test_bumpers_read_from_left_to_right_in_front_and_in_the_rear() -> None:
     leftmost_in_front, rightmost_in_rear = (True, False, False, False, False), (True, *(False,) * 4)
     message = Blank()

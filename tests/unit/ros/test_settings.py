@@ -1,11 +1,21 @@
-from math import inf, nan
+from math import inf, nan, radians
 
 import pytest
 
 from pioneer3.arcos import commands
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
-from pioneer3.ros.interface.settings import PARAMETERS, changed, in_force, settled, to_send, written
+from pioneer3.ros.interface.settings import (
+    ACCELERATIONS,
+    PARAMETERS,
+    changed,
+    in_force,
+    parameters_of,
+    settled,
+    to_send,
+    written,
+)
 
 LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5, deceleration=1.5)
 
@@ -23,6 +33,36 @@ def test_defaults_and_bounds_are_rosarias() -> None:
         "DriftFactor": (-99999, -99999, 32767),
         "RevCount": (0, 0, 65535),
     }
+
+
+def test_accelerations_go_up_to_the_robots_own_tops() -> None:
+    config = Config(
+        family="Pioneer",
+        model="p3at-sh",
+        serial_number="1",
+        accel_top_mm_s2=2000,
+        rotation_accel_top_deg_s2=300,
+    )
+    own = parameters_of(LIMITS, config)
+    highest = {each.name: each.high for each in own if each.name in ACCELERATIONS}
+    assert highest == pytest.approx(
+        {
+            "trans_accel": 2.0,
+            "trans_decel": 2.0,
+            "rot_accel": radians(300),
+            "rot_decel": radians(300),
+        }
+    )
+    got = settled({**in_force(LIMITS), "trans_accel": 50.0, "rot_decel": 50.0}, LIMITS, own)
+    assert got["trans_accel"] == 2.0
+    assert got["rot_decel"] == pytest.approx(radians(300))
+    assert all(each.low <= each.default <= each.high for each in own)
+
+
+def test_without_config_they_go_up_to_what_the_robot_is_driven_with() -> None:
+    highest = {each.name: each.high for each in parameters_of(LIMITS, None)}
+    assert (highest["trans_accel"], highest["trans_decel"]) == (1.5, 1.5)
+    assert highest["rot_accel"] == LIMITS.turn_acceleration
 
 
 def test_what_holds_before_anybody_sets_anything_sends_nothing() -> None:

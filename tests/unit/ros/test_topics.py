@@ -1,5 +1,6 @@
 from pioneer3.models import load_model
-from pioneer3.ros.interface.topics import Profile, Topic, command_names, topics_of
+from pioneer3.ros.interface.topics import TOPICS, Profile, Topic, command_names, topics_of
+from pioneer3.ros.messages import convert
 from pioneer3.ros.messages.conventions import Conventions
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Sonar
 from tests.unit.ros.support import P3AT, Blank, reading, seen
@@ -49,6 +50,12 @@ def rows(profile: Profile) -> dict[str, Topic]:
 def named(name: str) -> Topic:
     """Return the topic that has this name in any profile."""
     return rows(Profile.BOTH)[name]
+
+
+def test_only_rosarias_name_has_bumpers_that_are_not_there() -> None:
+    fills = {name: topic.fill for topic in TOPICS for name in topic.names(Profile.BOTH)}
+    assert fills["~bumper_state"] is convert.rosarias_bumpers
+    assert fills["bumper_state"] is convert.bumpers
 
 
 def test_the_compatible_names_types_and_latches_are_rosarias() -> None:

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.maps import LineMap, empty_map, load_map
+from pioneer3.sim.maps import LineMap, MapObject, empty_map, load_map
 from pioneer3.sim.maps.distance import distances
 from pioneer3.sim.population.footprint import (
     hits,
@@ -61,6 +61,19 @@ def test_one_robot_begins_exactly_at_home() -> None:
 
 def test_without_homes_home_is_the_origin() -> None:
     assert placed(empty_map(), crowd(1, "home")) == [ORIGIN]
+
+
+def dock(x: float, y: float, theta: float) -> MapObject:
+    return MapObject(kind="DockPioneer", name="", pose=Pose2(x, y, theta), declared="DockType")
+
+
+def test_without_homes_robots_begin_at_the_first_dock_as_in_mobilesim() -> None:
+    walls = room(8, 8).walls
+    docks = dock(2.0, 3.0, 1.0), dock(6.0, 6.0, 0.0)
+    line_map = LineMap(name="room", walls=walls, objects=docks)
+    assert placed(line_map, crowd(1, "home")) == [docks[0].pose]
+    with_home = LineMap(name="room", walls=walls, objects=docks, homes=(Pose2(4.0, 4.0),))
+    assert placed(with_home, crowd(1, "home")) == [Pose2(4.0, 4.0)]
 
 
 def test_robots_share_the_homes_of_a_map_in_turn() -> None:

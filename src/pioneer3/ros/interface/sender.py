@@ -30,10 +30,12 @@ class Sender:
         timeout: How long a command lasts [s]; `inf` until the next one.
 
     Attributes:
+        name: The same.
         deadline: When :meth:`due` must be called [s, as every `now`].
     """
 
     def __init__(self, name: str, timeout: float) -> None:
+        self.name = name
         self.deadline = inf
         self._timeout = timeout
         self._hold = Hold(name, streams=isfinite(timeout))

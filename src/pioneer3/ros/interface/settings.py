@@ -1,14 +1,16 @@
 """What dynamic_reconfigure may change: RosAria's nine parameters, with bounds that hold."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Final
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
+from pioneer3.units import DEGREE, MM
 
 Settings = Mapping[str, float]
 """Value of each parameter, by name."""
@@ -137,6 +139,27 @@ LEAST_DRIFT: Final = -32768
 """What the command can carry; all below means the robot's own."""
 
 
+def parameters_of(limits: Limits, config: Config | None) -> tuple[Parameter, ...]:
+    """Return the parameters for a robot: nothing beyond the accelerations that it can do.
+
+    They are what its CONFIG says; where that is missing, what it is driven with.
+    """
+    own = in_force(limits)
+    speed = (config.accel_top_mm_s2 or 0) * MM if config else 0.0
+    turn = (config.rotation_accel_top_deg_s2 or 0) * DEGREE if config else 0.0
+    tops = {
+        "trans_accel": speed or max(own["trans_accel"], own["trans_decel"]),
+        "rot_accel": turn or max(own["rot_accel"], own["rot_decel"]),
+    }
+    tops |= {"trans_decel": tops["trans_accel"], "rot_decel": tops["rot_accel"]}
+    return tuple(
+        replace(each, high=top, default=min(each.default, top))
+        if (top := tops.get(each.name)) is not None
+        else each
+        for each in PARAMETERS
+    )
+
+
 def written(given: Mapping[str, object]) -> dict[str, object]:
     """Return what `given`, by either name, says of each parameter that is in it."""
     found = {}
@@ -153,14 +176,16 @@ def in_force(limits: Limits) -> dict[str, float]:
     return {each.name: known.get(each.name, each.default) for each in PARAMETERS}
 
 
-def settled(wanted: Mapping[str, object], limits: Limits) -> dict[str, float]:
-    """Return `wanted` within the bounds, and the robot's own `limits` where it says 0.
+def settled(
+    wanted: Mapping[str, object], limits: Limits, parameters: Sequence[Parameter] = PARAMETERS
+) -> dict[str, float]:
+    """Return `wanted` within the bounds of `parameters`; where it says 0, the robot's own `limits`.
 
     Raises:
         ConfigError: something is not a finite number.
     """
     own = in_force(limits)
-    inside = {each.name: each.bounded(wanted.get(each.name, 0)) for each in PARAMETERS}
+    inside = {each.name: each.bounded(wanted.get(each.name, 0)) for each in parameters}
     inside["lat_accel"] = inside["lat_decel"] = 0.0
     for name in ACCELERATIONS:
         least = min(BRAKES.get(name, 0.0), own[name])

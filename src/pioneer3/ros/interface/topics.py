@@ -113,6 +113,10 @@ TOPICS: Final = (
     ),
     Topic(
         compatibility="~bumper_state",
+        kind="rosaria/BumperState",
+        fill=convert.rosarias_bumpers,
+    ),
+    Topic(
         standard="bumper_state",
         kind="rosaria/BumperState",
         fill=convert.bumpers,

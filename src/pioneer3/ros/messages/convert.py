@@ -26,6 +26,8 @@ RECHARGE_STATES: Final = {
     Charging.BALANCE: 4,
 }
 """Numbers of `battery_recharge_state`; arcos.md 4.2, and -1 where the robot does not tell."""
+ROSARIAS_BUMPERS: Final = 5
+"""Segments in front, and as many behind."""
 SUPPLY_STATUS: Final = {
     Charging.UNKNOWN: 0,
     Charging.NONE: 2,
@@ -82,6 +84,16 @@ def covariance(state: Odometry, driving: Sequence[float] = DRIVING) -> list[floa
     matrix = [0.0] * 36
     matrix[::7] = map(min, STANDING, driving) if still else driving
     return matrix
+
+
+def rosarias_bumpers(message: Any, reading: Reading) -> None:
+    """Fill a rosaria/BumperState as :func:`bumpers`; a robot without has five that nothing touches.
+
+    RosAria takes their number from a file, and its clients read five of each, unchecked.
+    """
+    bumpers(message, reading)
+    message.front_bumpers = message.front_bumpers or [False] * ROSARIAS_BUMPERS
+    message.rear_bumpers = message.rear_bumpers or [False] * ROSARIAS_BUMPERS
 
 
 def bumpers(message: Any, reading: Reading) -> None:

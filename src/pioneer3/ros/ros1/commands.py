@@ -74,6 +74,8 @@ class Commands:
         self._lock = threading.Lock()
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
+        self._expiry: asyncio.TimerHandle | None = None
+        self._expired_of: deque[str] = deque(maxlen=REMEMBERED)
 
     def subscribe(self) -> None:
         """Listen; called in a thread: it talks to the master."""
@@ -94,8 +96,9 @@ class Commands:
 
     def end(self) -> None:
         """Drive no more."""
-        if self._timer is not None:
-            self._timer.cancel()
+        for timer in (self._timer, self._expiry):
+            if timer is not None:
+                timer.cancel()
         self._robot.helm.remove(self._hold)
 
     def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
@@ -114,15 +117,18 @@ class Commands:
             orders = sorted(self._pending, key=attrgetter("at"))
             self._pending.clear()
         self._refusal, now = None, self._loop.time()
-        decided: list[Twist2 | None] = []
+        decided: list[tuple[str, Twist2 | None]] = []
         for order in orders:
-            decided += (self._arbiter.due(order.at), self._understand(order))
-        decided.append(self._arbiter.due(now))
-        decided += [sender.due(now, self._last_stop) for _, sender in self._senders.values()]
-        wanted = next((twist for twist in reversed(decided) if twist is not None), None)
-        if wanted is not None:
+            decided.append(("", self._arbiter.due(order.at)))
+            decided.append((order.sender, self._understand(order)))
+        decided.append(("", self._arbiter.due(now)))
+        for _, sender in self._senders.values():
+            decided.append((sender.name, sender.due(now, self._last_stop)))
+        wanted = [(name, twist) for name, twist in decided if twist is not None][-1:]
+        for name, twist in wanted:
             self._hold.release()  # the sender knows whether this counts
-            self._refusal = self._robot.helm.hold(self._hold, wanted, self._timeout)
+            self._refusal = self._robot.helm.hold(self._hold, twist, self._timeout)
+            self._expect_more(name, twist)
         if orders:
             self._tell()
         self._wait()
@@ -163,6 +169,26 @@ class Commands:
         deadline = min(self._arbiter.deadline, *deadlines, inf)
         if isfinite(deadline):
             self._timer = self._loop.call_at(deadline, self._drive)
+
+    def _expect_more(self, sender: str, twist: Twist2) -> None:
+        """Look whether `sender` has fallen silent when its command expires."""
+        if self._expiry is not None:
+            self._expiry.cancel()
+            self._expiry = None
+        if isfinite(self._timeout) and not twist.is_zero:
+            self._expiry = self._loop.call_later(self._timeout, self._expired, sender)
+
+    def _expired(self, sender: str) -> None:
+        """Say why the robot stops, once for each sender; another stop has its own reason."""
+        stopped = self._hold.ignored(self._last_stop) is not None
+        if stopped or self._robot.snapshot is None or sender in self._expired_of:
+            return
+        self._expired_of.append(sender)
+        self._warn(
+            f"cmd_vel of {sender} has expired: nothing came for {self._timeout:g} s, so the robot"
+            " stops. A program that sends more rarely needs a longer ~cmd_vel_timeout, such as"
+            " _cmd_vel_timeout:=1.5; with 0, which is unsafe, its last command lasts for ever"
+        )
 
     def _tell(self) -> None:
         """Say why commands are ignored, once."""

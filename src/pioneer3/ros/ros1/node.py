@@ -104,7 +104,8 @@ class Ros1Node:
             self._devices.advertise()
         self.describe_robot()
         self._commands.subscribe()
-        self._reconfigure = Reconfigure(self._robot.info.limits, self._given, self._reconfigured)
+        info = self._robot.info
+        self._reconfigure = Reconfigure(info.limits, info.config, self._given, self._reconfigured)
 
     def describe_robot(self) -> None:
         """Set `robot_description`, in a thread: with bumpers and laser if the robot has them."""

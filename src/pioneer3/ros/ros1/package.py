@@ -21,7 +21,7 @@ MANIFEST: Final = """<?xml version="1.0"?>
 </package>
 """
 DRY_MANIFEST: Final = """<package>
-  <description brief="BumperState">RosAria's message, without its node</description>
+  <description brief="RosAria">RosAria's message, and the node in its place</description>
   <author>pioneer3</author>
   <license>Apache-2.0</license>
 </package>
@@ -65,8 +65,9 @@ LAUNCH: Final = """<launch>
 def install_package(folder: Path, python: str = sys.executable) -> Path:
     """Write ROS packages into `folder`, which belongs on ROS_PACKAGE_PATH; return ours.
 
-    The programs of `pioneer3` run with `python`; `rosaria` has that node's message, which ROS's
-    tools need to show it. What an earlier version wrote is written anew.
+    The programs of `pioneer3` run with `python`; `rosaria` has the node under RosAria's own name,
+    for launch files and habits, and its message, which ROS's tools need to show it. What an earlier
+    version wrote is written anew.
 
     Raises:
         ConfigError: it cannot be written there.
@@ -76,6 +77,8 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
         package / "scripts" / name: LAUNCHER.format(python=shlex.quote(python), command=command)
         for name, command in PROGRAMS.items()
     }
+    node = package / "scripts" / "RosAria"
+    launchers[rosaria / "scripts" / node.name] = launchers[node]
     module = rosaria / "src" / "rosaria"
     files = {
         package / "package.xml": MANIFEST.format(name=NAME, version=__version__),

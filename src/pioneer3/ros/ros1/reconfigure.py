@@ -1,14 +1,22 @@
 """dynamic_reconfigure in ROS 1: a server without a generated configuration."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any, Final
 
+from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
 from pioneer3.limits import Limits
-from pioneer3.ros.interface.settings import PARAMETERS, in_force, settled, written
+from pioneer3.ros.interface.settings import (
+    PARAMETERS,
+    Parameter,
+    in_force,
+    parameters_of,
+    settled,
+    written,
+)
 
 LEVEL: Final = 0
 
@@ -20,6 +28,7 @@ class Reconfigure:
 
     Args:
         limits: The robot's own.
+        config: What the robot sent of itself, if it did.
         given: Parameters that somebody has written below the node's name.
         apply: Given all values whenever one has been set; by one of rospy's threads.
 
@@ -30,6 +39,7 @@ class Reconfigure:
     def __init__(
         self,
         limits: Limits,
+        config: Config | None,
         given: dict[str, Any],
         apply: Callable[[dict[str, float]], None],
     ) -> None:
@@ -37,13 +47,15 @@ class Reconfigure:
         from dynamic_reconfigure.server import Server  # noqa: PLC0415
 
         self._limits = limits
+        self._parameters = parameters_of(limits, config)
         self._apply = apply
         self._given = {each.name: given[each.name] for each in PARAMETERS if each.name in given}
         self._values = in_force(limits)
         self._lock = threading.Lock()
-        for name, value in settled({**self._values, **written(given)}, limits).items():
+        wanted = {**self._values, **written(given)}
+        for name, value in settled(wanted, limits, self._parameters).items():
             rospy.set_param(f"~{name}", value)  # the server takes what it finds for the present
-        Server(_description(), self._set)
+        Server(_description(self._parameters), self._set)
 
     def forget(self) -> None:
         """Leave on the parameter server what was there: the next node must not take it for new."""
@@ -62,7 +74,7 @@ class Reconfigure:
 
         with self._lock:
             try:
-                values = settled(config, self._limits)
+                values = settled(config, self._limits, self._parameters)
             except ConfigError as error:
                 rospy.logwarn(str(error))
                 values = self._values
@@ -73,9 +85,9 @@ class Reconfigure:
         return config
 
 
-def _description() -> Any:
+def _description(parameters: Sequence[Parameter]) -> Any:
     """Return what a generated configuration module would hold."""
-    parameters = [
+    told = [
         {
             "name": each.name,
             "type": "int" if each.whole else "double",
@@ -83,12 +95,12 @@ def _description() -> Any:
             "description": each.description,
             "edit_method": "",
         }
-        for each in PARAMETERS
+        for each in parameters
     ]
     return SimpleNamespace(
-        defaults=_config({each.name: each.default for each in PARAMETERS}),
-        min={each.name: each.low for each in PARAMETERS},
-        max={each.name: each.high for each in PARAMETERS},
+        defaults=_config({each.name: each.default for each in parameters}),
+        min={each.name: each.low for each in parameters},
+        max={each.name: each.high for each in parameters},
         config_description={
             "name": "Default",
             "id": 0,
@@ -96,7 +108,7 @@ def _description() -> Any:
             "type": "",
             "state": True,
             "groups": [],
-            "parameters": parameters,
+            "parameters": told,
         },
     )
 

@@ -109,6 +109,12 @@ class LineMap:
         object.__setattr__(self, "lines", _frozen(self.lines) if self.cells else self.walls)
 
     @property
+    def starts(self) -> tuple[Pose2, ...]:
+        """Where robots begin: the homes; without any the first dock, as in MobileSim."""
+        docks = [item.pose for item in self.objects if item.role == "dock"]
+        return self.homes or tuple(docks[:1])
+
+    @property
     def bounds(self) -> Bounds:
         """The smallest box around the walls [m]; all zeros where there are none."""
         if not self.walls.size:

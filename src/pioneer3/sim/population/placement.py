@@ -119,7 +119,7 @@ class Berths:
             case "outside":
                 pose = self._beside(model)
             case "home":
-                homes = self._map.homes or (ORIGIN,)
+                homes = self._map.starts or (ORIGIN,)
                 home = homes[self._went_home % len(homes)]
                 self._went_home += 1
                 pose = home if self._fits(model, home) else self._near(model, home)

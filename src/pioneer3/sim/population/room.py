@@ -115,7 +115,7 @@ def room_inside(line_map: LineMap, ground: Ground, radius: float) -> Room:
     low, high = floor.cell_of(bounds[:2]), floor.cell_of(bounds[2:])
     within[low[0] : high[0] + 1, low[1] : high[1] + 1] = True
     within &= floor.free
-    homes = [(home.x, home.y) for home in line_map.homes]
+    homes = [(home.x, home.y) for home in line_map.starts]
     places = [(item.pose.x, item.pose.y) for item in line_map.objects if not item.outline]
     meant = floor.reached_from(homes or places) & within
     if meant.any():

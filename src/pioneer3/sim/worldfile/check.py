@@ -87,8 +87,8 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Remark]:
             yield Remark(level=Level.ERROR, text=f"robot[{index}].model: {error}")
             continue
         sound[index] = robot
-        if robot.start == "home" and not line_map.homes:
-            yield warning(f"robot[{index}].start: there is no home")
+        if robot.start == "home" and not line_map.starts:
+            yield warning(f"robot[{index}].start: there is no home and no dock")
     try:
         cleared = replace(world, robots=tuple(sound.values()))
         crew = populate(cleared, line_map, default_rng(world.seed))
