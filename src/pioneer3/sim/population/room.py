@@ -69,15 +69,27 @@ class Room:
         self.centres = floor.centres(cells)
         self.cell = floor.cell
         self.open = np.ones(len(self.centres), dtype=np.bool_)
+        self._floor = floor
+        self._ways: dict[tuple[float, float], Bool] = {}
 
     def close(self, circles: Iterable[Circle]) -> None:
         """Close the places whose centres lie in one of `circles`."""
         for x, y, radius in circles:
             self.open &= np.hypot(self.centres[:, 0] - x, self.centres[:, 1] - y) >= radius
 
-    def nearest_first(self, x: float, y: float) -> list[int]:
-        """Return the open places, the nearest to (x, y) [m] first."""
-        there = np.flatnonzero(self.open)
+    def leads_on(self, heading: float, distance: float) -> Bool:
+        """Return from which places the robot gets `distance` [m] on at `heading`, shape (N,)."""
+        if (heading, distance) not in self._ways:
+            way = np.ones(len(self.centres), dtype=np.bool_)
+            along = np.array([np.cos(heading), np.sin(heading)])
+            for gone in np.append(np.arange(self.cell, distance, self.cell), distance):
+                way &= self._floor.are_free(self.centres + gone * along)
+            self._ways[heading, distance] = way
+        return self._ways[heading, distance]
+
+    def nearest_first(self, x: float, y: float, among: Bool | None = None) -> list[int]:
+        """Return the open places, those `among` which to look, the nearest to (x, y) [m] first."""
+        there = np.flatnonzero(self.open if among is None else self.open & among)
         away = np.hypot(self.centres[there, 0] - x, self.centres[there, 1] - y)
         order: list[int] = there[np.argsort(away, kind="stable")].tolist()
         return order

@@ -74,6 +74,13 @@ class Floor:
         """Whether the disc can stand at (`x`, `y`) [m]."""
         return bool(self._free[self.cell_of((x, y))])
 
+    def are_free(self, points: Float) -> NDArray[np.bool_]:
+        """Return whether the disc can stand at each of `points` [m], shape (N, 2)."""
+        columns, rows = np.floor((points - self._low) / self.cell).astype(np.int64).T
+        height, width = self._shape
+        free: NDArray[np.bool_] = self._free[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        return free
+
     def cell_of(self, point: tuple[float, float]) -> tuple[int, int]:
         """Return row and column of a point [m], of the nearest cell for those outside."""
         column = floor((point[0] - self._low[0]) / self.cell)
