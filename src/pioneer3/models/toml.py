@@ -28,6 +28,26 @@ _KEYS = {field: key for key, field in _ANGLES.items()} | {"heading_factor": "hea
 
 Table = dict[str, object]
 
+MOST_PARTS = 16
+"""Of a dotted key. What tomllib keeps of one grows with their square: 50 thousand take 8 GB."""
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_PART}){{{MOST_PARTS}}}""")
+
+
+def load_toml(text: str) -> Table:
+    """Return what the text of a TOML file says.
+
+    Raises:
+        ValueError: It is not valid, or nested too deeply.
+    """
+    if long := _LONG_KEY.search(text):
+        line = text.count("\n", 0, long.start()) + 1
+        raise ValueError(f"a key of more than {MOST_PARTS} parts (at line {line})")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+
 
 def parse_toml(text: str, source: str) -> RobotModel:
     """Read the text of a model file.
@@ -40,11 +60,11 @@ def parse_toml(text: str, source: str) -> RobotModel:
         ConfigError: Naming file and key.
     """
     try:
-        table: Table = tomllib.loads(text)
+        table = load_toml(text)
         return _convert(_in_radians(table, RobotModel))
     except ConfigError as error:
         raise ConfigError(f"{source}: {error}") from error
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise ConfigError(f"{source}: not valid TOML: {error}") from error
 
 

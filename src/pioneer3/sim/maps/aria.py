@@ -1,7 +1,8 @@
 """Reads ARIA `.map` files (arcos.md 10): headers 2D-Map, 2D-Map-Ex and 2D-Map-Ex2."""
 
 import re
-from collections.abc import Callable, Iterable
+from array import array
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -14,10 +15,11 @@ from pioneer3.sim.maps.cairns import cairn, object_types
 from pioneer3.sim.maps.cells import Cells, cells_of
 from pioneer3.sim.maps.line_map import LineMap, MapObject, solid_walls
 from pioneer3.sim.maps.outline import outline
-from pioneer3.sim.maps.text import Line, lines_of, shown, wrong
+from pioneer3.sim.maps.text import LARGEST_MM, Line, lines_of, shown, wrong
 from pioneer3.units import MM
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
 Refuse = Callable[[ConfigError], None]
 
 HEADERS = ("2D-Map", "2D-Map-Ex", "2D-Map-Ex2")
@@ -27,6 +29,14 @@ RESOLUTIONS_MM = (1.0, 10_000.0)
 
 _SECTION = re.compile(r"(?:(\S+)_)?(LINES|DATA)")
 _ENTRY = re.compile(r"([A-Za-z][\w.-]*)\s*:\s*(.*)")
+_WORDED = re.compile(r"^[ \t]*[A-Za-z]", re.MULTILINE)
+BLOCK = 1 << 18
+"""Rows are read in pieces of about so many letters."""
+_COMMENT = re.compile(r"^[ \t]*[#;].*", re.MULTILINE)
+MOST_LINES = 2_000_000
+MOST_ENTRIES = 50_000
+MOST_SECTIONS = 100
+"""Files with more are not read; ARIA's largest map has 64 thousand lines."""
 _FIELDS = {"LINES": "x1 y1 x2 y2", "DATA": "x y"}
 
 
@@ -46,28 +56,67 @@ class Section:
     Attributes:
         source: The sensor.
         kind: LINES or DATA.
-        rows: Their numbers [mm].
-        at: The line of the file that each row stands on.
     """
 
     source: str
     kind: str
-    rows: list[tuple[float, ...]] = field(default_factory=list)
-    at: list[int] = field(default_factory=list)
+    _numbers: "array[float]" = field(default_factory=lambda: array("d"))
+    _lines: "array[int]" = field(default_factory=lambda: array("q"))
+
+    @property
+    def width(self) -> int:
+        """Numbers in a row."""
+        return len(_FIELDS[self.kind].split())
+
+    @property
+    def rows(self) -> Float:
+        """Their numbers [mm], shape (N, 4) for LINES and (N, 2) for DATA."""
+        return np.array(self._numbers).reshape(-1, self.width)
+
+    @property
+    def at(self) -> Int:
+        """The line of the file that each row stands on, shape (N,)."""
+        return np.array(self._lines)
 
     def add(self, line: Line) -> None:
         """Read one more row."""
-        words = line.text.split()
-        if len(words) != len(_FIELDS[self.kind].split()):
+        words = line.text.split(None, self.width)
+        if len(words) != self.width:
             expected = _FIELDS[self.kind]
             raise line.wrong(self.kind, f"expected numbers {expected}, not {shown(line.text)}")
-        self.rows.append(line.numbers(self.kind, words))
-        self.at.append(line.number)
+        self._numbers.extend(line.numbers(self.kind, words))
+        self._lines.append(line.number)
+
+    def add_block(self, text: str, number: int) -> bool:
+        """Read the lines of `text`, of which the first is line `number`, all at once.
+
+        Returns:
+            Whether all are rows; else nothing is taken, and they are to be read one by one.
+        """
+        if len(text) > 2 * BLOCK:  # one endless line
+            return False
+        try:
+            text = _COMMENT.sub("", text)
+            words = text.split()
+            values = np.fromiter(map(float, words), np.float64, len(words))
+            told = np.frombuffer(f"\n{text}".encode("ascii"), dtype=np.uint8)
+        except ValueError:
+            return False
+        blank = told <= ord(" ")
+        begins = np.flatnonzero(blank[:-1] & ~blank[1:]) + 1
+        ends = np.flatnonzero(told == ord("\n"))
+        counts = np.diff(np.searchsorted(begins, np.append(ends, len(told))))
+        if not np.isin(counts, (0, self.width)).all() or counts.sum() != len(words):
+            return False
+        if not (abs(values) <= LARGEST_MM).all():  # written so that NaN fails too
+            return False
+        self._numbers.frombytes(values.tobytes())
+        self._lines.frombytes((np.flatnonzero(counts) + number).astype(np.int64).tobytes())
+        return True
 
     def metres(self) -> Float:
         """Return the rows [m], shape (N, 4) for LINES and (N, 2) for DATA."""
-        width = len(_FIELDS[self.kind].split())
-        return np.array(self.rows, dtype=np.float64).reshape(-1, width) * MM
+        return self.rows * MM
 
 
 class Place(NamedTuple):
@@ -112,11 +161,11 @@ class AriaFile:
         solid = solid_walls(objects)
         return LineMap(
             name=self.path.stem,
-            walls=np.concatenate([*parts, solid]),
+            walls=_joined([*parts, solid]),
             homes=tuple(item.pose for item in objects if item.kind == "RobotHome"),
             objects=objects,
             cells=tuple(cells),
-            lines=np.concatenate([*lines, solid]),
+            lines=_joined([*lines, solid]),
         )
 
     def _resolution(self, source: str) -> float:
@@ -126,6 +175,14 @@ class AriaFile:
                 if entry.key == key:
                     return MM * _resolution_mm(entry)
         return MM * DEFAULT_RESOLUTION_MM
+
+
+def _joined(parts: list[Float]) -> Float:
+    """Return all segments in one array that nobody may change, shape (W, 4)."""
+    there = [part for part in parts if len(part)]
+    joined = there[0] if len(there) == 1 else np.concatenate(parts)
+    joined.setflags(write=False)
+    return joined
 
 
 def _raise(error: ConfigError) -> None:
@@ -143,14 +200,14 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
     Raises:
         ConfigError: It is no such map; one line, `path:line: field: why`.
     """
-    lines = lines_of(path, text)
-    header = next(lines, None)
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    header = next(lines_of(path, text), None)
     if header is None:
         raise wrong(path, "1: header: the file is empty; a map starts with 2D-Map")
     if header.text not in HEADERS:
         names = ", ".join(HEADERS)
         raise header.wrong("header", f"expected one of {names}, not {shown(header.text)}")
-    entries, sections = _parse(lines, refuse)
+    entries, sections = _parse(path, text, header.number, refuse)
     types = object_types(entry.value for entry in entries if entry.key == "MapInfo")
     places: list[Place] = []
     for entry in entries:
@@ -162,23 +219,58 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
     return AriaFile(path, tuple(entries), tuple(sections), tuple(places))
 
 
-def _parse(lines: Iterable[Line], refuse: Refuse) -> tuple[list[Entry], list[Section]]:
+def _parse(path: Path, text: str, header: int, refuse: Refuse) -> tuple[list[Entry], list[Section]]:
+    """Return all that stands below the line `header`."""
     entries: list[Entry] = []
     sections: list[Section] = []
-    for line in lines:
-        try:
-            if heading := _SECTION.fullmatch(line.text):
-                sections.append(Section(heading[1] or "", heading[2]))
-            elif entry := _ENTRY.fullmatch(line.text):
-                entries.append(Entry(line, entry[1], entry[2]))
-            elif sections:
-                sections[-1].add(line)
-            else:
-                problem = f"expected 'Key: value' or LINES, not {shown(line.text)}"
-                raise line.wrong("header", problem)
-        except ConfigError as error:
-            refuse(error)
+    number = 1
+    for block in _blocks(text):
+        plain = sections and sections[-1].add_block(block, number)
+        for line in () if plain else lines_of(path, block, number):
+            if line.number > header:
+                _read(line, entries, sections, refuse)
+        number += block.count("\n")
+        if number > MOST_LINES:
+            raise wrong(path, f" has more than {MOST_LINES / 1e6:g} million lines")
+        if len(entries) > MOST_ENTRIES or len(sections) > MOST_SECTIONS:
+            most = f"{MOST_ENTRIES} entries, or {MOST_SECTIONS} headings LINES and DATA"
+            raise wrong(path, f" has more than {most}")
     return entries, sections
+
+
+def _blocks(text: str) -> Iterator[str]:
+    """Yield `text` in pieces of whole lines: those that begin with a letter, and what is between.
+
+    What is between may be a million rows; it comes in pieces that are quick to read.
+    """
+    at = 0
+    while at < len(text):
+        worded = _WORDED.search(text, at)
+        until = worded.start() if worded else len(text)
+        while at < until:
+            cut = text.rfind("\n", at, at + BLOCK) + 1 if at + BLOCK < until else until
+            cut = cut or text.find("\n", at) + 1 or until
+            yield text[at:cut]
+            at = cut
+        if worded:
+            at = text.find("\n", until) + 1 or len(text)
+            yield text[until:at]
+
+
+def _read(line: Line, entries: list[Entry], sections: list[Section], refuse: Refuse) -> None:
+    """Take one line."""
+    try:
+        if heading := _SECTION.fullmatch(line.text):
+            sections.append(Section(heading[1] or "", heading[2]))
+        elif entry := _ENTRY.fullmatch(line.text):
+            entries.append(Entry(line, entry[1], entry[2]))
+        elif sections:
+            sections[-1].add(line)
+        else:
+            problem = f"expected 'Key: value' or LINES, not {shown(line.text)}"
+            raise line.wrong("header", problem)
+    except ConfigError as error:
+        refuse(error)
 
 
 def _resolution_mm(entry: Entry) -> float:

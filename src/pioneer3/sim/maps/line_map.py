@@ -124,6 +124,8 @@ class LineMap:
 
 
 def _frozen(segments: Float) -> Float:
+    if not segments.flags.writeable and segments.base is None and segments.shape[1:] == (4,):
+        return segments
     copy = np.array(segments, dtype=np.float64).reshape(-1, 4)
     copy.setflags(write=False)
     return copy

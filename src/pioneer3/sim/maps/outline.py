@@ -25,13 +25,14 @@ def outline(points: Float, resolution: float) -> Float:
         return np.empty((0, 4))
     corner = points.min(axis=0)
     columns, rows = np.rint((points - corner) / resolution).astype(np.int64).T
-    row, start, end = _runs(columns, rows)
-    horizontal = np.stack([start, row, end, row], axis=1)
-    column, start, end = _runs(rows, columns)
-    vertical = np.stack([column, start, column, end], axis=1)
+    across, upright = _runs(columns, rows), _runs(rows, columns)
+    count = len(across[0])
+    walls = np.empty((count + len(upright[0]), 4))
+    for column, (horizontal, vertical) in enumerate(((1, 0), (0, 1), (2, 0), (0, 2))):
+        walls[:count, column], walls[count:, column] = across[horizontal], upright[vertical]
     # cell (0, 0) is centred on `corner`, so its lower left corner lies half a cell before it
-    origin = np.tile(corner - resolution / 2, 2)
-    walls: Float = np.concatenate([horizontal, vertical]) * resolution + origin
+    walls *= resolution
+    walls += np.tile(corner - resolution / 2, 2)
     return walls
 
 
@@ -47,10 +48,15 @@ def _runs(along: Int, across: Int) -> tuple[Int, Int, Int]:
     """
     # one spare cell at each side keeps a run from going on in the next line
     stride = int(along.max()) + 2
-    cells = np.unique(across * stride + along)
+    cells = across * stride
+    cells += along
+    cells.sort()
+    cells = cells[np.append(True, cells[1:] != cells[:-1])]
     # a grid line has an edge where exactly one of the two cells beside it is occupied
-    edges, sides = np.unique(np.concatenate([cells, cells + stride]), return_counts=True)
-    edges = edges[sides == 1]
+    edges = np.concatenate([cells, cells + stride])
+    edges.sort(kind="stable")
+    new = np.concatenate([[True], edges[1:] != edges[:-1], [True]])
+    edges = edges[new[1:] & new[:-1]]
     breaks = np.flatnonzero(np.diff(edges) != 1) + 1
     first = edges[np.concatenate([[0], breaks])]
     last = edges[np.concatenate([breaks - 1, [-1]])]

@@ -14,6 +14,8 @@ _HEADER = re.compile(
 )
 _COMMENT = re.compile(rb"#[^\n]*")
 _TEXT = b"0123456789 \t\n\v\f\r"
+LARGEST_TEXT = 32 << 20
+"""Of the pixels of a P2 picture [bytes]; reading takes several times as much."""
 MOST_DIGITS = 6
 """Of a number in a P2 picture; more is no shade."""
 
@@ -64,6 +66,9 @@ def _binary(
 def _plain(
     path: Path, body: bytes, count: int, largest: int
 ) -> NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.uint32]:
+    if len(body) > LARGEST_TEXT:
+        most = f"{LARGEST_TEXT >> 20} MB"
+        raise bad_image(path, "pixels", f"more than {most} of text; save it as P5, or PNG")
     text = _COMMENT.sub(b"", body)
     if text.translate(None, _TEXT):
         raise bad_image(path, "pixels", "not all are whole numbers")

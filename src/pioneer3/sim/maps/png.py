@@ -10,6 +10,8 @@ import numpy as np
 from pioneer3.sim.maps.image import Bytes, Image, bad_image, check_size
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
+LARGEST_UNPACKED = 64 << 20
+"""Of the pixels [bytes]: a small file may hold gigabytes."""
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 """Of each colour type."""
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
@@ -107,7 +109,11 @@ def _header(path: Path, data: bytes) -> _Header:
         raise bad_image(path, "IHDR", "unknown compression or filter method")
     if interlace:
         raise bad_image(path, "IHDR", "interlaced; save it without interlacing")
-    return _Header(width, height, depth, colour)
+    header = _Header(width, height, depth, colour)
+    if height * header.stride > LARGEST_UNPACKED:
+        most = f"{LARGEST_UNPACKED >> 20} MB"
+        raise bad_image(path, "IHDR", f"more than {most} unpacked; save it with 8 bit grey")
+    return header
 
 
 def _unpacked(path: Path, header: _Header, packed: bytes) -> Bytes:

@@ -49,11 +49,11 @@ def read_plan(path: Path) -> AriaFile | ServerFile:
     if ending in PICTURES and raw.startswith((SIGNATURE, b"P2", b"P5")):
         raise wrong(path, " is a picture; give the YAML file that says its resolution")
     text = decoded(raw)
-    start = text[: LARGEST_YAML // 16]
+    start = text[:LARGEST_YAML]
     is_aria = start.lstrip().startswith("2D-Map")
     if not is_aria and (ending in YAMLS or (ending != ".map" and _IMAGE_KEY.search(start))):
         if len(raw) > LARGEST_YAML:
-            raise wrong(path, " is larger than 1 MB, so not a map_server file")
+            raise wrong(path, " is larger than 64 KB, so not a map_server file")
         return parse_server(path, text)
     if not is_aria and _WORLD.search(start):
         raise wrong(path, " is a world; its name must end in .toml")

@@ -33,7 +33,8 @@ RESOLUTIONS = (0.001, 10.0)
 """Smallest and largest side of a pixel that is believed [m]."""
 FARTHEST = 1e5
 """Of an origin [m]."""
-LARGEST_YAML = 1 << 20
+LARGEST_YAML = 1 << 16
+"""Larger files are none [bytes]: they have ten lines."""
 
 
 @dataclass(frozen=True, slots=True)

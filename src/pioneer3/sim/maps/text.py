@@ -1,5 +1,6 @@
 """The lines and numbers of a map file, and where in it something is wrong."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from pioneer3.errors import ConfigError
 LARGEST_FILE = 16 * 1024 * 1024
 """Larger files are not maps [bytes]; ARIA's largest has 0.7 MB."""
 
+_LINE = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n|\Z)")
 LARGEST_MM = 1e8
 """Coordinates beyond 100 km are mistakes [mm]."""
 
@@ -53,17 +55,21 @@ def shown(text: str) -> str:
     return ascii(text if len(text) <= 40 else text[:37] + "...")
 
 
-def lines_of(path: Path, text: str) -> Iterator[Line]:
-    """Yield the lines of `text` that say something; `path` is for messages."""
-    for number, line in numbered(text):
+def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
+    """Yield the lines of `text` that say something; `path` is for messages.
+
+    The first line has the number `first`.
+    """
+    for number, line in numbered(text, first):
         stripped = line.strip()
         if stripped and stripped[0] not in "#;":
             yield Line(path, number, stripped)
 
 
-def numbered(text: str) -> Iterator[tuple[int, str]]:
-    """Yield every line with its number from 1, whatever its line end."""
-    yield from enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1)
+def numbered(text: str, first: int = 1) -> Iterator[tuple[int, str]]:
+    """Yield every line with its number from `first`, whatever its line end."""
+    for number, line in enumerate(_LINE.finditer(text), first):
+        yield number, line[1]
 
 
 def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:

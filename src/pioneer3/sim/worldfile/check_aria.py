@@ -10,13 +10,19 @@ from pioneer3.sim.worldfile.remark import Level, Remark, some, warning
 _COUNTS = {"LINES": "NumLines", "DATA": "NumPoints"}
 _BOXES = {"LINES": ("LineMinPos", "LineMaxPos"), "DATA": ("MinPos", "MaxPos")}
 ROUNDING_MM = 1.0
+MOST_ERRORS = 1000
 
 
 def check_aria(path: Path, text: str) -> Iterator[Remark]:
     """Yield what is wrong with the text of a map file, line by line."""
     errors: list[ConfigError] = []
+
+    def note(error: ConfigError) -> None:
+        if len(errors) < MOST_ERRORS:
+            errors.append(error)
+
     try:
-        file = parse_aria(path, text, errors.append)
+        file = parse_aria(path, text, note)
     except ConfigError as error:
         yield as_remark(path, error)
         return
@@ -55,12 +61,11 @@ def _header(file: AriaFile) -> Iterator[Remark]:
 
 def _corner(section: Section, *, is_low: bool) -> tuple[float, float] | None:
     """Return the lowest or highest x and y of a section [mm]."""
-    if not section.rows:
+    points = section.rows.reshape(-1, 2)
+    if not len(points):
         return None
-    pick = min if is_low else max
-    xs = (value for row in section.rows for value in row[::2])
-    ys = (value for row in section.rows for value in row[1::2])
-    return pick(xs), pick(ys)
+    x, y = (points.min(axis=0) if is_low else points.max(axis=0)).tolist()
+    return x, y
 
 
 def _agrees(value: str, corner: tuple[float, float]) -> bool:
@@ -73,15 +78,20 @@ def _agrees(value: str, corner: tuple[float, float]) -> bool:
     )
 
 
+def _rows(section: Section) -> Iterator[tuple[tuple[float, ...], int]]:
+    """Yield each row with its line."""
+    yield from zip(map(tuple, section.rows.tolist()), section.at.tolist(), strict=True)
+
+
 def _without_length(section: Section) -> Iterator[Remark]:
-    for row, line in zip(section.rows, section.at, strict=True):
+    for row, line in _rows(section):
         if row[:2] == row[2:]:
             yield warning(f"a line without length at {row[0]:g} {row[1]:g}", line)
 
 
 def _doubles(section: Section) -> Iterator[Remark]:
     seen: dict[tuple[float, ...], int] = {}
-    for row, line in zip(section.rows, section.at, strict=True):
+    for row, line in _rows(section):
         key = min(row, row[2:] + row[:2])
         if key in seen:
             yield warning(f"the same line as on line {seen[key]}", line)

@@ -1,11 +1,11 @@
 """Reads world files: TOML with a `[world]`, and tables of robots, boxes, walls, places, people."""
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
 from pioneer3.geometry import Pose2
+from pioneer3.models.toml import load_toml
 from pioneer3.sim.maps.read import is_world
 from pioneer3.sim.maps.shipped import shipped_maps
 from pioneer3.sim.maps.text import decoded, read_bytes, shown, wrong
@@ -57,8 +57,8 @@ def parse_world(path: Path, text: str) -> WorldFile:
     """
     name = str(path) if str(path).isprintable() else ascii(str(path))
     try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+        data = load_toml(text)
+    except ValueError as error:
         problem = " ".join(str(error).split())
         problem = problem if problem.isprintable() else ascii(problem)
         raise wrong(path, f" not valid TOML: {problem}") from None

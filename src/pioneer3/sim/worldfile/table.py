@@ -14,6 +14,7 @@ from pioneer3.units import DEGREE
 
 Word = TypeVar("Word", bound=str)
 
+LONGEST_KEY = 40
 FARTHEST = 1e5
 """Of a coordinate [m]."""
 
@@ -68,9 +69,9 @@ class Table:
         """
         for key in self.data:
             if key not in known:
-                close = get_close_matches(key, known, n=1)
+                close = get_close_matches(key[:LONGEST_KEY], known, n=1)
                 hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}"
-                name = key if key.isprintable() and key else ascii(key)
+                name = key if key.isprintable() and 0 < len(key) <= LONGEST_KEY else shown(key)
                 raise self.source.wrong(self._at(name), f"unknown key, {hint}")
 
     def wrong(self, key: str, problem: str) -> ConfigError:
