@@ -215,7 +215,7 @@ class SlowLine:
 
     def __init__(self, link: Link) -> None:
         self._link = link
-        self.url, self.speeds = link.url, link.speeds
+        self.url, self.speeds, self.round_trip = link.url, link.speeds, link.round_trip
         self.read, self.set_speed, self.close = link.read, link.set_speed, link.close
 
     async def write(self, data: bytes) -> None:

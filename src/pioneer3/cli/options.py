@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Group, Parameter, Token
 from cyclopts.validators import Number
 
-from pioneer3.cli.flags import Flag
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
