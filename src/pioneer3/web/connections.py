@@ -15,7 +15,7 @@ import ssl
 from collections.abc import Callable
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -30,6 +30,8 @@ MOST_REQUESTS, MOST_SOCKETS = 128, 200
 KEPT_BACK = 48
 """File descriptors for the link, recordings, logs and whatever else."""
 USUAL_FILES = 1024
+FILES = Path("/dev/fd")
+"""Lists what this process has open; not everywhere."""
 SHARE = 0.75
 """Of the WebSockets, one address has no more than this."""
 SILENCE = 5.0
@@ -53,13 +55,6 @@ class Stage(IntEnum):
     NEW = 0
     ANSWERED = 1
     ASKING = 2
-
-
-class Transport(Protocol):
-    """What is closed in the end."""
-
-    def abort(self) -> None:
-        """Close at once."""
 
 
 class Caller:
@@ -157,7 +152,8 @@ def spare_files() -> int:
     except ImportError:
         return USUAL_FILES
     most = getrlimit(RLIMIT_NOFILE)[0]
-    return (most if most >= 0 else USUAL_FILES) - len(list(Path("/dev/fd").iterdir()))
+    open_now = len(list(FILES.iterdir())) if FILES.is_dir() else 0
+    return (most if most >= 0 else USUAL_FILES) - open_now
 
 
 class Exchange(H11Protocol):
