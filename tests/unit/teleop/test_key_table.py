@@ -13,7 +13,8 @@ from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.keyboard import Key
 from pioneer3.teleop.terminal import SEQUENCES, keys_in
 
-PAGE = (Path(__file__).parents[3] / "docs/how-to/drive.md").read_text("utf-8")
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs/how-to/drive.md").read_text("utf-8")
 TOKENS = {
     "space": " ",
     "arrows": "\x1b[A",
@@ -111,3 +112,19 @@ def test_the_buttons_of_a_gamepad() -> None:
     assert names[SCHEME.stop] == told["space"]
     assert names[SCHEME.emergency_stop].split(", ")[0] == told["`k`"]
     assert names[SCHEME.reset].split(", ")[0] == told["Ctrl-R"]
+
+
+def test_the_keys_of_the_page() -> None:
+    script = (ROOT / "src/pioneer3/web/static/keys.js").read_text("utf-8")
+    driving = set(re.findall(r"^  (?:Key|Arrow)(\w+): \{ forward", script, re.MULTILINE))
+    told = {key: row[1] for key, row in ROWS if row[1]}
+    assert driving == {"Up", "Down", "Left", "Right", "W", "S", "A", "D"}
+    assert {key for key, words in told.items() if words == "drive while held"} == {
+        TOKENS["arrows"],
+        *"wasd",
+    }
+    assert 'event.code === "Space" ? stop : isEmergency(event) ? emergencyStop' in script
+    assert 'code === "KeyK"' in script
+    assert told[" "] == "stop"
+    assert told["k"] == "emergency stop of all"
+    assert len(told) == 2 + 5
