@@ -368,8 +368,7 @@ def test_time_in_which_nobody_listened_is_no_silence() -> None:
 
 
 def test_a_handshake_that_was_held_up_asks_again_only_after_its_patience() -> None:
-    host = Host(0.0)
-    host.tick(0.0)
+    host = listened()
     host.outgoing()
     host.held_up(20.0)
     assert host.tick(20.39) == []
