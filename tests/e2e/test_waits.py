@@ -102,13 +102,13 @@ async def test_a_mode_whose_time_is_over_while_the_link_is_lost_has_failed() -> 
 
 async def test_waiting_for_the_motors_fails_as_a_motion_does() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
-        robot.edit = lambda data: b""
+        robot.edit, began = lambda data: b"", now()
         with pytest.raises(MotionError, match="motors: No robot is connected"):
             await driver.motors(on=True)
-        assert now() < TOLD + 0.2
+        assert now() - began < TOLD
 
 
-@pytest.mark.parametrize("gap", [1.0, 1.9])
+@pytest.mark.parametrize("gap", [1.0, 1.7])
 async def test_a_short_silence_is_only_a_gap(gap: float) -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         losing = asyncio.ensure_future(lose(robot, "silent", gap))

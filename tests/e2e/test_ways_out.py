@@ -114,7 +114,7 @@ async def running() -> AsyncIterator[Site]:
     body = Body(load_model("p3at-sh"))
     world = World(None, [body])
     firmware = Recorded(world, body)
-    simulation = Simulation(world, [firmware])
+    simulation = Simulation(world, [firmware], keep_session=True)  # as a robot on a serial line
     await simulation.listen(0)
     task = asyncio.ensure_future(simulation.run())
     try:
