@@ -245,6 +245,18 @@ async def test_the_last_words_of_a_host_that_vanishes_are_heard() -> None:
     assert not site.port.is_open
 
 
+async def test_a_host_that_has_said_goodbye_is_not_hung_up_on() -> None:
+    site = Site()
+    (host,) = site.welcome("first")
+    site.port.hear(host, HELLO)
+    site.tick(3)
+    site.port.hear(host, frame(commands.Close()))
+    site.port.leave(host)
+    site.tick()
+    assert not site.port.is_open
+    assert site.firmware.device.reader.packets == 5  # it goes on counting
+
+
 async def test_a_host_that_gives_way_leaves_no_session_to_the_next() -> None:
     site = Site()
     (first,) = site.welcome("first")

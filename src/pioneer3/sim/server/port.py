@@ -185,8 +185,9 @@ class RobotPort:
         """
         if self._last_words is not None:
             self._tell(self._last_words, now)
-            self.firmware.hang_up(now)
             self._last_words = None
+            if self.firmware.device.phase is not Phase.WAITING:
+                self.firmware.hang_up(now)
         self._credit = min(BURST, self._credit + BYTES_PER_TICK * (turn - self._turn))
         self._turn = turn
         data = self._from_inbox(max(0, self._credit)) if listen else b""
