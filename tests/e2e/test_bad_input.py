@@ -8,14 +8,22 @@ from typing import Any
 import pytest
 
 from pioneer3 import connect, connect_async
-from pioneer3.errors import ConfigError, LinkError, NoRobotError, PioneerError, PortNotFoundError
+from pioneer3.errors import (
+    ConfigError,
+    LinkError,
+    NoRobotError,
+    PioneerError,
+    PortNotFoundError,
+    RecordingOverError,
+)
 from tests.support import SimulatedRobot
 
 WRONG: list[tuple[Any, type[PioneerError], str]] = [
     ("", ConfigError, "names no port; use one of"),
-    ("COM3", ConfigError, "names no port; use one of"),
+    ("COM", ConfigError, "names no port; use one of"),
+    ("COM3", PortNotFoundError, "no such port"),
     ("http://robot", ConfigError, "names no port; use one of"),
-    ("robot:8101", ConfigError, "names no port; use one of"),
+    ("localhost:1", PortNotFoundError, "nobody listens there"),
     ("serial:", ConfigError, "names no port; use one of"),
     ("replay:", ConfigError, "names no port; use one of"),
     ("tcp:", ConfigError, "expected tcp://HOST:PORT"),
@@ -131,9 +139,9 @@ async def test_a_malformed_recording_names_file_and_line(
 
 
 @pytest.mark.parametrize("text", ["", "# nothing\n", "0.1 C>S 6 fafb03000000\n"])
-async def test_a_recording_in_which_no_robot_speaks_is_no_robot(tmp_path: Path, text: str) -> None:
+async def test_a_recording_in_which_no_robot_speaks_is_over(tmp_path: Path, text: str) -> None:
     (tmp_path / "wire.txt").write_text(text)
-    with pytest.raises(NoRobotError):
+    with pytest.raises(RecordingOverError, match="the recording is over"):
         async with connect_async(f"replay:{tmp_path / 'wire.txt'}"):
             pass
 
