@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from pioneer3.errors import LinkError
+from pioneer3.links.base import HUNG_UP
 
 CLOSE_PATIENCE = 0.5
 
@@ -49,10 +50,7 @@ class StreamLink:
 
     def _failed(self, error: OSError) -> LinkError:
         if isinstance(error, ConnectionResetError | BrokenPipeError):
-            return LinkError(
-                f"{self.url}: the far end hung up; a robot takes one program at a time: "
-                "is another one connected to it?"
-            )
+            return LinkError(f"{self.url}: the far end hung up; {HUNG_UP}")
         return LinkError(f"{self.url}: {error}")
 
     async def set_speed(self, baud: int) -> None:

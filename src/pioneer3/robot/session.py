@@ -24,6 +24,7 @@ from pioneer3.arcos.reports import Config, Report, Sip
 from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.limits import Limits
 from pioneer3.links import Link
+from pioneer3.links.base import HUNG_UP
 from pioneer3.models import RobotModel, find_model, generic_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
@@ -152,7 +153,8 @@ class Session:
             for event in self._host.receive(data, now):
                 await self._handle(event, now)
             self.wake()
-        raise self._failure("the other end closed the link")
+        hint = f"; {HUNG_UP}" if self.identity is None else ""
+        raise self._failure(f"the other end closed the link{hint}")
 
     async def _write(self) -> None:
         while True:
