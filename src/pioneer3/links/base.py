@@ -3,7 +3,6 @@
 from collections.abc import Awaitable, Callable
 from typing import Protocol
 
-
 HUNG_UP = "a robot takes one program at a time: is another one connected to it?"
 """What to ask when the far end closes the link."""
 
