@@ -35,7 +35,7 @@ _LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_PART}){{{MOST_PARTS}}}""")
 
 
 def load_toml(text: str) -> Table:
-    """Return what the text of a TOML file says.
+    """Return the tables in the text of a TOML file.
 
     Raises:
         ValueError: It is not valid, or nested too deeply.

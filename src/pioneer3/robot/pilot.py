@@ -69,7 +69,7 @@ class Outbox:
     velocity: Twist2 | None = None
 
     def commands(self) -> list[Command]:
-        """Return what to send, in this order."""
+        """Return the commands to send, in this order."""
         out: list[Command] = []
         if self.stop:
             out.append(commands.Stop())

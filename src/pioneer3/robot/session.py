@@ -108,7 +108,7 @@ class Session:
         self._wake.set()
 
     def send(self, command: Command) -> None:
-        """Queue one command beside the pilot's; what waits already is not queued twice in a row.
+        """Queue one command beside the pilot's, unless the last one of its kind is the same.
 
         Raises:
             CommandError: no session is open, the command does not fit the protocol, or the link

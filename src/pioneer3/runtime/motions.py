@@ -23,7 +23,7 @@ Readings = AsyncIterator[Snapshot]
 
 @contextmanager
 def lost_as_motion_error(name: str) -> Iterator[None]:
-    """Let what is called `name` fail by a MotionError when the link is lost."""
+    """Turn a lost link into a MotionError of the motion `name`."""
     try:
         yield
     except LinkError as error:

@@ -60,7 +60,7 @@ class Hold:
             self._overruled = why
 
     def ignored(self, last: Stop) -> str | None:
-        """Return why what was set last does not count after the stop `last`, or `None`."""
+        """Return the reason to ignore this after the stop `last`, or `None`."""
         if self._twist.is_zero:
             return None
         if self._overruled:

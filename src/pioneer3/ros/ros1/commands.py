@@ -151,7 +151,7 @@ class Commands:
         return self._arbiter.take(twist, order.at, sender=order.sender, shared=order.shared)
 
     def _sender(self, order: Order) -> Sender:
-        """Return what is known of the publisher at the other end of the connection."""
+        """Return the record of the publisher at the other end of the connection."""
         key = id(order.connection)
         if key not in self._senders:
             self._senders[key] = (order.connection, Sender(order.sender, self._timeout))
