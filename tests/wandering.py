@@ -101,12 +101,12 @@ async def drive_by_itself(
     )
     watch = sim.stepped = Watch(sim)
     async with sim, connect_async(sim.open) as robot:
-        robot.helm.start(stack)
+        robot.arbiter.start(stack)
         end = asyncio.get_running_loop().time() + seconds
         while sim.world.time < seconds and asyncio.get_running_loop().time() < end:
             await asyncio.sleep(1.0)
-            if robot.helm.mode is not stack:
-                watch.log.ended = robot.helm.ended.why if robot.helm.ended else "?"
+            if robot.arbiter.mode is not stack:
+                watch.log.ended = robot.arbiter.ended.why if robot.arbiter.ended else "?"
                 break
     return watch.log
 

@@ -8,7 +8,7 @@ from pioneer3.units import DEGREE
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class Accelerations:
     """How fast speeds change: of the speed [m/s^2], then of the turn rate [rad/s^2]; positive."""
 
     acceleration: float
@@ -48,9 +48,9 @@ class Limits:
             raise ConfigError(f"limits: expiry must be 0.1 to 2 s, not {self.expiry:g}")
 
     @property
-    def pace(self) -> "Pace":
+    def accelerations(self) -> "Accelerations":
         """The accelerations."""
-        return Pace(
+        return Accelerations(
             self.acceleration, self.deceleration, self.turn_acceleration, self.turn_deceleration
         )
 

@@ -114,11 +114,11 @@ def test_all_of_it_works_with_the_keyboard_alone(page: Page, product: Product) -
     expect(page.locator("#wander-preset")).to_have_value("aria")
     page.locator("#goto-y").focus()
     page.keyboard.press("Enter")  # starts nothing by accident
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None
     press("#wander-start")
     expect(page.locator("#card-end")).to_have_text("End wander")
     press("#card-end")
-    until(lambda: product.robot.helm.mode is None)
+    until(lambda: product.robot.arbiter.mode is None)
     press("#motors-switch")
     press("#estop")
     expect(page.locator("#alarm")).to_be_visible()

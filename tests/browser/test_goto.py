@@ -33,7 +33,7 @@ def test_a_click_offers_a_place_and_moves_nothing(office: Page, product: Product
     expect(office.locator("#errand-where")).to_have_text("Go to 4.20, 3.10 m?")
     office.wait_for_timeout(700)
     assert speed(product) == 0.0
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None
     office.locator("#errand-close").click()
     expect(office.locator("#errand")).to_be_hidden()
     assert state(office, "offer") is None
@@ -59,7 +59,7 @@ def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
     expect(office.locator("#card-going")).to_contain_text("To Lab")
     office.locator("#card-end").click()
     until(lambda: speed(product) == 0.0)
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None
 
 
 def test_somebody_else_may_end_it_too(browser: Browser, office: Page, product: Product) -> None:
@@ -211,4 +211,4 @@ def test_leaving_the_page_ends_what_it_started(
     until(lambda: speed(product) > 0.1)
     other.close()
     until(lambda: speed(product) == 0.0)
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None

@@ -17,7 +17,7 @@ def modes(page: Page) -> Page:
 
 def running(product: Product) -> str | None:
     """Return which mode runs."""
-    mode = product.call(lambda: product.robot.helm.mode)
+    mode = product.call(lambda: product.robot.arbiter.mode)
     return mode.name if mode else None
 
 
@@ -54,7 +54,7 @@ def test_follow_is_started_with_its_rule_and_distance(
     modes.locator("#follow-keep").fill("0.5")
     modes.locator("#follow-start").click()
     until(lambda: running(product) == "follow")
-    actions = product.robot.helm.mode.actions if product.robot.helm.mode else ()
+    actions = product.robot.arbiter.mode.actions if product.robot.arbiter.mode else ()
     assert any(rule in type(ranked.action).__name__.lower() for ranked in actions)
     modes.locator("#mode-end").click()
     until(lambda: running(product) is None)

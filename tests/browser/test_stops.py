@@ -61,7 +61,7 @@ def test_k_is_the_emergency_stop_wherever_the_focus_is(
     page.locator(focus).focus()
     page.keyboard.press("k")
     until(lambda: latched(product))
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None
 
 
 @pytest.mark.parametrize("focus", ANYWHERE)
@@ -74,7 +74,7 @@ def test_space_stops_wherever_the_focus_is_and_presses_no_button(
     assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR
     page.wait_for_timeout(300)
     assert speed(product) == 0.0  # the arrow is still held
-    assert product.robot.helm.mode is None
+    assert product.robot.arbiter.mode is None
     assert not latched(product)
     page.keyboard.up("ArrowUp")
 

@@ -78,11 +78,11 @@ class Judge:
         touches = bool(self._body.drives.flags.item(TOUCHED, self._body.number))
         outcome.contacts += touches and not self._touching
         self._touching = touches
-        ended = self._robot.helm.ended
+        ended = self._robot.arbiter.ended
         outcome.ended = ended.why if ended else None
 
     def _says_it_follows(self) -> bool:
-        shares = self._robot.helm.decision.shares
+        shares = self._robot.arbiter.decision.shares
         return any(s.action == "follow" and s.reason.startswith("follows") for s in shares)
 
 
@@ -134,7 +134,7 @@ class Walk:
         robot.body.robot_in_world = Pose2(*path[0], self.course.heading) @ Pose2(-reach)
         waiting = robot.world.add_obstacle(standing)
         async with robot, connect_async(robot.open) as driver:
-            driver.helm.start(follow(self.rule))
+            driver.arbiter.start(follow(self.rule))
             await asyncio.sleep(WAIT)
             robot.world.remove_obstacle(waiting)
             person = robot.world.add_obstacle(Person(path=path, speed=self.speed, loop=False))

@@ -353,10 +353,10 @@ class TestPosition:
     async def test_it_drives_its_distance_both_ways(self) -> None:
         async with demo(first="p") as the:
             await the.press("up")
-            await until(lambda: the.program.robot.helm.mode is None)
+            await until(lambda: the.program.robot.arbiter.mode is None)
             assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.02)
             await the.press("pageup", "down")
-            await until(lambda: the.program.robot.helm.mode is None)
+            await until(lambda: the.program.robot.arbiter.mode is None)
             assert the.sim.body.robot_in_world.x == pytest.approx(-0.5, abs=0.04)
 
     async def test_the_distance_is_never_below_half_a_metre(self) -> None:
@@ -368,7 +368,7 @@ class TestPosition:
     async def test_it_turns_right_angles(self, key: str, angle: float) -> None:
         async with demo(first="p") as the:
             await the.press(key)
-            await until(lambda: the.program.robot.helm.mode is None)
+            await until(lambda: the.program.robot.arbiter.mode is None)
             assert degrees(the.sim.body.robot_in_world.theta) == pytest.approx(angle, abs=2)
 
     async def test_both_turns_while_it_drives_and_either_does_not(self) -> None:
@@ -378,7 +378,7 @@ class TestPosition:
                 await the.press(*keys, "up")
                 await asyncio.sleep(1)
                 await the.press("left")
-                await until(lambda: the.program.robot.helm.mode is None)
+                await until(lambda: the.program.robot.arbiter.mode is None)
                 ends.append(the.sim.body.robot_in_world)
                 assert the.cell("mode") == ("either" if keys else "both")
         both, either = ends

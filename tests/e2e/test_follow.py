@@ -54,12 +54,12 @@ async def test_nobody_is_touched_however_slow_the_link(
     front = sim.body.model.length_front + 0.25
     person = sim.world.add_obstacle(Person(path=((front + 0.9, 0.0),)))
     async with sim, connect_async(sim.open) as robot:
-        robot.helm.start(follow(rule))
+        robot.arbiter.start(follow(rule))
         await asyncio.sleep(6.0)
         assert sim.body.robot_in_world.x > 0.3
         sim.world.move_obstacle(person, sim.body.robot_in_world @ Pose2(front + 0.15))
         await asyncio.sleep(3.0)
-        assert robot.helm.mode is not None
+        assert robot.arbiter.mode is not None
     assert not any(touched)
 
 
@@ -73,7 +73,7 @@ async def test_it_stands_still_before_somebody_who_does(model: str, aside: float
     person = sim.world.add_obstacle(Person(path=path, speed=0.4, pause=2.0, loop=False))
     turned = []
     async with sim, connect_async(sim.open) as robot:
-        robot.helm.start(follow())
+        robot.arbiter.start(follow())
         await asyncio.sleep(7.0)  # they wait for 2 s and walk for 5 s
         sim.world.remove_obstacle(person)
         person = sim.world.add_obstacle(Person(path=path[1:]))

@@ -74,13 +74,13 @@ async def test_nothing_is_touched(model: str, who: str, mode: str, latency: floa
 
     sim.stepped = watch
     async with sim, connect_async(sim.open) as robot:
-        robot.helm.start(MODES[mode](robot))
+        robot.arbiter.start(MODES[mode](robot))
         await asyncio.sleep(SECONDS)
-        ended = robot.helm.ended
+        ended = robot.arbiter.ended
         if mode == "goto" and ended is not None:  # somebody stands in the way for long
             assert ended.why.startswith("something is in the way")
         else:
-            assert robot.helm.mode is not None
+            assert robot.arbiter.mode is not None
         way = sim.body.robot_in_world.x - home.x
     assert touched == []
     assert abs(way) > 0.3 or mode.startswith("wander")
@@ -89,25 +89,25 @@ async def test_nothing_is_touched(model: str, who: str, mode: str, latency: floa
 @pytest.mark.parametrize("mode", MODES)
 async def test_an_emergency_stop_ends_every_mode(mode: str) -> None:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        robot.helm.start(MODES[mode](robot))
+        robot.arbiter.start(MODES[mode](robot))
         await asyncio.sleep(3.0)
         assert abs(sim.speed) > 0.1
         robot.emergency_stop()
         await asyncio.sleep(0.5)
         assert sim.speed == 0.0
         assert not sim.powered
-        assert robot.helm.mode is None
+        assert robot.arbiter.mode is None
 
 
 @pytest.mark.parametrize("mode", MODES)
 async def test_the_stop_button_ends_every_mode(mode: str) -> None:
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        robot.helm.start(MODES[mode](robot))
+        robot.arbiter.start(MODES[mode](robot))
         await asyncio.sleep(3.0)
         sim.body.stop_button = True
         await asyncio.sleep(1.5)
         sim.body.stop_button = False
         await asyncio.sleep(2.0)
         assert sim.speed == 0.0
-        assert robot.helm.ended is not None
-        assert robot.helm.ended.why == "the stop button on the robot is pressed"
+        assert robot.arbiter.ended is not None
+        assert robot.arbiter.ended.why == "the stop button on the robot is pressed"

@@ -141,7 +141,7 @@ async def slow_line(robot: SimulatedRobot, *, patient: bool) -> AsyncIterator[Ro
 FLOODS: dict[str, Callable[[Robot], object]] = {
     "stop": lambda robot: robot.stop(),
     "emergency stop": lambda robot: robot.emergency_stop(),
-    "motors": lambda robot: robot.helm.set_motors(on=robot.snapshot is None),
+    "motors": lambda robot: robot.arbiter.set_motors(on=robot.snapshot is None),
 }
 
 

@@ -140,7 +140,7 @@ def line(robot: "Driven") -> str:
     if now is None:
         return lost(robot)
     pose, twist = now.odometry.robot_in_odom, now.odometry.twist
-    words = "; ".join(robot.helm.told) or robot.why_not_moving() or ""
+    words = "; ".join(robot.arbiter.told) or robot.why_not_moving() or ""
     return (
         f"{twist.v:z5.2f} m/s {degrees(twist.w):z4.0f}°/s  "
         f"x{pose.x:z6.2f} y{pose.y:z6.2f} {degrees(pose.theta):z4.0f}°  {words}"
@@ -197,12 +197,12 @@ def rewrite(text: str) -> None:
 async def _show(robot: "Driven", *, json: bool) -> None:
     if json:
         async for snapshot in looks(robot):
-            mode = robot.helm.mode
+            mode = robot.arbiter.mode
             write_json(
                 {
                     "snapshot": snapshot,
                     "mode": mode.name if mode else None,
-                    "decided": robot.helm.told,
+                    "decided": robot.arbiter.told,
                     "why_not_moving": robot.why_not_moving(),
                 }
             )

@@ -76,12 +76,12 @@ class Program:
         self._broken: set[str] = set()
         self._last_key = self._clock()
         self._status = robot.supervisor.status.latest
-        self._ended = robot.helm.ended
+        self._ended = robot.arbiter.ended
 
     async def run(self) -> None:
         """Serve until :attr:`over`."""
         try:
-            self._guard("motors", lambda: self.robot.helm.set_motors(on=True))
+            self._guard("motors", lambda: self.robot.arbiter.set_motors(on=True))
             self._enter(self.active)
             while not self.over.is_set():
                 self._look()
@@ -90,7 +90,7 @@ class Program:
                         await self.over.wait()
         finally:
             try:
-                self.robot.helm.stop()
+                self.robot.arbiter.stop()
             finally:
                 tasks = list(self._tasks)
                 self._leave()
@@ -103,7 +103,7 @@ class Program:
             self.robot.emergency_stop()
             self._face.say("EMERGENCY STOP. Ctrl-R releases it; the motors stay off.")
         elif key in QUIT_KEYS:
-            self.robot.helm.stop()
+            self.robot.arbiter.stop()
             self.over.set()
         elif key == RESET_KEY:
             self.robot.reset_emergency_stop()
@@ -114,7 +114,7 @@ class Program:
             self.choose(self.modes[key.lower()])
         else:
             if key == STOP_KEY and self._moves():
-                self.robot.helm.stop()  # in every mode; what else the key means is up to the mode
+                self.robot.arbiter.stop()  # in every mode, whatever else the key means there
             self._guard(self.active.name, lambda: self.active.on_key(key))
 
     def choose(self, mode: Mode) -> None:
@@ -123,14 +123,14 @@ class Program:
             self._guard(mode.name, mode.again)
             return
         self._leave()
-        self.robot.helm.stop()
+        self.robot.arbiter.stop()
         self.active = mode
         self._enter(mode)
 
     def let_go(self, why: str) -> None:
         """End what was set by hand: nobody is near any more."""
         if self.active.by_hand and self._moves():
-            self.robot.helm.stop()
+            self.robot.arbiter.stop()
             self._face.say(f"Stopped: {why}.")
 
     def help(self) -> list[str]:
@@ -180,7 +180,7 @@ class Program:
             self._failed(what, error)
 
     def _failed(self, what: str, error: Exception) -> None:
-        self.robot.helm.stop()
+        self.robot.arbiter.stop()
         if isinstance(error, PioneerError):
             self._face.say(str(error))
         else:
@@ -220,7 +220,7 @@ class Program:
 
     def _look(self) -> None:
         """Tell what has happened since the last look; end what nobody holds."""
-        status, ended = self.robot.supervisor.status.latest, self.robot.helm.ended
+        status, ended = self.robot.supervisor.status.latest, self.robot.arbiter.ended
         if status is not None and status is not self._status:
             lost = status.connection is Connection.LOST
             more = ". What drove it must be started anew" if lost else ""

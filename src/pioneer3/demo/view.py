@@ -71,7 +71,7 @@ def flags(robot: Robot) -> Text:
 def reasons(robot: Robot) -> Text:
     """Return who decided what, and why the robot stands still if it does."""
     text = Text(overflow="ellipsis")
-    if words := told(robot.helm.decision):
+    if words := told(robot.arbiter.decision):
         text.append("; ".join(words), "cyan").append("\n")
     why = robot.why_not_moving()
     return text.append(why or "moving", "yellow" if why else "bold green")

@@ -1,25 +1,25 @@
-"""Which commands the robot gets, and when. No I/O: requests, snapshots and the time come in.
+"""The robot's ARCOS commands, and their times. No I/O: velocity commands, snapshots, time come in.
 
 Rules:
 
-1. A request expires. Then, and on every doubt, the robot is told to stand still.
+1. A velocity command expires. Then, and on every doubt, the robot is told to stand still.
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
-3. Motors go on when a request needs them, and only then; seen in the snapshots, and retried. They
+3. Motors go on when a command needs them, and only then; seen in the snapshots, and retried. They
    go off when the robot stands: without power it would roll on.
-4. A request that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
-   request that is the answer to a stall (:class:`StallRecover`) goes on.
+4. A command that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
+   command that answers a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
 6. What waits for the link is what the robot shall do now, never a queue: one frame of a kind, the
    newest, stops first. A changed velocity does not wait for the repetition of an old one.
 """
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from math import inf
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.limits import Limits, Pace
+from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.limits import limit
 from pioneer3.state import Snapshot
 from pioneer3.stops import Stop, leads_away
@@ -48,6 +48,26 @@ OVERSLEPT = 2.0
 """A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
 
 
+@dataclass(frozen=True, slots=True)
+class VelocityCommand:
+    """A velocity that the arbiter asks for.
+
+    Attributes:
+        twist: [m/s, rad/s].
+        until: When it expires at the latest [s, loop time].
+        after: Number of the last stop when this was first asked for.
+        answers_stall: Whether this gets the wheels free.
+        accelerations: How to get there; the robot's own if `None`.
+    """
+
+    twist: Twist2
+    until: float = inf
+    _: KW_ONLY
+    after: int
+    answers_stall: bool = False
+    accelerations: Accelerations | None = None
+
+
 @dataclass(slots=True)
 class Outbox:
     """What is still to be sent: of each kind the newest, stops first.
@@ -57,7 +77,7 @@ class Outbox:
         stop: Whether to send STOP.
         power: What to say in ENABLE.
         settings: What prepares a session; sent once, in order.
-        pace: Accelerations.
+        accelerations: Accelerations.
         velocity: [m/s, rad/s].
     """
 
@@ -65,7 +85,7 @@ class Outbox:
     stop: bool = False
     power: bool | None = None
     settings: tuple[Command, ...] = ()
-    pace: Pace | None = None
+    accelerations: Accelerations | None = None
     velocity: Twist2 | None = None
 
     def commands(self) -> list[Command]:
@@ -76,8 +96,8 @@ class Outbox:
         if self.emergency_stop:
             out.append(commands.EStop())
         out += self.settings
-        if self.pace is not None:
-            out += _paces(self.pace)
+        if self.accelerations is not None:
+            out += _acceleration_commands(self.accelerations)
         if self.power is not None:
             out.append(commands.Enable(on=self.power))
         if self.velocity is not None:
@@ -86,14 +106,14 @@ class Outbox:
 
 
 class Pilot:
-    """Turns requests into commands, over all sessions with one robot.
+    """Turns velocity commands into ARCOS commands, over all sessions with one robot.
 
     Attributes:
         deadline: When :meth:`tick` must next be called [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
         emergency: Whether the emergency stop is latched.
-        auto_enable: Whether a request switches the motors on.
-        last_stop: What a request must have begun after.
+        auto_enable: Whether a command switches the motors on.
+        last_stop: The stop that a command must have begun after.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -104,16 +124,14 @@ class Pilot:
         self.last_stop = Stop()
         self._outbox = Outbox()
         self._snapshot: Snapshot | None = None
-        self._request = STILL
-        self._until = self._awake_at = -inf
+        self._command = VelocityCommand(STILL, -inf, after=0)
+        self._awake_at = -inf
         self._sent: Twist2 | None = None
         self._sent_at = self._stopped_at = self._paced_until = -inf
         self._blocked: str | None = None
-        self._answers_stall = False
         self._escaped: Stop | None = None
         self._escapes_until = -inf
-        self._pace: Pace | None = None
-        self._sent_pace: Pace | None = None
+        self._sent_accelerations: Accelerations | None = None
         self._hands_off = False
         self._motors_wanted: bool | None = None
         self._motors_wanted_at = -inf
@@ -138,10 +156,10 @@ class Pilot:
                 commands.SetV(speed=limits.max_speed),
                 commands.SetRV(rate=limits.max_turn_rate),
             ]
-        self._pace, self._sent_pace = None, None
+        self._sent_accelerations = None
         if settable_acceleration:
-            settings += _paces(limits.pace)
-            self._sent_pace = limits.pace
+            settings += _acceleration_commands(limits.accelerations)
+            self._sent_accelerations = limits.accelerations
         settings.append(commands.Sonar(on=True))
         self._outbox = Outbox(stop=True, settings=tuple(settings))
         self._count_stop(self.last_stop.why)  # what was pressed meanwhile is no answer to the loss
@@ -156,45 +174,24 @@ class Pilot:
         self.deadline = inf
         self._block(f"the link was lost ({why})", now)
 
-    def drive(
-        self,
-        twist: Twist2,
-        now: float,
-        until: float = inf,
-        *,
-        after: int,
-        answers_stall: bool = False,
-        pace: Pace | None = None,
-    ) -> str | None:
-        """Ask for `twist` until it expires, at `until` [s] at the latest.
-
-        Args:
-            twist: [m/s, rad/s].
-            now: [s].
-            until: [s].
-            after: Number of the last stop when this was first asked for.
-            answers_stall: Whether this gets the wheels free.
-            pace: How to get there; the robot's own if `None`.
-
-        Returns:
-            Why it is ignored, or `None`.
-        """
+    def drive(self, command: VelocityCommand, now: float) -> str | None:
+        """Obey `command` from `now` [s] until it expires; return why it is ignored, or `None`."""
         if self.limits is None:
             return "no robot is connected"
         if self.emergency:
             return LATCHED
         if self._snapshot is None:
             return self.last_stop.told if self._blocked else "no robot is connected"
-        stalled = self.last_stop.stalled
-        if after < self.last_stop.number and not (answers_stall and stalled is not None):
+        twist, stalled = command.twist, self.last_stop.stalled
+        is_answer = command.answers_stall and stalled is not None
+        if command.after < self.last_stop.number and not is_answer:
             return self.last_stop.told
         self._blocked, self._hands_off = None, False
         if stalled is not None and self._escaped != self.last_stop and leads_away(twist, stalled):
             self._escaped, self._escapes_until = self.last_stop, now + ESCAPE
         if self.enable_failed and self.asked(now).is_zero:
             self._motors_wanted = None  # who asks anew tries the motors anew
-        self._request, self._until = twist, min(now + self.limits.expiry, until)
-        self._answers_stall, self._pace = answers_stall, pace
+        self._command = replace(command, until=min(now + self.limits.expiry, command.until))
         if not twist.is_zero and self.auto_enable and not self._motors_wanted:
             self._want_motors(on=True, now=now)
         self._steer(now)
@@ -202,8 +199,8 @@ class Pilot:
 
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
-        self._request, self._until = STILL, now
-        self._answers_stall, self._pace, self._hands_off = False, None, False
+        self._forget_command()
+        self._hands_off = False
         if self._snapshot is None:
             self._count_stop(self.last_stop.why)
         else:
@@ -253,7 +250,7 @@ class Pilot:
                 self._motors_wanted = None  # released, it does not bring them back
             self._block("the stop button on the robot is pressed", now)
         elif motors.stalled and self._gives_in(now):
-            self._block(STALLED, now, stalled=self._request)
+            self._block(STALLED, now, stalled=self._command.twist)
         elif self._motors_seen and not motors.enabled and self._motors_wanted:
             self._motors_wanted = None
             self._block("the robot switched its motors off", now)
@@ -285,7 +282,7 @@ class Pilot:
 
     def asked(self, now: float) -> Twist2:
         """Return what the robot is asked to do at this moment, before limits."""
-        return self._request if now < self._until else STILL
+        return self._command.twist if now < self._command.until else STILL
 
     @property
     def sent(self) -> Twist2 | None:
@@ -302,7 +299,7 @@ class Pilot:
     @property
     def expired(self) -> bool:
         """Whether the last thing asked for was motion (that may have expired since)."""
-        return not self._request.is_zero
+        return not self._command.twist.is_zero
 
     @property
     def enable_failed(self) -> bool:
@@ -316,13 +313,16 @@ class Pilot:
 
     def _gives_in(self, now: float) -> bool:
         """Return whether wheels that are stalled now end what is asked for."""
-        return not (self._request.is_zero or self._answers_stall or now < self._escapes_until)
+        command = self._command
+        return not (command.twist.is_zero or command.answers_stall or now < self._escapes_until)
 
     def _block(self, why: str, now: float, *, stalled: Twist2 | None = None) -> None:
         self._blocked = why
         self._count_stop(why, stalled)
-        self._request, self._until = STILL, now
-        self._answers_stall, self._pace = False, None
+        self._forget_command()
+
+    def _forget_command(self) -> None:
+        self._command = VelocityCommand(STILL, -inf, after=self.last_stop.number)
 
     def _count_stop(self, why: str, stalled: Twist2 | None = None) -> None:
         self.last_stop = Stop(self.last_stop.number + 1, why, stalled)
@@ -369,7 +369,7 @@ class Pilot:
         if snapshot is None or limits is None or self._hands_off:
             return
         self._power(now)
-        self._set_pace(limits)
+        self._set_accelerations(limits)
         blind = now - self._observed_at > BLIND
         twist = STILL if blind else limit(self.asked(now), limits, snapshot.bumpers)
         due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._rests)
@@ -382,20 +382,20 @@ class Pilot:
             self._sent, self._sent_at = twist, now
         again = self._sent_at + REPEAT if twist == self._sent else change_at
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
-        due_at = (again, self._until, power_at, now + REPEAT)
+        due_at = (again, self._command.until, power_at, now + REPEAT)
         self.deadline = min(due for due in due_at if due > now)
 
-    def _set_pace(self, limits: Limits) -> None:
+    def _set_accelerations(self, limits: Limits) -> None:
         """Send the accelerations that are wanted, where the robot takes any and they are new."""
-        wanted = self._pace or limits.pace
-        if self._sent_pace is not None and wanted != self._sent_pace:
-            self._outbox.pace = self._sent_pace = wanted
+        wanted = self._command.accelerations or limits.accelerations
+        if self._sent_accelerations is not None and wanted != self._sent_accelerations:
+            self._outbox.accelerations = self._sent_accelerations = wanted
 
 
-def _paces(pace: Pace) -> list[Command]:
+def _acceleration_commands(accelerations: Accelerations) -> list[Command]:
     return [
-        commands.SetA(acceleration=pace.acceleration),
-        commands.SetA(acceleration=-pace.deceleration),
-        commands.SetRA(acceleration=pace.turn_acceleration),
-        commands.SetRA(acceleration=-pace.turn_deceleration),
+        commands.SetA(acceleration=accelerations.acceleration),
+        commands.SetA(acceleration=-accelerations.deceleration),
+        commands.SetRA(acceleration=accelerations.turn_acceleration),
+        commands.SetRA(acceleration=-accelerations.turn_deceleration),
     ]

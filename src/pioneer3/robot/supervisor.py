@@ -6,21 +6,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import inf
 
 from pioneer3.arcos.commands import Command, to_payload
 from pioneer3.arcos.host_events import Timing
 from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
-from pioneer3.geometry import Twist2
-from pioneer3.limits import Limits, Pace
+from pioneer3.limits import Limits
 from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
 from pioneer3.robot.limits import limits_for
-from pioneer3.robot.pilot import Pilot
+from pioneer3.robot.pilot import Pilot, VelocityCommand
 from pioneer3.robot.reports import Reports
 from pioneer3.robot.requests import Request, Requests
 from pioneer3.robot.session import Session
@@ -137,25 +135,9 @@ class Supervisor:
                 feed.close()
             self.reports.close()
 
-    def drive(
-        self,
-        twist: Twist2,
-        until: float = inf,
-        *,
-        after: int,
-        answers_stall: bool = False,
-        pace: Pace | None = None,
-    ) -> str | None:
-        """See :meth:`Pilot.drive`; `until` is in the loop's time [s]."""
-        answer = self.pilot.drive(
-            twist,
-            self._clock(),
-            until,
-            after=after,
-            answers_stall=answers_stall,
-            pace=pace,
-        )
-        return self._after(answer)
+    def drive(self, command: VelocityCommand) -> str | None:
+        """See :meth:`Pilot.drive`."""
+        return self._after(self.pilot.drive(command, self._clock()))
 
     def stop(self) -> None:
         """Stand still."""

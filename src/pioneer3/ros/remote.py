@@ -1,4 +1,4 @@
-"""A robot on the other side of topics, driven by the same helm and rules as one at a cable."""
+"""A robot on the other side of topics, driven by the same arbiter and rules as one at a cable."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
@@ -9,13 +9,12 @@ from typing import Final
 from pioneer3.arcos import commands
 from pioneer3.behaviors.stack import Stack
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.limits import Pace
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
-from pioneer3.robot.pilot import STANDING, Pilot
+from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import LOST_AFTER, readings
-from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Motors, Snapshot
 
@@ -93,19 +92,9 @@ class TopicSupervisor:
         self.snapshots.publish(snapshot)
         self._flush(again=True)
 
-    def drive(
-        self,
-        twist: Twist2,
-        until: float = inf,
-        *,
-        after: int,
-        answers_stall: bool = False,
-        pace: Pace | None = None,
-    ) -> str | None:
+    def drive(self, command: VelocityCommand) -> str | None:
         """See :meth:`Pilot.drive`; the robot's node keeps its own accelerations."""
-        refused = self.pilot.drive(
-            twist, self._clock(), until, after=after, answers_stall=answers_stall, pace=pace
-        )
+        refused = self.pilot.drive(command, self._clock())
         self._flush()
         return refused
 
@@ -191,7 +180,7 @@ class TopicRobot:
 
     def __init__(self, supervisor: TopicSupervisor) -> None:
         self.supervisor = supervisor
-        self.helm = Helm(supervisor)
+        self.arbiter = Arbiter(supervisor)
 
     @property
     def info(self) -> RobotInfo:
@@ -213,16 +202,16 @@ class TopicRobot:
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`; see :meth:`Robot.run`."""
         until = asyncio.get_running_loop().time() + seconds
-        await run_mode(mode, self.helm, self.snapshots(seconds), until=until)
+        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
-        return self.helm.why_not_moving()
+        return self.arbiter.why_not_moving()
 
     def stop(self) -> None:
         """Stand still, whoever drives."""
-        self.helm.stop()
+        self.arbiter.stop()
 
     def emergency_stop(self) -> None:
         """Stop, motors off, latched."""
-        self.helm.emergency_stop()
+        self.arbiter.emergency_stop()

@@ -313,7 +313,7 @@ class BlockingRobot(Facade):
     def _stand(self) -> None:
         """Let the robot stand, whoever drives, in the loop."""
         if self._target is not None:
-            self._target.helm.stop()
+            self._target.arbiter.stop()
 
     async def _leave(self) -> None:
         """End the session, and whatever was interrupted before there was one."""

@@ -11,7 +11,7 @@ from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel, load_model
 from pioneer3.robot.supervisor import Supervisor
-from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.runtime.tasks import running
@@ -65,12 +65,12 @@ async def connect_async(
         supervisor = Supervisor(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
-        helm = Helm(supervisor, remark)
+        arbiter = Arbiter(supervisor, remark)
         load_model(USUAL)  # what reads models is slow to load, and a robot that waits is lost
-        stack.enter_context(StopOnSignals(asyncio.get_running_loop(), helm.stop))
+        stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         async with running(supervisor.run()):
             await _first_snapshot(supervisor)
-            yield Robot(supervisor, helm)
+            yield Robot(supervisor, arbiter)
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:

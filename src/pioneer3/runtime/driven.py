@@ -1,82 +1,28 @@
 """What it takes to drive a robot, be it at a cable or on the other side of topics."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from pioneer3.errors import LinkError
-from pioneer3.geometry import Twist2
-from pioneer3.limits import Pace
-from pioneer3.robot.feed import Feed
-from pioneer3.robot.pilot import Pilot
-from pioneer3.robot.supervisor import RobotInfo, Status
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.arbiter import Arbiter, Drivable
 from pioneer3.state import Snapshot
-
-if TYPE_CHECKING:
-    from pioneer3.runtime.helm import Helm
 
 LOST_AFTER = 2.5
 """Nobody waits longer for a lost robot [s]: 2 s of silence are a loss, 0.5 s may bring it back."""
 
 
-class Drivable(Protocol):
-    """What a helm sends its decisions to.
-
-    Attributes:
-        pilot: Keeps the rules: limits, expiry, fresh commands.
-        snapshots: Every reading.
-        status: How it stands with the connection.
-        info: Of the robot last connected, or `None`.
-        on_reading: Called with every reading, at once.
-    """
-
-    pilot: Pilot
-    snapshots: Feed[Snapshot]
-    status: Feed[Status]
-    info: RobotInfo | None
-    on_reading: Callable[[Snapshot], None]
-
-    @property
-    def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` without a connection."""
-
-    def drive(
-        self,
-        twist: Twist2,
-        until: float = inf,
-        *,
-        after: int,
-        answers_stall: bool = False,
-        pace: Pace | None = None,
-    ) -> str | None:
-        """Ask for `twist` until then [s, loop time]; return why it is ignored, or `None`."""
-
-    def stop(self) -> None:
-        """Stand still."""
-
-    def emergency_stop(self) -> None:
-        """Stop hard, motors off, latched."""
-
-    def reset_emergency_stop(self) -> None:
-        """Release the latch; the motors stay off."""
-
-    def set_motors(self, *, on: bool) -> str | None:
-        """Switch the motors' power; return why not, or `None`."""
-
-    def why_not_moving(self, decided: str | None = None) -> str | None:
-        """Return why the robot stands still, or `None` while it moves."""
-
-
 class Driven(Protocol):
-    """A robot with a helm: what keyboards, modes and live lines need of it."""
+    """A robot with a arbiter: what keyboards, modes and live lines need of it."""
 
     @property
     def supervisor(self) -> Drivable:
-        """Whom the helm tells what to do."""
+        """Whom the arbiter tells what to do."""
 
     @property
-    def helm(self) -> "Helm":
+    def arbiter(self) -> Arbiter:
         """Where wishes meet."""
 
     @property

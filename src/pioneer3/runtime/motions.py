@@ -9,7 +9,7 @@ from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import LinkError, MotionError
 from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor
-from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
 
@@ -31,7 +31,7 @@ def lost_as_motion_error(name: str) -> Iterator[None]:
 
 
 async def carry_out(
-    action: Move | Turn, helm: Helm, supervisor: Supervisor, readings: Readings
+    action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor, readings: Readings
 ) -> None:
     """Let `action` drive until it is done.
 
@@ -40,51 +40,51 @@ async def carry_out(
             why.
     """
     clock = asyncio.get_running_loop().time
-    helm.add(action, PROGRAM)
+    arbiter.add(action, PROGRAM)
     moved_at = clock()
     try:
         with lost_as_motion_error(action.name):
             async for _ in readings:
                 if action.done:
                     return
-                _check(action, helm, supervisor)
-                stuck = helm.why_not_moving()
-                if stuck is None or helm.driver != action.name:
+                _check(action, arbiter, supervisor)
+                stuck = arbiter.why_not_moving()
+                if stuck is None or arbiter.driver != action.name:
                     moved_at = clock()
                 elif clock() - moved_at >= STUCK_PATIENCE:
                     raise MotionError(f"{action.name}: {stuck}")
         raise MotionError(f"{action.name}: the connection was closed")
     finally:
-        helm.remove(action)
+        arbiter.remove(action)
 
 
-async def run_mode(mode: Stack, helm: Helm, readings: Readings, *, until: float) -> None:
+async def run_mode(mode: Stack, arbiter: Arbiter, readings: Readings, *, until: float) -> None:
     """Let `mode` drive `until` then [s, loop time], or until it has done what it is for.
 
     Raises:
         MotionError: something else ended it, or the link was lost; the message says what.
     """
     clock = asyncio.get_running_loop().time
-    helm.start(mode)
+    arbiter.start(mode)
     try:
         with lost_as_motion_error(mode.name):
             async for _ in readings:
-                ended = helm.ended
+                ended = arbiter.ended
                 if ended is not None and ended.mode is mode and ended.done:
                     return
-                if helm.mode is not mode:
+                if arbiter.mode is not mode:
                     why = ended.why if ended and ended.mode is mode else "another mode was started"
                     raise MotionError(f"{mode.name}: {why}")
         if clock() < until - EARLY:
             raise MotionError(f"{mode.name}: the connection was closed")
     finally:
-        if helm.mode is mode:
-            helm.end_mode("its time was over")
+        if arbiter.mode is mode:
+            arbiter.end_mode("its time was over")
 
 
-def _check(action: Move | Turn, helm: Helm, supervisor: Supervisor) -> None:
+def _check(action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor) -> None:
     """Raise MotionError if something has ended `action`."""
     if supervisor.pilot.emergency:
         raise MotionError(f"{action.name}: {LATCHED}")
-    if action not in helm:
-        raise MotionError(f"{action.name}: {helm.last_stop.why}")
+    if action not in arbiter:
+        raise MotionError(f"{action.name}: {arbiter.last_stop.why}")

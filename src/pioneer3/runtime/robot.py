@@ -11,9 +11,9 @@ from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
+from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.devices import Devices
 from pioneer3.runtime.driven import LOST_AFTER, readings
-from pioneer3.runtime.helm import Helm
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
@@ -29,13 +29,13 @@ class Robot:
     every way out stops the robot. Gripper, laser and the like are in :attr:`devices`.
     """
 
-    def __init__(self, supervisor: Supervisor, helm: Helm) -> None:
+    def __init__(self, supervisor: Supervisor, arbiter: Arbiter) -> None:
         self.supervisor = supervisor
-        self.helm = helm
+        self.arbiter = arbiter
         self.devices = Devices(supervisor)
         self._hold = Hold("program")
-        helm.add(self._hold, PROGRAM)
-        helm.latest_scan = lambda: self.devices.laser.latest
+        arbiter.add(self._hold, PROGRAM)
+        arbiter.latest_scan = lambda: self.devices.laser.latest
 
     @property
     def info(self) -> RobotInfo:
@@ -68,17 +68,17 @@ class Robot:
             CommandError: not finite numbers.
             MotionError: the robot will not move; the message says why.
         """
-        refused = self.helm.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
+        refused = self.arbiter.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
         if refused:
             raise MotionError(refused)
 
     def stop(self) -> None:
         """Stand still, whoever drives."""
-        self.helm.stop(by=self._hold)
+        self.arbiter.stop(by=self._hold)
 
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off; latched until :meth:`reset_emergency_stop`."""
-        self.helm.emergency_stop()
+        self.arbiter.emergency_stop()
 
     def reset_emergency_stop(self) -> None:
         """Release the latch. The motors stay off."""
@@ -149,7 +149,7 @@ class Robot:
         top = limits.max_speed if speed is None else _positive("speed", speed)
         end = None if heading is None else finite("heading", heading)
         mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
-        await run_mode(mode, self.helm, self.snapshots(), until=inf)
+        await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has done what it is for.
@@ -161,11 +161,11 @@ class Robot:
             MotionError: something else ended it, or the link was lost; the message says what.
         """
         until = asyncio.get_running_loop().time() + seconds
-        await run_mode(mode, self.helm, self.snapshots(seconds), until=until)
+        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
-        return self.helm.why_not_moving()
+        return self.arbiter.why_not_moving()
 
     def send(self, command: Command) -> None:
         """Send any ARCOS command that is not about motion.
@@ -186,7 +186,7 @@ class Robot:
 
     async def _carry_out(self, action: Move | Turn) -> None:
         self._hold.release()
-        await carry_out(action, self.helm, self.supervisor, self.snapshots())
+        await carry_out(action, self.arbiter, self.supervisor, self.snapshots())
 
 
 def _positive(name: str, value: float) -> float:

@@ -34,7 +34,7 @@ class KeyboardDriver:
 
     async def run(self, keys: AsyncIterator[Key]) -> None:
         """Drive until the quit key or the end of `keys`; then the robot stands."""
-        self._robot.helm.add(self._hold, KEYBOARD)
+        self._robot.arbiter.add(self._hold, KEYBOARD)
         renewing = asyncio.ensure_future(self._renew())
         try:
             async for key in keys:
@@ -46,7 +46,7 @@ class KeyboardDriver:
         finally:
             renewing.cancel()
             await asyncio.gather(renewing, return_exceptions=True)
-            self._robot.helm.remove(self._hold)
+            self._robot.arbiter.remove(self._hold)
             self._robot.stop()
 
     def line(self) -> str:
@@ -83,17 +83,17 @@ class KeyboardDriver:
     def _wish(self) -> None:
         twist, seconds = self._keyboard.wanted(self._clock())
         if not twist.is_zero:
-            self._robot.helm.hold(self._hold, twist, min(seconds, LEASE))
+            self._robot.arbiter.hold(self._hold, twist, min(seconds, LEASE))
 
     def _obey(self, key: Key) -> None:
         """Carry out a key that is about more than velocity; pass the others on."""
         supervisor = self._robot.supervisor
         match key:
             case Key.STOP:
-                self._robot.helm.stop(by=self._hold)
+                self._robot.arbiter.stop(by=self._hold)
             case Key.MOTORS:
                 on = not (self._robot.snapshot and self._robot.snapshot.motors.enabled)
-                self._robot.helm.set_motors(on=on, by=self._hold)
+                self._robot.arbiter.set_motors(on=on, by=self._hold)
                 key = Key.STOP  # a move still held would switch them on again
             case Key.EMERGENCY:
                 self._robot.emergency_stop()

@@ -51,8 +51,8 @@ class GamepadDriver:
 
     async def run(self) -> None:
         """Drive; one that goes is a release, and is waited for. In the end the robot stands."""
-        helm = self._robot.helm
-        helm.add(self._hold, GAMEPAD)
+        arbiter = self._robot.arbiter
+        arbiter.add(self._hold, GAMEPAD)
         waiting = False
         try:
             while True:
@@ -66,7 +66,7 @@ class GamepadDriver:
                     waiting = True
                 await asyncio.sleep(SEARCH)
         finally:
-            helm.remove(self._hold)
+            arbiter.remove(self._hold)
             self._robot.stop()
 
     async def _drive(self, device: Device) -> None:
@@ -85,7 +85,7 @@ class GamepadDriver:
         finally:
             renewing.cancel()
             await asyncio.gather(renewing, return_exceptions=True)
-            self._robot.helm.release(self._hold)
+            self._robot.arbiter.release(self._hold)
 
     async def _renew(self, gamepad: Gamepad) -> None:
         while True:
@@ -97,7 +97,7 @@ class GamepadDriver:
         scheme = self._scheme
         if scheme.stop in pressed:
             gamepad.let_go()
-            self._robot.helm.stop(by=self._hold)
+            self._robot.arbiter.stop(by=self._hold)
         if scheme.emergency_stop in pressed:
             gamepad.let_go()
             self._robot.emergency_stop()
@@ -106,10 +106,10 @@ class GamepadDriver:
             self._robot.reset_emergency_stop()
 
     def _wish(self, gamepad: Gamepad) -> None:
-        helm, wanted = self._robot.helm, gamepad.wanted
+        arbiter, wanted = self._robot.arbiter, gamepad.wanted
         if not wanted.is_zero:
-            helm.hold(self._hold, wanted, LEASE)
-        elif self._hold.holds(self._clock(), helm.last_stop):
-            helm.release(self._hold)
+            arbiter.hold(self._hold, wanted, LEASE)
+        elif self._hold.holds(self._clock(), arbiter.last_stop):
+            arbiter.release(self._hold)
         else:
             self._hold.release()

@@ -208,7 +208,7 @@ class Page:
         return all(wheel.take(guest) is None for wheel in wheels)
 
     def _stop(self, robot: int) -> None:
-        self.stations[robot].robot.helm.stop()
+        self.stations[robot].robot.arbiter.stop()
 
     def _greet(self) -> None:
         """Say what is here, if that has changed."""

@@ -96,7 +96,7 @@ class Station:
 
     def snapshot(self, snapshot: Snapshot, driver: dict[str, Any] | None) -> dict[str, Any]:
         """Return what pages are told of a reading; `driver` as in :func:`messages.snapshot`."""
-        helm, odom = self.robot.helm, snapshot.odometry.robot_in_odom
+        arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
         why = self.robot.why_not_moving()
         return messages.snapshot(
             self.number,
@@ -104,13 +104,13 @@ class Station:
             pose=self.scene.robot_in_map(odom),
             why=why,
             standing=kind_of(why),
-            mode=helm.mode.name if helm.mode else None,
-            decided=helm.told if helm.mode else (),
-            ended=helm.ended,
+            mode=arbiter.mode.name if arbiter.mode else None,
+            decided=arbiter.told if arbiter.mode else (),
+            ended=arbiter.ended,
             commanded=self.robot.supervisor.pilot.sent,
             emergency_stop=self.robot.supervisor.pilot.emergency,
             driver=driver,
-            target=self._target(helm.mode.goal, odom) if helm.mode else None,
+            target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
         )
 
     def _target(self, goal: Goal | None, odom: Pose2) -> dict[str, Any] | None:

@@ -173,7 +173,7 @@ class Visitor:
             case requests.ResetEmergencyStop():
                 station.robot.reset_emergency_stop()
             case requests.SwitchMotors(on):
-                return station.robot.helm.set_motors(on=on)
+                return station.robot.arbiter.set_motors(on=on)
             case requests.TakeWheel():
                 return station.wheel.take(self, keep=True)
             case requests.TakeOver():

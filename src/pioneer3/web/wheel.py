@@ -35,7 +35,7 @@ class Wheel:
     def __init__(self, robot: Robot, tell: Callable[[Somebody, str], None]) -> None:
         self._robot = robot
         self._tell = tell
-        self._hands = Hands(robot.helm)
+        self._hands = Hands(robot.arbiter)
         self._lease: Lease[Somebody] = Lease()
         self._keeper: Somebody | None = None
         self._mode: tuple[Somebody, Stack] | None = None
@@ -49,7 +49,7 @@ class Wheel:
 
     def driver(self) -> Somebody | str | None:
         """Return who drives, by name if it is nobody at the wheel; `None` for nobody."""
-        name = self._robot.helm.driver
+        name = self._robot.arbiter.driver
         if name in self._hands.names:
             return self.holder
         if self._mode and name in {ranked.action.name for ranked in self._mode[1].actions}:
@@ -82,7 +82,7 @@ class Wheel:
         if holder is who:
             self._hands.stop(why)
             return
-        self._robot.helm.stop(why=why)
+        self._robot.arbiter.stop(why=why)
         if holder is not None:
             self._tell(holder, f"{why}; to drive on, let go and press again")
 
@@ -100,7 +100,7 @@ class Wheel:
         self._mode = (who, mode)
         self._heard_at = self._clock()
         asyncio.get_running_loop().call_later(seconds, self._end, mode, "its time was over")
-        refused = self._robot.helm.start(mode)
+        refused = self._robot.arbiter.start(mode)
         if isfinite(patience):
             self._look_after(mode, patience)
         return refused
@@ -109,7 +109,7 @@ class Wheel:
         """End the mode; return why not, or `None`."""
         if refused := self.take(who):
             return refused
-        self._robot.helm.end_mode(f"{who.name} ended it")
+        self._robot.arbiter.end_mode(f"{who.name} ended it")
         return None
 
     def take(self, who: Somebody, *, keep: bool = False) -> str | None:
@@ -152,7 +152,7 @@ class Wheel:
     def let_go(self, who: Somebody) -> None:
         """Take the wheel from `who`, who gives it up or is gone: the robot stops at once."""
         if self._starter() is who:
-            self._robot.helm.end_mode(f"{who.name} let go")
+            self._robot.arbiter.end_mode(f"{who.name} let go")
         if self._lease.holder(self._clock()) is who:
             self._hands.let_go()
         self._lease.give_up(who)
@@ -167,13 +167,13 @@ class Wheel:
 
     def _starter(self) -> Somebody | None:
         """Return who started the mode that runs."""
-        if self._mode is None or self._robot.helm.mode is not self._mode[1]:
+        if self._mode is None or self._robot.arbiter.mode is not self._mode[1]:
             return None
         return self._mode[0]
 
     def _look_after(self, mode: Stack, patience: float) -> None:
         """End `mode` once who started it has fallen silent."""
-        if self._mode is None or self._robot.helm.mode is not mode:
+        if self._mode is None or self._robot.arbiter.mode is not mode:
             return
         left = self._heard_at + patience - self._clock()
         if left > 0:
@@ -182,8 +182,8 @@ class Wheel:
             self._end(mode, f"nothing was heard of {self._mode[0].name} for {patience:g} s")
 
     def _end(self, mode: Stack, why: str) -> None:
-        if self._robot.helm.mode is mode:
-            self._robot.helm.end_mode(why)
+        if self._robot.arbiter.mode is mode:
+            self._robot.arbiter.end_mode(why)
 
     def _stopping(self) -> str | None:
         """Return what to say while the robot still comes to a stand after a take-over."""

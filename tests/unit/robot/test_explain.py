@@ -7,7 +7,7 @@ import pytest
 from pioneer3.geometry import ORIGIN, STILL, Twist2
 from pioneer3.limits import Limits
 from pioneer3.robot.explain import kind_of, why_not_moving
-from pioneer3.robot.pilot import ENABLE_TRIES, Pilot
+from pioneer3.robot.pilot import ENABLE_TRIES, Pilot, VelocityCommand
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
 AHEAD = Twist2(0.3, 0.0)
@@ -55,14 +55,14 @@ def test_nothing_is_asked() -> None:
 
 def test_the_command_expired() -> None:
     made = pilot()
-    made.drive(AHEAD, 1.0, after=made.last_stop.number)
+    made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 1.0)
     made.observe(ON, 1.1)
     assert why(made, replace(ON, stamp=2.0), 2.0).startswith("The last command expired after 0.5 s")
 
 
 def test_the_command_was_just_sent() -> None:
     made = pilot()
-    made.drive(AHEAD, 1.0, after=made.last_stop.number)
+    made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 1.0)
     assert why(made, replace(OFF, stamp=1.0), 1.0).startswith("The motors are off; they are being")
     made.observe(ON, 1.1)
     assert why(made, replace(ON, stamp=1.1), 1.1).startswith("The command has just been sent")
@@ -90,28 +90,28 @@ def test_a_silent_robot() -> None:
 def test_motors_that_do_not_come_on() -> None:
     made = pilot()
     for half in range(2 * ENABLE_TRIES):
-        made.drive(AHEAD, half / 2, after=made.last_stop.number)
+        made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), half / 2)
         made.observe(OFF, half / 2)
     assert why(made, replace(OFF, stamp=9.0), 9.0).startswith("The motors do not come on")
 
 
 def test_a_stall_that_is_seen_before_it_blocks() -> None:
     made = pilot()
-    made.drive(AHEAD, 0.0, after=made.last_stop.number)
+    made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 0.0)
     stalled = replace(ON, motors=Motors(enabled=True, left_stalled=True))
     assert why(made, stalled) == "The wheels are stalled: something blocks them."
 
 
 def test_a_bumper() -> None:
     made = pilot()
-    made.drive(AHEAD, 0.0, after=made.last_stop.number)
+    made.drive(VelocityCommand(AHEAD, after=made.last_stop.number), 0.0)
     touching = replace(ON, bumpers=Bumpers(front=(True,)))
     assert why(made, touching).startswith("A bumper touches something in that direction")
 
 
 def test_a_reason_is_a_fault_unless_all_goes_as_it_should() -> None:
     asked, moving = pilot(), replace(ON, odometry=replace(ON.odometry, twist=AHEAD))
-    asked.drive(AHEAD, 0.0, after=asked.last_stop.number)
+    asked.drive(VelocityCommand(AHEAD, after=asked.last_stop.number), 0.0)
     assert kind_of(why_not_moving(asked, moving, 0.0)) is None
     assert kind_of(why(asked, OFF)) == "normal"  # motors are switched on
     assert kind_of(why(asked, ON)) == "normal"  # just sent

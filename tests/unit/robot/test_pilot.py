@@ -19,6 +19,7 @@ from pioneer3.robot.pilot import (
     PACE,
     REPEAT,
     Pilot,
+    VelocityCommand,
 )
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot
 
@@ -66,7 +67,7 @@ def ask(
 ) -> str | None:
     """Ask for what has just begun, unless it began `after` another stop."""
     began = pilot.last_stop.number if after is None else after
-    return pilot.drive(twist, now, until, after=began)
+    return pilot.drive(VelocityCommand(twist, until, after=began), now)
 
 
 def vel(v: float, w: float = 0.0) -> list[Command]:

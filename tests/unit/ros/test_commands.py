@@ -138,7 +138,7 @@ async def test_so_does_a_lost_link(patience: float) -> None:
 @TIMEOUTS
 async def test_a_zero_lets_go_as_well(patience: float) -> None:
     async with driven(patience) as the:
-        the.robot.helm.stop()
+        the.robot.arbiter.stop()
         await the.publish(1.0)
         assert the.speed == 0.0
         await the.publish(0.2, 0.0)
@@ -148,7 +148,7 @@ async def test_a_zero_lets_go_as_well(patience: float) -> None:
 
 async def test_one_message_for_ever_is_muted_by_a_stop_and_the_next_one_counts() -> None:
     async with driven(inf) as the:
-        assert the.robot.helm.set_motors(on=True) is None
+        assert the.robot.arbiter.set_motors(on=True) is None
         await asyncio.sleep(2.0)
         assert the.speed == 0.0
         the.say(AHEAD)

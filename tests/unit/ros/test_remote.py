@@ -44,7 +44,7 @@ class Bench:
         self.switched: list[bool] = []
         self.talks = True
         self._hold = Hold("cmd_vel")
-        near.helm.add(self._hold, PROGRAM)
+        near.arbiter.add(self._hold, PROGRAM)
         self._gatherer = Gatherer(near.info.model, motors_on=False)
         self.supervisor = TopicSupervisor(near.info, self._publish, self._switch)
         self.far = TopicRobot(self.supervisor)
@@ -73,11 +73,11 @@ class Bench:
 
     def _publish(self, twist: Twist2) -> None:
         self.sent.append(twist)
-        self.near.helm.hold(self._hold, twist, NODE_TIMEOUT)
+        self.near.arbiter.hold(self._hold, twist, NODE_TIMEOUT)
 
     def _switch(self, on: bool) -> None:
         self.switched.append(on)
-        self.near.helm.set_motors(on=on)
+        self.near.arbiter.set_motors(on=on)
 
 
 @asynccontextmanager
@@ -149,7 +149,7 @@ async def test_a_robot_that_stands_though_told_to_move_gets_itself_free() -> Non
         the.sim.body.drive.halt()
         the.sim.stepped = the.sim.body.drive.halt  # the wheels are held
         await asyncio.sleep(STUCK + 1.0)
-        assert "stalled" in "; ".join(the.far.helm.told)
+        assert "stalled" in "; ".join(the.far.arbiter.told)
         the.sim.stepped = lambda: None
         await until(lambda: the.sim.speed < -0.05)  # the first attempt is to back up
         running_mode.cancel()
@@ -188,7 +188,7 @@ async def test_keys_drive_it_and_its_driver_keeps_the_rules() -> None:
 
 async def test_who_leaves_while_it_moves_stops_it() -> None:
     async with bench() as the:
-        the.far.helm.add(held := Hold("test"), PROGRAM)
-        the.far.helm.hold(held, Twist2(0.3), 10.0)
+        the.far.arbiter.add(held := Hold("test"), PROGRAM)
+        the.far.arbiter.hold(held, Twist2(0.3), 10.0)
         await until(lambda: the.sim.speed > 0.1)
     assert the.sent[-1] == STILL

@@ -75,22 +75,22 @@ async def test_a_mode_drives_until_its_time_is_over() -> None:
         assert sim.body.robot_in_world.x > 0.4
         await asyncio.sleep(1.0)
         assert sim.speed == 0.0
-        assert robot.helm.mode is None
+        assert robot.arbiter.mode is None
 
 
 async def test_a_mode_ends_when_it_has_done_what_it_is_for() -> None:
     async with robot_at() as (sim, robot):
         await robot.run(mode(Move(distance=0.5, speed=0.3, deceleration=1.0)))
         assert sim.body.robot_in_world.x == pytest.approx(0.5, abs=0.02)
-        assert robot.helm.ended is not None
-        assert robot.helm.ended.done
+        assert robot.arbiter.ended is not None
+        assert robot.arbiter.ended.done
 
 
 async def test_a_second_mode_replaces_the_first() -> None:
     async with robot_at() as (sim, robot):
         first = asyncio.ensure_future(robot.run(mode(Go())))
         await asyncio.sleep(2.0)
-        robot.helm.start(mode(Go("back", -0.2)))
+        robot.arbiter.start(mode(Go("back", -0.2)))
         with pytest.raises(MotionError, match="mode: another mode was started"):
             await first
         await asyncio.sleep(2.0)
@@ -100,14 +100,14 @@ async def test_a_second_mode_replaces_the_first() -> None:
 async def test_hands_come_before_a_mode_which_then_goes_on() -> None:
     async with robot_at() as (sim, robot):
         held = Hold("keyboard")
-        robot.helm.add(held, KEYBOARD)
-        robot.helm.start(mode(Go()))
+        robot.arbiter.add(held, KEYBOARD)
+        robot.arbiter.start(mode(Go()))
         await asyncio.sleep(2.0)
         for _ in range(20):
-            robot.helm.hold(held, Twist2(-0.2, 0.0), 0.3)
+            robot.arbiter.hold(held, Twist2(-0.2, 0.0), 0.3)
             await asyncio.sleep(0.1)
         assert sim.speed == pytest.approx(-0.2)
-        robot.helm.release(held)
+        robot.arbiter.release(held)
         await asyncio.sleep(2.0)
         assert sim.speed == pytest.approx(0.3)
 
@@ -115,10 +115,10 @@ async def test_hands_come_before_a_mode_which_then_goes_on() -> None:
 async def test_limits_of_a_mode_hold_for_hands_too() -> None:
     async with robot_at(2.0) as (sim, robot):
         held = Hold("keyboard")
-        robot.helm.add(held, KEYBOARD)
-        robot.helm.start(mode(Keep()))
+        robot.arbiter.add(held, KEYBOARD)
+        robot.arbiter.start(mode(Keep()))
         for _ in range(150):
-            robot.helm.hold(held, Twist2(0.3, 0.0), 0.3)
+            robot.arbiter.hold(held, Twist2(0.3, 0.0), 0.3)
             await asyncio.sleep(0.1)
         assert sim.speed == 0.0
         assert 0.8 < sim.body.robot_in_world.x < 1.2
@@ -144,7 +144,7 @@ async def test_an_action_that_fails_stops_the_robot_and_is_named(
 ) -> None:
     async with robot_at() as (sim, robot):
         with (
-            caplog.at_level(logging.CRITICAL, "pioneer3.runtime.helm"),
+            caplog.at_level(logging.CRITICAL, "pioneer3.runtime.arbiter"),
             pytest.raises(MotionError, match="the action 'shy' failed: ZeroDivisionError"),
         ):
             await robot.run(mode(Fails(), Go()))
@@ -167,7 +167,7 @@ async def test_a_stall_ends_the_motion_of_a_mode() -> None:
 
 async def test_an_answer_to_a_stall_drives_on() -> None:
     async with robot_at(0.6) as (sim, robot):
-        robot.helm.start(mode(Go(answers_stalls=True)))
+        robot.arbiter.start(mode(Go(answers_stalls=True)))
         moved, before = 0.0, sim.body.robot_in_world.x
         for _ in range(100):
             await asyncio.sleep(0.1)
@@ -188,7 +188,7 @@ async def test_a_lost_link_ends_a_mode() -> None:
         await asyncio.sleep(3.0)
         assert robot.snapshot is not None
         assert sim.speed == 0.0
-        robot.helm.start(mode(Go()))
+        robot.arbiter.start(mode(Go()))
         await asyncio.sleep(2.0)
         assert sim.speed == pytest.approx(0.3)
 

@@ -74,7 +74,7 @@ async def test_a_real_robot_is_sent_by_where_odometry_began() -> None:
         await asyncio.sleep(SOON)
         ann.say("goto", x=5.0, y=1.0)
         await asyncio.sleep(SOON)
-        goal = the.robot.helm.mode.goal if the.robot.helm.mode else None
+        goal = the.robot.arbiter.mode.goal if the.robot.arbiter.mode else None
         assert goal is not None
         assert (goal.x, goal.y) == pytest.approx((1.0, 0.0))
         assert goal.heading is None
@@ -96,7 +96,7 @@ class Shadow:
 async def test_whom_a_mode_follows_is_told_where_the_map_has_them() -> None:
     async with product(Scene(odom_in_map=Pose2(5.0, 0.0, pi / 2))) as the, Browser(the.app) as ann:
         await asyncio.sleep(SOON)
-        the.robot.helm.start(Stack.alone(Shadow(), MODE))
+        the.robot.arbiter.start(Stack.alone(Shadow(), MODE))
         await asyncio.sleep(SOON)
         assert newest(ann)["target"] == {"x": 4.5, "y": 1.0, "heading": None, "person": True}
 

@@ -37,7 +37,7 @@ class Grip:
 
 def wanted(the: Product) -> float:
     """Return the speed that was decided [m/s]."""
-    return the.robot.helm.decision.twist.v if the.robot.helm.driver else 0.0
+    return the.robot.arbiter.decision.twist.v if the.robot.arbiter.driver else 0.0
 
 
 @pytest.mark.parametrize("source", get_args(Input))
@@ -46,7 +46,7 @@ async def test_each_input_drives_at_its_priority(source: Input) -> None:
         grip = Grip(ann, source, 0.3)
         await asyncio.sleep(1.5)
         assert the.speed == pytest.approx(0.3)
-        assert the.robot.helm.driver == RANKS[source][0]
+        assert the.robot.arbiter.driver == RANKS[source][0]
         assert ann.driver == "you"
         await grip.let_go()
         await asyncio.sleep(BRAKING)
@@ -168,9 +168,9 @@ async def test_who_leaves_lets_go_of_all_inputs() -> None:
 async def test_scripts_count_as_touch() -> None:
     async with product() as the:
         assert the.wheel.drive(ANN, Twist2(0.2, 0.0)) is None
-        assert the.robot.helm.driver == "web"
+        assert the.robot.arbiter.driver == "web"
         the.wheel.drive(ANN, STILL)
-        assert the.robot.helm.driver is None
+        assert the.robot.arbiter.driver is None
 
 
 async def test_an_unknown_input_is_refused_and_moves_nothing() -> None:

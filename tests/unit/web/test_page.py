@@ -94,11 +94,11 @@ async def test_a_stop_by_another_mutes_the_holder_until_she_lets_go() -> None:
 async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
     async with product() as the:
         held = Hold("keyboard")
-        the.robot.helm.add(held, KEYBOARD)
+        the.robot.arbiter.add(held, KEYBOARD)
         the.station.drive(ANN, SLOW)
-        the.robot.helm.hold(held, Twist2(-0.2, 0.0), 0.3)
+        the.robot.arbiter.hold(held, Twist2(-0.2, 0.0), 0.3)
         assert the.wheel.driver() == "keyboard"
-        the.robot.helm.release(held)
+        the.robot.arbiter.release(held)
         assert the.wheel.driver() == ANN
 
 

@@ -102,8 +102,8 @@ async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
         assert wheel.end_mode(BOB) == "ann has the wheel"
         await asyncio.sleep(10.1)
         assert wheel.holder is None
-        assert the.robot.helm.ended is not None
-        assert the.robot.helm.ended.why == "its time was over"
+        assert the.robot.arbiter.ended is not None
+        assert the.robot.arbiter.ended.why == "its time was over"
 
 
 async def test_the_time_of_a_mode_ends_no_other() -> None:
@@ -111,7 +111,7 @@ async def test_the_time_of_a_mode_ends_no_other() -> None:
         the.wheel.start(ANN, wander(), 1.0)
         the.wheel.start(ANN, wander(), 20.0, patience=inf)
         await asyncio.sleep(5.0)
-        assert the.robot.helm.mode is not None
+        assert the.robot.arbiter.mode is not None
 
 
 @pytest.mark.parametrize(
@@ -128,9 +128,9 @@ async def test_a_mode_ends_with_who_started_it_and_says_who_ended_it(how: str, w
         the.wheel.start(ANN, wander(), 100.0, patience=inf)
         await asyncio.sleep(3.0)
         getattr(the.wheel, how)(BOB if how == "take_over" else ANN)
-        assert the.robot.helm.mode is None
-        assert the.robot.helm.ended is not None
-        assert the.robot.helm.ended.why == why
+        assert the.robot.arbiter.mode is None
+        assert the.robot.arbiter.ended is not None
+        assert the.robot.arbiter.ended.why == why
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
 

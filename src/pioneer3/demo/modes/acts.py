@@ -91,7 +91,7 @@ class _Chase:
                 self._stack = stacks.color_follow(self._follow)
                 self._cockpit.start(self._stack)
             case "space":
-                self._cockpit.robot.helm.stop()
+                self._cockpit.robot.arbiter.stop()
             case "x":
                 self._follow.acquiring = not self._follow.acquiring
             case _:

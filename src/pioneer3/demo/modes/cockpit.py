@@ -48,11 +48,11 @@ class Cockpit:
 
     def drives(self, stack: Stack | None) -> bool:
         """Whether `stack` is what drives the robot."""
-        return stack is not None and self.robot.helm.mode is stack
+        return stack is not None and self.robot.arbiter.mode is stack
 
     def start(self, stack: Stack) -> None:
         """Stop, then let `stack` drive; tell why it does not."""
-        self.tell(self.robot.helm.start(stack))
+        self.tell(self.robot.arbiter.start(stack))
 
     def tell(self, refused: str | None) -> None:
         """Tell why the robot ignores what it was asked, if it does."""

@@ -89,7 +89,7 @@ class _Legs:
             case "pagedown":
                 self._distance = max(STEP, self._distance - STEP)
             case "space":
-                self._cockpit.robot.helm.stop()
+                self._cockpit.robot.arbiter.stop()
             case "r":
                 self._reset()
             case "x":
@@ -126,13 +126,13 @@ class _Legs:
         if turn is not None:
             self._travel.face(theta + turn)
         if running and self._both:
-            self._cockpit.tell(self._cockpit.robot.helm.decide())
+            self._cockpit.tell(self._cockpit.robot.arbiter.decide())
         else:
             self._stack = Stack.of("position", MODE, (Ranked(50, self._travel),))
             self._cockpit.start(self._stack)
 
     def _reset(self) -> None:
-        self._cockpit.robot.helm.stop()
+        self._cockpit.robot.arbiter.stop()
         if self._cockpit.snapshot is not None:
             self._cockpit.origin = self._cockpit.snapshot.odometry.robot_in_odom
         self._cockpit.say("This place is 0, 0, 0 now; the robot itself was told nothing.")

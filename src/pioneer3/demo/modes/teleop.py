@@ -78,7 +78,7 @@ class _Hand:
             case "space":
                 self._begin()
             case "e" | "E":
-                self._cockpit.tell(self._cockpit.robot.helm.set_motors(on=True))
+                self._cockpit.tell(self._cockpit.robot.arbiter.set_motors(on=True))
                 self._begin()
             case "z" | "x" | "Z" | "X":
                 self._cockpit.say("z, x drive sideways: no Pioneer 3 can.")
@@ -93,7 +93,7 @@ class _Hand:
         self._again()  # what ended must be started anew, with no speed set
         ratios = self._ratios
         {"up": ratios.up, "down": ratios.down, "left": ratios.left, "right": ratios.right}[key]()
-        self._cockpit.tell(self._cockpit.robot.helm.decide())
+        self._cockpit.tell(self._cockpit.robot.arbiter.decide())
 
     def _row(self) -> Row | None:
         snapshot = self._cockpit.snapshot

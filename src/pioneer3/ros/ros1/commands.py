@@ -12,8 +12,8 @@ from typing import Any, Final, NamedTuple
 from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Twist2
-from pioneer3.ros.interface.arbiter import Arbiter
 from pioneer3.ros.interface.lab import CommandTopic
+from pioneer3.ros.interface.newest_command import NewestCommand
 from pioneer3.ros.interface.sender import Sender
 from pioneer3.ros.messages import convert
 from pioneer3.ros.ros1.arrivals import Arrivals
@@ -66,7 +66,7 @@ class Commands:
         self._timeout = timeout
         self._warn = warn
         self._hold = Hold("cmd_vel")
-        self._arbiter = Arbiter()
+        self._newest = NewestCommand()
         self._senders: OrderedDict[int, tuple[object, Sender]] = OrderedDict()
         self._refusal: str | None = None
         self._told: str | None = None
@@ -92,14 +92,14 @@ class Commands:
 
     def begin(self) -> None:
         """Take part in driving."""
-        self._robot.helm.add(self._hold, PROGRAM)
+        self._robot.arbiter.add(self._hold, PROGRAM)
 
     def end(self) -> None:
         """Drive no more."""
         for timer in (self._timer, self._expiry):
             if timer is not None:
                 timer.cancel()
-        self._robot.helm.remove(self._hold)
+        self._robot.arbiter.remove(self._hold)
 
     def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
         """Take a Twist in rospy's thread; those that come together wake the loop once."""
@@ -119,15 +119,15 @@ class Commands:
         self._refusal, now = None, self._loop.time()
         decided: list[tuple[str, Twist2 | None]] = []
         for order in orders:
-            decided.append(("", self._arbiter.due(order.at)))
+            decided.append(("", self._newest.due(order.at)))
             decided.append((order.sender, self._understand(order)))
-        decided.append(("", self._arbiter.due(now)))
+        decided.append(("", self._newest.due(now)))
         for _, sender in self._senders.values():
             decided.append((sender.name, sender.due(now, self._last_stop)))
         wanted = [(name, twist) for name, twist in decided if twist is not None][-1:]
         for name, twist in wanted:
             self._hold.release()  # the sender knows whether this counts
-            self._refusal = self._robot.helm.hold(self._hold, twist, self._timeout)
+            self._refusal = self._robot.arbiter.hold(self._hold, twist, self._timeout)
             self._expect_more(name, twist)
         if orders:
             self._tell()
@@ -135,7 +135,7 @@ class Commands:
 
     @property
     def _last_stop(self) -> Stop:
-        return self._robot.helm.last_stop
+        return self._robot.arbiter.last_stop
 
     def _understand(self, order: Order) -> Twist2 | None:
         """Return what to do because of one message, if anything."""
@@ -148,7 +148,7 @@ class Commands:
         self._refusal = sender.take(twist, order.at, self._last_stop)
         if self._refusal is not None or sender.waits:
             return None
-        return self._arbiter.take(twist, order.at, sender=order.sender, shared=order.shared)
+        return self._newest.take(twist, order.at, sender=order.sender, shared=order.shared)
 
     def _sender(self, order: Order) -> Sender:
         """Return the record of the publisher at the other end of the connection."""
@@ -166,7 +166,7 @@ class Commands:
             self._timer.cancel()
             self._timer = None
         deadlines = (sender.deadline for _, sender in self._senders.values())
-        deadline = min(self._arbiter.deadline, *deadlines, inf)
+        deadline = min(self._newest.deadline, *deadlines, inf)
         if isfinite(deadline):
             self._timer = self._loop.call_at(deadline, self._drive)
 

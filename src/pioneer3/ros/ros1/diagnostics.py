@@ -37,7 +37,7 @@ class Diagnostics:
                 snapshot=robot.snapshot,
                 lost=status.message if status is not None and lost else "",
                 emergency=robot.supervisor.pilot.emergency,
-                driver=robot.helm.driver,
+                driver=robot.arbiter.driver,
                 why_not_moving=robot.why_not_moving(),
                 refused=robot.supervisor.pilot.blocked,
             )

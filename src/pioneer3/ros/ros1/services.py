@@ -104,7 +104,7 @@ class Services:
 
     def switch_motors(self, *, on: bool) -> Answer:
         """Stop, then switch; motors that were switched off stay so until somebody asks again."""
-        refused = self._robot.helm.set_motors(on=on)
+        refused = self._robot.arbiter.set_motors(on=on)
         if refused is None:
             self._robot.supervisor.pilot.auto_enable = on and self._auto_enable
         return Answer(refused is None, refused or f"the motors go {'on' if on else 'off'}")

@@ -18,7 +18,7 @@ stream             readings that are asked for while somebody wants them
 presence           whether the robot has a thing, and how one knows
 =================  ==========================================================================
 
-Devices move no wheels: motion is the helm's.
+Devices move no wheels: motion is the arbiter's.
 """
 
 from collections.abc import Callable

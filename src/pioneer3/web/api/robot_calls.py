@@ -31,7 +31,7 @@ def emergency_stop_all(call: Call) -> None:
 
 def stop(call: Call) -> types.Answered | Problem:
     """Stand still, whoever drives."""
-    call.station.robot.helm.stop()
+    call.station.robot.arbiter.stop()
     return _answered(call)
 
 
@@ -49,7 +49,7 @@ def reset_emergency_stop(call: Call) -> types.Answered | Problem:
 
 def switch_motors(call: Call, body: types.Switch) -> types.Answered | Problem:
     """Stop, then switch the motors' power."""
-    if refused := _refused(call.station.robot.helm.set_motors(on=body.on)):
+    if refused := _refused(call.station.robot.arbiter.set_motors(on=body.on)):
         return refused
     return _answered(call)
 
@@ -92,11 +92,11 @@ def give_up_wheel(call: Call) -> Problem | None:
 
 def get_mode(call: Call) -> types.ModeState | Problem:
     """Say which mode runs, or how the last one ended."""
-    helm = call.station.robot.helm
-    ended = helm.ended
+    arbiter = call.station.robot.arbiter
+    ended = arbiter.ended
     return types.ModeState(
-        mode=helm.mode.name if helm.mode else None,
-        decided=list(helm.told) if helm.mode else [],
+        mode=arbiter.mode.name if arbiter.mode else None,
+        decided=list(arbiter.told) if arbiter.mode else [],
         ended=f"{ended.mode.name}: {ended.why}" if ended else None,
         done=ended is not None and ended.done,
     )

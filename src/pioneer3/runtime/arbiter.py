@@ -4,6 +4,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
@@ -13,13 +14,54 @@ from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import Action, Stack
 from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.limits import Limits, Pace
-from pioneer3.robot.pilot import LATCHED, STOPPED
-from pioneer3.runtime.driven import Drivable
+from pioneer3.limits import Accelerations, Limits
+from pioneer3.robot.feed import Feed
+from pioneer3.robot.pilot import LATCHED, STOPPED, Pilot, VelocityCommand
+from pioneer3.robot.supervisor import RobotInfo, Status
 from pioneer3.state import Scan, Snapshot
 from pioneer3.stops import Stop
 
 log = logging.getLogger(__name__)
+
+
+class Drivable(Protocol):
+    """What an arbiter sends its decisions to.
+
+    Attributes:
+        pilot: Keeps the rules: limits, expiry, fresh commands.
+        snapshots: Every reading.
+        status: How it stands with the connection.
+        info: Of the robot last connected, or `None`.
+        on_reading: Called with every reading, at once.
+    """
+
+    pilot: Pilot
+    snapshots: Feed[Snapshot]
+    status: Feed[Status]
+    info: RobotInfo | None
+    on_reading: Callable[[Snapshot], None]
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest reading, or `None` without a connection."""
+
+    def drive(self, command: VelocityCommand) -> str | None:
+        """Drive as :meth:`Pilot.drive` does; return why that is ignored, or `None`."""
+
+    def stop(self) -> None:
+        """Stand still."""
+
+    def emergency_stop(self) -> None:
+        """Stop hard, motors off, latched."""
+
+    def reset_emergency_stop(self) -> None:
+        """Release the latch; the motors stay off."""
+
+    def set_motors(self, *, on: bool) -> str | None:
+        """Switch the motors' power; return why not, or `None`."""
+
+    def why_not_moving(self, decided: str | None = None) -> str | None:
+        """Return why the robot stands still, or `None` while it moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +90,7 @@ class _Part:
         return any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
 
 
-class Helm:
+class Arbiter:
     """Asks every action and tells the robot, at each reading and at each change.
 
     Args:
@@ -122,13 +164,14 @@ class Helm:
             return refused
         if decision.wanted:
             self._decided_after = situation.last_stop
-            return self._supervisor.drive(
+            command = VelocityCommand(
                 decision.twist,
                 decision.until,
                 after=situation.last_stop.number,
                 answers_stall=decision.despite_stall,
-                pace=_pace(decision, situation.limits),
+                accelerations=_accelerations(decision, situation.limits),
             )
+            return self._supervisor.drive(command)
         stopped, self._decided_after = self._decided_after, situation.last_stop
         if stopped == self._decided_after and before.wanted and situation.now < before.until:
             return self._stand()  # somebody let go; the pilot ends what expires, and what it stops
@@ -158,7 +201,7 @@ class Helm:
         return None if part.after >= self.last_stop.number else self.last_stop.why
 
     def _stand(self) -> str | None:
-        return self._supervisor.drive(STILL, after=self.last_stop.number)
+        return self._supervisor.drive(VelocityCommand(STILL, after=self.last_stop.number))
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
@@ -284,12 +327,12 @@ def _has(stack: Stack, action: Action) -> bool:
     return any(ranked.action is action for ranked in stack.actions)
 
 
-def _pace(decision: Decision, limits: Limits) -> Pace:
+def _accelerations(decision: Decision, limits: Limits) -> Accelerations:
     """Return the accelerations to drive with: never faster up, never softer down than wanted."""
     wanted = decision.limits
     if not wanted:
-        return limits.pace
-    return Pace(
+        return limits.accelerations
+    return Accelerations(
         min(wanted.get("acceleration", limits.acceleration), limits.acceleration),
         max(wanted.get("deceleration", 0.0), limits.deceleration),
         min(wanted.get("turn_acceleration", limits.turn_acceleration), limits.turn_acceleration),

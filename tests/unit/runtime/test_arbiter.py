@@ -13,7 +13,7 @@ from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.runtime.helm import Helm
+from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, PROGRAM, WEB
 from tests.support import SimulatedRobot
 
@@ -33,8 +33,8 @@ class Bridge:
     program: Hold
 
     @property
-    def helm(self) -> Helm:
-        return self.robot.helm
+    def arbiter(self) -> Arbiter:
+        return self.robot.arbiter
 
     @property
     def asked(self) -> Twist2:
@@ -44,7 +44,7 @@ class Bridge:
     async def keep(self, held: Hold, twist: Twist2, seconds: float) -> None:
         """Hold `twist` as a key does."""
         for _ in range(round(seconds / 0.1)):
-            self.helm.hold(held, twist, LONG)
+            self.arbiter.hold(held, twist, LONG)
             await asyncio.sleep(0.1)
 
 
@@ -53,9 +53,9 @@ async def bridge() -> AsyncIterator[Bridge]:
     """Man the bridge."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         the = Bridge(sim, robot, Hold("keyboard"), Hold("web"), Hold("program"))
-        robot.helm.add(the.program, PROGRAM)
-        robot.helm.add(the.web, WEB)
-        robot.helm.add(the.keyboard, KEYBOARD)
+        robot.arbiter.add(the.program, PROGRAM)
+        robot.arbiter.add(the.web, WEB)
+        robot.arbiter.add(the.keyboard, KEYBOARD)
         yield the
 
 
@@ -65,134 +65,134 @@ def test_hands_come_before_programs_and_near_before_far() -> None:
 
 async def test_nobody_drives_to_begin_with() -> None:
     async with bridge() as the:
-        assert the.helm.driver is None
+        assert the.arbiter.driver is None
         assert the.asked == STILL
 
 
 async def test_the_keyboard_wins_over_the_page_and_the_page_over_a_program() -> None:
     async with bridge() as the:
-        the.helm.hold(the.program, TURNING, LONG)
-        assert (the.helm.driver, the.asked) == ("program", TURNING)
-        the.helm.hold(the.web, BACK, LONG)
-        assert (the.helm.driver, the.asked) == ("web", BACK)
-        the.helm.hold(the.keyboard, FORTH, LONG)
-        assert (the.helm.driver, the.asked) == ("keyboard", FORTH)
-        the.helm.hold(the.program, TURNING, LONG)
-        the.helm.hold(the.web, BACK, LONG)
-        assert (the.helm.driver, the.asked) == ("keyboard", FORTH)
+        the.arbiter.hold(the.program, TURNING, LONG)
+        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
+        the.arbiter.hold(the.web, BACK, LONG)
+        assert (the.arbiter.driver, the.asked) == ("web", BACK)
+        the.arbiter.hold(the.keyboard, FORTH, LONG)
+        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
+        the.arbiter.hold(the.program, TURNING, LONG)
+        the.arbiter.hold(the.web, BACK, LONG)
+        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
 
 
 async def test_who_lets_go_leaves_the_robot_to_the_next() -> None:
     async with bridge() as the:
-        the.helm.hold(the.program, TURNING, LONG)
-        the.helm.hold(the.keyboard, FORTH, LONG)
-        the.helm.release(the.keyboard)
-        assert (the.helm.driver, the.asked) == ("program", TURNING)
-        the.helm.release(the.program)
-        assert (the.helm.driver, the.asked) == (None, STILL)
+        the.arbiter.hold(the.program, TURNING, LONG)
+        the.arbiter.hold(the.keyboard, FORTH, LONG)
+        the.arbiter.release(the.keyboard)
+        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
+        the.arbiter.release(the.program)
+        assert (the.arbiter.driver, the.asked) == (None, STILL)
 
 
 async def test_letting_go_without_holding_disturbs_nobody() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, LONG)
-        the.helm.release(the.keyboard)
-        the.helm.release(the.program)
-        assert (the.helm.driver, the.asked) == ("web", FORTH)
+        the.arbiter.hold(the.web, FORTH, LONG)
+        the.arbiter.release(the.keyboard)
+        the.arbiter.release(the.program)
+        assert (the.arbiter.driver, the.asked) == ("web", FORTH)
 
 
 async def test_a_wish_expires_to_the_moment_and_the_next_takes_over_within_a_cycle() -> None:
     async with bridge() as the:
-        the.helm.hold(the.program, TURNING, LONG)
-        the.helm.hold(the.keyboard, FORTH, 0.25)
+        the.arbiter.hold(the.program, TURNING, LONG)
+        the.arbiter.hold(the.keyboard, FORTH, 0.25)
         await asyncio.sleep(0.249)
-        assert (the.helm.driver, the.asked) == ("keyboard", FORTH)
+        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
         await asyncio.sleep(0.001 + 1e-9)
-        assert the.helm.driver != "keyboard"
+        assert the.arbiter.driver != "keyboard"
         assert the.asked != FORTH
         await asyncio.sleep(0.1)
-        assert (the.helm.driver, the.asked) == ("program", TURNING)
+        assert (the.arbiter.driver, the.asked) == ("program", TURNING)
 
 
 async def test_a_wish_of_zero_is_a_wish_and_holds_the_robot_back() -> None:
     async with bridge() as the:
-        the.helm.hold(the.program, FORTH, LONG)
-        the.helm.hold(the.keyboard, STILL, LONG)
-        assert (the.helm.driver, the.asked) == ("keyboard", STILL)
+        the.arbiter.hold(the.program, FORTH, LONG)
+        the.arbiter.hold(the.keyboard, STILL, LONG)
+        assert (the.arbiter.driver, the.asked) == ("keyboard", STILL)
 
 
 async def test_an_action_that_is_taken_out_ends_at_once() -> None:
     async with bridge() as the:
-        the.helm.hold(the.keyboard, FORTH, LONG)
-        the.helm.remove(the.keyboard)
-        assert the.keyboard not in the.helm
-        assert (the.helm.driver, the.asked) == (None, STILL)
-        the.helm.remove(the.keyboard)
+        the.arbiter.hold(the.keyboard, FORTH, LONG)
+        the.arbiter.remove(the.keyboard)
+        assert the.keyboard not in the.arbiter
+        assert (the.arbiter.driver, the.asked) == (None, STILL)
+        the.arbiter.remove(the.keyboard)
 
 
 async def test_actions_are_known_by_identity_not_by_name() -> None:
     async with bridge() as the:
-        assert the.keyboard in the.helm
-        assert Hold("keyboard") not in the.helm
+        assert the.keyboard in the.arbiter
+        assert Hold("keyboard") not in the.arbiter
 
 
 async def test_a_stop_ends_what_everybody_wants() -> None:
     async with bridge() as the:
         for held in (the.keyboard, the.web, the.program):
-            the.helm.hold(held, FORTH, LONG)
-        the.helm.stop()
-        assert (the.helm.driver, the.asked) == (None, STILL)
+            the.arbiter.hold(held, FORTH, LONG)
+        the.arbiter.stop()
+        assert (the.arbiter.driver, the.asked) == (None, STILL)
         await asyncio.sleep(1.0)
         assert the.sim.body.robot_in_world.x < 0.01
 
 
 async def test_what_was_held_during_a_stop_stays_muted_while_it_is_renewed() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, LONG)
-        the.helm.stop(by=the.keyboard)
+        the.arbiter.hold(the.web, FORTH, LONG)
+        the.arbiter.stop(by=the.keyboard)
         for _ in range(20):
-            assert the.helm.hold(the.web, FORTH, LONG) == STOPPED
-            assert the.helm.driver is None
+            assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
+            assert the.arbiter.driver is None
             await asyncio.sleep(0.1)
         assert the.sim.speed == 0.0
 
 
 async def test_a_muted_hold_counts_again_once_released() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, LONG)
-        the.helm.stop()
-        the.helm.release(the.web)
-        assert the.helm.hold(the.web, FORTH, LONG) is None
-        assert the.helm.driver == "web"
+        the.arbiter.hold(the.web, FORTH, LONG)
+        the.arbiter.stop()
+        the.arbiter.release(the.web)
+        assert the.arbiter.hold(the.web, FORTH, LONG) is None
+        assert the.arbiter.driver == "web"
 
 
 async def test_a_muted_hold_counts_again_after_it_has_run_out() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, LONG)
-        the.helm.stop()
+        the.arbiter.hold(the.web, FORTH, LONG)
+        the.arbiter.stop()
         await asyncio.sleep(LONG - 0.01)
-        assert the.helm.hold(the.web, FORTH, LONG) == STOPPED
+        assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
         await asyncio.sleep(LONG)
-        assert the.helm.hold(the.web, FORTH, LONG) is None
-        assert the.helm.driver == "web"
+        assert the.arbiter.hold(the.web, FORTH, LONG) is None
+        assert the.arbiter.driver == "web"
 
 
 async def test_what_was_not_held_during_a_stop_is_not_muted() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, 0.1)
+        the.arbiter.hold(the.web, FORTH, 0.1)
         await asyncio.sleep(0.11)
-        the.helm.stop()
-        assert the.helm.hold(the.web, FORTH, LONG) is None
-        assert the.helm.hold(the.keyboard, BACK, LONG) is None
+        the.arbiter.stop()
+        assert the.arbiter.hold(the.web, FORTH, LONG) is None
+        assert the.arbiter.hold(the.keyboard, BACK, LONG) is None
 
 
 async def test_who_stops_may_drive_again_at_once_and_the_others_may_not() -> None:
     async with bridge() as the:
-        the.helm.hold(the.web, FORTH, LONG)
-        the.helm.hold(the.keyboard, BACK, LONG)
-        the.helm.stop(by=the.keyboard)
-        assert the.helm.hold(the.web, FORTH, LONG) == STOPPED
-        assert the.helm.hold(the.keyboard, BACK, LONG) is None
-        assert (the.helm.driver, the.asked) == ("keyboard", BACK)
+        the.arbiter.hold(the.web, FORTH, LONG)
+        the.arbiter.hold(the.keyboard, BACK, LONG)
+        the.arbiter.stop(by=the.keyboard)
+        assert the.arbiter.hold(the.web, FORTH, LONG) == STOPPED
+        assert the.arbiter.hold(the.keyboard, BACK, LONG) is None
+        assert (the.arbiter.driver, the.asked) == ("keyboard", BACK)
 
 
 async def test_a_stop_by_somebody_ends_a_move() -> None:
@@ -200,7 +200,7 @@ async def test_a_stop_by_somebody_ends_a_move() -> None:
         moving = asyncio.ensure_future(the.robot.move(5.0))
         await asyncio.sleep(2.0)
         assert the.sim.speed > 0.2
-        the.helm.stop(by=the.web)
+        the.arbiter.stop(by=the.web)
         with pytest.raises(MotionError, match="somebody stopped the robot"):
             await moving
         await asyncio.sleep(1.0)
@@ -214,8 +214,8 @@ async def test_a_key_interrupts_a_move_which_goes_on_afterwards() -> None:
         await asyncio.sleep(1.0)
         await the.keep(the.keyboard, BACK, 1.5)
         assert the.sim.speed < 0
-        assert the.helm.driver == "keyboard"
-        the.helm.release(the.keyboard)
+        assert the.arbiter.driver == "keyboard"
+        the.arbiter.release(the.keyboard)
         await moving
         assert the.sim.body.robot_in_world.x == pytest.approx(1.0, abs=0.02)
 
@@ -224,7 +224,7 @@ async def test_an_emergency_stop_mutes_everybody_and_takes_the_power() -> None:
     async with bridge() as the:
         await the.keep(the.keyboard, FORTH, 1.5)
         assert the.sim.speed == pytest.approx(0.3)
-        the.helm.emergency_stop()
+        the.arbiter.emergency_stop()
         await the.keep(the.keyboard, FORTH, 1.0)
         assert the.sim.speed == 0.0
         assert not the.sim.powered
@@ -236,13 +236,13 @@ async def test_an_emergency_stop_mutes_everybody_and_takes_the_power() -> None:
 async def test_who_lets_go_and_asks_again_at_once_drives_after_a_reset() -> None:
     async with bridge() as the:
         await the.keep(the.keyboard, FORTH, 1.0)
-        the.helm.emergency_stop()
+        the.arbiter.emergency_stop()
         await the.keep(the.keyboard, FORTH, 0.3)
         the.robot.reset_emergency_stop()
-        assert the.helm.hold(the.keyboard, FORTH, LONG) is not None
-        the.helm.release(the.keyboard)
-        assert the.helm.hold(the.keyboard, FORTH, LONG) is None
-        assert (the.helm.driver, the.asked) == ("keyboard", FORTH)
+        assert the.arbiter.hold(the.keyboard, FORTH, LONG) is not None
+        the.arbiter.release(the.keyboard)
+        assert the.arbiter.hold(the.keyboard, FORTH, LONG) is None
+        assert (the.arbiter.driver, the.asked) == ("keyboard", FORTH)
 
 
 async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> None:
@@ -251,7 +251,7 @@ async def test_letting_go_answers_no_block_for_somebody_else_who_holds_on() -> N
         the.sim.body.stop_button = True
         await the.keep(the.program, FORTH, 0.5)
         the.sim.body.stop_button = False
-        the.helm.release(the.keyboard)
+        the.arbiter.release(the.keyboard)
         await the.keep(the.program, FORTH, 1.0)
         assert the.asked == STILL
         assert the.sim.speed == 0.0
@@ -287,22 +287,22 @@ async def test_a_mode_that_waits_ends_as_one_that_drives(
 ) -> None:
     async with bridge() as the:
         waiting = Waiting()
-        assert the.helm.start(Stack.alone(waiting, MODE)) is None
+        assert the.arbiter.start(Stack.alone(waiting, MODE)) is None
         await asyncio.sleep(1.0)
         await happens(the)
-        assert the.helm.mode is None
+        assert the.arbiter.mode is None
         waiting.goes = True
         await the.keep(the.keyboard, BACK, 1.0)  # somebody's fresh press
-        the.helm.release(the.keyboard)
+        the.arbiter.release(the.keyboard)
         await asyncio.sleep(2.0)
         assert the.sim.speed == 0.0
 
 
 async def test_a_mode_that_is_started_while_latched_does_not_begin_with_the_reset() -> None:
     async with bridge() as the:
-        the.helm.emergency_stop()
+        the.arbiter.emergency_stop()
         waiting = Waiting()
-        why = the.helm.start(Stack.alone(waiting, MODE))
+        why = the.arbiter.start(Stack.alone(waiting, MODE))
         assert why == "the emergency stop is latched"
         the.robot.reset_emergency_stop()
         waiting.goes = True
@@ -314,23 +314,23 @@ async def test_a_mode_that_is_started_while_latched_does_not_begin_with_the_rese
 async def test_motors_switched_off_stay_off_whatever_is_held() -> None:
     async with bridge() as the:
         await the.keep(the.web, FORTH, 1.5)
-        assert the.helm.set_motors(on=False) is None
+        assert the.arbiter.set_motors(on=False) is None
         await the.keep(the.web, FORTH, 1.0)
         assert not the.sim.powered
 
 
 async def test_motors_refused_say_why() -> None:
     async with bridge() as the:
-        the.helm.emergency_stop()
-        assert the.helm.set_motors(on=True) == "the emergency stop is latched"
+        the.arbiter.emergency_stop()
+        assert the.arbiter.set_motors(on=True) == "the emergency stop is latched"
 
 
 async def test_a_wish_without_a_robot_is_refused_and_not_kept_for_later() -> None:
     async with bridge() as the:
         await the.sim.unplug()
         await asyncio.sleep(0.5)
-        assert the.helm.hold(the.keyboard, FORTH, LONG) is not None
-        the.helm.release(the.keyboard)
+        assert the.arbiter.hold(the.keyboard, FORTH, LONG) is not None
+        the.arbiter.release(the.keyboard)
         the.sim.plugged = True
         await asyncio.sleep(8.0)
         assert the.robot.snapshot is not None

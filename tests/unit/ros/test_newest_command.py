@@ -6,25 +6,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.ros.interface.arbiter import LATE, WAIT, Arbiter
+from pioneer3.ros.interface.newest_command import LATE, WAIT, NewestCommand
 
 AHEAD, BACK = Twist2(0.1), Twist2(-0.1)
 KEYS, OTHER = "/rob_key", "/somebody"
 
 
 class Robot:
-    """Obeys an arbiter, punctually."""
+    """Obeys it, punctually."""
 
     def __init__(self) -> None:
-        self.arbiter = Arbiter()
+        self.newest = NewestCommand()
         self.did: list[Twist2] = []
 
     def hear(self, now: float, twist: Twist2, *, shared: bool = False, sender: str = KEYS) -> None:
         self.until(now)
-        self._do(self.arbiter.take(twist, now, sender=sender, shared=shared))
+        self._do(self.newest.take(twist, now, sender=sender, shared=shared))
 
     def until(self, now: float) -> None:
-        self._do(self.arbiter.due(now))
+        self._do(self.newest.due(now))
 
     def _do(self, wanted: Twist2 | None) -> None:
         if wanted is not None:
@@ -43,10 +43,10 @@ def test_a_zero_to_all_stops_it_a_moment_later() -> None:
     robot = Robot()
     robot.hear(0.0, AHEAD)
     robot.hear(1.0, STILL, shared=True)
-    assert robot.arbiter.deadline == 1.0 + WAIT
+    assert robot.newest.deadline == 1.0 + WAIT
     robot.until(1.0 + WAIT)
     assert robot.did == [AHEAD, STILL]
-    assert robot.arbiter.deadline == inf
+    assert robot.newest.deadline == inf
 
 
 def test_zeros_to_all_without_a_pause_stop_it_too() -> None:

@@ -18,7 +18,7 @@ class Single(NamedTuple):
     at: float
 
 
-class Arbiter:
+class NewestCommand:
     """Lets the command decide that arrived last, whatever topic it came on.
 
     The lab's keys for several robots send a zero to all robots and at once the command to one of
