@@ -25,8 +25,8 @@ from benchmarks.web_wire import Wire, wire_to
 from pioneer3 import MotionError, connect_async
 from pioneer3.arcos import commands
 from pioneer3.links import Link
-from pioneer3.runtime.simulation import simulator
-from pioneer3.runtime.tasks import running
+from pioneer3.sim.server.start import simulator
+from pioneer3.tasks import running
 from tests.support import SimulatedRobot
 
 FILES = 256

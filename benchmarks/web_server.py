@@ -19,13 +19,13 @@ from contextlib import AsyncExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import simulator
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
+from pioneer3.sim.server.start import simulator
 from pioneer3.state import Snapshot
+from pioneer3.tasks import running
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from pioneer3.web.station import Station
 
@@ -79,7 +79,7 @@ async def run(urls: Sequence[str]) -> None:
         targets = [Target(url=url, scene=Scene()) for url in urls]
         if not targets:
             here = await stack.enter_async_context(simulator(port=0))
-            targets = [Target(url=here.url, scene=here.scene)]
+            targets = [Target(url=here.url, scene=Scene.of(here, here.robots[0]))]
             await stack.enter_async_context(running(_note_stands(here.body)))
         await stack.enter_async_context(hosted(page, targets, lambda line: None))
         served = await stack.enter_async_context(serve(page, port=0))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import msgspec
 from websockets.asyncio.client import ClientConnection, connect
 
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 
 CLOSE_LOOKERS = 5
 """Viewers that read what is in the frames; the others only count them."""

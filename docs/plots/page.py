@@ -8,13 +8,14 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from math import pi
 from pathlib import Path
 
+from pioneer3.runtime.simulation import simulator
 from playwright.async_api import Browser, ViewportSize, async_playwright
 
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.simulation import simulator
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
@@ -57,7 +58,7 @@ async def serving(world: WorldFile) -> AsyncIterator[str]:
         for one in running.robots:
             robot = await stack.enter_async_context(connect_async(one.url))
             await stack.enter_async_context(
-                page.hosting(robot, running.scene_of(one), one.name if several else "")
+                page.hosting(robot, Scene.of(running, one), one.name if several else "")
             )
         served = await stack.enter_async_context(serve(page, port=0))
         yield served.http

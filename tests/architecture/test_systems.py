@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.simulation import simulator
 from pioneer3.sim.server import doors
+from pioneer3.sim.server.start import simulator
 
 ROOT = Path(__file__).parents[2]
 WITHOUT_POSIX = """
@@ -48,7 +48,7 @@ for module in pkgutil.walk_packages(pioneer3.__path__, "pioneer3."):
 DRIVE = """
 async def drive():
     from pioneer3 import connect_async
-    from pioneer3.runtime.simulation import simulator
+    from pioneer3.sim.server.start import simulator
 
     async with simulator(port=0) as simulation, connect_async(simulation.url) as robot:
         await robot.move(0.1)

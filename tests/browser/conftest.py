@@ -19,11 +19,12 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import WorldFile
 from pioneer3.web.live import PATIENT
 from pioneer3.web.page import Page as WebPage
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 
 T = TypeVar("T")
@@ -93,7 +94,7 @@ def running_product(
             web = WebPage()
             for one in running.robots:
                 robot = await stack.enter_async_context(connect_async(one.url, timing=PATIENT))
-                scene = running.scene_of(one) if editable else Scene(running.world.map)
+                scene = Scene.of(running, one) if editable else Scene(running.world.map)
                 name = one.name if len(running.robots) > 1 else ""
                 await stack.enter_async_context(web.hosting(robot, scene, name))
             served = await stack.enter_async_context(serve(web, host=host, port=port))

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 import pytest
 from playwright.sync_api import Browser, CDPSession, Page, expect
 
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from tests.browser.conftest import Product, in_thread, wait_for_the_robot
 from tests.browser.test_page import SLACK, speed, until
 from tests.browser.views import drive, stopped_after

@@ -14,7 +14,8 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
-from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import PATIENCE, environment, in_session, until
 
 PLAIN = "2D-Map\nNumLines: 1\nLINES\n50000 -1000 50000 1000\n"

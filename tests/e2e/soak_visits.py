@@ -11,11 +11,11 @@ from random import Random
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Sip
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
+from pioneer3.tasks import running
 from tests.e2e.plain_client import PATIENCE, SYNCS, PlainClient, TurnedAwayError, session
 from tests.e2e.soak_hour import populate, troubles_of
 from tests.support import frame

@@ -10,8 +10,8 @@ from pioneer3.errors import DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
-from pioneer3.runtime.devices.acts import Acts
-from pioneer3.runtime.simulation import simulator
+from pioneer3.robot.devices.acts import Acts
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Fitting, RobotSpec, WorldFile
 
 WORLD = WorldFile(

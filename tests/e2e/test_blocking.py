@@ -9,8 +9,7 @@ import pytest
 
 from pioneer3 import BlockingRobot, DeviceError, Robot, connect
 from pioneer3.arcos.reports import Config
-from pioneer3.runtime.blocking import facade_of
-from pioneer3.runtime.devices import (
+from pioneer3.robot.devices import (
     Camera,
     Devices,
     Gripper,
@@ -20,7 +19,9 @@ from pioneer3.runtime.devices import (
     Safety,
     TcmCompass,
 )
-from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.runtime.blocking import facade_of
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.start import simulator
 from pioneer3.state import Scan
 from tests.e2e.test_ways_out import BYE, SLOW, running, said_goodbye
 

@@ -16,7 +16,7 @@ from websockets.asyncio.client import connect as connect_page
 
 from pioneer3 import connect_async
 from pioneer3.arcos.commands import Close, Enable, Sonar, Stop, Vel
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import COMMAND, KILLED, PATIENCE, Command, environment, p3, running, until
 from tests.support import Wire
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from tests.e2e.at_terminal import Person, person
 from tests.e2e.processes import PATIENCE, environment, p3, until
 

@@ -8,11 +8,11 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.doctor.diagnose import diagnose, interview
+from pioneer3.doctor.facts import Facts, Finding, Level
+from pioneer3.doctor.probe_session import QUICK, SCIP_SPEEDS, ProbeSession
+from pioneer3.doctor.recognition import SCIP_QUESTION, Kind, lms_checksum
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
-from pioneer3.runtime.conversation import QUICK, SCIP_SPEEDS, Conversation
-from pioneer3.runtime.diagnosis import Facts, Finding, Level, diagnose
-from pioneer3.runtime.diagnosis.gather import interview
-from pioneer3.runtime.strangers import SCIP_QUESTION, Kind, lms_checksum
 from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"
@@ -54,7 +54,7 @@ async def test_nothing_but_harmless_commands_is_sent_and_the_motors_stay_off() -
 
 async def test_a_robot_left_streaming_is_found_and_freed() -> None:
     async with SimulatedRobot() as robot:
-        before = Conversation(await robot.open(), QUICK)
+        before = ProbeSession(await robot.open(), QUICK)
         assert await before.meet()
         findings = await examined(robot)  # the first host is gone without a word
     assert findings["session"].level is Level.WARN
@@ -73,7 +73,7 @@ async def test_noise_is_counted_and_the_session_survives_it() -> None:
     async with SimulatedRobot() as robot:
         link = await robot.open()
         noisy = Noise(Random(1), corrupt=0.003)
-        conversation = Conversation(link)
+        conversation = ProbeSession(link)
         assert await conversation.meet()
         robot.to_host = noisy
         await conversation.listen(5.0)
@@ -122,7 +122,7 @@ async def test_stop_button_and_empty_battery_are_found() -> None:
 
 async def test_a_robot_unplugged_while_it_talks_is_a_session_that_broke_off() -> None:
     async with SimulatedRobot() as robot:
-        conversation = Conversation(await robot.open())
+        conversation = ProbeSession(await robot.open())
         assert await conversation.meet()
         await robot.unplug()
         await conversation.listen(1.0)
@@ -133,7 +133,7 @@ async def test_a_robot_unplugged_while_it_talks_is_a_session_that_broke_off() ->
 async def test_a_robot_that_falls_silent_is_a_failure_of_the_reports() -> None:
     async with SimulatedRobot() as robot:
         link = await robot.open()
-        conversation = Conversation(link)
+        conversation = ProbeSession(link)
         assert await conversation.meet()
         robot.silent = True
         await conversation.listen(5.0)
@@ -189,14 +189,14 @@ async def test_a_hokuyo_answers_the_question_at_its_speed(speed: int) -> None:
     version = b"VV\n00P\nVEND:Hokuyo;x\nPROD:URG-04LX;x\n\n"
     laser = Device(speeds=SPEEDS, answers={(speed, b"VV\n"): version})
     facts = await facts_about(laser)
-    assert facts.stranger is not None
-    assert (facts.stranger.kind, facts.stranger.name) == (Kind.LASER, "Hokuyo, URG-04LX")
+    assert facts.other_device is not None
+    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "Hokuyo, URG-04LX")
 
 
 async def test_a_silent_device_hears_the_handshake_and_one_question() -> None:
     device = Device(speeds=SPEEDS)
     facts = await facts_about(device)
-    assert facts.stranger is None
+    assert facts.other_device is None
     assert {speed for speed, _ in device.written} == set(SPEEDS)
     questions = [(s, data) for s, data in device.written if not data.startswith(b"\xfa\xfb")]
     assert questions == [(speed, SCIP_QUESTION) for speed in SCIP_SPEEDS]
@@ -207,21 +207,21 @@ async def test_a_streaming_sick_is_recognised_without_a_question() -> None:
     telegram = powered_on + lms_checksum(powered_on).to_bytes(2, "little")
     device = Device(greeting=telegram)
     facts = await facts_about(device)
-    assert facts.stranger is not None
-    assert facts.stranger.name == "SICK LMS 2xx"
+    assert facts.other_device is not None
+    assert facts.other_device.name == "SICK LMS 2xx"
     assert all(data != SCIP_QUESTION for _, data in device.written)
 
 
 async def test_a_loopback_plug_is_recognised() -> None:
     facts = await facts_about(Device(echo=True))
-    assert facts.stranger is not None
-    assert facts.stranger.kind is Kind.ECHO
+    assert facts.other_device is not None
+    assert facts.other_device.kind is Kind.ECHO
 
 
 async def test_a_banner_is_quoted() -> None:
     facts = await facts_about(Device(greeting=b"login: "))
-    assert facts.stranger is not None
-    assert facts.stranger.kind is Kind.TEXT
+    assert facts.other_device is not None
+    assert facts.other_device.kind is Kind.TEXT
 
 
 async def test_the_last_words_to_a_stranger_are_a_stop_and_a_good_bye() -> None:

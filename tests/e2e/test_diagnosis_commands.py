@@ -7,7 +7,7 @@ from math import isclose
 
 import pytest
 
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 
 pytestmark = pytest.mark.realtime
 

@@ -8,12 +8,13 @@ from random import Random
 
 import pytest
 
+from pioneer3.doctor.diagnose import diagnose, exit_code, gather
+from pioneer3.doctor.facts import Level
+from pioneer3.doctor.ports import holders_of
+from pioneer3.doctor.probe import Verdict, probe
+from pioneer3.doctor.probe_session import QUICK
 from pioneer3.links.pty import PtyPort, open_pty
-from pioneer3.runtime.conversation import QUICK
-from pioneer3.runtime.diagnosis import Level, diagnose, exit_code, gather
-from pioneer3.runtime.ports import holders_of
-from pioneer3.runtime.probe import Verdict, probe
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 
 pytestmark = pytest.mark.realtime
 

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from pioneer3.teleop.evdev import open_gamepad, read
 from pioneer3.teleop.gamepad_drive import GamepadDriver
 from pioneer3.teleop.input_events import EV_ABS, EV_KEY, EV_SYN, EVENT

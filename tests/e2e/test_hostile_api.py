@@ -19,13 +19,13 @@ from schemathesis.specs.openapi.checks import (
 )
 
 from pioneer3 import connect_async
-from pioneer3.runtime.scene import Scene
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.api.openapi import openapi
 from pioneer3.web.api.operation import Operation
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from tests.support import SimulatedRobot
 

@@ -15,11 +15,11 @@ from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import SimLaserExtended, Sip, SipFlag
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
+from pioneer3.tasks import running
 from tests.e2e.plain_client import PATIENCE, PlainClient, TurnedAwayError, session
 from tests.e2e.processes import COMMAND, environment
 

@@ -6,13 +6,13 @@ import pytest
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.doctor.diagnose import diagnose, interview
+from pioneer3.doctor.facts import Facts, Level
+from pioneer3.doctor.recognition import Kind
 from pioneer3.errors import NoRobotError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.diagnosis import Facts, Level, diagnose
-from pioneer3.runtime.diagnosis.gather import interview
-from pioneer3.runtime.strangers import Kind
 from tests.support import SYNCS, SimulatedRobot, Wire, frame, hold, until
 
 STOP = frame(commands.Stop())
@@ -121,8 +121,8 @@ async def test_the_doctor_knows_an_old_emulator_that_somebody_confused() -> None
         link = await emulator.open()
         await link.write(STOP)
         facts = await interview(link, 1.0, Facts(url="memory:robot"))
-    assert facts.stranger is not None
-    assert facts.stranger.kind is Kind.PACKETS
+    assert facts.other_device is not None
+    assert facts.other_device.kind is Kind.PACKETS
     answer = next(finding for finding in diagnose(facts) if finding.check == "answer")
     assert "1 well-formed packet" in answer.found
     assert "AMRISim" in answer.meaning

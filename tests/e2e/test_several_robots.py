@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError, PortNotFoundError
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import RunningSimulation, simulator
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.start import simulator
 from pioneer3.web import hosting
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.live import Options, own_files
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from tests.support import until
 
 pytestmark = pytest.mark.realtime

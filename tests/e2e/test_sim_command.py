@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import Robot, connect_async
-from pioneer3.runtime.devices import Acts
+from pioneer3.robot.devices import Acts
 from tests.e2e.processes import COMMAND, Command, environment, p3, running, until
 
 pytestmark = pytest.mark.realtime

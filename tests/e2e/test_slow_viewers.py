@@ -13,10 +13,10 @@ import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
 from pioneer3 import connect_async
-from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap
 from pioneer3.web import visitor
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from pioneer3.web.websocket import ShortSocket
 from tests.support import SimulatedRobot, until

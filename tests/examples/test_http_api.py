@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import connect_async
-from pioneer3.runtime.scene import Scene
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from tests.support import SimulatedRobot
 

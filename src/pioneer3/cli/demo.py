@@ -51,7 +51,7 @@ async def _demo(
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
     from pioneer3.demo.start import start_plain, start_screen  # noqa: PLC0415
     from pioneer3.errors import ConfigError  # noqa: PLC0415
-    from pioneer3.runtime.devices import Acts  # noqa: PLC0415
+    from pioneer3.robot.devices import Acts  # noqa: PLC0415
 
     if len(mode) != 1 or mode.lower() not in KEYS:
         raise ConfigError(f"--mode {mode}: it must be one of {' '.join(KEYS)}")

@@ -6,7 +6,7 @@ from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import DEFAULT_PORT, Baud, Flag, Port, Seconds
 
 if TYPE_CHECKING:
-    from pioneer3.runtime.diagnosis import Finding
+    from pioneer3.doctor.facts import Finding
 
 
 def doctor(
@@ -30,7 +30,11 @@ def doctor(
 
 async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
     from pioneer3.cli.output import busy_sign, write_json  # noqa: PLC0415
-    from pioneer3.runtime.diagnosis import diagnose, exit_code, gather  # noqa: PLC0415
+    from pioneer3.doctor.diagnose import (  # noqa: PLC0415
+        diagnose,
+        exit_code,
+        gather,
+    )
 
     with busy_sign(f"Asking {port}, and listening for {seconds:g} s ..."):
         findings = diagnose(await gather(port, baud=baud, seconds=seconds))

@@ -7,8 +7,8 @@ from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import Flag
 
 if TYPE_CHECKING:
-    from pioneer3.runtime.ports import SerialPort
-    from pioneer3.runtime.probe import Probed
+    from pioneer3.doctor.ports import SerialPort
+    from pioneer3.doctor.probe import Probed
 
 
 def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False) -> int:
@@ -28,8 +28,8 @@ def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False)
 
 
 async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
-    from pioneer3.runtime.ports import list_ports  # noqa: PLC0415
-    from pioneer3.runtime.probe import SIMULATOR_URL, found_code  # noqa: PLC0415
+    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
+    from pioneer3.doctor.probe import SIMULATOR_URL, found_code  # noqa: PLC0415
 
     ports = await _replugged() if wait else list_ports()
     urls = () if wait else (SIMULATOR_URL,)
@@ -45,7 +45,7 @@ async def _looked_at(
     ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
 ) -> "list[Probed]":
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
-    from pioneer3.runtime.probe import not_probed, probe, probe_port  # noqa: PLC0415
+    from pioneer3.doctor.probe import not_probed, probe, probe_port  # noqa: PLC0415
 
     if no_probe:
         return not_probed(ports, urls)
@@ -62,8 +62,8 @@ async def _looked_at(
 async def _replugged() -> "tuple[SerialPort, ...]":
     """Lead a person through unplugging and plugging in; return the ports that came back."""
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
-    from pioneer3.runtime.ports import list_ports  # noqa: PLC0415
-    from pioneer3.runtime.probe import came_back, wait_for_plug  # noqa: PLC0415
+    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
+    from pioneer3.doctor.probe import came_back, wait_for_plug  # noqa: PLC0415
 
     before = list_ports()
     _say("Unplug the robot's cable from this computer, then press Enter. ")
@@ -99,7 +99,7 @@ def _say(text: str) -> None:
 
 def _print_json(found: "list[Probed]") -> None:
     from pioneer3.cli.output import write_json  # noqa: PLC0415
-    from pioneer3.runtime.probe import choose  # noqa: PLC0415
+    from pioneer3.doctor.probe import choose  # noqa: PLC0415
 
     best = choose(found)
     ports = [

@@ -50,7 +50,7 @@ def _show(robot: "Robot") -> None:
 
 
 def _as_data(robot: "Robot") -> dict[str, object]:
-    from pioneer3.runtime.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind  # noqa: PLC0415
 
     info, snapshot = robot.info, robot.snapshot
     return {

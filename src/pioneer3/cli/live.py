@@ -127,7 +127,7 @@ async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
 
 def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
     """Say which robot does what, unless a program reads."""
-    from pioneer3.runtime.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind  # noqa: PLC0415
 
     if not json:
         info = robot.info

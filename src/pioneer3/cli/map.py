@@ -11,7 +11,7 @@ from pioneer3.cli.options import Flag
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pioneer3.runtime.mapping import MapInfo
+    from pioneer3.sim.worldfile.convert import MapInfo
     from pioneer3.sim.worldfile.remark import Remark
 
 map_app = App(
@@ -38,7 +38,7 @@ def show(file: str) -> int:
     """
     from rich.console import Console  # noqa: PLC0415
 
-    from pioneer3.runtime.mapping import look  # noqa: PLC0415
+    from pioneer3.sim.worldfile.convert import look  # noqa: PLC0415
 
     _print_map(look(file), Console(highlight=False))
     return 0
@@ -63,7 +63,7 @@ def check(
         json: Print JSON for programs, nothing else.
     """
     from pioneer3.cli.output import write_json  # noqa: PLC0415
-    from pioneer3.runtime import mapping  # noqa: PLC0415
+    from pioneer3.sim.worldfile import convert as mapping  # noqa: PLC0415
 
     remarks, code = mapping.check(file, robot)
     if json:
@@ -95,7 +95,7 @@ def convert(
         force: Write over files that are there.
     """
     from pioneer3.cli.output import write_line  # noqa: PLC0415
-    from pioneer3.runtime import mapping  # noqa: PLC0415
+    from pioneer3.sim.worldfile import convert as mapping  # noqa: PLC0415
 
     done = mapping.convert(source, target, resolution=resolution, force=force)
     for path in done.files:

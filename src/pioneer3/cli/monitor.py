@@ -103,9 +103,9 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
     from pioneer3.cli.live import lost, watch  # noqa: PLC0415
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.doctor.decoding_link import DecodingLink, described  # noqa: PLC0415
     from pioneer3.links import Link, opener  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
-    from pioneer3.runtime.overheard import OverheardLink, described  # noqa: PLC0415
 
     began = asyncio.get_running_loop().time()
 
@@ -119,7 +119,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     open_ = opener(link.port, baud=link.baud)
 
     async def opened() -> Link:
-        return OverheardLink(await open_(), tell)
+        return DecodingLink(await open_(), tell)
 
     def overhear() -> Awaitable[Link]:
         return asyncio.ensure_future(opened())

@@ -11,8 +11,8 @@ from rich.text import Text
 
 from pioneer3.cli.tables import battery_text
 from pioneer3.models import SonarMount
+from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import Connection, RobotInfo, Status
-from pioneer3.runtime.identity import is_simulator, kind
 from pioneer3.state import LinkQuality, Snapshot, Sonar
 
 FARTHEST = 5.0

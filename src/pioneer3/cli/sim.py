@@ -22,7 +22,7 @@ from pioneer3.errors import PortBusyError
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
-    from pioneer3.runtime.simulation import RunningSimulation
+    from pioneer3.sim.server.running import RunningSimulation
 
 MAP, WORLD, PORTS, TIME = MapOptions(), WorldOptions(), PortOptions(), TimeOptions()
 ERRORS, MOBILESIM = ErrorOptions(), MobileSimOptions()
@@ -67,7 +67,7 @@ def sim(
         _warn(note)
     if ports.warning:
         _warn(ports.warning)
-    from pioneer3.runtime.simulation import simulator  # noqa: PLC0415
+    from pioneer3.sim.server.start import simulator  # noqa: PLC0415
 
     simulation = simulator(
         map_name=map_.name(),

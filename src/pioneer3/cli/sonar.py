@@ -125,7 +125,7 @@ def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "Render
     from rich.console import Group  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
-    from pioneer3.runtime.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind  # noqa: PLC0415
 
     drawn = picture.text()
     drawn.end = "\n"

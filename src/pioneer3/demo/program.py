@@ -10,9 +10,9 @@ from typing import Any, Protocol, TypeVar
 from pioneer3.demo.keys import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY
 from pioneer3.demo.modes import ALL, Cockpit, Gauge, Mode, Row
 from pioneer3.errors import PioneerError
+from pioneer3.robot.devices import Acts, Presence
 from pioneer3.robot.pilot import STOPPED
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.devices import Acts, Presence
 from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.keyboard import PATIENCE, patient
 

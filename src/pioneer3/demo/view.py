@@ -6,9 +6,9 @@ from rich.text import Text
 
 from pioneer3.behaviors.words import told
 from pioneer3.demo.modes import Mode
+from pioneer3.robot.devices import detailed_status
+from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import Connection
-from pioneer3.runtime.devices import detailed_status
-from pioneer3.runtime.identity import is_simulator, kind
 from pioneer3.runtime.robot import Robot
 
 FOOT = (

@@ -289,7 +289,7 @@ class BlockingRobot(Facade):
 
     @property
     def devices(self) -> Any:
-        """What the robot has besides wheels and sonars: :class:`pioneer3.runtime.devices.Devices`.
+        """What the robot has besides wheels and sonars: :class:`pioneer3.robot.devices.Devices`.
 
         Facades, made as they are asked for: `robot.devices.gripper.open()`, or
         `for scan in robot.devices.laser.values()`. Their types are known when the program runs.

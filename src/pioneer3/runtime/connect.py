@@ -14,7 +14,7 @@ from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 
 USUAL = "p3at-sh"
 

@@ -9,10 +9,10 @@ from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
+from pioneer3.robot.devices import Devices
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.devices import Devices
 from pioneer3.runtime.driven import LOST_AFTER, readings
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.runtime.priorities import PROGRAM

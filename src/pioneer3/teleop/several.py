@@ -5,7 +5,7 @@ import re
 from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Final
 
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 from pioneer3.teleop.drive import KeyboardDriver
 from pioneer3.teleop.keyboard import Key
 from pioneer3.teleop.terminal import SEQUENCES

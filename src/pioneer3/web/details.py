@@ -9,20 +9,20 @@ from typing import Any
 from pioneer3.arcos.commands import IoRequest
 from pioneer3.arcos.commands import Request as How
 from pioneer3.arcos.reports import Io, Report
+from pioneer3.doctor.facts import Finding, Level
+from pioneer3.doctor.watch import LineWatch
 from pioneer3.errors import CommandError, PioneerError
+from pioneer3.robot.config_table import explained
+from pioneer3.robot.devices import detailed_status
+from pioneer3.robot.devices.gyro import Gyro
+from pioneer3.robot.devices.lines import LinesReading, read_io
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.runtime.devices import detailed_status
-from pioneer3.runtime.devices.gyro import Gyro
-from pioneer3.runtime.devices.lines import LinesReading, read_io
-from pioneer3.runtime.diagnosis import Finding, Level
-from pioneer3.runtime.diagnosis.watch import LineWatch
-from pioneer3.runtime.meanings import explained
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
 from pioneer3.state import Snapshot
 from pioneer3.web import messages
 from pioneer3.web.channel import Notices
 from pioneer3.web.guest import Guest
+from pioneer3.web.scene import Scene
 
 PERIOD = 0.5
 """Between two messages [s]."""

@@ -13,8 +13,8 @@ from typing import Any
 from pioneer3.errors import CommandError, PioneerError, PortBusyError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.models import load_model, model_names
-from pioneer3.runtime.simulation import SimulatedRobot
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.server.running import SimulatedRobot
 from pioneer3.sim.worldfile import Box, Person, RobotSpec
 from pioneer3.teleop.lease import Lease
 from pioneer3.web import requests

@@ -10,13 +10,13 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.models import RobotModel
+from pioneer3.robot.identity import kind
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.identity import kind
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation.elsewhere import WorldElsewhere
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
+from pioneer3.web.elsewhere import WorldElsewhere
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 
 log = logging.getLogger(__name__)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import PortBusyError
 from pioneer3.models import load_model
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import RunningSimulation, simulator
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, load_world
 from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
 from pioneer3.web.access.certificate import digest
@@ -22,6 +22,7 @@ from pioneer3.web.access.sessions import free_name
 from pioneer3.web.access.sharing import certificate_for, invitation_lines
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 
 PATIENT = Timing(silence=inf)
@@ -142,7 +143,7 @@ def _simulated(running: RunningSimulation) -> list[Target]:
     return [
         Target(
             url=robot.url,
-            scene=running.scene_of(robot),
+            scene=Scene.of(running, robot),
             name=robot.name if several else "",
             timing=PATIENT,
         )
@@ -176,11 +177,11 @@ def _how_to_come_in(page: Page, options: Options) -> Iterator[str]:
         return
     if not page.access.urls:
         yield (
-            "No other device can come in: this computer has no address in a network. Connect it "
+            "No stranger can come in: this computer has no address in a network. Connect it "
             "(see `ip address`), then start this again"
         )
         return
-    yield f"From other devices, once paired: {'  '.join(page.access.urls)}"
+    yield f"From strangers, once paired: {'  '.join(page.access.urls)}"
     if page.access.authority is not None:
         yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
     if options.show_tokens:

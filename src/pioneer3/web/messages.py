@@ -9,9 +9,9 @@ import msgspec
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
+from pioneer3.robot.identity import kind
 from pioneer3.robot.supervisor import RobotInfo, Status
 from pioneer3.runtime.arbiter import Ended
-from pioneer3.runtime.identity import kind
 from pioneer3.state import Snapshot
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web.guest import Guest

@@ -9,9 +9,8 @@ from typing import Any
 from pioneer3 import __version__
 from pioneer3.errors import CommandError
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.maps import LineMap
+from pioneer3.tasks import running
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, device
 from pioneer3.web.access.sessions import Session, free_name
@@ -21,6 +20,7 @@ from pioneer3.web.guest import Guest, Somebody
 from pioneer3.web.people import People
 from pioneer3.web.plan import plan
 from pioneer3.web.scans import Scans
+from pioneer3.web.scene import Scene
 from pioneer3.web.snapshots import Snapshots
 from pioneer3.web.station import Station
 from pioneer3.web.wheel import Wheel

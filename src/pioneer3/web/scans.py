@@ -6,8 +6,8 @@ from math import isfinite
 from typing import Any
 
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.tasks import running
 from pioneer3.state import Scan
+from pioneer3.tasks import running
 from pioneer3.units import MM
 from pioneer3.web.messages import encode
 from pioneer3.web.snapshots import Snapshots

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import uvicorn
 
 from pioneer3.errors import LinkError, PortBusyError
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 from pioneer3.web.access.certificate import Certificate
 from pioneer3.web.access.names import is_loopback, own_names
 from pioneer3.web.access.sharing import others_urls

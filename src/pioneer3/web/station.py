@@ -6,7 +6,6 @@ from pioneer3.behaviors.goal import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.explain import kind_of
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.scene import Scene
 from pioneer3.sim.worldfile.errand import Errand, errand
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages, requests
@@ -14,6 +13,7 @@ from pioneer3.web.details import Details
 from pioneer3.web.guest import Somebody
 from pioneer3.web.hands import Input
 from pioneer3.web.modes import Goto, Mode, make
+from pioneer3.web.scene import Scene
 from pioneer3.web.wheel import Wheel
 
 GOTO_TIME = 600.0

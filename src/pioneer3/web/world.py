@@ -7,8 +7,8 @@ from typing import Any
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model, model_names
-from pioneer3.runtime.simulation import RunningSimulation, SimulatedRobot
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.worldfile import Box
 
 Item = SimulatedRobot | Obstacle

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.cli.doctor import doctor
 from pioneer3.cli.tables import verdict
-from pioneer3.runtime.diagnosis import Finding, Level
+from pioneer3.doctor.facts import Finding, Level
 
 
 def test_a_port_that_is_not_there_ends_with_3_and_says_what_to_do(

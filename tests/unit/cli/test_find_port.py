@@ -6,9 +6,9 @@ import pytest
 
 from pioneer3.cli.find_port import find_port
 from pioneer3.cli.tables import advice
-from pioneer3.runtime import ports, probe
-from pioneer3.runtime.ports import SerialPort
-from pioneer3.runtime.probe import Probed, Verdict
+from pioneer3.doctor import ports, probe
+from pioneer3.doctor.ports import SerialPort
+from pioneer3.doctor.probe import Probed, Verdict
 
 ADAPTER = SerialPort(
     path="/dev/serial/by-id/usb-FTDI_A1", device="/dev/ttyUSB0", manufacturer="FTDI", product="R"

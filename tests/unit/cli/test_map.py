@@ -10,9 +10,9 @@ from rich.console import Console
 from pioneer3.cli.map import _print_map, check, convert, map_app, show
 from pioneer3.cli.map_drawing import Canvas
 from pioneer3.errors import ConfigError
-from pioneer3.runtime.mapping import look
 from pioneer3.sim.maps import read_map, shipped_map
 from pioneer3.sim.worldfile import load_world
+from pioneer3.sim.worldfile.convert import look
 
 BAD = "2D-Map\nLINES\n1 2 3\n"
 

@@ -14,8 +14,7 @@ from pioneer3 import ConfigError, PortBusyError, PortNotFoundError
 from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Fitting, RobotSpec
 from pioneer3.sim.worldfile.arguments import Wishes
 from pioneer3.web import live as live_module
@@ -24,6 +23,7 @@ from pioneer3.web.access.role import Role
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.live import Options, live
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from tests.support import until
 
@@ -172,7 +172,7 @@ async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
 @pytest.mark.realtime
 async def test_beyond_loopback_others_are_told_to_pair() -> None:
     lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 5)
-    assert lines[2].startswith("From other devices, once paired: http://")
+    assert lines[2].startswith("From strangers, once paired: http://")
     assert "https://" in lines[2]
     assert "SHA-256 " in lines[3]
     assert "pioneer3 access" in lines[4]
@@ -194,7 +194,7 @@ async def test_who_wants_others_in_but_has_no_network_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sharing, "lan_addresses", lambda host: [])
-    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No other device")
+    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No stranger")
     assert "this computer has no address in a network" in lines[-1]
 
 

@@ -27,7 +27,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> Iterator[Seen]:
         return 0
 
     monkeypatch.setattr(
-        "pioneer3.runtime.simulation.simulator", lambda **choices: seen.append(choices)
+        "pioneer3.sim.server.start.simulator", lambda **choices: seen.append(choices)
     )
     monkeypatch.setattr(sim_module, "_simulate", stay)
     log = logging.getLogger("pioneer3")

@@ -31,7 +31,7 @@ def test_every_command_is_taken(line: str, monkeypatch: pytest.MonkeyPatch) -> N
         return 0
 
     monkeypatch.setattr(
-        "pioneer3.runtime.simulation.simulator", lambda **choices: seen.append(choices)
+        "pioneer3.sim.server.start.simulator", lambda **choices: seen.append(choices)
     )
     monkeypatch.setattr(sim_module, "_simulate", stay)
     assert execute(shlex.split(line)[1:]) == 0

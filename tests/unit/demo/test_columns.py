@@ -17,10 +17,10 @@ from pioneer3.demo.modes.sonar import GROUPS, sonar_row
 from pioneer3.demo.modes.status import flag_lines, status_row
 from pioneer3.demo.modes.tcm2 import tcm2_row
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
-from pioneer3.runtime.devices.compass import CompassReading
-from pioneer3.runtime.devices.gripper_state import GripperReading, Paddles
-from pioneer3.runtime.devices.gyro import GyroReading
-from pioneer3.runtime.devices.lines import LinesReading
+from pioneer3.robot.devices.compass import CompassReading
+from pioneer3.robot.devices.gripper import GripperReading, Paddles
+from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.robot.devices.lines import LinesReading
 from pioneer3.state import (
     Battery,
     Bumpers,

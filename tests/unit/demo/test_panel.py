@@ -11,7 +11,7 @@ from pioneer3.demo.modes import Gauge, Mode
 from pioneer3.demo.panel import bar, panel
 from pioneer3.demo.trail import Trail
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.devices import Presence
+from pioneer3.robot.devices import Presence
 
 
 def drawn(gauge: Gauge, width: int) -> str:

@@ -3,9 +3,9 @@ from math import inf, pi
 import pytest
 
 from pioneer3.geometry import ORIGIN
+from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.messages import ranges
 from pioneer3.ros.messages.conventions import Beam, Conventions, NoEcho
-from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.state import Scan, Sonar
 from tests.unit.ros.support import Blank, reading, seen
 

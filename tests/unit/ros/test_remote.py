@@ -16,9 +16,9 @@ from pioneer3.ros.remote import SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.maps import LineMap
 from pioneer3.state import Snapshot
+from pioneer3.tasks import running
 from pioneer3.teleop.drive import KeyboardDriver
 from pioneer3.teleop.keyboard import Key, Keyboard
 from tests.support import SimulatedRobot, until, wall_at

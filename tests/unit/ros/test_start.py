@@ -1,10 +1,10 @@
 import pytest
 
+from pioneer3.doctor.ports import SerialPort
+from pioneer3.doctor.probe import SIMULATOR_URL, Probed, Verdict
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.ros.ros1 import start
 from pioneer3.ros.ros1.start import Options, serve, simulator_or_robot
-from pioneer3.runtime.ports import SerialPort
-from pioneer3.runtime.probe import SIMULATOR_URL, Probed, Verdict
 
 SERIAL = SerialPort(path="/dev/ttyS9", device="/dev/ttyS9")
 

@@ -17,18 +17,18 @@ from pioneer3.geometry import Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import null_modem
 from pioneer3.models import load_model
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.simulation import RunningSimulation
-from pioneer3.runtime.simulation import SimulatedRobot as RobotHere
-from pioneer3.runtime.tasks import running
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.running import SimulatedRobot as RobotHere
 from pioneer3.sim.world import World
+from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.station import Station
 from pioneer3.web.wheel import Wheel
 from tests.support import SimulatedRobot
@@ -244,6 +244,9 @@ async def playground(*poses: Pose2, line_map: LineMap | None = None) -> AsyncIte
 
     async with running(here._simulation.run()), connect_async(plug_in) as robot:
         page = Page()
-        async with page.hosting(robot, here.scene) as station, running(page.run()):
+        async with (
+            page.hosting(robot, Scene.of(here, here.robots[0])) as station,
+            running(page.run()),
+        ):
             yield Playground(here, robot, page, station.wheel, make_app(page))
     await asyncio.gather(*serving)

@@ -13,11 +13,11 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 from pioneer3 import connect_async
-from pioneer3.runtime.scene import Scene
 from pioneer3.web import connections
 from pioneer3.web.access import certificate
 from pioneer3.web.connections import KEPT_BACK, Caller, Callers, Entrance, Limits, Stage
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 from tests.support import SimulatedRobot, until
 

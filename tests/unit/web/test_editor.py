@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.simulation import simulator
 from pioneer3.sim.maps import LineMap
+from pioneer3.sim.server.start import simulator
 from pioneer3.teleop.lease import TERM
 from pioneer3.web import requests
 from pioneer3.web.editor import MOST_OBSTACLES, Editor

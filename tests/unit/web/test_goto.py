@@ -12,8 +12,8 @@ from pioneer3.behaviors.goal import Goal
 from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.scene import Scene
 from pioneer3.sim.maps import LineMap, MapObject
+from pioneer3.web.scene import Scene
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product
 

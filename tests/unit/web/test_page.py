@@ -8,7 +8,7 @@ import pytest
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.runtime.priorities import KEYBOARD
-from pioneer3.runtime.scene import Scene
+from pioneer3.web.scene import Scene
 from pioneer3.web.wheel import EXPIRY
 from tests.unit.web.browser import product
 

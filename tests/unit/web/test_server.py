@@ -14,10 +14,10 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, Robot, connect_async
-from pioneer3.runtime.scene import Scene
 from pioneer3.web.access import certificate
 from pioneer3.web.app import STATIC
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
 from tests.support import SimulatedRobot
 

@@ -11,10 +11,10 @@ from starlette.types import ASGIApp
 
 from pioneer3 import connect_async
 from pioneer3.errors import CommandError
-from pioneer3.runtime.scene import Scene
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
 from pioneer3.web.snapshots import PERIOD
 from pioneer3.web.station import Station
 from tests.support import SimulatedRobot

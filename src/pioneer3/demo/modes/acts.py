@@ -12,7 +12,7 @@ from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Row
 from pioneer3.errors import DeviceError
-from pioneer3.runtime.devices import Presence
+from pioneer3.robot.devices import Presence
 
 WIDTH, HEIGHT = 160, 120
 """Of ACTS's pictures [pixels]; it does not tell."""

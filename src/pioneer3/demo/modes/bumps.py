@@ -3,7 +3,7 @@
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Cell, Row
-from pioneer3.runtime.devices import Presence
+from pioneer3.robot.devices import Presence
 from pioneer3.state import Bumpers
 
 WIDTH = 6

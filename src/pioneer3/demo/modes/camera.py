@@ -8,7 +8,7 @@ from types import MappingProxyType
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Gauge, Mode
 from pioneer3.errors import PioneerError
-from pioneer3.runtime.devices import Camera, CameraName, Presence
+from pioneer3.robot.devices import Camera, CameraName, Presence
 from pioneer3.units import DEGREE
 
 PAN, TILT, ZOOM = radians(5), radians(3), 0.01

@@ -5,7 +5,7 @@ from typing import Any
 
 from pioneer3.behaviors.stack import Stack
 from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.runtime.devices import Acts
+from pioneer3.robot.devices import Acts
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 

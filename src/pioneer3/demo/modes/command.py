@@ -6,7 +6,7 @@ from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Row
 from pioneer3.errors import CommandError
-from pioneer3.runtime.devices import parse_typed
+from pioneer3.robot.devices import parse_typed
 
 LONGEST = 40
 """Characters of a command."""

@@ -9,7 +9,7 @@ from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.errors import PioneerError
 from pioneer3.models import RobotModel
-from pioneer3.runtime.meanings import explained
+from pioneer3.robot.config_table import explained
 
 
 def config(cockpit: Cockpit) -> Mode:

@@ -3,7 +3,7 @@
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Cell, Row
-from pioneer3.runtime.devices.gripper_state import GripperReading
+from pioneer3.robot.devices.gripper import GripperReading
 
 WIDTH = 13
 

@@ -3,7 +3,7 @@
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Cell, Row, bits, hundredths
-from pioneer3.runtime.devices.lines import LinesReading
+from pioneer3.robot.devices.lines import LinesReading
 from pioneer3.state import Words
 
 BYTE = 8

@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 from pioneer3.demo.modes.row import Row
-from pioneer3.runtime.devices import Presence
+from pioneer3.robot.devices import Presence
 
 ALWAYS = Presence(True, "Every robot can do this.")
 

@@ -19,7 +19,7 @@ from pioneer3.demo.modes.row import (
 )
 from pioneer3.demo.modes.travel import Travel
 from pioneer3.geometry import Pose2
-from pioneer3.runtime.devices.gyro import GyroReading
+from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.state import Snapshot
 from pioneer3.units import DEGREE
 

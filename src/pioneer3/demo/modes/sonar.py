@@ -7,7 +7,7 @@ from types import MappingProxyType
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Gauge, Mode
 from pioneer3.demo.modes.row import Cell, Row, millimetres
-from pioneer3.runtime.devices import Presence
+from pioneer3.robot.devices import Presence
 from pioneer3.state import Sonar
 
 WIDTH = 6

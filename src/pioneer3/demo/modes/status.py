@@ -8,7 +8,7 @@ from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import MISSING, Cell, Row, tenths
 from pioneer3.errors import PioneerError
-from pioneer3.runtime.devices import detailed_status
+from pioneer3.robot.devices import detailed_status
 from pioneer3.state import Charging, Snapshot
 
 CHARGE_STATES = {Charging.UNKNOWN: MISSING, Charging.NONE: "not charging"}

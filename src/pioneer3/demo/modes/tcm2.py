@@ -4,7 +4,7 @@ from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Cell, Row, degrees_tenths, hundredths, tenths
-from pioneer3.runtime.devices.compass import CompassReading
+from pioneer3.robot.devices.compass import CompassReading
 
 KEYS = {str(int(mode)): mode for mode in Tcm2Mode}
 

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from math import inf
 from typing import Any, Final
 
+from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.messages.conventions import UNMEASURED, Beam, NoEcho
 from pioneer3.ros.messages.convert import Reading, head
-from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.state import Scan
 
 ULTRASOUND: Final = 0

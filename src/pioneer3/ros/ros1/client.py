@@ -11,6 +11,7 @@ from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, LinkError, NoRobotError
 from pioneer3.geometry import Twist2
 from pioneer3.models import find_model, load_model
+from pioneer3.robot.identity import SIMULATOR_SERIAL
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.interface.graph import TWIST, RobotTopics
@@ -19,9 +20,8 @@ from pioneer3.ros.remote import TopicRobot, TopicSupervisor
 from pioneer3.ros.ros1.ears import Ears
 from pioneer3.ros.ros1.messages import message_class
 from pioneer3.ros.ros1.start import stay_on_this_computer
-from pioneer3.runtime.identity import SIMULATOR_SERIAL
-from pioneer3.runtime.tasks import running
 from pioneer3.state import Identity
+from pioneer3.tasks import running
 
 FIRST: Final = 5.0
 """Longest wait for the first reading [s]."""

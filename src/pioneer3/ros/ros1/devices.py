@@ -6,15 +6,15 @@ from contextlib import aclosing
 from typing import Any, Final, TypeVar
 
 from pioneer3.errors import DeviceError
+from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.description.frames import Frames
 from pioneer3.ros.messages import ranges
 from pioneer3.ros.ros1.audience import Audience
 from pioneer3.ros.ros1.messages import make
 from pioneer3.ros.ros1.outlet import outlet
-from pioneer3.runtime.devices.gyro import GyroReading
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.tasks import running
 from pioneer3.state import Scan
+from pioneer3.tasks import running
 
 PAUSE: Final = 0.5
 """After a device turned out not to be there [s]."""

@@ -27,8 +27,8 @@ from pioneer3.ros.ros1.publishers import Publishers
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 from pioneer3.ros.ros1.services import Services
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.tasks import running
 from pioneer3.state import Bumpers, Snapshot
+from pioneer3.tasks import running
 
 
 class Ros1Node:

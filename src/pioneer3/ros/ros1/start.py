@@ -9,7 +9,10 @@ from math import isinf
 from typing import Final
 from urllib.parse import urlsplit
 
+from pioneer3.doctor.ports import list_ports
+from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_port
 from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.interface.lab import NODE, lab_node
 from pioneer3.ros.interface.parameters import (
@@ -25,9 +28,6 @@ from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.node import Ros1Node
 from pioneer3.ros.ros1.rospy_path import find_rospy
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.identity import is_simulator, kind
-from pioneer3.runtime.ports import list_ports
-from pioneer3.runtime.probe import SIMULATOR_URL, choose, probe, probe_port
 
 LAB_NAME: Final = "_lab_name:="
 LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}

@@ -6,7 +6,7 @@ from math import pi
 import pytest
 
 from pioneer3.behaviors.modes import MODES
-from pioneer3.runtime.tasks import running
+from pioneer3.tasks import running
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.api.openapi import openapi

@@ -1,0 +1,139 @@
+"""Finds and explains what is wrong between this computer and a robot.
+
+:func:`gather` collects :class:`Facts`, :func:`diagnose` draws the findings from them.
+"""
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+from typing import Final
+
+from pioneer3.doctor.facts import (
+    FAILED,
+    FORBIDDEN,
+    UNREACHABLE,
+    Facts,
+    Finding,
+    Heard,
+    Level,
+)
+from pioneer3.doctor.port_checks import check_adapter, check_answer, check_port
+from pioneer3.doctor.ports import find_port
+from pioneer3.doctor.probe_session import ProbeSession
+from pioneer3.doctor.robot_checks import (
+    check_checksums,
+    check_config,
+    check_reports,
+    check_session,
+    check_speed,
+    check_state,
+)
+from pioneer3.errors import LinkError
+from pioneer3.links import Link, open_link
+from pioneer3.robot.assemble import Assembler
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.state import Snapshot
+
+
+async def gather(url: str, *, baud: int | None = None, seconds: float = 3.0) -> Facts:
+    """Return what there is to know about `url` after listening for `seconds`.
+
+    Raises:
+        ConfigError: `url` names no port.
+    """
+    port = await asyncio.to_thread(find_port, url)
+    if port is not None and port.holders:  # two hosts on one robot would be worse than none
+        return Facts(url=url, port=port)
+    try:
+        link = await open_link(url, baud=baud)
+    except LinkError as error:
+        return Facts(url=url, port=port, refused=error)
+    return await interview(link, seconds, Facts(url=url, port=port))
+
+
+async def interview(link: Link, seconds: float, known: Facts) -> Facts:
+    """Return the facts `known`, and those that `link` leads to; the link is closed then."""
+    conversation = ProbeSession(link)
+    try:
+        if await conversation.meet():
+            heard = await _listen(conversation, seconds)
+            return replace(
+                known, info=conversation.info, streaming=conversation.streaming, heard=heard
+            )
+        other_device = await conversation.other_device()
+        return replace(
+            known,
+            closed=conversation.closed,
+            streaming=conversation.streaming,
+            other_device=other_device,
+            heard_at=tuple(speed for speed in conversation.heard_at if speed is not None),
+        )
+    finally:
+        await conversation.leave()
+
+
+async def _listen(conversation: ProbeSession, seconds: float) -> Heard:
+    """Return what comes from now on; the reports before it count for the readings only."""
+    clock = asyncio.get_running_loop().time
+    before, began = len(conversation.sips), clock()
+    await conversation.listen(seconds)
+    stamps = [began, *(stamp for stamp, _ in conversation.sips[before:]), clock()]
+    return Heard(
+        seconds=max(stamps[-1] - began, 1e-3),
+        reports=len(stamps) - 2,
+        longest_gap=max(later - earlier for earlier, later in pairwise(stamps)),
+        packets=conversation.packets,
+        bad_checksums=conversation.bad_checksums,
+        bytes_skipped=conversation.bytes_skipped,
+        sonars=frozenset(r.number for _, sip in conversation.sips for r in sip.sonar),
+        snapshot=_last_snapshot(conversation, conversation.info),
+        config_trusted=conversation.config_trusted,
+        ended=conversation.failure or ("the other end hung up" if conversation.closed else None),
+    )
+
+
+def _last_snapshot(conversation: ProbeSession, info: RobotInfo | None) -> Snapshot | None:
+    if info is None or not conversation.sips:
+        return None
+    assembler = Assembler()
+    assembler.session_opened(info.model)
+    stamp, sip = conversation.sips[-1]
+    return assembler.assemble(sip, stamp, model=info.model, config=info.config)
+
+
+__all__ = [
+    "FAILED",
+    "FORBIDDEN",
+    "UNREACHABLE",
+    "Facts",
+    "Finding",
+    "Heard",
+    "Level",
+    "diagnose",
+    "exit_code",
+    "gather",
+]
+
+CHECKS: Final = (
+    check_port,
+    check_adapter,
+    check_answer,
+    check_speed,
+    check_session,
+    check_config,
+    check_reports,
+    check_checksums,
+    check_state,
+)
+"""From the plug to the wheels: what comes first must be mended first."""
+
+
+def diagnose(facts: Facts) -> tuple[Finding, ...]:
+    """Return the findings in the order in which they should be mended."""
+    return tuple(finding for check in CHECKS for finding in check(facts))
+
+
+def exit_code(findings: Iterable[Finding]) -> int:
+    """Return 0 unless something failed, else the code of the first failure."""
+    return next((f.code for f in findings if f.level is Level.FAIL), 0)

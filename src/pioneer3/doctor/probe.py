@@ -1,0 +1,176 @@
+"""What is at the end of each port? Asked politely, one after the other."""
+
+import asyncio
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from pioneer3.arcos.host_events import Timing
+from pioneer3.doctor.ports import SerialPort
+from pioneer3.doctor.probe_session import QUICK, ProbeSession
+from pioneer3.doctor.recognition import Kind, OtherDevice
+from pioneer3.errors import (
+    LinkError,
+    PortBusyError,
+    PortNotFoundError,
+    PortPermissionError,
+)
+from pioneer3.links import open_link
+from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.supervisor import RobotInfo
+
+NOT_REACHABLE: Final = 3
+"""Exit code of the command line (user-needs 5)."""
+SIMULATOR_URL: Final = "tcp://localhost:8101"
+
+
+class Verdict(StrEnum):
+    """What a port leads to."""
+
+    ROBOT = "robot"
+    SIMULATOR = "simulator"
+    LASER = "laser"
+    OTHER = "something else"
+    SILENT = "silent"
+    BUSY = "busy"
+    NO_PERMISSION = "no permission"
+    CONSOLE = "console"
+    NOBODY = "nobody"
+    FAILED = "failed"
+    NOT_PROBED = "not probed"
+
+
+@dataclass(frozen=True, slots=True)
+class Probed:
+    """One port, and what was found there.
+
+    Attributes:
+        url: What `--port` takes.
+        verdict: What it leads to.
+        detail: Who answered, or what is in the way, for people.
+        port: What the system knows of a serial port.
+        info: Of the robot that answered.
+    """
+
+    url: str
+    verdict: Verdict
+    detail: str = ""
+    port: SerialPort | None = None
+    info: RobotInfo | None = None
+
+
+def prejudge(port: SerialPort) -> Probed | None:
+    """Return the verdict on a port that must not, or need not, be spoken to; else `None`."""
+    if port.holders:
+        who = ", ".join(f"{holder.name} (process {holder.pid})" for holder in port.holders)
+        return Probed(port.path, Verdict.BUSY, f"open in {who}", port)
+    if port.console:
+        return Probed(port.path, Verdict.CONSOLE, "this computer's own console, left alone", port)
+    if port.is_hokuyo:
+        return Probed(port.path, Verdict.LASER, port.product or "Hokuyo", port)
+    return None
+
+
+async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
+    """Return what the serial `port` leads to."""
+    return prejudge(port) or await probe(port.path, port, timing)
+
+
+async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK) -> Probed:
+    """Return what `url` leads to; bytes are sent to it. Never raises a link's error.
+
+    Raises:
+        ConfigError: `url` names no port.
+    """
+    try:
+        conversation = ProbeSession(await open_link(url), timing)
+    except LinkError as error:
+        return Probed(url, _refusal(error), str(error), port)
+    try:
+        if await conversation.meet() and conversation.info is not None:
+            return _robot(url, port, conversation.info)
+        other_device = await conversation.other_device()
+        if other_device is None and conversation.closed:
+            return Probed(url, Verdict.BUSY, "hangs up at once: busy with somebody else?", port)
+        return _stranger(url, port, other_device)
+    finally:
+        await conversation.leave()
+
+
+def _refusal(error: LinkError) -> Verdict:
+    match error:
+        case PortPermissionError():
+            return Verdict.NO_PERMISSION
+        case PortBusyError():
+            return Verdict.BUSY
+        case PortNotFoundError():
+            return Verdict.NOBODY
+        case _:
+            return Verdict.FAILED
+
+
+def _robot(url: str, port: SerialPort | None, info: RobotInfo) -> Probed:
+    verdict = Verdict.SIMULATOR if is_simulator(info) else Verdict.ROBOT
+    speed = f" at {info.speed} baud" if info.speed else ""
+    return Probed(url, verdict, f"{info.identity.name}, {info.model.title}{speed}", port, info)
+
+
+def _stranger(url: str, port: SerialPort | None, other_device: OtherDevice | None) -> Probed:
+    if other_device is None:
+        return Probed(url, Verdict.SILENT, "nothing answers: robot off, or nothing there", port)
+    verdict = Verdict.LASER if other_device.kind is Kind.LASER else Verdict.OTHER
+    return Probed(url, verdict, other_device.name, port)
+
+
+def choose(found: Iterable[Probed]) -> Probed | None:
+    """Return the one to use: a robot rather than a simulator, which is easily forgotten running."""
+    by_verdict = {each.verdict: each for each in reversed(list(found))}
+    return by_verdict.get(Verdict.ROBOT) or by_verdict.get(Verdict.SIMULATOR)
+
+
+def came_back(
+    before: Iterable[SerialPort], without: Iterable[SerialPort], after: Iterable[SerialPort]
+) -> tuple[SerialPort, ...]:
+    """Return the ports that were plugged in at last.
+
+    Args:
+        before: Listed first.
+        without: Listed after the cable was pulled.
+        after: Listed after it was plugged in again; its device may have another number.
+    """
+    stayed = {port.device for port in without}
+    appeared = [port for port in after if port.device not in stayed]
+    vanished = {port.path for port in before if port.device not in stayed}
+    return tuple(sorted(appeared, key=lambda port: port.path not in vanished))
+
+
+async def wait_for_plug(
+    before: tuple[SerialPort, ...],
+    without: tuple[SerialPort, ...],
+    list_ports: Callable[[], tuple[SerialPort, ...]],
+    *,
+    patience: float = 30.0,
+    settle: float = 1.0,
+) -> tuple[SerialPort, ...]:
+    """Return the ports that appear within `patience` [s]; udev gets `settle` [s] to name them."""
+    loop = asyncio.get_running_loop()
+    end = loop.time() + patience
+    while loop.time() < end:
+        if came_back(before, without, list_ports()):
+            await asyncio.sleep(settle)
+            return came_back(before, without, list_ports())
+        await asyncio.sleep(0.3)
+    return ()
+
+
+def not_probed(ports: Iterable[SerialPort], urls: Iterable[str]) -> list[Probed]:
+    """Return the list without asking anybody."""
+    listed = [prejudge(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
+    return listed + [Probed(url, Verdict.NOT_PROBED) for url in urls]
+
+
+def found_code(found: Sequence[Probed]) -> int:
+    """Return the exit code: 0 when a robot was found or ports were only listed, else 3."""
+    only_listed = any(each.verdict is Verdict.NOT_PROBED for each in found)
+    return 0 if only_listed or choose(found) else NOT_REACHABLE

@@ -1,0 +1,226 @@
+"""A polite talk with whatever is at the end of a link: it shakes hands and listens, never moves.
+
+Sent are SYNC, OPEN, STOP, ENABLE 0, CONFIG, SONAR 1, PULSE and CLOSE, and to what is no robot the
+question of a laser's version. Nothing of that switches or sets anything that lasts.
+"""
+
+import asyncio
+from collections import defaultdict
+from contextlib import suppress
+from typing import Final
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.host import Host
+from pioneer3.arcos.host_events import (
+    Configured,
+    Event,
+    Lost,
+    Opened,
+    Received,
+    SpeedWanted,
+    Timing,
+)
+from pioneer3.arcos.packet import PacketReader
+from pioneer3.arcos.reports import Config, Sip
+from pioneer3.doctor.recognition import SCIP_QUESTION, Kind, OtherDevice, recognise
+from pioneer3.errors import LinkError
+from pioneer3.links import Link
+from pioneer3.models import find_model, generic_model
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.state import Identity
+from pioneer3.units import DEGREE, MM
+
+QUICK: Final = Timing(retry=0.25, give_up=3.5)
+"""Once over all serial speeds."""
+THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
+"""Twice over all serial speeds."""
+SCIP_SPEEDS: Final = (19200, 115200)
+"""What Hokuyo lasers with a serial port are set to [baud] (arcos.md 11.3)."""
+SCIP_PATIENCE: Final = 0.5
+FAREWELL_PATIENCE: Final = 0.5
+CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}
+MOST_HEARD: Final = 4096
+
+
+class ProbeSession:
+    """One session's worth of facts about what a link leads to.
+
+    Attributes:
+        identity: Of the robot, once it answered.
+        speed: At which it answered [baud]; `None` on links without a speed.
+        streaming: Whether it was still serving an earlier session.
+        config: What it sent of itself.
+        config_settled: Whether it sent that or let the time for it pass.
+        config_trusted: False where the checksum was wrong, but twice the same.
+        sips: Every information packet with the time of its arrival [s].
+        failure: Why there is no session, or none any more.
+        closed: Whether the far end closed the link.
+    """
+
+    def __init__(self, link: Link, timing: Timing = THOROUGH) -> None:
+        self.identity: Identity | None = None
+        self.speed: int | None = None
+        self.streaming = False
+        self.config: Config | None = None
+        self.config_settled = False
+        self.config_trusted = True
+        self.sips: list[tuple[float, Sip]] = []
+        self.failure: str | None = None
+        self.closed = False
+        self._link = link
+        self._clock = asyncio.get_running_loop().time
+        self._host = Host(self._clock(), link.speeds, timing, round_trip=link.round_trip)
+        self._before = PacketReader()
+        self._heard: defaultdict[int | None, bytearray] = defaultdict(bytearray)
+        self._sent = bytearray()
+        self._packets = self._bad_checksums = self._bytes_skipped = 0
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more can come."""
+        return self.closed or self.failure is not None
+
+    @property
+    def packets(self) -> int:
+        """Frames accepted since listening began."""
+        return self._host.reader.packets - self._packets
+
+    @property
+    def bad_checksums(self) -> int:
+        """Frames rejected since listening began."""
+        return self._host.reader.bad_checksums - self._bad_checksums
+
+    @property
+    def bytes_skipped(self) -> int:
+        """Bytes that belonged to no frame since listening began."""
+        return self._host.reader.bytes_skipped - self._bytes_skipped
+
+    @property
+    def heard_at(self) -> tuple[int | None, ...]:
+        """At which speeds anything was heard before the session."""
+        return tuple(speed for speed, data in self._heard.items() if data)
+
+    @property
+    def info(self) -> RobotInfo | None:
+        """What the robot is, in the driver's words; `None` before it said so."""
+        if self.identity is None:
+            return None
+        top, turn = 0.0, 0.0
+        if self.config is not None:
+            top = (self.config.speed_top_mm_s or 0) * MM
+            turn = (self.config.rotation_top_deg_s or 0) * DEGREE
+        model = find_model(self.identity.model) or generic_model(
+            self.identity.model, max_speed=top, max_turn_rate=turn
+        )
+        return RobotInfo(
+            identity=self.identity,
+            model=model,
+            limits=limits_for(model, self.config),
+            config=self.config,
+            url=self._link.url,
+            speed=self.speed,
+        )
+
+    async def meet(self) -> bool:
+        """Shake hands and wait for the configuration; return whether this is a robot."""
+        while not (self.is_over or self.config_settled):
+            await self._turn(float("inf"))
+        return self.identity is not None
+
+    async def listen(self, seconds: float) -> None:
+        """Keep the session open for `seconds`; the counters start anew.
+
+        So a CONFIG whose checksum is always wrong is not held against the cable.
+        """
+        reader = self._host.reader
+        self._packets, self._bad_checksums = reader.packets, reader.bad_checksums
+        self._bytes_skipped = reader.bytes_skipped
+        end = self._clock() + seconds
+        while not self.is_over and self._clock() < end:
+            await self._turn(end)
+
+    async def other_device(self) -> OtherDevice | None:
+        """Return who it is that does not answer as a robot; `None` when all is silent.
+
+        What is no laser, no echo and no robot by what it said is asked whether it is a laser.
+        """
+        said = [recognise(bytes(data), bytes(self._sent)) for data in self._heard.values()]
+        known = [who for who in said if who is not None]
+        certain = next((who for who in known if who.kind in CERTAIN), None)
+        if certain is None and not self.closed:
+            certain = await self._ask_for_a_laser()
+        return certain or next(iter(known), None)
+
+    async def leave(self) -> None:
+        """Stop the robot and end the session; close the link."""
+        self._host.leave(self._clock())
+        with suppress(LinkError, TimeoutError):
+            async with asyncio.timeout(FAREWELL_PATIENCE):
+                await self._link.write(self._host.outgoing())
+        await self._link.close()
+
+    async def _turn(self, end: float) -> None:
+        """Send what is due, then hear what comes until `end` or the host's next deadline."""
+        try:
+            now = self._clock()
+            for event in self._host.tick(now):
+                await self._handle(event, now)
+            if data := self._host.outgoing():
+                self._sent += data[: MOST_HEARD - len(self._sent)]
+                await self._link.write(data)
+            if self.failure is None:
+                await self._hear(min(self._host.deadline, end))
+        except LinkError as error:
+            self.closed, self.failure = True, str(error)
+
+    async def _hear(self, until: float) -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout_at(until):
+                data = await self._link.read()
+                now = self._clock()
+                self.closed = not data
+                if self.identity is None:
+                    self._overhear(data, now)
+                for event in self._host.receive(data, now):
+                    await self._handle(event, now)
+
+    def _overhear(self, data: bytes, now: float) -> None:
+        """Keep what comes before the session: another device's words, or an earlier session's."""
+        heard = self._heard[self._host.speed]
+        heard += data[: MOST_HEARD - len(heard)]
+        payloads = self._before.feed(data, now)
+        self.streaming |= any(isinstance(reports.from_payload(p), Sip) for p in payloads)
+
+    async def _handle(self, event: Event, now: float) -> None:
+        match event:
+            case SpeedWanted(baud):
+                await self._link.set_speed(baud)
+            case Opened(identity):
+                self.identity, self.speed = identity, self._host.speed
+                self._host.send(commands.Sonar(on=True), now)
+            case Configured(config, trusted):
+                self.config, self.config_trusted, self.config_settled = config, trusted, True
+            case Received(Sip() as sip):
+                self.sips.append((now, sip))
+            case Lost(reason):
+                self.failure = reason
+
+    async def _ask_for_a_laser(self) -> OtherDevice | None:
+        for speed in SCIP_SPEEDS if self._link.speeds else (None,):
+            with suppress(LinkError):
+                if speed is not None:
+                    await self._link.set_speed(speed)
+                await self._link.write(SCIP_QUESTION)
+                who = recognise(await self._words(SCIP_PATIENCE))
+                if who is not None and who.kind is Kind.LASER:
+                    return who
+        return None
+
+    async def _words(self, seconds: float) -> bytes:
+        words = bytearray()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while len(words) < MOST_HEARD and (data := await self._link.read()):
+                    words += data
+        return bytes(words)

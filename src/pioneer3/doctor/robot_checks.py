@@ -1,0 +1,249 @@
+"""Findings about the robot that answered, and about the line while it talked."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from pioneer3.doctor.facts import FAILED, Facts, Finding, Heard, Level
+from pioneer3.links.serial import SPEEDS
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.state import Snapshot
+from pioneer3.units import DECIVOLT, MS
+
+START_SPEED: Final = SPEEDS[0]
+USUAL_CYCLE: Final = 0.1
+"""Between information packets, where CONFIG does not say [s] (arcos.md 4.1)."""
+SLOW, VERY_SLOW = 0.85, 0.5
+"""Shares of the reports expected below which it is a warning or a failure."""
+NOISY, VERY_NOISY = 0.001, 0.05
+"""Shares of spoilt frames above which it is a warning or a failure."""
+
+
+def check_speed(facts: Facts) -> Iterator[Finding]:
+    """Is the line at the speed it starts with?"""
+    if facts.info is None or facts.info.speed is None:
+        return
+    speed = facts.info.speed
+    if speed == START_SPEED:
+        yield _ok("speed", f"{speed} baud")
+        return
+    yield Finding(
+        check="speed",
+        level=Level.WARN,
+        found=f"{speed} baud; robots start at {START_SPEED}",
+        meaning="An earlier program switched the robot and left it so, or its settings say so.",
+        advice="Nothing to do: pioneer3 tries all speeds and remembers. Others need the robot "
+        "switched off and on.",
+    )
+
+
+def check_session(facts: Facts) -> Iterator[Finding]:
+    """Was the robot free?"""
+    if facts.info is None:
+        return
+    if not facts.streaming:
+        yield _ok("session", "the robot was waiting for a host")
+        return
+    yield Finding(
+        check="session",
+        level=Level.WARN,
+        found="the robot was still serving an earlier session",
+        meaning="Its last program ended without saying goodbye (crash, kill, cable pulled).",
+        advice="Nothing to do: that session has been closed now.",
+    )
+
+
+def check_config(facts: Facts) -> Iterator[Finding]:
+    """Did the robot send its configuration, whole?"""
+    if facts.info is None:
+        return
+    config = facts.info.config
+    if config is None:
+        yield Finding(
+            check="config",
+            level=Level.WARN,
+            found="the robot did not send its configuration",
+            meaning=f"The usual values of {facts.info.model.title} are used for limits and alarms.",
+            advice="Harmless with old firmware; else look at the checksums below.",
+        )
+    elif facts.heard is not None and not facts.heard.config_trusted:
+        yield Finding(
+            check="config",
+            level=Level.WARN,
+            found="the configuration comes with a wrong checksum, each time the same",
+            meaning="A known fault of some P3-DX-SH controllers. It is used all the same.",
+        )
+    else:
+        firmware = f", firmware {config.firmware_version}" if config.firmware_version else ""
+        yield _ok("config", f"serial number {config.serial_number or 'none'}{firmware}")
+
+
+def check_reports(facts: Facts) -> Iterator[Finding]:
+    """Do the reports come as often as they should?"""
+    heard = facts.heard
+    if facts.info is None or heard is None:
+        return
+    cycle = _cycle(facts.info)
+    rate, share = heard.reports / heard.seconds, heard.reports * cycle / heard.seconds
+    found = f"{rate:.1f} reports/s of {1 / cycle:.0f}, longest gap {heard.longest_gap:.2f} s"
+    if heard.ended is not None:
+        yield Finding(
+            check="reports",
+            level=Level.FAIL,
+            found=f"the session broke off: {heard.ended}",
+            meaning="The robot was switched off, the cable pulled, or the battery is empty.",
+            advice="Look at the cable and the battery, then try again.",
+            code=FAILED,
+        )
+    elif share >= SLOW:
+        yield _ok("reports", found)
+    else:
+        yield Finding(
+            check="reports",
+            level=Level.WARN if share >= VERY_SLOW else Level.FAIL,
+            found=found,
+            meaning="Reports get lost, or the line is too slow for them.",
+            advice="Look at the checksums below; avoid radio bridges and USB hubs.",
+            code=0 if share >= VERY_SLOW else FAILED,
+        )
+
+
+def _cycle(info: RobotInfo) -> float:
+    told = (info.config.sip_cycle_ms or 0) * MS if info.config else 0.0
+    return told or USUAL_CYCLE
+
+
+def check_checksums(facts: Facts) -> Iterator[Finding]:
+    """Do the bytes arrive as they were sent?"""
+    heard = facts.heard
+    if facts.info is None or heard is None:
+        return
+    frames = heard.packets + heard.bad_checksums
+    share = heard.bad_checksums / frames if frames else 0.0
+    lost = f"{heard.bad_checksums} of {frames} frames spoilt, {heard.bytes_skipped} bytes lost"
+    if share <= NOISY and not heard.bytes_skipped:
+        yield _ok("checksums", f"{frames} frames, all good")
+        return
+    yield Finding(
+        check="checksums",
+        level=Level.FAIL if share > VERY_NOISY else Level.WARN,
+        found=lost,
+        meaning="Bytes change or vanish between robot and computer; such frames are thrown away.",
+        advice=_cure(facts),
+        code=FAILED if share > VERY_NOISY else 0,
+    )
+
+
+def _cure(facts: Facts) -> str:
+    chip = facts.port.chip if facts.port else None
+    if chip is not None:
+        return (
+            f"Some USB adapters do that (this one: {chip}): try another make or computer; "
+            "then a shorter cable, and screws tight on both ends."
+        )
+    if facts.is_serial:
+        return "Try another cable, shorter and shielded; tighten the screws on both ends."
+    return "Look at the serial cable at the far end of this connection."
+
+
+def check_state(facts: Facts) -> Iterator[Finding]:
+    """Would the robot drive if it were asked to?"""
+    heard = facts.heard
+    if facts.info is None or heard is None or heard.snapshot is None:
+        return
+    now = heard.snapshot
+    yield _stop_button(now)
+    yield from _motors(now)
+    yield battery_finding(now, facts.info)
+    yield from _sonar(heard, facts.info)
+    yield from _faults(now)
+
+
+def _stop_button(now: Snapshot) -> Finding:
+    if not now.motors.stop_button:
+        return _ok("stop button", "not pressed")
+    return Finding(
+        check="stop button",
+        level=Level.FAIL,
+        found="pressed",
+        meaning="The motors have no power: the robot will not move, whatever it is told.",
+        advice="Turn or pull the red button until it comes out.",
+        code=FAILED,
+    )
+
+
+def _motors(now: Snapshot) -> Iterator[Finding]:
+    if now.motors.enabled:
+        yield Finding(
+            check="motors",
+            level=Level.WARN,
+            found="on, although they were told to be off",
+            meaning="Somebody pressed the MOTORS button, or a joystick is in use.",
+        )
+    else:
+        yield _ok("motors", "off, as they should be now; the first command switches them on")
+    if now.motors.stalled:
+        sides = (("left", now.motors.left_stalled), ("right", now.motors.right_stalled))
+        yield Finding(
+            check="stall",
+            level=Level.WARN,
+            found=f"{' and '.join(side for side, stalled in sides if stalled)} wheels blocked",
+            meaning="The robot pushes against something.",
+            advice="Free it, or drive the other way.",
+        )
+
+
+def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
+    """Does the battery last?"""
+    volts = now.battery.voltage
+    shutdown = (info.config.shutdown_decivolts or 0) * DECIVOLT if info.config else 0.0
+    found = f"{volts:.1f} V" + (f", {now.battery.charge:.0%}" if now.battery.charge else "")
+    if 0 < volts <= shutdown:
+        return Finding(
+            check="battery",
+            level=Level.FAIL,
+            found=found,
+            meaning=f"At {shutdown:g} V the robot shuts down.",
+            advice="Charge it, or put charged batteries in, one after the other.",
+            code=FAILED,
+        )
+    if now.battery.low:
+        return Finding(
+            check="battery",
+            level=Level.WARN,
+            found=f"{found}: low",
+            meaning="The robot's own alarm level is reached; it beeps.",
+            advice="Charge it soon.",
+        )
+    return _ok("battery", found)
+
+
+def _sonar(heard: Heard, info: RobotInfo) -> Iterator[Finding]:
+    expected, got = len(info.model.sonars), len(heard.sonars)
+    if not expected and not got:
+        return
+    if got >= expected:
+        yield _ok("sonar", f"{got} transducers")
+        return
+    missing = ", ".join(str(n) for n in range(expected) if n not in heard.sonars)
+    yield Finding(
+        check="sonar",
+        level=Level.WARN,
+        found=f"{got} of {expected} transducers, none from {missing}",
+        meaning="No rear ring on this robot, a loose cable, or sonar switched off.",
+        advice="A robot without rear ring needs nothing: its readings are just missing.",
+    )
+
+
+def _faults(now: Snapshot) -> Iterator[Finding]:
+    if now.faults:
+        yield Finding(
+            check="faults",
+            level=Level.WARN,
+            found=", ".join(now.faults),
+            meaning="The controller reports these about itself.",
+            advice="Switch the robot off and on; if they stay, see the robot's manual.",
+        )
+
+
+def _ok(check: str, found: str) -> Finding:
+    return Finding(check=check, level=Level.OK, found=found)

@@ -1,0 +1,78 @@
+"""Watches the line to a robot that is driven, and judges it as the diagnosis does."""
+
+from collections import deque
+from collections.abc import Iterator
+from itertools import pairwise
+
+from pioneer3.arcos.reports import Report, Sip
+from pioneer3.doctor.facts import Facts, Finding, Heard
+from pioneer3.doctor.ports import SerialPort
+from pioneer3.doctor.robot_checks import (
+    battery_finding,
+    check_checksums,
+    check_reports,
+)
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.state import LinkQuality
+
+WINDOW = 10.0
+"""What is judged: so much of the past [s]."""
+LEAST = 2.0
+"""Less than this is too little to judge by [s]."""
+PATIENCE = 0.3
+"""The next report is not missing before it is this late [s]."""
+
+
+class LineWatch:
+    """Remembers when reports came, and what was spoilt, over the last :data:`WINDOW`."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._heard: deque[tuple[float, LinkQuality]] = deque()
+        supervisor.reports.hand_to(self._take, Sip)
+
+    def findings(self, now: float) -> Iterator[Finding]:
+        """Yield how the line and the battery are at `now` [s, monotonic], in words."""
+        info, snapshot = self._supervisor.info, self._supervisor.snapshot
+        if info is None or snapshot is None:
+            return
+        yield battery_finding(snapshot, info)
+        heard = self._summary(now)
+        if heard is not None:
+            facts = Facts(url=info.url, port=_port(info.url), info=info, heard=heard)
+            yield from check_reports(facts)
+            yield from check_checksums(facts)
+
+    def _summary(self, now: float) -> Heard | None:
+        if not self._heard:
+            return None
+        (began, before), (last, after) = self._heard[0], self._heard[-1]
+        end = last if now - last < PATIENCE else now
+        if end - began < LEAST:
+            return None
+        stamps = [*(stamp for stamp, _ in self._heard), end]
+        reports = len(self._heard) - 1
+        return Heard(
+            seconds=end - began,
+            reports=reports,
+            longest_gap=max(later - earlier for earlier, later in pairwise(stamps)),
+            packets=reports,
+            bad_checksums=after.bad_checksums - before.bad_checksums,
+            bytes_skipped=after.bytes_skipped - before.bytes_skipped,
+        )
+
+    def _take(self, report: Report, stamp: float) -> None:
+        snapshot = self._supervisor.snapshot
+        if snapshot is None:
+            return
+        if self._heard and self._heard[-1][1].sessions != snapshot.link.sessions:
+            self._heard.clear()
+        self._heard.append((stamp, snapshot.link))
+        while stamp - self._heard[0][0] > WINDOW:
+            self._heard.popleft()
+
+
+def _port(url: str) -> SerialPort | None:
+    """Return the port at a serial line's end, as far as its name tells."""
+    scheme, _, path = url.partition(":")
+    return SerialPort(path=path, device=path) if scheme == "serial" else None

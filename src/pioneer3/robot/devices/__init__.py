@@ -1,0 +1,126 @@
+"""What a robot has besides wheels and sonars, each device asked and told in SI units.
+
+=================  ==========================================================================
+module             what
+=================  ==========================================================================
+gripper            paddles, lift, beams; gripper_state is what its switches mean
+lines              digital and analog inputs and outputs
+compass            TCM2
+gyro               heading from samples, where the robot sends them
+laser              scans of a simulator's laser; sweep puts its packets together
+camera             pan, tilt and zoom; cameras has the bytes, aux_port carries them
+status             flags and faults by name, safety systems
+configuration      CONFIG, asked for again
+acts               blobs of colour, from the ACTS server
+built_in           whether there are bumpers and sonars
+typed              a command as people type it
+stream             readings that are asked for while somebody wants them
+presence           whether the robot has a thing, and how one knows
+=================  ==========================================================================
+
+Devices move no wheels: motion is the arbiter's.
+"""
+
+from collections.abc import Callable
+from functools import cached_property
+
+from pioneer3.arcos.reports import Config
+from pioneer3.robot.devices.acts import Acts
+from pioneer3.robot.devices.camera import Camera, CameraName
+from pioneer3.robot.devices.compass import TcmCompass
+from pioneer3.robot.devices.gripper import Gripper
+from pioneer3.robot.devices.gyro import Gyro
+from pioneer3.robot.devices.laser import Laser
+from pioneer3.robot.devices.lines import Lines
+from pioneer3.robot.devices.presence import Presence, bumpers_of, sonars_of
+from pioneer3.robot.devices.status import DetailedStatus, Safety, ask_configuration, detailed_status
+from pioneer3.robot.devices.typed import parse_typed
+from pioneer3.robot.supervisor import RobotInfo, Supervisor
+
+__all__ = [
+    "Acts",
+    "Camera",
+    "CameraName",
+    "DetailedStatus",
+    "Devices",
+    "Gripper",
+    "Gyro",
+    "Laser",
+    "Lines",
+    "Presence",
+    "Safety",
+    "TcmCompass",
+    "detailed_status",
+    "parse_typed",
+]
+
+
+class Devices:
+    """The devices of one robot, each made when it is first asked for."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._cameras: dict[tuple[CameraName, int], Camera] = {}
+
+    @cached_property
+    def gripper(self) -> Gripper:
+        """Paddles, lift and beams."""
+        return Gripper(self._supervisor)
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Digital and analog inputs and outputs."""
+        return Lines(self._supervisor)
+
+    @cached_property
+    def compass(self) -> TcmCompass:
+        """The TCM2."""
+        return TcmCompass(self._supervisor)
+
+    @cached_property
+    def gyro(self) -> Gyro:
+        """The gyro, where the host corrects the heading."""
+        return Gyro(self._supervisor)
+
+    @cached_property
+    def laser(self) -> Laser:
+        """The laser of a simulator."""
+        return Laser(self._supervisor)
+
+    @cached_property
+    def safety(self) -> Safety:
+        """The safety systems of MTX robots; texts of the firmware."""
+        return Safety(self._supervisor)
+
+    @property
+    def bumpers(self) -> Presence:
+        """Whether there are bumpers; snapshots show what they touch."""
+        return self._built_in(bumpers_of)
+
+    @property
+    def sonars(self) -> Presence:
+        """Whether there are sonars; snapshots have their ranges."""
+        return self._built_in(sonars_of)
+
+    def camera(self, name: CameraName, port: int = 1) -> Camera:
+        """Return the camera of this make on AUX `port`, always the same one.
+
+        Raises:
+            ConfigError: there is no such make or port.
+        """
+        if (name, port) not in self._cameras:
+            self._cameras[name, port] = Camera(self._supervisor, name, port)
+        return self._cameras[name, port]
+
+    async def configuration(self) -> Config:
+        """Ask for CONFIG again and return it; `info.config` is this one from then on.
+
+        Raises:
+            DeviceError: the robot does not answer.
+            CommandError: no robot is connected.
+        """
+        return await ask_configuration(self._supervisor)
+
+    def _built_in(self, presence_of: Callable[[RobotInfo], Presence]) -> Presence:
+        info = self._supervisor.info
+        return presence_of(info) if info else Presence(None, "No robot has been connected yet.")

@@ -1,0 +1,90 @@
+"""A serial port of the robot's controller: bytes out with TTY, back with GETAUX (arcos.md 5.5)."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Final
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import SerialAux
+from pioneer3.errors import ConfigError, DeviceError
+from pioneer3.robot.devices.stream import silence
+from pioneer3.robot.supervisor import Supervisor
+
+PATIENCE = 1.5
+"""For one answer [s]: a long one takes 20 ms at 9600 baud, and a report's cycle to come through."""
+TRIES = 3
+
+Send = Callable[[bytes], Command]
+Get = Callable[[int], Command]
+PORTS: Final[dict[int, tuple[Send, Get]]] = {
+    1: (commands.Tty2, commands.GetAux),
+    2: (commands.Tty3, commands.GetAux2),
+    3: (commands.Tty4, commands.GetAux3),
+}
+
+
+class AuxPort:
+    """One of the ports AUX1 to AUX3.
+
+    Raises:
+        ConfigError: there is no such port.
+    """
+
+    def __init__(self, supervisor: Supervisor, number: int) -> None:
+        if number not in PORTS:
+            raise ConfigError(f"AUX{number}: a robot has AUX1, AUX2 and AUX3")
+        self.number = number
+        self._supervisor = supervisor
+        self._send, self._get = PORTS[number]
+        self._turn = asyncio.Lock()
+
+    def write(self, data: bytes) -> None:
+        """Send `data` out of the port.
+
+        Raises:
+            CommandError: no robot is connected, or these are more than 199 bytes.
+        """
+        self._supervisor.send(self._send(data))
+
+    async def ask(
+        self, question: bytes, find: Callable[[bytes], bytes | None], size: int, *, who: str
+    ) -> bytes:
+        """Send `question` and return the answer that `find` finds in what comes back.
+
+        Args:
+            question: Sent again if nothing comes.
+            find: Returns the answer in all bytes so far, or `None`.
+            size: Bytes of the answer.
+            who: What is asked, in words.
+
+        Raises:
+            DeviceError: no answer came.
+            CommandError: no robot is connected.
+        """
+        async with self._turn:
+            for _ in range(TRIES):
+                try:
+                    async with asyncio.timeout(PATIENCE):
+                        return await self._ask_once(question, find, size)
+                except TimeoutError:
+                    continue
+        raise DeviceError(silence(self._supervisor, f"{who} on AUX{self.number}", TRIES * PATIENCE))
+
+    async def _ask_once(
+        self, question: bytes, find: Callable[[bytes], bytes | None], size: int
+    ) -> bytes:
+        got = b""
+        with self._supervisor.reports.subscribe(SerialAux) as heard:
+            self._supervisor.send(self._get(0))  # forget what nobody asked for
+            self.write(question)
+            self._supervisor.send(self._get(size))
+            async for report in heard:
+                if report.port != self.number:
+                    continue
+                got += report.data
+                answer = find(got)
+                if answer is not None:
+                    return answer
+                self._supervisor.send(self._get(1))  # something else came in between
+        raise TimeoutError

@@ -1,0 +1,136 @@
+"""The TCM2 compass (arcos.md 5.7, 8.14)."""
+
+from collections.abc import AsyncGenerator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Tcm2Mode
+from pioneer3.arcos.reports import Report
+from pioneer3.geometry import wrap
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.requests import Request
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.units import DEGREE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompassReading:
+    """The compass at one instant.
+
+    Attributes:
+        stamp: When it was received [s, monotonic].
+        heading: Clockwise from magnetic north, as on every compass [rad], in (-pi, pi].
+        pitch: [rad].
+        roll: [rad].
+        magnetic: Field along x, y and z, in the module's unit (usually uT).
+        temperature: [degrees Celsius].
+        error: Bits of the module.
+        calibration_h: Score of the horizontal calibration.
+        calibration_v: Score of the vertical calibration.
+        calibration_m: Score of the magnetic calibration.
+    """
+
+    stamp: float
+    heading: float
+    pitch: float
+    roll: float
+    magnetic: tuple[float, float, float]
+    temperature: float
+    error: int
+    calibration_h: int
+    calibration_v: int
+    calibration_m: float
+
+
+def read_compass(report: reports.Compass, stamp: float) -> CompassReading:
+    """Return what a TCM2 packet means."""
+    return CompassReading(
+        stamp=stamp,
+        heading=wrap(report.heading_decidegrees / 10 * DEGREE),
+        pitch=report.pitch_decidegrees / 10 * DEGREE,
+        roll=report.roll_decidegrees / 10 * DEGREE,
+        magnetic=(
+            report.magnetic_x_hundredths / 100,
+            report.magnetic_y_hundredths / 100,
+            report.magnetic_z_hundredths / 100,
+        ),
+        temperature=report.temperature_decicelsius / 10,
+        error=report.error & 0xFFFF,
+        calibration_h=report.calibration_h,
+        calibration_v=report.calibration_v,
+        calibration_m=report.calibration_m_hundredths / 100,
+    )
+
+
+class TcmCompass:
+    """Streams packets while wanted; afterwards the heading stays in the standard report."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._stream = Stream(
+            supervisor, "the TCM2 compass", _request(Tcm2Mode.STREAM), _read, reports.Compass
+        )
+
+    @property
+    def presence(self) -> Presence:
+        """Whether there is one: CONFIG does not tell, its packets and the standard report do."""
+        snapshot = self._supervisor.snapshot
+        if self.latest is not None:
+            return Presence(True, "The TCM2 compass answers.")
+        if snapshot is not None and snapshot.inputs.compass is not None:
+            return Presence(True, "The robot has a compass: its standard report has a heading.")
+        return Presence(None, "No TCM2 packet has come yet: CONFIG does not tell of a compass.")
+
+    @property
+    def latest(self) -> CompassReading | None:
+        """The last reading, while it is :meth:`wanted`."""
+        return self._stream.latest
+
+    @property
+    def rate(self) -> float:
+        """Packets in the last second [1/s]."""
+        return self._stream.rate
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Keep :attr:`latest` new during the block."""
+        return self._stream.wanted()
+
+    def values(self) -> AsyncGenerator[CompassReading, None]:
+        """Yield each packet."""
+        return self._stream.values()
+
+    async def reading(self) -> CompassReading:
+        """Return the next packet.
+
+        Raises:
+            DeviceError: none came.
+        """
+        return await self._stream.reading()
+
+    def set_mode(self, mode: Tcm2Mode) -> None:
+        """Send TCM2 `mode`: off, in the standard report only, once, stream, calibrate, reset.
+
+        While packets are wanted a new session begins with this mode too.
+
+        Raises:
+            CommandError: no robot is connected.
+        """
+        if self._stream.is_wanted:
+            self._stream.change(_request(mode))
+        else:
+            self._supervisor.send(commands.Tcm2(mode))
+
+
+def _request(mode: Tcm2Mode) -> Request:
+    streams = mode is Tcm2Mode.STREAM
+    return Request(
+        begin=(commands.Tcm2(mode),),
+        end=(commands.Tcm2(Tcm2Mode.SIP_ONLY),),
+        answers=(reports.Compass,) if streams else (),
+    )
+
+
+def _read(report: Report, stamp: float) -> CompassReading | None:
+    return read_compass(report, stamp) if isinstance(report, reports.Compass) else None

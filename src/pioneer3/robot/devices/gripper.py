@@ -1,0 +1,292 @@
+"""The gripper: paddles, lift and beams (arcos.md 5.6, 8.5)."""
+
+import asyncio
+from collections.abc import AsyncGenerator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from enum import StrEnum
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import GripperAction
+from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.reports import GripperSwitch, Report, Sip
+from pioneer3.errors import DeviceError
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.requests import Request
+from pioneer3.robot.supervisor import Supervisor
+
+USER_IO, GENERAL_IO = 1, 2
+"""How a gripper is wired, as GRIPPER packets tell it (arcos.md 5.6)."""
+SENSORS = 0x3F
+LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
+"""Bits of the SIP's byte that user-IO grippers have besides the digital inputs (arcos.md 4.7)."""
+
+LIFT_LEAST, LIFT_PATIENCE, GRIP_PATIENCE = 3.0, 30.0, 10.0
+"""Of the exercise [s] (arcos.md 8.5)."""
+FOLLOWS = {
+    GripperAction.LIFT_UP: GripperAction.CLOSE,
+    GripperAction.CLOSE: GripperAction.LIFT_DOWN,
+    GripperAction.LIFT_DOWN: GripperAction.OPEN,
+    GripperAction.OPEN: GripperAction.LIFT_UP,
+}
+"""What the exercise does after what."""
+
+
+class Paddles(StrEnum):
+    """Where the paddles are."""
+
+    OPEN = "open"
+    BETWEEN = "between"
+    CLOSED = "closed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GripperReading:
+    """The gripper at one instant.
+
+    Attributes:
+        stamp: When it was received [s, monotonic].
+        paddles: Open, closed or in between.
+        lift_at_limit: Whether the lift is all the way up or down ("maxed").
+        left_touches: The left paddle is triggered.
+        right_touches: The right paddle is triggered.
+        outer_beam_broken: Something is between the paddles' tips.
+        inner_beam_broken: Something is between the paddles' roots.
+        lift_moves: The lift's motor runs.
+        paddles_move: The paddles' motor runs.
+    """
+
+    stamp: float
+    paddles: Paddles
+    lift_at_limit: bool
+    left_touches: bool
+    right_touches: bool
+    outer_beam_broken: bool
+    inner_beam_broken: bool
+    lift_moves: bool
+    paddles_move: bool
+
+
+def read_switches(seen: GripperSwitch, stamp: float) -> GripperReading:
+    """Return what the switches mean, as ARIA reads them (arcos.md 4.7)."""
+    left = GripperSwitch.LEFT_PADDLE_LOW not in seen
+    right = GripperSwitch.RIGHT_PADDLE_LOW not in seen
+    is_open = GripperSwitch.OPEN_LOW not in seen
+    return GripperReading(
+        stamp=stamp,
+        paddles=Paddles.CLOSED if left and right else Paddles.OPEN if is_open else Paddles.BETWEEN,
+        lift_at_limit=GripperSwitch.LIFT_LIMIT_LOW not in seen,
+        left_touches=left,
+        right_touches=right,
+        outer_beam_broken=GripperSwitch.OUTER_BEAM_BROKEN in seen,
+        inner_beam_broken=GripperSwitch.INNER_BEAM_BROKEN in seen,
+        lift_moves=GripperSwitch.LIFT_MOVING in seen,
+        paddles_move=GripperSwitch.GRIP_MOVING in seen,
+    )
+
+
+def switches_in(sip: Sip, wiring: int) -> GripperSwitch | None:
+    """Return the switches that a standard report shows, or `None` if it ends before."""
+    if sip.gripper_state is None or sip.digital_in is None:
+        return None
+    if wiring == GENERAL_IO:
+        return GripperSwitch(sip.gripper_state)
+    seen = GripperSwitch(sip.digital_in & SENSORS | sip.gripper_state & LIFT_MOVES)
+    moves = sip.gripper_state & GRIP_MOVES_ON_USER_IO
+    return seen | GripperSwitch.GRIP_MOVING if moves else seen
+
+
+class Exercise:
+    """ARIA's: up and open, close, down, open, up, and so on (arcos.md 8.5)."""
+
+    FIRST = (GripperAction.LIFT_UP, GripperAction.OPEN)
+
+    def __init__(self, now: float) -> None:
+        self._doing, self._since = GripperAction.LIFT_UP, now
+
+    def step(self, gripper: GripperReading, now: float) -> GripperAction | None:
+        """Return what to do next, or `None` while it is doing something."""
+        if not self._done(gripper, now - self._since):
+            return None
+        self._doing, self._since = FOLLOWS[self._doing], now
+        return self._doing
+
+    def _done(self, gripper: GripperReading, passed: float) -> bool:
+        match self._doing:
+            case GripperAction.CLOSE:
+                return gripper.paddles is Paddles.CLOSED or passed >= GRIP_PATIENCE
+            case GripperAction.OPEN:
+                return gripper.paddles is Paddles.OPEN or passed >= GRIP_PATIENCE
+        return (passed >= LIFT_LEAST and gripper.lift_at_limit) or passed >= LIFT_PATIENCE
+
+
+WIRINGS = {GENERAL_IO: "general", USER_IO: "user"}
+
+
+def _asking(how: How) -> Request:
+    return Request(
+        begin=(commands.GripperPacRequest(how),),
+        end=(commands.GripperPacRequest(How.STOP),),
+        answers=(reports.GripperState,),
+    )
+
+
+STREAMING = _asking(How.STREAM)
+
+
+class Gripper:
+    """Opens, closes, lifts, and tells how it stands.
+
+    Like ARIA it asks for one GRIPPER packet, which tells the wiring, and reads the switches from
+    the standard report; where that ends too early, packets are asked for with every cycle.
+    """
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._clock = asyncio.get_running_loop().time
+        self._stream = Stream(
+            supervisor, "the gripper", _asking(How.ONCE), self._read, Sip, reports.GripperState
+        )
+        self._wiring: int | None = None
+        self._exercise: Exercise | None = None
+
+    @property
+    def presence(self) -> Presence:
+        """Whether there is one: its own answer counts, then CONFIG (arcos.md 5.1, field 14)."""
+        if self._wiring is not None:
+            if self._wiring in WIRINGS:
+                return Presence(True, f"The gripper answers: on the {WIRINGS[self._wiring]} I/O.")
+            return Presence(False, "The robot has no gripper: it says so in its GRIPPER packet.")
+        config = self._supervisor.info.config if self._supervisor.info else None
+        if config is None or config.has_gripper is None:
+            return Presence(None, "Nobody knows of a gripper: the robot's CONFIG does not tell.")
+        if config.has_gripper:
+            return Presence(True, "The robot has a gripper: its CONFIG says HasGripper.")
+        return Presence(False, "The robot has no gripper: its CONFIG says HasGripper 0.")
+
+    @property
+    def latest(self) -> GripperReading | None:
+        """The last reading, while it is :meth:`wanted`."""
+        return self._stream.latest
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Keep :attr:`latest` new during the block."""
+        return self._stream.wanted()
+
+    def values(self) -> AsyncGenerator[GripperReading, None]:
+        """Yield how it stands, with each report."""
+        return self._stream.values()
+
+    async def reading(self) -> GripperReading:
+        """Return how it stands.
+
+        Raises:
+            DeviceError: there is none, or it does not answer.
+        """
+        self._require()
+        return await self._stream.reading()
+
+    def open(self) -> None:
+        """Open the paddles. Any action ends an exercise.
+
+        Raises:
+            DeviceError: the robot has no gripper; so for all actions.
+            CommandError: no robot is connected; so for all actions.
+        """
+        self._act(GripperAction.OPEN)
+
+    def close(self) -> None:
+        """Close the paddles until they touch something."""
+        self._act(GripperAction.CLOSE)
+
+    def lift_up(self) -> None:
+        """Raise the lift to its upper end."""
+        self._act(GripperAction.LIFT_UP)
+
+    def lift_down(self) -> None:
+        """Lower the lift to its lower end."""
+        self._act(GripperAction.LIFT_DOWN)
+
+    def stop_paddles(self) -> None:
+        """Stop the paddles where they are."""
+        self._act(GripperAction.STOP)
+
+    def stop_lift(self) -> None:
+        """Stop the lift where it is."""
+        self._act(GripperAction.LIFT_STOP)
+
+    def halt(self) -> None:
+        """Stop paddles and lift."""
+        self._act(GripperAction.HALT)
+
+    def store(self) -> None:
+        """Close and raise, to drive."""
+        self._act(GripperAction.STORE)
+
+    def deploy(self) -> None:
+        """Lower and open, to grasp."""
+        self._act(GripperAction.DEPLOY)
+
+    def set_grasp_time(self, seconds: float) -> None:
+        """Set how long the paddles go on pressing, in steps of 20 ms."""
+        self._act(GripperAction.PRESSURE)
+        self._supervisor.send(commands.GripperVal(seconds))
+
+    def carry_lift(self, seconds: float) -> None:
+        """Raise the lift for so long, in steps of 20 ms."""
+        self._act(GripperAction.LIFT_CARRY)
+        self._supervisor.send(commands.GripperVal(seconds))
+
+    async def exercise(self) -> None:
+        """Open, close, raise and lower until any other action, or until cancelled; then halt.
+
+        Raises:
+            DeviceError: there is no gripper.
+        """
+        self._require()
+        mine = self._exercise = Exercise(self._clock())
+        for action in Exercise.FIRST:
+            self._supervisor.send(commands.Gripper(action))
+        try:
+            async for reading in self.values():
+                if self._exercise is not mine:
+                    return
+                following = mine.step(reading, self._clock())
+                if following is not None:
+                    self._supervisor.send(commands.Gripper(following))
+        finally:
+            if self._exercise is mine:
+                self._exercise = None
+                if self._supervisor.snapshot is not None:
+                    self._supervisor.send(commands.Gripper(GripperAction.HALT))
+
+    @property
+    def exercising(self) -> bool:
+        """Whether an exercise goes on."""
+        return self._exercise is not None
+
+    def _act(self, action: GripperAction) -> None:
+        self._require()
+        if self._exercise is not None:  # it is halted before anything else is done
+            self._exercise = None
+            self._supervisor.send(commands.Gripper(GripperAction.HALT))
+        self._supervisor.send(commands.Gripper(action))
+
+    def _require(self) -> None:
+        if self.presence.there is False:
+            raise DeviceError(str(self.presence))
+
+    def _read(self, report: Report, stamp: float) -> GripperReading | None:
+        match report:
+            case reports.GripperState(wiring, seen):
+                self._wiring = wiring
+                return read_switches(seen, stamp) if wiring in WIRINGS else None
+            case Sip() if self.presence.there:
+                seen_in_sip = switches_in(report, self._wiring or GENERAL_IO)
+                if seen_in_sip is not None:
+                    return read_switches(seen_in_sip, stamp)
+                if self._stream.request != STREAMING:
+                    self._stream.request = STREAMING
+                    self._stream.change(STREAMING)
+        return None

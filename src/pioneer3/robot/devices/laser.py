@@ -1,0 +1,201 @@
+"""The laser range finder that simulators answer with in the robot's own stream (arcos.md 5.13)."""
+
+from collections.abc import AsyncGenerator, Callable
+from contextlib import AbstractContextManager
+from math import inf, isfinite, radians
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import SimLaserMode
+from pioneer3.arcos.reports import Report, SimLaser, SimLaserExtended
+from pioneer3.errors import CommandError, DeviceError
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.requests import Request
+from pioneer3.robot.supervisor import Supervisor
+from pioneer3.state import Scan
+from pioneer3.units import MM
+
+NOTHING_MM = 0x7FFF
+"""This and more is no echo."""
+
+
+class Sweep:
+    """Collects packets until they are a whole sweep; a sweep with a gap is thrown away.
+
+    Args:
+        sensor_in_robot: Where the laser sits and looks [m, rad].
+        start: Angle of the first reading, from where it looks [rad].
+        end: Angle of the last one [rad].
+
+    Attributes:
+        broken: Sweeps thrown away.
+    """
+
+    def __init__(self, sensor_in_robot: Pose2, start: float, end: float) -> None:
+        self.broken = 0
+        self._mount = sensor_in_robot
+        self._start, self._end = start, end
+        self._sequence = 0
+        self._stamp = 0.0
+        self._pose: Pose2 | None = None
+        self._ranges: list[int] = []
+        self._reflectances: list[int] = []
+
+    def add(
+        self, packet: SimLaser | SimLaserExtended, stamp: float, robot_in_odom: Callable[[], Pose2]
+    ) -> Scan | None:
+        """Take a packet received at `stamp` [s]; return the sweep that it completes, or `None`.
+
+        The first packet of a sweep asks `robot_in_odom` where the robot is.
+        """
+        if packet.first != len(self._ranges):
+            self.broken += bool(self._ranges)
+            self._forget()
+        if packet.first == 0:
+            self._stamp, self._pose = stamp, robot_in_odom()
+        if self._pose is None:
+            return None
+        if isinstance(packet, SimLaserExtended):
+            self._ranges += (reading.range_mm for reading in packet.readings)
+            self._reflectances += (reading.reflectance for reading in packet.readings)
+        else:
+            self._ranges += packet.ranges_mm
+        return self._scan() if len(self._ranges) >= packet.total else None
+
+    def _scan(self) -> Scan | None:
+        ranges, count, pose = self._ranges, len(self._ranges), self._pose
+        if not count or pose is None:
+            return None
+        # from the count: some simulators round the field of view and the step in their own way
+        step = (self._end - self._start) / (count - 1) if count > 1 else 0.0
+        self._sequence += 1
+        scan = Scan(
+            stamp=self._stamp,
+            sequence=self._sequence,
+            robot_in_odom=pose,
+            sensor_in_robot=self._mount,
+            angles=tuple(self._start + i * step for i in range(count)),
+            ranges=tuple(mm * MM if mm < NOTHING_MM else inf for mm in ranges),
+            reflectances=tuple(self._reflectances),
+        )
+        self._forget()
+        return scan
+
+    def _forget(self) -> None:
+        self._pose = None
+        self._ranges, self._reflectances = [], []
+
+
+FIRST, LAST, STEP = radians(-90), radians(90), radians(1)
+"""Of ARIA's lms2xx, which a Pioneer 3 carries."""
+FINEST = radians(0.1)
+REAL = (
+    "Lasers of real robots hang on a serial port or the network of the computer, not on the robot:"
+    " reading those is not built yet. Simulators have one."
+)
+
+
+class Laser:
+    """Scans while somebody wants them.
+
+    Commands 230 to 233 set it up, which no robot takes for anything else.
+    """
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        self._stream: Stream[Scan] = self._stream_of(FIRST, LAST, STEP)
+
+    @property
+    def presence(self) -> Presence:
+        """Whether there is one: simulators have it, in the robot's own stream."""
+        if self._supervisor.info is None:
+            return Presence(None, "Nobody knows of a laser: no robot is connected.")
+        if is_simulator(self._supervisor.info):
+            return Presence(True, "This is a simulator: it has a laser.")
+        return Presence(False, REAL)
+
+    @property
+    def latest(self) -> Scan | None:
+        """The last sweep, while it is :meth:`wanted`."""
+        return self._stream.latest
+
+    @property
+    def rate(self) -> float:
+        """Sweeps in the last second [1/s]."""
+        return self._stream.rate
+
+    def set_up(self, first: float = FIRST, last: float = LAST, step: float = STEP) -> None:
+        """Choose what the next one who wants scans gets.
+
+        Args:
+            first: Angle of the first reading, counter-clockwise from where the laser looks, in
+                whole degrees [rad].
+            last: Angle of the last one [rad].
+            step: Between two readings [rad].
+
+        Raises:
+            CommandError: the angles make no sense, or the laser is on.
+        """
+        if self._stream.is_wanted:
+            raise CommandError("the laser is on: set it up when nobody wants scans")
+        if not (isfinite(first) and isfinite(last) and -7 < first < last < 7 and step >= FINEST):
+            raise CommandError("a scan goes from first to last, at steps of 0.1 degrees or more")
+        self._stream = self._stream_of(first, last, step)
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Keep the laser on and :attr:`latest` new during the block.
+
+        Raises:
+            DeviceError: this robot has no laser that can be read.
+        """
+        self._require()
+        return self._stream.wanted()
+
+    def values(self) -> AsyncGenerator[Scan, None]:
+        """Yield each sweep; the newest when the reader is slow.
+
+        Raises:
+            DeviceError: this robot has no laser that can be read.
+        """
+        self._require()
+        return self._stream.values()
+
+    async def reading(self) -> Scan:
+        """Return the next sweep.
+
+        Raises:
+            DeviceError: this robot has no laser that can be read, or it is silent.
+        """
+        self._require()
+        return await self._stream.reading()
+
+    def _require(self) -> None:
+        if not self.presence.there:
+            raise DeviceError(str(self.presence))
+
+    def _stream_of(self, first: float, last: float, step: float) -> Stream[Scan]:
+        info = self._supervisor.info
+        mount = info.model.laser if info else None
+        sweep = Sweep(Pose2(mount.x, mount.y, mount.theta) if mount else ORIGIN, first, last)
+
+        def read(report: Report, stamp: float) -> Scan | None:
+            assert isinstance(report, SimLaser | SimLaserExtended)
+            return sweep.add(report, stamp, self._robot_in_odom)
+
+        request = Request(
+            begin=(
+                commands.SimLrfSetFovStart(first),
+                commands.SimLrfSetFovEnd(last),
+                commands.SimLrfSetRes(step),
+                commands.SimLrfEnable(SimLaserMode.EXTENDED),
+            ),
+            end=(commands.SimLrfEnable(SimLaserMode.OFF),),
+            answers=(SimLaser, SimLaserExtended),
+        )
+        return Stream(self._supervisor, "the laser", request, read, SimLaser, SimLaserExtended)
+
+    def _robot_in_odom(self) -> Pose2:
+        snapshot = self._supervisor.snapshot
+        return snapshot.odometry.robot_in_odom if snapshot else ORIGIN

@@ -1,0 +1,133 @@
+"""Digital and analog inputs and outputs of the controller (arcos.md 5.3, 8.10)."""
+
+from collections.abc import AsyncGenerator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+
+from pioneer3.arcos import commands, reports
+from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.reports import Report
+from pioneer3.errors import CommandError
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.identity import is_simulator
+from pioneer3.robot.requests import Request
+from pioneer3.robot.supervisor import Supervisor
+
+ANALOG_BITS, ANALOG_STEP = 0xFFF, 0.0048828
+"""Of an analog reading, and what one unit is worth [V] (arcos.md 5.3)."""
+OUTPUTS = range(8)
+OLD_LASER = range(3)
+"""Analog ports that simulators take for the old laser's switch (arcos.md 3.3)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinesReading:
+    """All lines at one instant.
+
+    Attributes:
+        stamp: When it was received [s, monotonic].
+        digital_in: Per line whether it is high, shape (8 n,); line 8 is the first of byte 1.
+        digital_out: Likewise.
+        analog: [V], by port.
+    """
+
+    stamp: float
+    digital_in: tuple[bool, ...]
+    digital_out: tuple[bool, ...]
+    analog: tuple[float, ...]
+
+
+def read_io(io: reports.Io, stamp: float) -> LinesReading:
+    """Return what an IO packet means."""
+    return LinesReading(
+        stamp=stamp,
+        digital_in=_bits(io.digital_in),
+        digital_out=_bits(io.digital_out),
+        analog=tuple((raw & ANALOG_BITS) * ANALOG_STEP for raw in io.analog_raw),
+    )
+
+
+class Lines:
+    """Reads all lines and sets the digital outputs."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        request = Request(
+            begin=(commands.IoRequest(How.STREAM),),
+            end=(commands.IoRequest(How.STOP),),
+            answers=(reports.Io,),
+        )
+        self._stream = Stream(supervisor, "the I/O lines", request, _read, reports.Io)
+
+    @property
+    def presence(self) -> Presence:
+        """Every controller has lines; whether it sends IO packets, the first one shows."""
+        if self.latest is not None:
+            return Presence(True, "The controller sends IO packets.")
+        return Presence(None, "Every controller has lines; it has sent no IO packet yet.")
+
+    @property
+    def latest(self) -> LinesReading | None:
+        """The last reading, while it is :meth:`wanted`."""
+        return self._stream.latest
+
+    @property
+    def rate(self) -> float:
+        """Packets in the last second [1/s]."""
+        return self._stream.rate
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Keep :attr:`latest` new during the block."""
+        return self._stream.wanted()
+
+    def values(self) -> AsyncGenerator[LinesReading, None]:
+        """Yield all lines, with each packet."""
+        return self._stream.values()
+
+    async def reading(self) -> LinesReading:
+        """Return all lines.
+
+        Raises:
+            DeviceError: the controller does not answer.
+        """
+        return await self._stream.reading()
+
+    def set_output(self, line: int, *, high: bool) -> None:
+        """Set one digital output, 0 to 7; the others stay.
+
+        Raises:
+            CommandError: there is no such line, or no robot is connected.
+        """
+        if line not in OUTPUTS:
+            raise CommandError(f"digital output {line}: there are 0 to {OUTPUTS[-1]}")
+        self.set_outputs(1 << line, high << line)
+
+    def set_outputs(self, mask: int, values: int) -> None:
+        """Set the digital outputs that `mask` selects to the bits of `values`.
+
+        Raises:
+            CommandError: not 0 to 255, or no robot is connected.
+        """
+        self._supervisor.send(commands.DigOut(mask=mask, values=values))
+
+    def select_analog(self, port: int) -> None:
+        """Choose the analog port that snapshots show; it stays until another one is chosen.
+
+        Raises:
+            CommandError: no robot is connected, or a simulator would take it for its laser.
+        """
+        if port in OLD_LASER and is_simulator(self._supervisor.info):
+            raise CommandError(
+                f"analog port {port}: for simulators this command is the old laser's switch;"
+                " read all ports from the IO packets"
+            )
+        self._supervisor.send(commands.AdSel(port))
+
+
+def _read(report: Report, stamp: float) -> LinesReading | None:
+    return read_io(report, stamp) if isinstance(report, reports.Io) else None
+
+
+def _bits(data: tuple[int, ...]) -> tuple[bool, ...]:
+    return tuple(bool(byte >> bit & 1) for byte in data for bit in range(8))

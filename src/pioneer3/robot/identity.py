@@ -1,0 +1,19 @@
+"""Tells simulators from robots."""
+
+from pioneer3.robot.supervisor import RobotInfo
+
+SIMULATOR_NAMES = {"mobilesim", "amrisim", "arsim"}
+SIMULATOR_SERIAL = "SIM"
+
+
+def is_simulator(info: RobotInfo | None) -> bool:
+    """Whether the robot says of itself that it is simulated (arcos.md 2.6; 13, row 12)."""
+    if info is None:
+        return False
+    serial = info.config.serial_number if info.config else ""
+    return info.identity.name.lower() in SIMULATOR_NAMES or serial == SIMULATOR_SERIAL
+
+
+def kind(info: RobotInfo) -> str:
+    """Return `SIMULATOR` or `ROBOT`, in capitals, as it is shown everywhere."""
+    return "SIMULATOR" if is_simulator(info) else "ROBOT"

@@ -1,0 +1,280 @@
+"""A simulator that runs: its robots, and what may be changed in it."""
+
+import asyncio
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from pioneer3.arcos.reports import MapChanged
+from pioneer3.errors import CommandError, LinkError
+from pioneer3.geometry import Pose2
+from pioneer3.models import RobotModel, load_model
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.population.footprint import hits, overlap, stands_in
+from pioneer3.sim.population.placement import Berths, Newcomer
+from pioneer3.sim.population.populate import new_name
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.port import RobotPort
+from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, RobotSpec
+
+ANY = {"0.0.0.0", "::", ""}
+SOMEWHERE = ("192.0.2.1", 9)
+"""Kept free for documentation (RFC 5737); nothing is sent there."""
+
+
+def url_of(host: str, port: int) -> str:
+    """Return the URL of a port that listens at `host`.
+
+    Who listens at all addresses of this machine is reached at the one that other machines see.
+    """
+    reached = machine_address() if host in ANY else host
+    return f"tcp://[{reached}]:{port}" if ":" in reached else f"tcp://{reached}:{port}"
+
+
+def machine_address() -> str:
+    """Return this machine's address in the network, or its name without one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(SOMEWHERE)  # only asks which way packets would take
+        except OSError:
+            return socket.gethostname()
+        address: str = probe.getsockname()[0]
+        return address
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRobot:
+    """One robot of a running simulation.
+
+    Attributes:
+        name: What people call it; on the wire every simulated robot is `MobileSim`.
+        body: The robot in the world.
+        firmware: Its controller.
+        port: Where its host is, and what is wrong with the cable.
+        url: What a host connects to.
+        pty: Its serial port, or `None`.
+    """
+
+    name: str
+    body: Body
+    firmware: Firmware
+    port: RobotPort
+    url: str
+    pty: str | None = None
+
+    @classmethod
+    def at(cls, port: RobotPort, name: str, pty: str | None = None) -> Self:
+        """Return the robot behind `port`, which listens."""
+        firmware, address = port.firmware, port.address
+        assert address is not None
+        return cls(
+            name=name,
+            body=firmware.body,
+            firmware=firmware,
+            port=port,
+            url=url_of(*address),
+            pty=pty,
+        )
+
+    @property
+    def model(self) -> RobotModel:
+        """Its type."""
+        return self.body.model
+
+
+class RunningSimulation:
+    """A simulator that listens; made by :func:`pioneer3.sim.server.start.simulator`.
+
+    Attributes:
+        world: What is simulated.
+        robots: In the order of their ports; those of a factory come and go.
+        pace: How time passes; may be changed at any time.
+        factory_url: Where every client gets a robot of its own, or `None`.
+        acts_urls: Where each of the first robots' colour trackers is; empty without.
+        notes: What the person who started it should know, a line each.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        robots: Iterable[SimulatedRobot],
+        rng: Generator,
+        shelf: MapShelf,
+    ) -> None:
+        self.world: World = simulation.world
+        self.robots = list(robots)
+        self.pace: Pace = simulation.pace
+        self.factory_url: str | None = None
+        self.acts_urls: list[str] = []
+        self.notes: list[str] = []
+        self._simulation = simulation
+        self._rng = rng
+        self._shelf = shelf
+        self._faults = LinkFaults()
+        self._adding = asyncio.Lock()
+        for robot in self.robots:
+            robot.firmware.on_map_changed = self._tell_all
+
+    @property
+    def url(self) -> str:
+        """What a host of the factory, or without one of the first robot, connects to."""
+        return self.factory_url or self.robots[0].url
+
+    @property
+    def tcp_ports(self) -> list[int]:
+        """The TCP port of each robot that has one."""
+        addresses = (robot.port.address for robot in self.robots)
+        return [address[1] for address in addresses if address is not None]
+
+    @property
+    def body(self) -> Body:
+        """The first robot."""
+        return self.robots[0].body
+
+    def robot(self, name: str) -> SimulatedRobot:
+        """Return the robot of this name.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for robot in self.robots:
+            if robot.name == name:
+                return robot
+        raise KeyError(name)
+
+    def set_faults(self, faults: LinkFaults) -> None:
+        """Give every robot's cable faults like `faults`, each with chances of its own.
+
+        Robots that are added later get them too. One robot's are `robot.port.faults`.
+        """
+        self._faults = faults
+        for number, robot in enumerate(self.robots):
+            robot.port.faults = _like(faults, number)
+
+    async def add_robot(self, spec: RobotSpec) -> SimulatedRobot:
+        """Put one more robot into the world and let hosts connect to it.
+
+        Raises:
+            ConfigError: Its model or name is wrong, or there is no room for it.
+            LinkError: Its port cannot be listened on.
+        """
+        model = spec.equipment.to(load_model(spec.model))
+        equipment = spec.equipment.on(model)
+        async with self._adding:
+            name = new_name(spec.name or model.name, {robot.name for robot in self.robots})
+            body = Body(model, self._place_for(Newcomer(name, model, spec.start)))
+            self.world.add(body)
+            firmware = Firmware(self.world, body, equipment=equipment, shelf=self._shelf)
+            try:
+                await self._simulation.add(firmware, spec.port)
+            except LinkError:
+                self.world.remove(body)
+                raise
+            added = SimulatedRobot.at(self._simulation.ports[-1], name)
+            added.port.faults = _like(self._faults, len(self.robots))
+            firmware.on_map_changed = self._tell_all
+            self.robots.append(added)
+        return added
+
+    async def remove_robot(self, robot: SimulatedRobot) -> None:
+        """Part from a robot's host, close its port and take it out of the world.
+
+        Raises:
+            ValueError: It is not here.
+        """
+        self.robots.remove(robot)
+        await self._simulation.remove(robot.firmware)
+        self.world.remove(robot.body)
+
+    def add_box(self, box: Box) -> Obstacle:
+        """Put a box into the world; it can be moved, whatever :attr:`Box.movable` says.
+
+        Raises:
+            CommandError: A robot stands there.
+        """
+        self._refuse_on_robots(box.outline, box.pose)
+        return self.world.add_obstacle(box)
+
+    def add_person(self, person: Person) -> Obstacle:
+        """Let one more person walk.
+
+        Raises:
+            CommandError: A robot stands where they begin.
+        """
+        self._refuse_on_robots(person.outline_at(0.0), person.pose_at(0.0))
+        return self.world.add_obstacle(person)
+
+    def remove(self, obstacle: Obstacle) -> None:
+        """Take a box or a person out of the world."""
+        self.world.remove_obstacle(obstacle)
+
+    def move(self, what: SimulatedRobot | Obstacle, pose: Pose2) -> None:
+        """Put a robot, a box or a person elsewhere; a robot's odometry does not notice.
+
+        Raises:
+            CommandError: A robot would stand in something there, or something on a robot.
+        """
+        if not isinstance(what, SimulatedRobot):
+            self._refuse_on_robots(_outline(what, pose), pose)
+            self.world.move_obstacle(what, pose)
+        elif self.has_room(what.model, pose, but=what):
+            what.body.robot_in_world = pose
+        else:
+            raise CommandError(
+                f"{what.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+            )
+
+    def has_room(self, model: RobotModel, pose: Pose2, but: SimulatedRobot | None = None) -> bool:
+        """Whether a robot can be put at `pose`: on no wall and in nothing; `but` is not there."""
+        bodies = [robot.body for robot in self.robots if robot is not but]
+        return not (
+            hits(model, pose, self.world.map.walls)
+            or any(overlap(model, pose, body.model, body.robot_in_world) for body in bodies)
+            or any(stands_in(model, pose, _outline(o, o.pose)) for o in self.world.obstacles)
+        )
+
+    def _refuse_on_robots(self, outline: NDArray[np.float64], pose: Pose2) -> None:
+        for robot in self.robots:
+            if stands_in(robot.model, robot.body.robot_in_world, outline):
+                raise CommandError(
+                    f"{robot.name} stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+                )
+
+    def _place_for(self, newcomer: Newcomer) -> Pose2:
+        standing = self.world.robots
+        obstacles = [_outline(obstacle, obstacle.pose) for obstacle in self.world.obstacles]
+        berths = Berths(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
+        for body in standing:
+            berths.take(body.model, body.robot_in_world)
+        return berths.find(newcomer)
+
+    def _tell_all(self, change: MapChanged) -> None:
+        """Let every host know that there is another map."""
+        for robot in self.robots:
+            robot.firmware.tell(change)
+
+
+def _like(faults: LinkFaults, number: int) -> LinkFaults:
+    """Return the same faults, with the chances of robot `number`."""
+    copy = LinkFaults.parse(str(faults))
+    copy.seed = faults.seed + number
+    return copy
+
+
+def _outline(obstacle: Obstacle, pose: Pose2) -> NDArray[np.float64]:
+    """Return the sides of a box or a person at `pose` [m], shape (S, 4)."""
+    kind = obstacle.kind
+    if isinstance(kind, Box):
+        return replace(kind, pose=pose).outline
+    return replace(kind, path=((pose.x, pose.y),)).outline_at(0.0)

@@ -1,0 +1,196 @@
+"""Builds a simulator and lets it run beside the caller."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Iterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from numpy.random import default_rng
+
+from pioneer3.errors import ConfigError, PioneerError
+from pioneer3.links.tcp import accepted
+from pioneer3.models import load_model
+from pioneer3.sim.body import Body
+from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.population.populate import Inhabitant, populate
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.choice import KernelChoice, chosen_kernels
+from pioneer3.sim.server.doors import listening
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot, url_of
+from pioneer3.sim.server.trackers import colour_trackers
+from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
+from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
+from pioneer3.tasks import running
+
+log = logging.getLogger(__name__)
+
+
+@asynccontextmanager
+async def robot_factory(
+    running: RunningSimulation, product: RobotSpec, port: int, host: str
+) -> AsyncIterator[str]:
+    """Listen while the block runs; yield the URL.
+
+    Args:
+        running: Where the robots come into the world.
+        product: What every host gets; a free port of its own besides.
+        port: TCP port; 0 takes a free one.
+        host: Address of this machine to listen at.
+
+    Raises:
+        LinkError: The port cannot be listened on.
+    """
+    serving: set[asyncio.Task[None]] = set()
+
+    def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.ensure_future(_serve(running, product, reader, writer))
+        serving.add(task)
+        task.add_done_callback(serving.discard)
+
+    listener = await listening(host, port)
+    address, number = listener.getsockname()[:2]
+    server = await asyncio.start_server(serve, sock=listener)
+    try:
+        yield url_of(address, number)
+    finally:
+        server.close()
+        for task in serving:
+            task.cancel()
+        await asyncio.gather(*serving, return_exceptions=True)
+
+
+async def _serve(
+    running: RunningSimulation,
+    product: RobotSpec,
+    reader: asyncio.StreamReader,
+    writer: asyncio.StreamWriter,
+) -> None:
+    peer = writer.get_extra_info("peername") or ("?", 0)
+    link = accepted(f"tcp://{peer[0]}:{peer[1]}", reader, writer)
+    try:
+        robot = await running.add_robot(product)
+    except PioneerError as error:
+        log.warning("%s: gets no robot: %s", link.url, error)
+        await link.close()
+        return
+    log.info("%s: gets %s", link.url, robot.name)
+    try:
+        await robot.port.serve(link)
+    finally:
+        if robot in running.robots:  # nobody else has taken it away
+            await running.remove_robot(robot)
+
+
+LOOPBACK = "127.0.0.1"
+FIRST_PORT = 8101
+IN_THE_WAY = "begins in a wall or an obstacle and cannot move: choose another start"
+
+
+@asynccontextmanager
+async def simulator(
+    *,
+    map_name: str | Path | WorldFile = "office",
+    robot: str | None = None,
+    port: int = FIRST_PORT,
+    host: str = LOOPBACK,
+    wishes: Wishes = AS_IT_IS,
+    realism: Realism | None = None,
+    pace: Pace | None = None,
+    faults: LinkFaults | None = None,
+    ptys: bool = False,
+    acts: int | None = None,
+    kernels: KernelChoice = "auto",
+) -> AsyncIterator[RunningSimulation]:
+    """Run a simulator in this event loop.
+
+    Args:
+        map_name: A shipped map or world, a map or world file, or a world.
+        robot: Model of the only robot, by name or file; `None` for those of `wishes` or of the
+            world, or a P3-AT where there is none.
+        port: TCP port of the first robot, the others have the next ones; 0 takes free ones. A
+            factory comes before the robots.
+        host: Address of this machine to listen at.
+        wishes: What to change in the world before it begins.
+        realism: How like a real robot; `None` is ideal: no noise, no slip, thin rays.
+        pace: How time passes; in real time if not given.
+        faults: What is wrong with every robot's cable.
+        ptys: Whether each robot has a pseudo terminal besides.
+        acts: TCP port of the first robot's ACTS server, the others have the next ones; 0 takes
+            free ones, `None` has no such servers.
+        kernels: What computes motion and rays; the same seed gives the same run to the last bit
+            only with the same ones.
+
+    Raises:
+        ConfigError: The map, a model, a place or the port of the ACTS servers is wrong.
+        LinkError: A port cannot be listened on.
+    """
+    if robot is not None:
+        wishes = replace(wishes, robots=(RobotSpec(model=robot),))
+    asked = map_name if isinstance(map_name, WorldFile) else load_world(map_name)
+    world_file = wishes.laid_over(asked)
+    line_map, rng = world_file.line_map(), default_rng(world_file.seed)
+    crew, shelf = populate(world_file, line_map, rng), _shelf(world_file)
+    bodies = [Body(each.model, each.pose) for each in crew]
+    world = World(line_map, bodies, seed=world_file.seed, realism=realism)
+    firmwares = [
+        Firmware(world, body, equipment=each.equipment, shelf=shelf)
+        for each, body in zip(crew, bodies, strict=True)
+    ]
+    things: tuple[Box | Person, ...] = world_file.movable + world_file.people
+    for thing in things:
+        world.add_obstacle(thing)
+    simulation = Simulation(world, firmwares, pace=pace, keep_session=world_file.keep_session)
+    product = wishes.product
+    if product:
+        load_model(product.model)  # better now than when the first client comes
+    first_port = port + 1 if product and port else port
+    await simulation.listen(first_port, host, ports=[each.port for each in crew])
+    # connections are accepted from now on; time begins when the kernels are there
+    world.kernels = await chosen_kernels(kernels, len(bodies), pace)
+    async with AsyncExitStack() as stack:
+        await stack.enter_async_context(running(simulation.run()))
+        here = RunningSimulation(simulation, _robots(crew, simulation, ptys=ptys), rng, shelf)
+        here.notes = [f"{each.name} {IN_THE_WAY}" for each in crew if each.in_the_way]
+        if faults is not None:
+            here.set_faults(faults)
+        if product:
+            door = robot_factory(here, product, port, host)
+            here.factory_url = await stack.enter_async_context(door)
+        if acts is not None:
+            _refuse_robots_ports(acts, here)
+            trackers = colour_trackers(world, here.robots[:], acts, host)
+            here.acts_urls = await stack.enter_async_context(trackers)
+        yield here
+
+
+def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
+    """Refuse colour trackers at a port that is a robot's.
+
+    Raises:
+        ConfigError: One would be.
+    """
+    wanted = range(acts, acts + len(here.robots)) if acts else ()
+    if common := set(wanted) & set(here.tcp_ports):
+        raise ConfigError(
+            f"ACTS from port {acts} on: {min(common)} is a robot's; choose another port for ACTS"
+        )
+
+
+def _robots(
+    crew: Sequence[Inhabitant], simulation: Simulation, *, ptys: bool
+) -> Iterator[SimulatedRobot]:
+    names = simulation.open_ptys() if ptys else [None] * len(crew)
+    for each, port, pty in zip(crew, simulation.ports, names, strict=True):
+        yield SimulatedRobot.at(port, each.name, pty)
+
+
+def _shelf(world: WorldFile) -> MapShelf:
+    """Return the maps that clients may load: those beside the one in use, and those here."""
+    return MapShelf(world.map.parent, Path()) if isinstance(world.map, Path) else MapShelf()

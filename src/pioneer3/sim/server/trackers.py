@@ -1,0 +1,115 @@
+"""An ACTS server for each simulated robot: blobs of the people, boxes and robots it sees."""
+
+import asyncio
+import logging
+from collections import defaultdict
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from typing import Final
+
+from pioneer3.acts import QUIT, REQUEST, Blob, encode
+from pioneer3.sim.eye import Eye, Kind, look
+from pioneer3.sim.server.doors import listening
+from pioneer3.sim.server.running import SimulatedRobot, url_of
+from pioneer3.sim.world import World
+
+log = logging.getLogger(__name__)
+
+CHANNELS: Final[Mapping[Kind, int]] = {"person": 1, "box": 2, "robot": 3}
+"""In which channel of ACTS a thing is seen."""
+FRAME = 1 / 30
+"""Between two pictures [s, real]: clients ask again as soon as they have one."""
+MOST_CLIENTS = 8
+"""Of one robot."""
+EYE = Eye()
+
+
+@asynccontextmanager
+async def colour_trackers(
+    world: World, robots: list[SimulatedRobot], port: int, host: str
+) -> AsyncIterator[list[str]]:
+    """Serve pictures while the block runs; yield a URL for each of `robots`.
+
+    Args:
+        world: Where they are.
+        robots: Each has an eye above its front, and looks where its PTZ camera looks.
+        port: TCP port of the first, the others have the next ones; 0 takes free ones.
+        host: Address of this machine to listen at.
+
+    Raises:
+        LinkError: A port cannot be listened on.
+    """
+    async with AsyncExitStack() as stack:
+        trackers = [ColourTracker(world, robot) for robot in robots]
+        yield [
+            await stack.enter_async_context(tracker.listening(port and port + number, host))
+            for number, tracker in enumerate(trackers)
+        ]
+
+
+class ColourTracker:
+    """ACTS for one robot."""
+
+    def __init__(self, world: World, robot: SimulatedRobot) -> None:
+        self._world, self._robot = world, robot
+        self._serving: set[asyncio.Task[None]] = set()
+
+    def picture(self) -> bytes:
+        """Return what the robot sees now, as ACTS tells it."""
+        camera = self._robot.firmware.accessories.camera
+        gaze = camera.gaze(self._world.time) if camera else None
+        pan, tilt = (gaze.pan, gaze.tilt) if gaze else (0.0, 0.0)
+        blobs: dict[int, list[Blob]] = defaultdict(list)
+        for patch in look(self._world, self._robot.body, EYE, pan, tilt):
+            blobs[CHANNELS[patch.kind]].append(
+                Blob(
+                    area=patch.area,
+                    x=patch.x,
+                    y=patch.y,
+                    left=patch.left,
+                    right=patch.right,
+                    top=patch.top,
+                    bottom=patch.bottom,
+                )
+            )
+        return encode(blobs)
+
+    @asynccontextmanager
+    async def listening(self, port: int, host: str) -> AsyncIterator[str]:
+        """Serve clients during the block; yield the URL.
+
+        Raises:
+            LinkError: The port cannot be listened on.
+        """
+        listener = await listening(host, port)
+        address, number = listener.getsockname()[:2]
+        server = await asyncio.start_server(self._admit, sock=listener)
+        try:
+            yield url_of(address, number)
+        finally:
+            server.close()
+            for task in self._serving:
+                task.cancel()
+            await asyncio.gather(*self._serving, return_exceptions=True)
+
+    def _admit(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if len(self._serving) >= MOST_CLIENTS:
+            writer.close()
+            return
+        task = asyncio.ensure_future(self._serve(reader, writer))
+        self._serving.add(task)
+        task.add_done_callback(self._serving.discard)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Answer until the client quits or goes; no client ends the simulator."""
+        try:
+            with suppress(OSError):
+                while (said := await reader.read(1)) not in {b"", QUIT}:
+                    if said == REQUEST:
+                        await asyncio.sleep(FRAME)
+                        writer.write(self.picture())
+                        await writer.drain()
+        except Exception:
+            log.exception("the colour tracker of %s failed", self._robot.name)
+        finally:
+            writer.close()

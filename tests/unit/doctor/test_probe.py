@@ -1,0 +1,85 @@
+"""Which port to use, and which to leave alone."""
+
+import asyncio
+
+import pytest
+
+from pioneer3.doctor.ports import Holder, SerialPort
+from pioneer3.doctor.probe import (
+    Probed,
+    Verdict,
+    came_back,
+    choose,
+    found_code,
+    not_probed,
+    prejudge,
+    wait_for_plug,
+)
+
+USB0 = SerialPort(path="/dev/serial/by-id/usb-A", device="/dev/ttyUSB0")
+USB1 = SerialPort(path="/dev/serial/by-id/usb-B", device="/dev/ttyUSB1")
+USB0_AS_1 = SerialPort(path="/dev/serial/by-id/usb-A", device="/dev/ttyUSB1")
+ROBOT = Probed("/dev/ttyUSB0", Verdict.ROBOT)
+SIMULATOR = Probed("tcp://localhost:8101", Verdict.SIMULATOR)
+SILENT = Probed("/dev/ttyS0", Verdict.SILENT)
+
+
+def test_a_real_robot_is_preferred_to_a_forgotten_simulator() -> None:
+    assert choose([SIMULATOR, SILENT, ROBOT]) is ROBOT
+    assert choose([SILENT, SIMULATOR]) is SIMULATOR
+    assert choose([SILENT]) is None
+
+
+def test_the_first_of_two_robots_is_chosen() -> None:
+    assert choose([ROBOT, Probed("/dev/ttyUSB1", Verdict.ROBOT)]) is ROBOT
+
+
+@pytest.mark.parametrize(
+    ("port", "verdict"),
+    [
+        (SerialPort(path="p", device="p", holders=(Holder(7, "screen"),)), Verdict.BUSY),
+        (SerialPort(path="p", device="p", console=True), Verdict.CONSOLE),
+        (SerialPort(path="p", device="p", vendor_id=0x15D1, product_id=0), Verdict.LASER),
+    ],
+)
+def test_ports_in_use_consoles_and_lasers_by_name_are_not_spoken_to(
+    port: SerialPort, verdict: Verdict
+) -> None:
+    judged = prejudge(port)
+    assert judged is not None
+    assert judged.verdict is verdict
+
+
+def test_any_other_port_is_to_be_asked() -> None:
+    assert prejudge(USB0) is None
+
+
+def test_the_exit_code_says_whether_a_robot_was_found() -> None:
+    assert found_code([SILENT, ROBOT]) == 0
+    assert found_code([SILENT]) == 3
+    assert found_code([]) == 3
+    assert found_code(not_probed([USB0], ["tcp://localhost:8101"])) == 0
+
+
+def test_the_port_that_vanished_and_appeared_comes_first() -> None:
+    assert came_back((USB0, USB1), (USB1,), (USB0, USB1)) == (USB0,)
+    assert came_back((USB0,), (), (USB1, USB0)) == (USB0, USB1)
+    assert came_back((USB0,), (), ()) == ()
+
+
+def test_a_port_that_comes_back_with_another_number_is_found() -> None:
+    assert came_back((USB0,), (), (USB0_AS_1,)) == (USB0_AS_1,)
+
+
+async def test_plugging_in_is_waited_for() -> None:
+    loop = asyncio.get_running_loop()
+    began = loop.time()
+    found = await wait_for_plug(
+        (USB0,), (), lambda: (USB0,) if loop.time() - began > 3 else (), patience=10
+    )
+    assert found == (USB0,)
+    assert 3 < loop.time() - began < 5
+
+
+async def test_waiting_for_a_plug_ends() -> None:
+    assert await wait_for_plug((USB0,), (), tuple, patience=2) == ()

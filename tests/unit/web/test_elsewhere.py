@@ -1,0 +1,76 @@
+"""What a simulator in another program tells of its world, over cables in memory."""
+
+from pathlib import Path
+
+import pytest
+
+from pioneer3 import ConfigError, connect_async
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps import load_map
+from pioneer3.sim.worldfile import load_world
+from pioneer3.tasks import running
+from pioneer3.web.elsewhere import WorldElsewhere, known_map
+from tests.support import SimulatedRobot, until, wall_at
+
+HOME = Pose2(1.0, 1.5, 0.5)
+
+
+@pytest.mark.realtime
+async def test_map_and_true_pose_are_known_again_after_the_link_was_lost() -> None:
+    told: list[str] = []
+    async with (
+        SimulatedRobot(load_map("office"), home=HOME) as sim,
+        connect_async(sim.open) as robot,
+    ):
+        elsewhere = WorldElsewhere(robot, None, told.append)
+        async with running(elsewhere.follow()):
+            await until(lambda: elsewhere.map and elsewhere.pose)
+            first = elsewhere.map
+            assert first is not None
+            assert first.name == "office"
+            assert elsewhere.pose is not None
+            assert (elsewhere.pose.x, elsewhere.pose.y) == pytest.approx((1.0, 1.5), abs=0.002)
+            assert elsewhere.pose.theta == pytest.approx(0.5, abs=0.01)
+            await sim.unplug()
+            await until(lambda: elsewhere.pose is None)
+            sim.world.change_map(load_world("lab").line_map())
+            sim.body.robot_in_world = Pose2(3.0, 2.0, 0.0)
+            sim.plugged = True
+            await until(lambda: elsewhere.pose and elsewhere.map is not first)
+            assert elsewhere.map is not None
+            assert elsewhere.map.name == "lab"
+            assert elsewhere.pose.x == pytest.approx(3.0, abs=0.002)
+    assert told == []
+
+
+@pytest.mark.realtime
+async def test_a_map_that_is_not_here_is_pointed_out_and_a_given_one_stays() -> None:
+    told: list[str] = []
+    given = load_map("office")
+    async with SimulatedRobot(wall_at(2.0)) as sim, connect_async(sim.open) as robot:
+        ours, theirs = (
+            WorldElsewhere(robot, given, told.append),
+            WorldElsewhere(robot, None, told.append),
+        )
+        async with running(ours.follow(), theirs.follow()):
+            await until(lambda: told and ours.pose)
+    assert told == [
+        "The simulator's map is not shown: there is no map 'wall' here; give it with --map"
+    ]
+    assert ours.map is given
+    assert theirs.map is None
+
+
+def test_maps_are_known_by_the_names_that_ship_and_by_files_of_this_folder_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    lines = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 1 1\nNumLines: 1\nLINES\n0 0 1000 1000\nDATA\n"
+    (tmp_path / "here" / "hall.map").write_text(lines)
+    (tmp_path / "up.map").write_text(lines)
+    assert known_map("hall").name == "hall"
+    assert known_map("office.map").name == "office"
+    for name in ("../up", str(tmp_path / "up"), "up", ""):
+        with pytest.raises(ConfigError, match="there is no map"):
+            known_map(name)
