@@ -10,6 +10,7 @@ from pioneer3.behaviors.modes import goto
 from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.devices import Devices
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import Arbiter
@@ -26,7 +27,10 @@ class Robot:
     """A connected robot. All angles counter-clockwise, all units SI.
 
     Made by :func:`pioneer3.connect_async`. Velocities expire after :attr:`Limits.expiry` (0.5 s);
-    every way out stops the robot. Gripper, laser and the like are in :attr:`devices`.
+    every way out stops the robot. Gripper, compass and the like are in :attr:`devices`.
+
+    Attributes:
+        laser: The laser range finder that behaviors, the page and ROS look through.
     """
 
     def __init__(self, supervisor: Supervisor, arbiter: Arbiter) -> None:
@@ -35,7 +39,8 @@ class Robot:
         self.devices = Devices(supervisor)
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
-        arbiter.latest_scan = lambda: self.devices.laser.latest
+        self.laser: LaserSource = self.devices.laser
+        arbiter.latest_scan = lambda: self.laser.latest
 
     @property
     def info(self) -> RobotInfo:

@@ -1,28 +1,27 @@
 """What a robot has besides wheels and sonars, each device asked and told in SI units.
 
-=================  ==========================================================================
-module             what
-=================  ==========================================================================
-gripper            paddles, lift, beams; gripper_state is what its switches mean
-lines              digital and analog inputs and outputs
-compass            TCM2
-gyro               heading from samples, where the robot sends them
-laser              scans of a simulator's laser; sweep puts its packets together
-camera             pan, tilt and zoom; cameras has the bytes, aux_port carries them
-status             flags and faults by name, safety systems
-configuration      CONFIG, asked for again
-acts               blobs of colour, from the ACTS server
-built_in           whether there are bumpers and sonars
-typed              a command as people type it
-stream             readings that are asked for while somebody wants them
-presence           whether the robot has a thing, and how one knows
-=================  ==========================================================================
+=============  ==============================================================================
+module         devices
+=============  ==============================================================================
+sensor         what sensors have in common: readings while somebody wants them
+gripper        paddles, lift, beams
+lines          digital and analog inputs and outputs
+compass        TCM2
+gyro           heading from samples, where the robot sends them
+laser          scans of a simulator's laser, and the interface of every laser
+camera         pan, tilt and zoom; canon and sony have the bytes, aux_port carries them
+status         flags and faults by name, safety systems, CONFIG asked for again
+acts           blobs of colour, from the ACTS server
+presence       whether the robot has a device, and the reason to think so
+typed          a command as people type it
+=============  ==============================================================================
 
 Devices move no wheels: motion is the arbiter's.
 """
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 from pioneer3.arcos.reports import Config
 from pioneer3.robot.devices.acts import Acts
@@ -33,6 +32,7 @@ from pioneer3.robot.devices.gyro import Gyro
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.lines import Lines
 from pioneer3.robot.devices.presence import Presence, bumpers_of, sonars_of
+from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.devices.status import DetailedStatus, Safety, ask_configuration, detailed_status
 from pioneer3.robot.devices.typed import parse_typed
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
@@ -91,6 +91,11 @@ class Devices:
     def safety(self) -> Safety:
         """The safety systems of MTX robots; texts of the firmware."""
         return Safety(self._supervisor)
+
+    @property
+    def sensors(self) -> tuple[Sensor[Any], ...]:
+        """The sensors whose readings people are shown, in this order."""
+        return self.compass, self.gyro, self.gripper
 
     @property
     def bumpers(self) -> Presence:

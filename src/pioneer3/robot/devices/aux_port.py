@@ -8,7 +8,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import SerialAux
 from pioneer3.errors import ConfigError, DeviceError
-from pioneer3.robot.devices.stream import silence
+from pioneer3.robot.devices.sensor import silence
 from pioneer3.robot.supervisor import Supervisor
 
 PATIENCE = 1.5

@@ -1,15 +1,14 @@
 """The TCM2 compass (arcos.md 5.7, 8.14)."""
 
-from collections.abc import AsyncGenerator
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.arcos.reports import Report
 from pioneer3.geometry import wrap
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.devices.sensor import Sensor, SensorKind, Shown
 from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.units import DEGREE
@@ -64,14 +63,11 @@ def read_compass(report: reports.Compass, stamp: float) -> CompassReading:
     )
 
 
-class TcmCompass:
+class TcmCompass(Sensor[CompassReading]):
     """Streams packets while wanted; afterwards the heading stays in the standard report."""
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self._supervisor = supervisor
-        self._stream = Stream(
-            supervisor, "the TCM2 compass", _request(Tcm2Mode.STREAM), _read, reports.Compass
-        )
+        super().__init__(supervisor, COMPASS, _read)
 
     @property
     def presence(self) -> Presence:
@@ -83,32 +79,6 @@ class TcmCompass:
             return Presence(True, "The robot has a compass: its standard report has a heading.")
         return Presence(None, "No TCM2 packet has come yet: CONFIG does not tell of a compass.")
 
-    @property
-    def latest(self) -> CompassReading | None:
-        """The last reading, while it is :meth:`wanted`."""
-        return self._stream.latest
-
-    @property
-    def rate(self) -> float:
-        """Packets in the last second [1/s]."""
-        return self._stream.rate
-
-    def wanted(self) -> AbstractContextManager[None]:
-        """Keep :attr:`latest` new during the block."""
-        return self._stream.wanted()
-
-    def values(self) -> AsyncGenerator[CompassReading, None]:
-        """Yield each packet."""
-        return self._stream.values()
-
-    async def reading(self) -> CompassReading:
-        """Return the next packet.
-
-        Raises:
-            DeviceError: none came.
-        """
-        return await self._stream.reading()
-
     def set_mode(self, mode: Tcm2Mode) -> None:
         """Send TCM2 `mode`: off, in the standard report only, once, stream, calibrate, reset.
 
@@ -117,8 +87,8 @@ class TcmCompass:
         Raises:
             CommandError: no robot is connected.
         """
-        if self._stream.is_wanted:
-            self._stream.change(_request(mode))
+        if self.is_wanted:
+            self.change(_request(mode))
         else:
             self._supervisor.send(commands.Tcm2(mode))
 
@@ -130,6 +100,20 @@ def _request(mode: Tcm2Mode) -> Request:
         end=(commands.Tcm2(Tcm2Mode.SIP_ONLY),),
         answers=(reports.Compass,) if streams else (),
     )
+
+
+COMPASS: Final = SensorKind(
+    name="compass",
+    title="the TCM2 compass",
+    request=_request(Tcm2Mode.STREAM),
+    reports=(reports.Compass,),
+    shown=(
+        Shown("heading", "heading", "°", 1 / DEGREE),
+        Shown("pitch", "pitch", "°", 1 / DEGREE, 1),
+        Shown("roll", "roll", "°", 1 / DEGREE, 1),
+        Shown("temperature", "temperature", "°C", 1.0, 1),
+    ),
+)
 
 
 def _read(report: Report, stamp: float) -> CompassReading | None:

@@ -1,10 +1,9 @@
 """The gripper: paddles, lift and beams (arcos.md 5.6, 8.5)."""
 
 import asyncio
-from collections.abc import AsyncGenerator
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Final
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import GripperAction
@@ -12,7 +11,7 @@ from pioneer3.arcos.commands import Request as How
 from pioneer3.arcos.reports import GripperSwitch, Report, Sip
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.devices.sensor import PATIENCE, Sensor, SensorKind, Shown
 from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
 
@@ -135,7 +134,21 @@ def _asking(how: How) -> Request:
 STREAMING = _asking(How.STREAM)
 
 
-class Gripper:
+GRIPPER: Final = SensorKind(
+    name="gripper",
+    title="the gripper",
+    request=_asking(How.ONCE),
+    reports=(Sip, reports.GripperState),
+    shown=(
+        Shown("paddles", "paddles"),
+        Shown("outer_beam_broken", "outer beam broken"),
+        Shown("inner_beam_broken", "inner beam broken"),
+        Shown("lift_at_limit", "lift at its end"),
+    ),
+)
+
+
+class Gripper(Sensor[GripperReading]):
     """Opens, closes, lifts, and tells how it stands.
 
     Like ARIA it asks for one GRIPPER packet, which tells the wiring, and reads the switches from
@@ -143,11 +156,8 @@ class Gripper:
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self._supervisor = supervisor
+        super().__init__(supervisor, GRIPPER, self._read_switches)
         self._clock = asyncio.get_running_loop().time
-        self._stream = Stream(
-            supervisor, "the gripper", _asking(How.ONCE), self._read, Sip, reports.GripperState
-        )
         self._wiring: int | None = None
         self._exercise: Exercise | None = None
 
@@ -165,27 +175,14 @@ class Gripper:
             return Presence(True, "The robot has a gripper: its CONFIG says HasGripper.")
         return Presence(False, "The robot has no gripper: its CONFIG says HasGripper 0.")
 
-    @property
-    def latest(self) -> GripperReading | None:
-        """The last reading, while it is :meth:`wanted`."""
-        return self._stream.latest
-
-    def wanted(self) -> AbstractContextManager[None]:
-        """Keep :attr:`latest` new during the block."""
-        return self._stream.wanted()
-
-    def values(self) -> AsyncGenerator[GripperReading, None]:
-        """Yield how it stands, with each report."""
-        return self._stream.values()
-
-    async def reading(self) -> GripperReading:
+    async def reading(self, patience: float = PATIENCE) -> GripperReading:
         """Return how it stands.
 
         Raises:
             DeviceError: there is none, or it does not answer.
         """
         self._require()
-        return await self._stream.reading()
+        return await super().reading(patience)
 
     def open(self) -> None:
         """Open the paddles. Any action ends an exercise.
@@ -277,7 +274,7 @@ class Gripper:
         if self.presence.there is False:
             raise DeviceError(str(self.presence))
 
-    def _read(self, report: Report, stamp: float) -> GripperReading | None:
+    def _read_switches(self, report: Report, stamp: float) -> GripperReading | None:
         match report:
             case reports.GripperState(wiring, seen):
                 self._wiring = wiring
@@ -286,7 +283,7 @@ class Gripper:
                 seen_in_sip = switches_in(report, self._wiring or GENERAL_IO)
                 if seen_in_sip is not None:
                     return read_switches(seen_in_sip, stamp)
-                if self._stream.request != STREAMING:
-                    self._stream.request = STREAMING
-                    self._stream.change(STREAMING)
+                if self.kind.request != STREAMING:
+                    self.kind = replace(self.kind, request=STREAMING)
+                    self.change(STREAMING)
         return None

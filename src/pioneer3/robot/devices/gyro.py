@@ -1,9 +1,7 @@
 """The gyro that the host corrects the heading with (arcos.md 5.4)."""
 
-import asyncio
-from collections.abc import AsyncGenerator
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import GyroMode
@@ -11,7 +9,7 @@ from pioneer3.arcos.reports import Report
 from pioneer3.geometry import Twist2, wrap
 from pioneer3.models.model import GYRO_SCALER
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.devices.sensor import Sensor, SensorKind, Shown
 from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.units import DEGREE, MM
@@ -79,20 +77,29 @@ class GyroHeading:
             self._zero, self._count = self._sum / self._count, 0
 
 
-class Gyro:
+GYRO: Final = SensorKind(
+    name="gyro",
+    title="the gyro",
+    request=Request(
+        begin=(commands.Gyro(GyroMode.ON),),
+        end=(commands.Gyro(GyroMode.OFF),),
+        answers=(reports.GyroRates,),
+    ),
+    reports=(reports.GyroRates,),
+    shown=(
+        Shown("heading", "heading", "°", 1 / DEGREE, 1),
+        Shown("rate", "rate", "°/s", 1 / DEGREE, 1),
+    ),
+)
+
+
+class Gyro(Sensor[GyroReading]):
     """Streams the heading of a gyro of type 1; types from 2 on correct the robot's own heading."""
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self._supervisor = supervisor
-        self._clock = asyncio.get_running_loop().time
+        super().__init__(supervisor, GYRO, self._read_rates)
         model = supervisor.info.model if supervisor.info else None
         self._heading = GyroHeading(model.gyro_scaler if model else GYRO_SCALER)
-        request = Request(
-            begin=(commands.Gyro(GyroMode.ON),),
-            end=(commands.Gyro(GyroMode.OFF),),
-            answers=(reports.GyroRates,),
-        )
-        self._stream = Stream(supervisor, "the gyro", request, self._read, reports.GyroRates)
 
     @property
     def presence(self) -> Presence:
@@ -111,19 +118,6 @@ class Gyro:
             " there are no samples.",
         )
 
-    @property
-    def latest(self) -> GyroReading | None:
-        """The last reading, while it is :meth:`wanted`."""
-        return self._stream.latest
-
-    def wanted(self) -> AbstractContextManager[None]:
-        """Keep :attr:`latest` new during the block."""
-        return self._stream.wanted()
-
-    def values(self) -> AsyncGenerator[GyroReading, None]:
-        """Yield the heading with each packet; the first comes after a second of standstill."""
-        return self._stream.values()
-
     def set_mode(self, mode: GyroMode) -> None:
         """Send GYRO `mode`: off, on, or heading from the gyro only.
 
@@ -132,7 +126,7 @@ class Gyro:
         """
         self._supervisor.send(commands.Gyro(mode))
 
-    def _read(self, report: Report, stamp: float) -> GyroReading | None:
+    def _read_rates(self, report: Report, stamp: float) -> GyroReading | None:
         snapshot = self._supervisor.snapshot
         if not isinstance(report, reports.GyroRates) or snapshot is None or not report.samples:
             return None

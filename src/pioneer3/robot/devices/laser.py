@@ -3,6 +3,7 @@
 from collections.abc import AsyncGenerator, Callable
 from contextlib import AbstractContextManager
 from math import inf, isfinite, radians
+from typing import Protocol
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import SimLaserMode
@@ -10,7 +11,7 @@ from pioneer3.arcos.reports import Report, SimLaser, SimLaserExtended
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.devices.sensor import Sensor, SensorKind
 from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
@@ -97,15 +98,57 @@ REAL = (
 )
 
 
-class Laser:
-    """Scans while somebody wants them.
+class LaserSource(Protocol):
+    """A laser range finder, wherever its scans come from: the robot's own stream or a driver."""
 
-    Commands 230 to 233 set it up, which no robot takes for anything else.
+    @property
+    def presence(self) -> Presence:
+        """Whether there is one that can be read."""
+
+    @property
+    def latest(self) -> Scan | None:
+        """The last scan; look at its stamp."""
+
+    @property
+    def rate(self) -> float:
+        """Scans in the last second [1/s]."""
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Keep :attr:`latest` new during the block."""
+
+    def values(self) -> AsyncGenerator[Scan, None]:
+        """Yield each scan; the newest when the reader is slow."""
+
+    async def reading(self) -> Scan:
+        """Return the next scan."""
+
+
+def _kind(first: float, last: float, step: float) -> SensorKind:
+    """Return how to ask for scans from `first` to `last` in steps of `step` [rad]."""
+    request = Request(
+        begin=(
+            commands.SimLrfSetFovStart(first),
+            commands.SimLrfSetFovEnd(last),
+            commands.SimLrfSetRes(step),
+            commands.SimLrfEnable(SimLaserMode.EXTENDED),
+        ),
+        end=(commands.SimLrfEnable(SimLaserMode.OFF),),
+        answers=(SimLaser, SimLaserExtended),
+    )
+    packets = (SimLaser, SimLaserExtended)
+    return SensorKind(name="laser", title="the laser", request=request, reports=packets)
+
+
+class Laser(Sensor[Scan]):
+    """The scans of a simulator's laser.
+
+    Commands 230 to 233 set it up, which no robot takes for anything else. Where there is no such
+    laser, :meth:`wanted`, :meth:`values` and :meth:`reading` raise `DeviceError`.
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self._supervisor = supervisor
-        self._stream: Stream[Scan] = self._stream_of(FIRST, LAST, STEP)
+        super().__init__(supervisor, _kind(FIRST, LAST, STEP), self._add)
+        self._sweep = self._sweep_of(FIRST, LAST)
 
     @property
     def presence(self) -> Presence:
@@ -116,18 +159,8 @@ class Laser:
             return Presence(True, "This is a simulator: it has a laser.")
         return Presence(False, REAL)
 
-    @property
-    def latest(self) -> Scan | None:
-        """The last sweep, while it is :meth:`wanted`."""
-        return self._stream.latest
-
-    @property
-    def rate(self) -> float:
-        """Sweeps in the last second [1/s]."""
-        return self._stream.rate
-
     def set_up(self, first: float = FIRST, last: float = LAST, step: float = STEP) -> None:
-        """Choose what the next one who wants scans gets.
+        """Choose the scans that come from now on.
 
         Args:
             first: Angle of the first reading, counter-clockwise from where the laser looks, in
@@ -138,63 +171,35 @@ class Laser:
         Raises:
             CommandError: the angles make no sense, or the laser is on.
         """
-        if self._stream.is_wanted:
+        if self.is_wanted:
             raise CommandError("the laser is on: set it up when nobody wants scans")
         if not (isfinite(first) and isfinite(last) and -7 < first < last < 7 and step >= FINEST):
             raise CommandError("a scan goes from first to last, at steps of 0.1 degrees or more")
-        self._stream = self._stream_of(first, last, step)
+        self.kind, self._sweep = _kind(first, last, step), self._sweep_of(first, last)
+        self.latest = None
 
     def wanted(self) -> AbstractContextManager[None]:
-        """Keep the laser on and :attr:`latest` new during the block.
-
-        Raises:
-            DeviceError: this robot has no laser that can be read.
-        """
+        """Keep the laser on and :attr:`latest` new during the block."""
         self._require()
-        return self._stream.wanted()
+        return super().wanted()
 
     def values(self) -> AsyncGenerator[Scan, None]:
-        """Yield each sweep; the newest when the reader is slow.
-
-        Raises:
-            DeviceError: this robot has no laser that can be read.
-        """
+        """Yield each scan; the newest when the reader is slow."""
         self._require()
-        return self._stream.values()
-
-    async def reading(self) -> Scan:
-        """Return the next sweep.
-
-        Raises:
-            DeviceError: this robot has no laser that can be read, or it is silent.
-        """
-        self._require()
-        return await self._stream.reading()
+        return super().values()
 
     def _require(self) -> None:
         if not self.presence.there:
             raise DeviceError(str(self.presence))
 
-    def _stream_of(self, first: float, last: float, step: float) -> Stream[Scan]:
+    def _sweep_of(self, first: float, last: float) -> Sweep:
         info = self._supervisor.info
         mount = info.model.laser if info else None
-        sweep = Sweep(Pose2(mount.x, mount.y, mount.theta) if mount else ORIGIN, first, last)
+        return Sweep(Pose2(mount.x, mount.y, mount.theta) if mount else ORIGIN, first, last)
 
-        def read(report: Report, stamp: float) -> Scan | None:
-            assert isinstance(report, SimLaser | SimLaserExtended)
-            return sweep.add(report, stamp, self._robot_in_odom)
-
-        request = Request(
-            begin=(
-                commands.SimLrfSetFovStart(first),
-                commands.SimLrfSetFovEnd(last),
-                commands.SimLrfSetRes(step),
-                commands.SimLrfEnable(SimLaserMode.EXTENDED),
-            ),
-            end=(commands.SimLrfEnable(SimLaserMode.OFF),),
-            answers=(SimLaser, SimLaserExtended),
-        )
-        return Stream(self._supervisor, "the laser", request, read, SimLaser, SimLaserExtended)
+    def _add(self, report: Report, stamp: float) -> Scan | None:
+        assert isinstance(report, SimLaser | SimLaserExtended)
+        return self._sweep.add(report, stamp, self._robot_in_odom)
 
     def _robot_in_odom(self) -> Pose2:
         snapshot = self._supervisor.snapshot

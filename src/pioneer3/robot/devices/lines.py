@@ -1,15 +1,14 @@
 """Digital and analog inputs and outputs of the controller (arcos.md 5.3, 8.10)."""
 
-from collections.abc import AsyncGenerator
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request as How
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import CommandError
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import Stream
+from pioneer3.robot.devices.sensor import Sensor, SensorKind
 from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
@@ -48,17 +47,23 @@ def read_io(io: reports.Io, stamp: float) -> LinesReading:
     )
 
 
-class Lines:
+LINES: Final = SensorKind(
+    name="lines",
+    title="the I/O lines",
+    request=Request(
+        begin=(commands.IoRequest(How.STREAM),),
+        end=(commands.IoRequest(How.STOP),),
+        answers=(reports.Io,),
+    ),
+    reports=(reports.Io,),
+)
+
+
+class Lines(Sensor[LinesReading]):
     """Reads all lines and sets the digital outputs."""
 
     def __init__(self, supervisor: Supervisor) -> None:
-        self._supervisor = supervisor
-        request = Request(
-            begin=(commands.IoRequest(How.STREAM),),
-            end=(commands.IoRequest(How.STOP),),
-            answers=(reports.Io,),
-        )
-        self._stream = Stream(supervisor, "the I/O lines", request, _read, reports.Io)
+        super().__init__(supervisor, LINES, _read)
 
     @property
     def presence(self) -> Presence:
@@ -66,32 +71,6 @@ class Lines:
         if self.latest is not None:
             return Presence(True, "The controller sends IO packets.")
         return Presence(None, "Every controller has lines; it has sent no IO packet yet.")
-
-    @property
-    def latest(self) -> LinesReading | None:
-        """The last reading, while it is :meth:`wanted`."""
-        return self._stream.latest
-
-    @property
-    def rate(self) -> float:
-        """Packets in the last second [1/s]."""
-        return self._stream.rate
-
-    def wanted(self) -> AbstractContextManager[None]:
-        """Keep :attr:`latest` new during the block."""
-        return self._stream.wanted()
-
-    def values(self) -> AsyncGenerator[LinesReading, None]:
-        """Yield all lines, with each packet."""
-        return self._stream.values()
-
-    async def reading(self) -> LinesReading:
-        """Return all lines.
-
-        Raises:
-            DeviceError: the controller does not answer.
-        """
-        return await self._stream.reading()
 
     def set_output(self, line: int, *, high: bool) -> None:
         """Set one digital output, 0 to 7; the others stay.

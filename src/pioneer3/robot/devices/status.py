@@ -10,7 +10,7 @@ from pioneer3.arcos.commands import Request as How
 from pioneer3.arcos.commands import RequestConfig
 from pioneer3.arcos.reports import Config, Fault, Report, SipFlag, SipFlag3
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.devices.stream import ask
+from pioneer3.robot.devices.sensor import ask
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.state import Charging, Snapshot
 

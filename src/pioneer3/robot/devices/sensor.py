@@ -1,14 +1,16 @@
-"""What a device says while somebody wants it, over all sessions with the robot."""
+"""Sensors that send their readings while somebody wants them, over all sessions with the robot."""
 
 import asyncio
 from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import DeviceError
+from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.requests import RENEW, Request
 from pioneer3.robot.supervisor import Supervisor
 
@@ -22,37 +24,77 @@ TRIES = 3
 RATE_WINDOW = 1.0
 
 
-class Stream(Generic[V]):
-    """Readings of one device, asked for while anybody wants them and renewed after a reconnection.
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A value of a reading, as people see it.
+
+    Attributes:
+        name: Field of the reading.
+        label: In a few words.
+        unit: Of :attr:`scale` times the field; empty for counts and texts.
+        scale: What one SI unit of the field is in `unit`.
+        decimals: Digits after the point.
+    """
+
+    name: str
+    label: str
+    unit: str = ""
+    scale: float = 1.0
+    decimals: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorKind:
+    """One sort of sensor.
+
+    Attributes:
+        name: Key of the sensor in :attr:`Devices.sensors` and in messages to the page.
+        title: In a sentence, such as `the compass`.
+        request: Makes the robot send reports of it.
+        reports: The reports that hold a reading, in the order in which they come.
+        shown: The values that the page shows.
+    """
+
+    name: str
+    title: str
+    request: Request
+    reports: tuple[type[Report], ...]
+    shown: tuple[Shown, ...] = ()
+
+
+class Sensor(Generic[V]):
+    """Readings of one device, asked for while anybody wants them.
 
     Args:
         supervisor: Of the robot.
-        what: The device, in words, such as `the compass`.
-        request: Makes the robot send them.
+        kind: The sort of sensor.
         read: Makes a reading of a report received at a time [s]; `None` makes none.
-        kinds: The reports that `read` takes, in the order in which they come.
 
     Attributes:
         latest: The last reading, or `None` before the first one; look at its stamp.
-        request: What the next one who wants readings begins with.
     """
 
     def __init__(
         self,
         supervisor: Supervisor,
-        what: str,
-        request: Request,
+        kind: SensorKind,
         read: Callable[[Report, float], V | None],
-        *kinds: type[Report],
     ) -> None:
+        self.kind = kind
         self.latest: V | None = None
         self._supervisor = supervisor
-        self._what, self.request = what, request
-        self._read, self._kinds = read, kinds
+        self._read = read
         self._readers = 0
         self._count = 0
         self._stamps: deque[float] = deque()
         self._stop_reading: Callable[[], None] = lambda: None
+
+    @property
+    def presence(self) -> Presence:
+        """Whether the robot has the device."""
+        if self.latest is not None:
+            return Presence(True, f"Readings come from {self.kind.title}.")
+        return Presence(None, f"Nothing has come from {self.kind.title} yet.")
 
     @property
     def rate(self) -> float:
@@ -60,12 +102,16 @@ class Stream(Generic[V]):
         self._forget(asyncio.get_running_loop().time())
         return len(self._stamps) / RATE_WINDOW
 
-    @contextmanager
-    def wanted(self) -> Iterator[None]:
+    def wanted(self) -> AbstractContextManager[None]:
         """Keep :attr:`latest` new during the block."""
-        with self._supervisor.requested(self._what, self.request):
+        return self._asked()
+
+    @contextmanager
+    def _asked(self) -> Iterator[None]:
+        kind = self.kind
+        with self._supervisor.requested(kind.title, kind.request):
             if not self._readers:
-                self._stop_reading = self._supervisor.reports.hand_to(self._take, *self._kinds)
+                self._stop_reading = self._supervisor.reports.hand_to(self._take, *kind.reports)
             self._readers += 1
             try:
                 yield
@@ -74,9 +120,13 @@ class Stream(Generic[V]):
                 if not self._readers:
                     self._stop_reading()
 
-    async def values(self) -> AsyncGenerator[V, None]:
+    def values(self) -> AsyncGenerator[V, None]:
         """Yield each reading from now on; the newest when the reader is slow."""
-        with self.wanted(), self._supervisor.reports.subscribe(*self._kinds, room=1) as heard:
+        return self._each()
+
+    async def _each(self) -> AsyncGenerator[V, None]:
+        reports = self._supervisor.reports
+        with self.wanted(), reports.subscribe(*self.kind.reports, room=1) as heard:
             seen = self._count
             async for _ in heard:
                 if self._count != seen and self.latest is not None:
@@ -94,7 +144,7 @@ class Stream(Generic[V]):
             async with asyncio.timeout(patience):
                 return await anext(values)
         except (TimeoutError, StopAsyncIteration):
-            raise DeviceError(silence(self._supervisor, self._what, patience)) from None
+            raise DeviceError(silence(self._supervisor, self.kind.title, patience)) from None
         finally:
             await values.aclose()
 
@@ -105,7 +155,7 @@ class Stream(Generic[V]):
 
     def change(self, request: Request) -> None:
         """Ask in another way, until nobody wants readings any more."""
-        self._supervisor.change_request(self._what, request)
+        self._supervisor.change_request(self.kind.title, request)
 
     def _take(self, report: Report, stamp: float) -> None:
         value = self._read(report, stamp)
