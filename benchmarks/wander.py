@@ -17,8 +17,8 @@ from pathlib import Path
 from benchmarks.table import Row
 from pioneer3.behaviors.modes import wander
 from pioneer3.sim.kernels import load_kernels
-from pioneer3.sim.maps.shipped import load_map
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import load_map
 from tests.conftest import VirtualTimeLoop
 from tests.wandering import Log, cells_of, drive_by_itself, start_in
 

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.sim.maps.png import to_png
+from pioneer3.sim.maps.image import to_png
 from pioneer3.state import Bumpers
 from pioneer3.web.messages import encode, goal
 from tests.browser.conftest import Product, running_product, wait_for_the_robot

@@ -7,7 +7,7 @@ import pytest
 import zxingcpp
 from playwright.sync_api import Browser, ViewportSize, expect
 
-from pioneer3.sim.maps.png import parse_png
+from pioneer3.sim.maps.image import read_image
 from pioneer3.web.access.role import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.conftest import Product, wait_for_the_robot
@@ -165,7 +165,7 @@ def test_the_code_on_the_screen_leads_to_the_invitation(
     page.locator("#invitation svg").scroll_into_view_if_needed()
     picture = tmp_path / "screen.png"
     page.screenshot(path=picture)
-    read = zxingcpp.read_barcodes(parse_png(picture, picture.read_bytes()).shades)
+    read = zxingcpp.read_barcodes(read_image(picture).shades)
     assert [code.text for code in read] == [page.locator("#invitation code").inner_text()]
     context.close()
 

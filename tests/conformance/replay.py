@@ -32,8 +32,9 @@ from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.maps import LineMap, load_map
+from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import load_map
 
 Float = NDArray[np.float64]
 Clock = Callable[[float], float]

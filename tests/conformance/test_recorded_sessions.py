@@ -21,7 +21,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.maps.shipped import load_map
+from pioneer3.sim.worldfile import load_map
 from tests.conftest import VirtualTimeLoop
 from tests.support import SimulatedRobot, hold, wall_at
 

@@ -20,8 +20,9 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import load_kernels
-from pioneer3.sim.maps import LineMap, load_map
+from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import load_map
 from tests.e2e.plain_client import SYNCS
 from tests.support import frame
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.behaviors.modes import Preset, wander
-from pioneer3.sim.maps.shipped import load_map
+from pioneer3.sim.worldfile import load_map
 from tests.wandering import drive_by_itself, start_in
 
 COLUMBIA = Path(__file__).parents[3] / "shared" / "maps" / "columbia.map"

@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
+from pioneer3.sim.map_check import check_world
 from pioneer3.sim.maps import LineMap, read_map, write_aria_map
-from pioneer3.sim.maps.outline import outline
-from pioneer3.sim.maps.png import to_png
-from pioneer3.sim.maps.raster import raster_outline
-from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, parse_world, to_toml
-from pioneer3.sim.worldfile.check import check_world
+from pioneer3.sim.maps.grid import outline, raster_outline
+from pioneer3.sim.maps.image import to_png
+from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_map, parse_world, to_toml
 
 MODEL = load_model("p3at-sh")
 YAML = b"image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0.3]\n"
@@ -61,7 +60,7 @@ def holds(name: str, content: bytes, image: bytes = b"P5 1 1 255\n\0") -> None:
         path.write_bytes(content)
         message, walls = "fine", np.empty(0)
         try:
-            walls = read_map(path).walls
+            walls = load_map(path).walls
         except ConfigError as error:
             message = str(error)
         check_world(path, MODEL)

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.sim.population.footprint import overlap
-from pioneer3.sim.population.placement import Newcomer, place_all
-from pioneer3.sim.population.room import Ground
+from pioneer3.sim.placement.footprint import overlap
+from pioneer3.sim.placement.free_space import Ground
+from pioneer3.sim.placement.placer import Newcomer, place_all
 from pioneer3.sim.worldfile import Box, Place, Start, Wall, WorldFile
 
 MODELS = [load_model(name) for name in ("p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh")]

@@ -11,8 +11,8 @@ from pioneer3.cli.options import Flag
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pioneer3.sim.worldfile.convert import MapInfo
-    from pioneer3.sim.worldfile.remark import Remark
+    from pioneer3.sim.map_check import Remark
+    from pioneer3.sim.map_convert import MapInfo
 
 map_app = App(
     name="map",
@@ -38,7 +38,7 @@ def show(file: str) -> int:
     """
     from rich.console import Console  # noqa: PLC0415
 
-    from pioneer3.sim.worldfile.convert import look  # noqa: PLC0415
+    from pioneer3.sim.map_convert import look  # noqa: PLC0415
 
     _print_map(look(file), Console(highlight=False))
     return 0
@@ -63,9 +63,9 @@ def check(
         json: Print JSON for programs, nothing else.
     """
     from pioneer3.cli.output import write_json  # noqa: PLC0415
-    from pioneer3.sim.worldfile import convert as mapping  # noqa: PLC0415
+    from pioneer3.sim import map_convert  # noqa: PLC0415
 
-    remarks, code = mapping.check(file, robot)
+    remarks, code = map_convert.check(file, robot)
     if json:
         write_json({"file": file, "exit_code": code, "remarks": remarks}, indent=2)
     else:
@@ -95,9 +95,9 @@ def convert(
         force: Write over files that are there.
     """
     from pioneer3.cli.output import write_line  # noqa: PLC0415
-    from pioneer3.sim.worldfile import convert as mapping  # noqa: PLC0415
+    from pioneer3.sim import map_convert  # noqa: PLC0415
 
-    done = mapping.convert(source, target, resolution=resolution, force=force)
+    done = map_convert.convert(source, target, resolution=resolution, force=force)
     for path in done.files:
         write_line(f"wrote {path}")
     if done.left_out:

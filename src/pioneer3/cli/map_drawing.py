@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rich.cells import cell_len
 from rich.text import Text
 
+from pioneer3.sim.maps.grid import samples
 from pioneer3.sim.maps.line_map import Bounds
-from pioneer3.sim.maps.raster import samples
 from pioneer3.sim.worldfile.drawing import Drawing, Ink, Mark
 
 BLANK: Final = 0x2800

@@ -186,12 +186,12 @@ class WorldOptions:
         Raises:
             ConfigError: A word is wrong.
         """
+        from pioneer3.sim.worldfile import parse_fitting  # noqa: PLC0415
         from pioneer3.sim.worldfile.arguments import (  # noqa: PLC0415
             Wishes,
             parse_robot,
             parse_start,
         )
-        from pioneer3.sim.worldfile.fitting import parse_fitting  # noqa: PLC0415
 
         return Wishes(
             robots=tuple(map(parse_robot, robots)),

@@ -18,10 +18,11 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import load_kernels
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP
-from pioneer3.sim.maps import LineMap, load_map
-from pioneer3.sim.population.footprint import turning_circle
+from pioneer3.sim.maps import LineMap
+from pioneer3.sim.placement.footprint import turning_circle
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import load_map
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]

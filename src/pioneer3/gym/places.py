@@ -12,8 +12,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.sim.kernels import build_grid
 from pioneer3.sim.kernels.near import NearWalls, distances
 from pioneer3.sim.maps import LineMap
-from pioneer3.sim.population.room import Ground, room_inside
-from pioneer3.sim.worldfile.reach import Floor
+from pioneer3.sim.placement.free_space import Floor, Ground, room_inside
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]

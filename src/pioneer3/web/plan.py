@@ -3,9 +3,8 @@
 from base64 import b64encode
 from typing import Any
 
-from pioneer3.sim.maps import LineMap, MapObject
-from pioneer3.sim.maps.cells import Cells
-from pioneer3.sim.maps.png import to_png
+from pioneer3.sim.maps import LineMap, MapObject, OccupancyGrid
+from pioneer3.sim.maps.image import to_png
 
 MOST_CELLS = 4_000_000
 """Of a grid: a phone keeps four bytes for each."""
@@ -22,19 +21,19 @@ def _plan(line_map: LineMap) -> dict[str, Any]:
     return {
         "name": line_map.name,
         "walls": line_map.lines.round(3).tolist(),
-        "cells": [_cells(cells) for cells in line_map.cells],
+        "cells": [_cells(grid) for grid in line_map.grids],
         "objects": [_object(item) for item in line_map.objects],
     }
 
 
-def _cells(cells: Cells) -> dict[str, Any]:
-    """Return a grey picture of cells; its first row is the lowest, in :attr:`Cells.corner`."""
-    small = cells.coarser(MOST_CELLS)
-    corner = small.corner
+def _cells(grid: OccupancyGrid) -> dict[str, Any]:
+    """Return a grey picture of a grid; its first row is the lowest, at the grid's origin."""
+    small = grid.coarser(MOST_CELLS)
+    origin = small.origin
     return {
         "png": b64encode(to_png(small.states * SHADE)).decode(),
-        "side": small.side,
-        "corner": (corner.x, corner.y, corner.theta),
+        "side": small.resolution,
+        "corner": (origin.x, origin.y, origin.theta),
     }
 
 

@@ -6,7 +6,7 @@ from pioneer3.behaviors.goal import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.explain import kind_of
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.worldfile.errand import Errand, errand
+from pioneer3.sim.placement.straight_path import Errand, errand
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages, requests
 from pioneer3.web.details import Details

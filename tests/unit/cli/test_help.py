@@ -16,7 +16,7 @@ from rich.console import Console
 from pioneer3.cli.main import GROUPS, app, execute
 from pioneer3.cli.options import UNITS
 from pioneer3.models import load_model
-from pioneer3.sim.worldfile.convert import look
+from pioneer3.sim.map_convert import look
 
 ROOT = Path(__file__).parents[3]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

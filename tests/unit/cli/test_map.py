@@ -10,9 +10,9 @@ from rich.console import Console
 from pioneer3.cli.map import _print_map, check, convert, map_app, show
 from pioneer3.cli.map_drawing import Canvas
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps import read_map, shipped_map
-from pioneer3.sim.worldfile import load_world
-from pioneer3.sim.worldfile.convert import look
+from pioneer3.sim.map_convert import look
+from pioneer3.sim.maps import shipped_map
+from pioneer3.sim.worldfile import load_map, load_world
 
 BAD = "2D-Map\nLINES\n1 2 3\n"
 
@@ -103,7 +103,7 @@ def test_a_map_becomes_every_format(tmp_path: Path, capsys: pytest.CaptureFixtur
     written = {path.name for path in tmp_path.iterdir()}
     assert written == {"o.map", "o.yaml", "o.pgm", "o.toml", "o.svg", "o.png"}
     assert f"wrote {tmp_path / 'o.pgm'}\n" in capsys.readouterr().out
-    np.testing.assert_allclose(read_map(tmp_path / "o.map").walls, office.walls, atol=0.0006)
+    np.testing.assert_allclose(load_map(tmp_path / "o.map").walls, office.walls, atol=0.0006)
     assert load_world(tmp_path / "o.toml").map == "office"
     assert (tmp_path / "o.png").read_bytes().startswith(b"\x89PNG")
     svg = (tmp_path / "o.svg").read_text()
@@ -115,7 +115,7 @@ def test_a_converted_world_finds_its_map_again(tmp_path: Path) -> None:
     convert("office", tmp_path / "o.map")
     (tmp_path / "sub").mkdir()
     convert(str(tmp_path / "o.map"), tmp_path / "sub" / "w.toml")
-    assert len(read_map(tmp_path / "sub" / "w.toml").walls) == 396
+    assert len(load_map(tmp_path / "sub" / "w.toml").walls) == 396
 
 
 def test_what_a_format_cannot_hold_is_told(
@@ -128,7 +128,7 @@ def test_what_a_format_cannot_hold_is_told(
     )
     convert(str(world), tmp_path / "w.map")
     assert "no place for it: 1 robots, 1 people\n" in capsys.readouterr().out
-    (box,) = read_map(tmp_path / "w.map").objects
+    (box,) = load_map(tmp_path / "w.map").objects
     assert (box.kind, box.solid) == ("Sim.BoxObstacle", True)
     convert(str(world), tmp_path / "w.yaml")
     assert "1 robots, 1 people, 1 movable boxes" in capsys.readouterr().out

@@ -9,9 +9,9 @@ from pioneer3.gym.copies import BASE, Copies
 from pioneer3.gym.places import SPARE, Places, Ring
 from pioneer3.models import load_model
 from pioneer3.sim.maps import LineMap, empty_map, shipped_map
-from pioneer3.sim.maps.distance import distances
-from pioneer3.sim.population.footprint import turning_circle
-from pioneer3.sim.population.room import Ground
+from pioneer3.sim.maps.line_map import distances
+from pioneer3.sim.placement.footprint import turning_circle
+from pioneer3.sim.placement.free_space import Ground
 from tests.unit.gym.rooms import ROOM, rooms
 
 MODEL = load_model("p3at-sh")

@@ -6,7 +6,7 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.maps import LineMap, MapObject
-from pioneer3.sim.worldfile.errand import Errand, errand
+from pioneer3.sim.placement.straight_path import Errand, errand
 
 MODEL = load_model("p3dx-sh")
 ROOM = [(0, 0, 10, 0), (10, 0, 10, 10), (10, 10, 0, 10), (0, 10, 0, 0), (5, 0, 5, 4)]

@@ -7,41 +7,40 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import read_map, shipped_map
-from pioneer3.sim.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells, cells_of
-from pioneer3.sim.maps.outline import outline
-from pioneer3.sim.maps.raster import raster_outline
+from pioneer3.sim.maps.grid import grid_of, outline, raster_outline
+from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 POINTS = np.array([[1.0, 2.0], [1.1, 2.0], [1.3, 2.2], [1.3, 2.2]])
 
 
 def test_cells_are_those_that_are_outlined() -> None:
-    cells = cells_of(POINTS, 0.1)
+    cells = grid_of(POINTS, 0.1)
     assert cells is not None
     assert cells.states.tolist() == [[1, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]]
-    assert (cells.corner.x, cells.corner.y) == pytest.approx((0.95, 1.95))
-    corner = np.tile([cells.corner.x, cells.corner.y], 2)
-    walls = raster_outline(cells.states == OCCUPIED) * cells.side + corner
+    assert (cells.origin.x, cells.origin.y) == pytest.approx((0.95, 1.95))
+    corner = np.tile([cells.origin.x, cells.origin.y], 2)
+    walls = raster_outline(cells.states == OCCUPIED) * cells.resolution + corner
     assert sorted(walls.round(9).tolist()) == sorted(outline(POINTS, 0.1).round(9).tolist())
 
 
 def test_points_too_far_apart_are_no_grid() -> None:
-    assert cells_of(np.array([[0.0, 0.0], [9e4, 9e4]]), 0.02) is None
-    assert cells_of(np.empty((0, 2)), 0.02) is None
+    assert grid_of(np.array([[0.0, 0.0], [9e4, 9e4]]), 0.02) is None
+    assert grid_of(np.empty((0, 2)), 0.02) is None
 
 
 def test_joined_cells_keep_what_is_occupied_then_what_is_free() -> None:
     states = np.full((3, 5), UNKNOWN, dtype=np.uint8)
     states[0, 0], states[0, 1], states[2, 2], states[1, 4] = FREE, OCCUPIED, FREE, OCCUPIED
-    cells = Cells(states=states, side=0.5, corner=Pose2(1.0, 2.0, 3.0))
+    cells = OccupancyGrid(states=states, resolution=0.5, origin=Pose2(1.0, 2.0, 3.0))
     joined = cells.coarser(6)
     assert joined.states.tolist() == [[OCCUPIED, UNKNOWN, OCCUPIED], [UNKNOWN, FREE, UNKNOWN]]
-    assert (joined.side, joined.corner) == (1.0, cells.corner)
+    assert (joined.resolution, joined.origin) == (1.0, cells.origin)
     assert cells.coarser(15) is cells
 
 
 def test_a_map_of_lines_has_no_cells_and_draws_all_its_walls() -> None:
     office = shipped_map("office")
-    assert office.cells == ()
+    assert office.grids == ()
     assert office.lines is office.walls
 
 
@@ -53,8 +52,8 @@ def test_points_of_a_map_are_cells_and_the_rest_of_its_walls_lines(tmp_path: Pat
         "LINES\n0 0 5000 0\nDATA\n1000 2000\n1100 2000\n"
     )
     read = read_map(path)
-    (cells,) = read.cells
-    assert (cells.states.tolist(), cells.side) == ([[OCCUPIED, OCCUPIED]], 0.1)
+    (cells,) = read.grids
+    assert (cells.states.tolist(), cells.resolution) == ([[OCCUPIED, OCCUPIED]], 0.1)
     assert len(read.lines) == 1 + 4
     assert len(read.walls) == 1 + 4 + 4
 
@@ -74,6 +73,6 @@ def test_a_picture_tells_occupied_unknown_and_free(
     path = tmp_path / "lab.yaml"
     path.write_text(f"image: m.pgm\nresolution: 0.5\norigin: [1.0, 2.0, 0.5]\n{more}")
     read = read_map(path)
-    assert read.cells[0].states.tolist() == [states]
-    assert read.cells[0].corner == Pose2(1.0, 2.0, 0.5)
+    assert read.grids[0].states.tolist() == [states]
+    assert read.grids[0].origin == Pose2(1.0, 2.0, 0.5)
     assert not len(read.lines)

@@ -8,12 +8,12 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
+from pioneer3.sim.map_check import MOST_ERRORS, check_aria
 from pioneer3.sim.maps import read_map
 from pioneer3.sim.maps.aria import BLOCK, MOST_ENTRIES, MOST_LINES, MOST_SECTIONS, parse_aria
-from pioneer3.sim.maps.pgm import LARGEST_TEXT
-from pioneer3.sim.maps.png import to_png
-from pioneer3.sim.maps.server import LARGEST_YAML
-from pioneer3.sim.worldfile.check_aria import MOST_ERRORS, check_aria
+from pioneer3.sim.maps.image import MOST_SLOW_PIXELS, to_png
+from pioneer3.sim.maps.map_server import LARGEST_YAML
+from pioneer3.sim.worldfile import load_map
 
 HEAD = "2D-Map\n"
 
@@ -34,7 +34,7 @@ LONG_KEYS = [
 @pytest.mark.parametrize("text", LONG_KEYS, ids=["bare", "heading", "quoted"])
 def test_a_key_of_many_parts_is_refused_before_it_takes_memory(tmp_path: Path, text: str) -> None:
     path = written(tmp_path, "a.toml", text)
-    for read in (read_map, load_model):
+    for read in (load_map, load_model):
         tracemalloc.start()
         with pytest.raises(ConfigError, match="a key of more than 16 parts"):
             read(path)
@@ -45,13 +45,13 @@ def test_a_key_of_many_parts_is_refused_before_it_takes_memory(tmp_path: Path, t
 def test_dots_in_numbers_and_texts_make_no_key(tmp_path: Path) -> None:
     points = ", ".join(f"[{n}.5, {n}.25]" for n in range(100))
     text = f'[world]\nname = "v1.2 ... and on"\n[[wall]]\npoints = [{points}]\n'
-    assert len(read_map(written(tmp_path, "a.toml", text)).walls) == 99
+    assert len(load_map(written(tmp_path, "a.toml", text)).walls) == 99
 
 
 def test_what_is_nested_too_deeply_is_refused(tmp_path: Path) -> None:
     for text in ("a=" + "[" * 500_000, "a=" + "{a=" * 200_000):
         with pytest.raises(ConfigError, match="nested too deeply"):
-            read_map(written(tmp_path, "a.toml", text))
+            load_map(written(tmp_path, "a.toml", text))
 
 
 REFUSED = {
@@ -79,9 +79,10 @@ def test_pictures_and_their_descriptions_have_limits(tmp_path: Path) -> None:
     text = "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
     yaml = written(tmp_path, "m.yaml", text)
     picture = tmp_path / "m.pgm"
-    picture.write_bytes(b"P2 4096 4096 255\n" + b"0 " * (LARGEST_TEXT // 2 + 1))
-    with pytest.raises(ConfigError, match="more than 32 MB of text; save it as P5"):
-        read_map(yaml)
+    for kind in (b"P2 4096 4096 255\n", b"P5 4096 4096 100\n"):
+        picture.write_bytes(kind + b"0 " * (MOST_SLOW_PIXELS // 2))
+        with pytest.raises(ConfigError, match="more than 4 million pixels in this kind of PGM"):
+            read_map(yaml)
     colours = np.zeros((5000, 5000, 3), dtype=np.uint8)
     picture.write_bytes(to_png(colours))
     with pytest.raises(ConfigError, match="more than 64 MB unpacked"):
@@ -89,6 +90,35 @@ def test_pictures_and_their_descriptions_have_limits(tmp_path: Path) -> None:
     yaml.write_text(text + "#" * LARGEST_YAML)
     with pytest.raises(ConfigError, match="larger than 64 KB"):
         read_map(yaml)
+
+
+def test_comments_in_a_text_picture_cost_little(tmp_path: Path) -> None:
+    yaml = written(tmp_path, "m.yaml", "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    (tmp_path / "m.pgm").write_bytes(b"P2 2 1 255\n" + b"#\n" * 2_000_000 + b"0 255\n")
+    assert len(read_map(yaml).walls) == 4
+
+
+NESTED = ["[" * 30_000, "{a: " * 15_000, "- " * 30_000, "? " * 30_000]
+
+
+@pytest.mark.parametrize("value", NESTED, ids=["lists", "tables", "items", "keys"])
+def test_yaml_that_is_nested_too_deeply_is_refused(tmp_path: Path, value: str) -> None:
+    with pytest.raises(ConfigError, match="not valid YAML"):
+        read_map(written(tmp_path, "m.yaml", f"image: m.pgm\na:\n  {value}\n"))
+
+
+def test_aliases_of_yaml_are_not_unfolded(tmp_path: Path) -> None:
+    text = "image: none.pgm\nresolution: 0.05\norigin: [0, 0, 0]\na0: &a0 [1, 2]\n"
+    for n in range(40):
+        text += f"a{n + 1}: &a{n + 1} [*a{n}, *a{n}, *a{n}, *a{n}]\n"
+    path = written(tmp_path, "m.yaml", text)
+    for _ in range(2):  # the first time imports the parser
+        tracemalloc.start()
+        with pytest.raises(ConfigError, match="no such file"):
+            read_map(path)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert peak < 20_000_000  # most of it to read any file
 
 
 def rows_one_by_one(text: str) -> tuple[list[list[float]], list[int]]:

@@ -1,5 +1,6 @@
 """PNG pictures of every colour type, depth and filter; damaged ones are refused."""
 
+import tracemalloc
 import zlib
 from pathlib import Path
 from struct import pack
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.png import SIGNATURE, parse_png, to_png
+from pioneer3.sim.maps.image import PNG_SIGNATURE, parse_image, to_png
 
 HERE = Path("m.png")
 SIZES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
@@ -25,7 +26,7 @@ def png(
     parts += [chunk(b"PLTE", palette)] if palette else []
     half = len(packed := zlib.compress(rows)) // 2
     parts += [chunk(b"IDAT", packed[:half]), chunk(b"IDAT", packed[half:]), chunk(b"IEND", b"")]
-    return SIGNATURE + b"".join(parts)
+    return PNG_SIGNATURE + b"".join(parts)
 
 
 def filtered(rows: list[bytes], kinds: list[int], step: int) -> bytes:
@@ -49,7 +50,7 @@ def test_all_filters_of_all_colours_are_undone(colour: int, kinds: list[int]) ->
     step = SIZES[colour]
     pixels = np.random.default_rng(1).integers(0, 256, (5, 7, step)).astype(np.uint8)
     rows = filtered([row.tobytes() for row in pixels], kinds, step)
-    image = parse_png(HERE, png((7, 5, 8, colour), rows))
+    image = parse_image(HERE, png((7, 5, 8, colour), rows))
     colours = pixels[:, :, : 1 if colour in (0, 4) else 3]
     np.testing.assert_allclose(image.shades, colours.mean(axis=2), atol=0.5)
     if colour in (4, 6):
@@ -69,53 +70,54 @@ def test_all_filters_of_all_colours_are_undone(colour: int, kinds: list[int]) ->
     ],
 )
 def test_other_depths_of_gray_are_scaled(depth: int, row: list[int], shades: list[int]) -> None:
-    image = parse_png(HERE, png((3, 1, depth, 0), bytes([0, *row])))
+    image = parse_image(HERE, png((3, 1, depth, 0), bytes([0, *row])))
     assert image.shades.tolist() == [shades]
 
 
 def test_a_palette_gives_colours() -> None:
     palette = bytes([0, 0, 0, 255, 255, 255, 30, 60, 90])
-    image = parse_png(HERE, png((4, 1, 2, 3), bytes([0, 0b00011000]), palette=palette))
+    image = parse_image(HERE, png((4, 1, 2, 3), bytes([0, 0b00011000]), palette=palette))
     assert image.shades.tolist() == [[0, 255, 60, 0]]
 
 
 def test_what_we_write_we_read() -> None:
     pixels = np.random.default_rng(2).integers(0, 256, (4, 6, 3)).astype(np.uint8)
-    image = parse_png(HERE, to_png(pixels))
+    image = parse_image(HERE, to_png(pixels))
     np.testing.assert_allclose(image.shades, pixels.mean(axis=2), atol=0.5)
 
 
 GRAY = png((2, 2, 8, 0), bytes(6))
 
 
+DAMAGED = "picture: damaged or cut off: "
+
+
 @pytest.mark.parametrize(
     ("raw", "complaint"),
     [
-        (SIGNATURE, "IEND: missing"),
-        (GRAY[:-12], "IEND: missing"),
-        (GRAY[:-20] + b"x" + GRAY[-19:], "damaged or cut off"),
-        (SIGNATURE + chunk(b"IEND", b""), "IHDR: a PNG starts with its size"),
-        (png((2, 2, 8, 0), bytes(6), interlace=1), "IHDR: interlaced; save it without"),
-        (png((2, 2, 8, 5), bytes(6)), "IHDR: colour type 5 with 8 bits does not exist"),
-        (png((2, 2, 3, 0), bytes(6)), "IHDR: colour type 0 with 3 bits does not exist"),
+        (PNG_SIGNATURE, DAMAGED),
+        (GRAY[:-12], DAMAGED),
+        (GRAY[:-20] + b"x" + GRAY[-19:], DAMAGED),
+        (PNG_SIGNATURE + chunk(b"IEND", b""), DAMAGED),
+        (png((2, 2, 8, 5), bytes(6)), DAMAGED),
+        (png((2, 2, 3, 0), bytes(6)), DAMAGED),
         (png((100000, 100000, 8, 0), b""), "size: 100000 x 100000 pixels are more than"),
-        (png((0, 2, 8, 0), b""), "size: 0 x 2 pixels is no picture"),
-        (png((2, 2, 8, 0), bytes(5)), "IDAT: 5 of 6 bytes are there"),
-        (png((2, 2, 8, 0), b"\x05\0\0\0\0\0"), "IDAT: unknown filter 5"),
-        (png((2, 2, 8, 3), bytes(6)), "PLTE: missing"),
-        (png((2, 2, 8, 3), b"\0\0\1\0\0\0", palette=b"abc"), "PLTE: has no colour 1"),
+        (png((5000, 5000, 8, 2), b""), "size: more than 64 MB unpacked; save it with 8 bit grey"),
+        (png((0, 2, 8, 0), b""), DAMAGED),
+        (png((2, 2, 8, 0), bytes(5)), DAMAGED),
+        (png((2, 2, 8, 0), b"\x05\0\0\0\0\0"), DAMAGED),
         (
-            SIGNATURE
+            PNG_SIGNATURE
             + chunk(b"IHDR", pack(">IIBBBBB", 2, 2, 8, 0, 0, 0, 0))
             + chunk(b"IDAT", b"junk")
             + chunk(b"IEND", b""),
-            "IDAT: damaged",
+            DAMAGED,
         ),
     ],
 )
 def test_what_is_wrong_with_a_picture(raw: bytes, complaint: str) -> None:
     with pytest.raises(ConfigError) as caught:
-        parse_png(HERE, raw)
+        parse_image(HERE, raw)
     assert complaint in str(caught.value)
     assert str(caught.value).isprintable()
 
@@ -124,4 +126,22 @@ def test_a_bomb_unpacks_no_further_than_the_size_it_claims() -> None:
     # 100 MB of zeros behind a picture of 2 x 2
     bomb = png((2, 2, 8, 0), bytes(100_000_000))
     assert len(bomb) < 120_000
-    assert parse_png(HERE, bomb).shades.shape == (2, 2)
+    assert parse_image(HERE, bomb).shades.shape == (2, 2)
+
+
+def test_what_is_unpacked_of_texts_in_a_picture_is_little() -> None:
+    text = chunk(b"zTXt", b"Comment\0\0" + zlib.compress(bytes(100_000_000)))
+    raw = PNG_SIGNATURE + GRAY[8:33] + text + GRAY[33:]
+    parse_image(HERE, GRAY)
+    tracemalloc.start()
+    with pytest.raises(ConfigError, match=DAMAGED):
+        parse_image(HERE, raw)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000_000
+
+
+def test_an_interlaced_picture_is_read() -> None:
+    # one pixel of the first of the seven passes
+    image = parse_image(HERE, png((1, 1, 8, 0), bytes([0, 200]), interlace=1))
+    assert image.shades.tolist() == [[200]]

@@ -8,9 +8,10 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.maps import load_map, shipped_map, shipped_maps
-from pioneer3.sim.maps.distance import distances
+from pioneer3.sim.maps import shipped_map, shipped_maps
+from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.raycast import cast_reference
+from pioneer3.sim.worldfile import load_map
 
 
 def test_an_office_ships() -> None:

@@ -17,8 +17,8 @@ from pioneer3.sim.maps import (
     write_aria_map,
     write_map_server,
 )
-from pioneer3.sim.maps.distance import distances
-from pioneer3.sim.maps.raster import samples
+from pioneer3.sim.maps.grid import samples
+from pioneer3.sim.maps.line_map import distances
 
 SHARED = Path(__file__).parents[4] / "shared/maps"
 shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no maps beside this tree")

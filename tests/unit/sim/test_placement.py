@@ -11,9 +11,9 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.maps import LineMap, MapObject, empty_map, load_map, shipped_maps
-from pioneer3.sim.maps.distance import distances
-from pioneer3.sim.population.footprint import (
+from pioneer3.sim.maps import LineMap, MapObject, empty_map, shipped_maps
+from pioneer3.sim.maps.line_map import distances
+from pioneer3.sim.placement.footprint import (
     hits,
     inside,
     outline,
@@ -21,10 +21,9 @@ from pioneer3.sim.population.footprint import (
     stands_in,
     turning_circle,
 )
-from pioneer3.sim.population.placement import GAP, Newcomer, place_all
-from pioneer3.sim.population.room import Ground
-from pioneer3.sim.worldfile import Box, Wall, WorldFile
-from pioneer3.sim.worldfile.reach import Floor
+from pioneer3.sim.placement.free_space import Floor, Ground
+from pioneer3.sim.placement.placer import GAP, Newcomer, place_all
+from pioneer3.sim.worldfile import Box, Wall, WorldFile, load_map
 from pioneer3.sim.worldfile.spec import Start
 
 AT, DX, SMALL = load_model("p3at-sh"), load_model("p3dx-sh"), load_model("amigo-sh")

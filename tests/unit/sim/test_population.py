@@ -8,8 +8,8 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.population.footprint import stands_in
-from pioneer3.sim.population.populate import Inhabitant, new_name, outlines, populate
+from pioneer3.sim.placement.footprint import stands_in
+from pioneer3.sim.placement.spawn import Inhabitant, new_name, outlines, populate
 from pioneer3.sim.worldfile import Box, Fitting, Person, RobotSpec, WorldFile, load_world
 
 

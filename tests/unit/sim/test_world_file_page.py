@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 
 from pioneer3.models import load_model
+from pioneer3.sim.map_check import check_world
 from pioneer3.sim.maps import shipped_maps
-from pioneer3.sim.worldfile import WorldFile, parse_world, shipped_worlds
-from pioneer3.sim.worldfile.check import check_world
-from pioneer3.sim.worldfile.parse import KEYS
+from pioneer3.sim.worldfile import WorldFile, parse_world, schema, shipped_worlds
 from pioneer3.sim.worldfile.person import RADIUS, SPEED
 
 PAGE = Path(__file__).parents[3] / "docs/reference/world-file.md"
@@ -28,6 +27,24 @@ HEADINGS = {
     "home": f"## {PLACES}",
     "person": "## `[[person]]`",
 }
+
+TABLES = {
+    "world": schema.WorldTable,
+    "robot": schema.RobotTable,
+    "robot.start": schema.StartTable,
+    "robot.equipment": schema.EquipmentTable,
+    "box": schema.BoxTable,
+    "wall": schema.WallTable,
+    "goal": schema.PlaceTable,
+    "dock": schema.PlaceTable,
+    "home": schema.PlaceTable,
+    "person": schema.PersonTable,
+}
+KEYS = {name: table.__struct_encode_fields__ for name, table in TABLES.items()}
+
+
+def test_every_table_is_looked_at() -> None:
+    assert {name.partition(".")[0] for name in TABLES} == {*schema.FileTable.__struct_fields__}
 
 
 def keys_on_the_page(heading: str) -> list[str]:

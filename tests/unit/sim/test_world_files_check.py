@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.models import load_model
-from pioneer3.sim.worldfile.check import check_world
+from pioneer3.sim.map_check import check_world
 
 MODEL = load_model("p3at-sh")
 HOME = 'Cairn: RobotHome 2000 2000 0 "" ICON "H"\n'

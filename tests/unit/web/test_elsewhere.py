@@ -6,8 +6,7 @@ import pytest
 
 from pioneer3 import ConfigError, connect_async
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import load_map
-from pioneer3.sim.worldfile import load_world
+from pioneer3.sim.worldfile import load_map, load_world
 from pioneer3.tasks import running
 from pioneer3.web.elsewhere import WorldElsewhere, known_map
 from tests.support import SimulatedRobot, until, wall_at

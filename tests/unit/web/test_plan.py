@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap, MapObject, shipped_map
-from pioneer3.sim.maps.cells import FREE, OCCUPIED, UNKNOWN, Cells
-from pioneer3.sim.maps.png import parse_png
+from pioneer3.sim.maps import LineMap, MapObject, OccupancyGrid, shipped_map
+from pioneer3.sim.maps.image import parse_image
+from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.web import plan as module
 from pioneer3.web.messages import encode
 from pioneer3.web.plan import SHADE, plan
 from tests.unit.web.browser import strict
 
 STATES = np.array([[OCCUPIED, UNKNOWN, FREE], [FREE, FREE, UNKNOWN]], dtype=np.uint8)
-CELLS = Cells(states=STATES, side=0.05, corner=Pose2(1.0, 2.0, 0.5))
+GRID = OccupancyGrid(states=STATES, resolution=0.05, origin=Pose2(1.0, 2.0, 0.5))
 OUTLINES = np.array([[0.0, 0.0, 1.0, 1.0 / 3.0], [1.0, 1.0, 1.0, 1.05]])
 AREA = MapObject(
     kind="ForbiddenArea", name="lab", pose=Pose2(), outline=((7, 7), (9, 7), (9, 9), (7, 9))
@@ -34,17 +34,17 @@ def test_no_map_is_null() -> None:
 
 
 def test_walls_that_outline_cells_are_told_as_cells() -> None:
-    mixed = LineMap(name="m", walls=OUTLINES, cells=(CELLS,), lines=OUTLINES[:1])
+    mixed = LineMap(name="m", walls=OUTLINES, grids=(GRID,), lines=OUTLINES[:1])
     assert told(mixed)["walls"] == [[0.0, 0.0, 1.0, 0.333]]
     (cells,) = told(mixed)["cells"]
     assert (cells["side"], cells["corner"]) == (0.05, [1.0, 2.0, 0.5])
-    picture = parse_png(Path("cells.png"), b64decode(cells["png"]))
+    picture = parse_image(Path("cells.png"), b64decode(cells["png"]))
     assert (picture.shades // SHADE).tolist() == STATES.tolist()
 
 
 def test_many_cells_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
-    (cells,) = told(LineMap(name="m", walls=OUTLINES, cells=(CELLS,)))["cells"]
+    (cells,) = told(LineMap(name="m", walls=OUTLINES, grids=(GRID,)))["cells"]
     assert cells["side"] == pytest.approx(0.1)
 
 

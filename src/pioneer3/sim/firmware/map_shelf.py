@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps import LineMap, load_map, shipped_maps
+from pioneer3.sim.maps import LineMap, shipped_maps
+from pioneer3.sim.worldfile import load_map
 
 
 class MapShelf:

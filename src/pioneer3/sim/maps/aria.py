@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.cairns import cairn, object_types
-from pioneer3.sim.maps.cells import Cells, cells_of
-from pioneer3.sim.maps.line_map import LineMap, MapObject, solid_walls
-from pioneer3.sim.maps.outline import outline
+from pioneer3.sim.maps.aria_objects import object_types, parse_object
+from pioneer3.sim.maps.grid import grid_of, outline
+from pioneer3.sim.maps.line_map import LineMap, MapObject, OccupancyGrid, solid_walls
 from pioneer3.sim.maps.text import LARGEST_MM, Line, lines_of, shown, wrong
 from pioneer3.units import MM
 
@@ -147,24 +146,24 @@ class AriaFile:
         objects = tuple(place.item for place in self.places)
         parts: list[Float] = []
         lines: list[Float] = []
-        cells: list[Cells] = []
+        grids: list[OccupancyGrid] = []
         for section in self.sections:
             rows, grid = section.metres(), None
             if section.kind == "DATA":
                 side = self._resolution(section.source)
-                grid, rows = cells_of(rows, side), outline(rows, side)
+                grid, rows = grid_of(rows, side), outline(rows, side)
             parts.append(rows)
             if grid is None:
                 lines.append(rows)
             else:
-                cells.append(grid)
+                grids.append(grid)
         solid = solid_walls(objects)
         return LineMap(
             name=self.path.stem,
             walls=_joined([*parts, solid]),
             homes=tuple(item.pose for item in objects if item.kind == "RobotHome"),
             objects=objects,
-            cells=tuple(cells),
+            grids=tuple(grids),
             lines=_joined([*lines, solid]),
         )
 
@@ -213,7 +212,7 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
     for entry in entries:
         if entry.key == "Cairn":
             try:
-                places.append(Place(entry.line, cairn(entry.line, entry.value, types)))
+                places.append(Place(entry.line, parse_object(entry.line, entry.value, types)))
             except ConfigError as error:
                 refuse(error)
     return AriaFile(path, tuple(entries), tuple(sections), tuple(places))

@@ -1,20 +1,34 @@
-"""A picture of a map in memory, and what both readers of picture files need."""
+"""Pictures of maps: reads PGM and PNG, writes both, with Pillow."""
 
+import struct
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.text import wrong
+from pioneer3.sim.maps.grid import MOST_CELLS
+from pioneer3.sim.maps.text import one_line, read_bytes, wrong
+
+if TYPE_CHECKING:
+    from PIL.ImageFile import ImageFile
 
 Bytes = NDArray[np.uint8]
 
-LARGEST_IMAGE = 128 * 1024 * 1024
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+PGM_SIGNATURES = (b"P2", b"P5")
+SIGNATURES = (PNG_SIGNATURE, *PGM_SIGNATURES)
+LARGEST_IMAGE = 128 << 20
 """Larger picture files are not read [bytes]."""
-MOST_PIXELS = 1 << 25
-"""Larger pictures are refused before memory is taken: 5792 x 5792, 290 m at 5 cm."""
+LARGEST_UNPACKED = 64 << 20
+"""Of the pixels in memory [bytes]: a small file may hold gigabytes."""
+MOST_SLOW_PIXELS = 1 << 22
+"""Of a PGM picture as text or with an unusual largest shade; Pillow reads a million a second."""
+_DAMAGED = (EOFError, IndexError, OSError, OverflowError, struct.error, SyntaxError, TypeError)
+"""Errors of Pillow about bad files, and ValueError."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,19 +44,101 @@ class Image:
     alpha: Bytes | None = None
 
 
-def bad_image(path: Path, field: str, problem: str) -> ConfigError:
-    """Return a one-line error about a picture file."""
-    return wrong(path, f" {field}: {problem}")
-
-
-def check_size(path: Path, width: int, height: int) -> None:
-    """Refuse a picture without pixels or with more than anybody means.
+def read_image(path: Path) -> Image:
+    """Read a PGM picture (P2, P5) or a PNG picture; shades of any depth are scaled to 0 to 255.
 
     Raises:
-        ConfigError: It is one.
+        ConfigError: The file is neither, is damaged, or is too large.
     """
-    if not width or not height:
-        raise bad_image(path, "size", f"{width} x {height} pixels is no picture")
-    if width * height > MOST_PIXELS:
-        most = f"{MOST_PIXELS / 1e6:.0f} million"
-        raise bad_image(path, "size", f"{width} x {height} pixels are more than {most}")
+    return parse_image(path, read_bytes(path, LARGEST_IMAGE))
+
+
+def parse_image(path: Path, raw: bytes) -> Image:
+    """Read the bytes of a picture file; `path` is for messages.
+
+    Raises:
+        ConfigError: As for :func:`read_image`.
+    """
+    from PIL.PngImagePlugin import PngImageFile  # noqa: PLC0415
+    from PIL.PpmImagePlugin import PpmImageFile  # noqa: PLC0415
+
+    try:
+        if raw.startswith(PNG_SIGNATURE):
+            PngImageFile(BytesIO(raw)).verify()  # reading alone ignores checksums
+            picture: ImageFile = PngImageFile(BytesIO(raw))
+        elif raw.startswith(PGM_SIGNATURES):
+            picture = PpmImageFile(BytesIO(_without_comments(raw)))
+        else:
+            raise wrong(path, " header: neither a PGM (P2, P5) nor a PNG picture")
+        _check_size(path, picture)
+        picture.load()
+        return _gray(picture)
+    except ConfigError:
+        raise
+    except (*_DAMAGED, ValueError) as error:
+        raise wrong(path, f" picture: damaged or cut off: {one_line(error)}") from None
+
+
+def _without_comments(raw: bytes) -> bytes:
+    """Return a text picture without comments: Pillow takes long over many of them."""
+    if not raw.startswith(b"P2"):
+        return raw
+    lines = raw.replace(b"\r", b"\n").split(b"\n")
+    return b"\n".join(line.partition(b"#")[0] for line in lines)
+
+
+def _check_size(path: Path, picture: "ImageFile") -> None:
+    """Refuse a picture that takes too much memory or time, before its pixels are read.
+
+    Raises:
+        ConfigError: It is too large.
+    """
+    width, height = picture.size
+    pixels = width * height
+    if pixels > MOST_CELLS:
+        most = f"{MOST_CELLS / 1e6:.0f} million"
+        raise wrong(path, f" size: {width} x {height} pixels are more than {most}")
+    if pixels * len(picture.getbands()) > LARGEST_UNPACKED:
+        most = f"{LARGEST_UNPACKED >> 20} MB"
+        raise wrong(path, f" size: more than {most} unpacked; save it with 8 bit grey")
+    if picture.tile and picture.tile[0][0] in ("ppm", "ppm_plain") and pixels > MOST_SLOW_PIXELS:
+        most = f"{MOST_SLOW_PIXELS / 1e6:.0f} million"
+        advice = "save it as P5 with 255 shades, or PNG"
+        raise wrong(path, f" size: more than {most} pixels in this kind of PGM; {advice}")
+
+
+def _gray(picture: "ImageFile") -> Image:
+    if picture.mode in ("1", "P", "PA"):
+        pixels = np.asarray(picture.convert("L" if picture.mode == "1" else "RGB"))
+    else:
+        pixels = np.asarray(picture)
+    if pixels.dtype != np.uint8:
+        pixels = (pixels >> 8).astype(np.uint8)
+    if pixels.ndim == 2:
+        return Image(pixels)
+    alpha = pixels[:, :, -1] if pixels.shape[2] in (2, 4) else None
+    if pixels.shape[2] == 2:
+        return Image(pixels[:, :, 0], alpha)
+    total = pixels[:, :, 0].astype(np.uint16) + pixels[:, :, 1] + pixels[:, :, 2]
+    return Image(((total + 1) // 3).astype(np.uint8), alpha)
+
+
+def to_png(pixels: Bytes) -> bytes:
+    """Return 8-bit `pixels`, row 0 the top, as a PNG file.
+
+    Shape (H, W, 3) is red, green, blue; shape (H, W) is grey.
+    """
+    return _written(pixels, "PNG")
+
+
+def to_pgm(shades: Bytes) -> bytes:
+    """Return 8-bit `shades` (H, W), row 0 the top, as a binary PGM file."""
+    return _written(shades, "PPM")
+
+
+def _written(pixels: Bytes, kind: str) -> bytes:
+    from PIL.Image import fromarray  # noqa: PLC0415
+
+    file = BytesIO()
+    fromarray(np.ascontiguousarray(pixels)).save(file, kind, optimize=True)
+    return file.getvalue()

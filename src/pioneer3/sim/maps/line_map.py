@@ -1,4 +1,4 @@
-"""A map as the simulator sees it: wall segments and named places, in SI."""
+"""A map: wall segments, named places and occupancy grids, in SI."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps.cells import Cells
 
 Float = NDArray[np.float64]
+States = NDArray[np.uint8]
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
+
+UNKNOWN, OCCUPIED, FREE = range(3)
+"""States of a cell."""
 
 
 class Bounds(NamedTuple):
@@ -83,6 +86,40 @@ def solid_walls(objects: Iterable[MapObject]) -> Float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OccupancyGrid:
+    """Occupied, free and unknown cells; compares by identity.
+
+    Attributes:
+        states: `UNKNOWN`, `OCCUPIED` or `FREE`, shape (H, W); row 0 is the lowest.
+        resolution: Side of a cell [m].
+        origin: The lower left corner of the grid, and how it is turned, in the map frame.
+    """
+
+    states: States
+    resolution: float
+    origin: Pose2
+
+    def coarser(self, most: int) -> "OccupancyGrid":
+        """Return the grid with at most `most` cells, by joining squares of cells.
+
+        A square with an occupied cell is occupied; any other with a free cell is free.
+        """
+        height, width = self.states.shape
+        share = 1
+        while -(-height // share) * -(-width // share) > most:
+            share += 1
+        if share == 1:
+            return self
+        padded = np.pad(self.states, ((0, -height % share), (0, -width % share)))
+        rows, columns = (size // share for size in padded.shape)
+        blocks = padded.reshape(rows, share, columns, share)
+        states = np.full((rows, columns), UNKNOWN, dtype=np.uint8)
+        for state in (FREE, OCCUPIED):
+            states[(blocks == state).any(axis=(1, 3))] = state
+        return OccupancyGrid(states=states, resolution=self.resolution * share, origin=self.origin)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LineMap:
     """Walls and places; compares by identity.
 
@@ -92,21 +129,21 @@ class LineMap:
             sides of solid objects are among them.
         homes: Poses a robot may start at, in file order.
         objects: Every cairn in file order, the homes and obstacles among them.
-        cells: Grids whose occupied cells are outlined by some of the walls.
-        lines: Those of the walls that outline no cells [m], shape (L, 4); all where there are none.
+        grids: Occupancy grids; some of the walls outline their occupied cells.
+        lines: The walls that outline no grid [m], shape (L, 4); without grids all walls.
     """
 
     name: str
     walls: Float
     homes: tuple[Pose2, ...] = ()
     objects: tuple[MapObject, ...] = ()
-    cells: tuple[Cells, ...] = ()
+    grids: tuple[OccupancyGrid, ...] = ()
     lines: Float = field(default_factory=lambda: np.empty((0, 4)))
 
     def __post_init__(self) -> None:
         """Keep copies of the segments that nobody can change."""
         object.__setattr__(self, "walls", _frozen(self.walls))
-        object.__setattr__(self, "lines", _frozen(self.lines) if self.cells else self.walls)
+        object.__setattr__(self, "lines", _frozen(self.lines) if self.grids else self.walls)
 
     @property
     def starts(self) -> tuple[Pose2, ...]:
@@ -134,3 +171,12 @@ def _frozen(segments: Float) -> Float:
 def empty_map() -> LineMap:
     """Return a plane without walls; what `--nomap` stands for."""
     return LineMap(name="empty", walls=np.empty((0, 4)))
+
+
+def distances(point: Float, walls: Float) -> Float:
+    """Return the distance [m] of `point` (2,) to each of `walls` (W, 4), shape (W,)."""
+    start, extent = walls[:, :2] - point, walls[:, 2:] - walls[:, :2]
+    squared = (extent**2).sum(axis=1)
+    share = -(start * extent).sum(axis=1) / np.where(squared > 0, squared, 1.0)
+    nearest: Float = start + np.clip(share, 0.0, 1.0)[:, None] * extent
+    return np.hypot(nearest[:, 0], nearest[:, 1])

@@ -55,6 +55,12 @@ def shown(text: str) -> str:
     return ascii(text if len(text) <= 40 else text[:37] + "...")
 
 
+def one_line(problem: object) -> str:
+    """Return the message of another library as one printable line, cut short."""
+    line = " ".join(str(problem).split())
+    return line[:100] if line.isprintable() else ascii(line[:80])
+
+
 def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
     """Yield the lines of `text` that say something; `path` is for messages.
 

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.cairns import STANDARD_LINES, STANDARD_SOLIDS
-from pioneer3.sim.maps.image import MOST_PIXELS
+from pioneer3.sim.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
+from pioneer3.sim.maps.grid import EDGE, MOST_CELLS, shape_of, touched
+from pioneer3.sim.maps.image import to_pgm
 from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, solid_walls
-from pioneer3.sim.maps.pgm import to_pgm
-from pioneer3.sim.maps.raster import EDGE, shape_of, touched
 from pioneer3.sim.maps.text import write_bytes
 from pioneer3.units import MM
 
@@ -124,21 +123,30 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
     Raises:
         ConfigError: The picture would be too large, or a file cannot be written.
     """
+    import yaml  # noqa: PLC0415
+
     image = path.with_suffix(".pgm")
     bounds = framed(line_map.bounds, resolution)
     height, width = shape_of(bounds, resolution)
-    if height * width > MOST_PIXELS:
+    if height * width > MOST_CELLS:
         raise ConfigError(
             f"{path}: resolution: {resolution:g} m makes {width} x {height} pixels, more than "
-            f"{MOST_PIXELS / 1e6:.0f} million; take larger ones"
+            f"{MOST_CELLS / 1e6:.0f} million; take larger ones"
         )
     occupied = touched(line_map.walls, bounds, resolution)[::-1]
     write_bytes(image, to_pgm(np.where(occupied, OCCUPIED, FREE).astype(np.uint8)))
-    text = (
-        f"image: {_yaml(image.name)}\n"
-        f"resolution: {resolution:.9g}\n"
-        f"origin: [{bounds.x_min:.9g}, {bounds.y_min:.9g}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    text = yaml.safe_dump(
+        {
+            "image": image.name,
+            "resolution": resolution,
+            "origin": [bounds.x_min, bounds.y_min, 0.0],
+            "negate": 0,
+            "occupied_thresh": 0.65,
+            "free_thresh": 0.196,
+        },
+        sort_keys=False,
+        default_flow_style=None,
+        allow_unicode=True,
     )
     write_bytes(path, text.encode())
     return image
@@ -149,8 +157,3 @@ def framed(bounds: Bounds, cell: float) -> Bounds:
     low_x, low_y = (np.floor(low / cell + EDGE) - 1 for low in bounds[:2])
     high_x, high_y = (np.floor(high / cell + EDGE) + 2 for high in bounds[2:])
     return Bounds(*(float(round(edge * cell, 9)) for edge in (low_x, low_y, high_x, high_y)))
-
-
-def _yaml(name: str) -> str:
-    plain = name.replace("_", "").replace(".", "").isalnum()
-    return name if plain else "'" + name.replace("'", "''") + "'"

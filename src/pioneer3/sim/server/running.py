@@ -18,9 +18,9 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.population.footprint import hits, overlap, stands_in
-from pioneer3.sim.population.placement import Berths, Newcomer
-from pioneer3.sim.population.populate import new_name
+from pioneer3.sim.placement.footprint import hits, overlap, stands_in
+from pioneer3.sim.placement.placer import Berths, Newcomer
+from pioneer3.sim.placement.spawn import new_name
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.pace import Pace

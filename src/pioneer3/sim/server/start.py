@@ -15,7 +15,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.firmware.map_shelf import MapShelf
-from pioneer3.sim.population.populate import Inhabitant, populate
+from pioneer3.sim.placement.spawn import Inhabitant, populate
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.choice import KernelChoice, chosen_kernels

@@ -1,11 +1,15 @@
-"""Worlds in TOML: a map, and what stands, drives and walks in it."""
+"""Worlds in TOML: a map with robots, boxes, walls, places and people."""
 
-from pioneer3.sim.worldfile.fitting import Fitting, parse_fitting
-from pioneer3.sim.worldfile.load import load_world, shipped_worlds
-from pioneer3.sim.worldfile.parse import parse_world, read_world
+from pioneer3.sim.worldfile.load import load_map, load_world, shipped_worlds
 from pioneer3.sim.worldfile.person import Person, outlines_at
-from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, Start, Wall, WorldFile
-from pioneer3.sim.worldfile.write import to_toml, write_world
+from pioneer3.sim.worldfile.spec import Box, Fitting, Place, RobotSpec, Start, Wall, WorldFile
+from pioneer3.sim.worldfile.toml import (
+    parse_fitting,
+    parse_world,
+    read_world,
+    to_toml,
+    write_world,
+)
 
 __all__ = [
     "Box",
@@ -16,6 +20,7 @@ __all__ = [
     "Start",
     "Wall",
     "WorldFile",
+    "load_map",
     "load_world",
     "outlines_at",
     "parse_fitting",

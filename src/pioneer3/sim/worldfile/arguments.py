@@ -7,10 +7,15 @@ from pathlib import PurePath
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.maps.text import shown
-from pioneer3.sim.worldfile.fitting import AS_DELIVERED, Fitting
-from pioneer3.sim.worldfile.parse import MODEL_FILES
-from pioneer3.sim.worldfile.spec import RobotSpec, Start, WorldFile
-from pioneer3.sim.worldfile.table import FARTHEST
+from pioneer3.sim.worldfile.spec import (
+    AS_DELIVERED,
+    FARTHEST,
+    Fitting,
+    RobotSpec,
+    Start,
+    WorldFile,
+)
+from pioneer3.sim.worldfile.toml import MODEL_FILES
 from pioneer3.units import ANGLE, LENGTH
 
 LONGEST_NAME = 40

@@ -1,20 +1,30 @@
-"""Finds worlds: shipped ones by name, others by the path of their file."""
+"""Finds maps and worlds: shipped ones by name, others by the path of their file."""
 
 from importlib.resources import as_file, files
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.read import is_world
-from pioneer3.sim.maps.shipped import shipped_maps
+from pioneer3.sim.maps import LineMap, shipped_maps
 from pioneer3.sim.maps.text import shown
-from pioneer3.sim.worldfile.parse import read_world
 from pioneer3.sim.worldfile.spec import WorldFile
+from pioneer3.sim.worldfile.toml import is_world, read_world
 
 LONGEST_PATH = 300
 
 
+def load_map(name_or_path: str | Path) -> LineMap:
+    """Return the walls and places of a shipped map, a map file or a world.
+
+    Raises:
+        ConfigError: Neither a shipped name nor a readable file.
+    """
+    return load_world(name_or_path).line_map()
+
+
 def load_world(name_or_path: str | Path) -> WorldFile:
-    """Return a world file as it is; a map, shipped or in a file, as a world of its own.
+    """Return a world, or the world that is made of a map only; either shipped or in a file.
+
+    A file wins over a shipped map only where the `.map` is written out.
 
     Raises:
         ConfigError: Neither a shipped name nor a readable file.
@@ -41,7 +51,7 @@ def _exists(path: Path) -> bool:
     try:
         return path.exists()
     except PermissionError:
-        return True  # there may be a file, only not for us: reading it says why
+        return True  # the file may be there: reading it tells why it cannot be read
     except (OSError, ValueError):
         return False
 
@@ -53,6 +63,6 @@ def shipped_worlds() -> tuple[str, ...]:
 
 
 def shipped_world(name: str) -> WorldFile:
-    """Return the world that ships under `name`, one of :func:`shipped_worlds`."""
+    """Return the world of :func:`shipped_worlds` with this name."""
     with as_file(files("pioneer3.sim") / "worlds" / f"{name}.toml") as path:
         return read_world(path)

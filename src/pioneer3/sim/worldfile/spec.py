@@ -1,26 +1,90 @@
-"""What a world file says: map, robots, boxes, walls, places, people; frozen, in SI."""
+"""The contents of a world file: map, robots, boxes, walls, places, people; frozen, in SI."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from math import cos, sin
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps.line_map import LineMap, MapObject, empty_map, solid_walls
-from pioneer3.sim.maps.read import read_plan
-from pioneer3.sim.maps.shipped import shipped_map
-from pioneer3.sim.worldfile.fitting import AS_DELIVERED, Fitting
+from pioneer3.models import RobotModel
+from pioneer3.sim.equipment import Equipment
+from pioneer3.sim.maps import LineMap, MapObject, empty_map, read_map, shipped_map
+from pioneer3.sim.maps.line_map import solid_walls
 from pioneer3.sim.worldfile.person import Person, Point
 
 Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
 """A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
 
+NONE = "none"
+Camera = Literal["none", "vcc4", "sony"]
+TableIr = Literal["none", "old", "new"]
+
+FARTHEST = 1e5
+"""Of a coordinate [m]."""
 BOX_KIND = "Sim.BoxObstacle"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fitting:
+    """Choices of :class:`pioneer3.sim.equipment.Equipment`; `None` is as the model comes.
+
+    Attributes:
+        gripper: Whether there is one.
+        bumpers: Segments in front, and as many behind; part of the model that :meth:`to` returns.
+        compass: Whether there is a TCM2.
+        gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
+        joystick: Whether there is one at the robot.
+        camera: Canon VC-C4 or Sony EVI-D30.
+        camera_port: The AUX port it is connected to.
+        table_ir: How the table sensors are wired.
+        north: Where magnetic north lies, counter-clockwise from the x axis [rad].
+        compass_noise: Standard deviation [rad].
+        gyro_bias: What the gyro adds to every rate [rad/s].
+        gyro_noise: Standard deviation [rad/s].
+    """
+
+    gripper: bool | None = None
+    bumpers: int | None = None
+    compass: bool | None = None
+    gyro_type: int | None = None
+    joystick: bool | None = None
+    camera: Camera | None = None
+    camera_port: int | None = None
+    table_ir: TableIr | None = None
+    north: float | None = None
+    compass_noise: float | None = None
+    gyro_bias: float | None = None
+    gyro_noise: float | None = None
+
+    def on(self, model: RobotModel) -> Equipment:
+        """Return the equipment of a robot of this model."""
+        chosen: dict[str, Any] = {
+            key: None if value == NONE else value for key, value in self._said().items()
+        }
+        chosen.pop("bumpers", None)
+        return replace(Equipment.of(model), **chosen)
+
+    def to(self, model: RobotModel) -> RobotModel:
+        """Return `model` with the bumpers that are chosen: they belong to a robot's outline."""
+        if self.bumpers is None:
+            return model
+        return replace(model, front_bumpers=self.bumpers, rear_bumpers=self.bumpers)
+
+    def but(self, other: "Fitting") -> "Fitting":
+        """Return this, but as `other` says wherever it says anything."""
+        return replace(self, **other._said())
+
+    def _said(self) -> "dict[str, Any]":
+        said = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in said.items() if value is not None}
+
+
+AS_DELIVERED = Fitting()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,9 +201,7 @@ class WorldFile:
         """
         if self.map == "empty":
             return empty_map()
-        return (
-            read_plan(self.map).line_map() if isinstance(self.map, Path) else shipped_map(self.map)
-        )
+        return read_map(self.map) if isinstance(self.map, Path) else shipped_map(self.map)
 
     def line_map(self) -> LineMap:
         """Return all that stands still: the map, walls, fixed boxes, homes and places.
@@ -159,7 +221,7 @@ class WorldFile:
             walls=np.concatenate([base.walls, *added]),
             homes=homes + base.homes,
             objects=base.objects + places + fixed,
-            cells=base.cells,
+            grids=base.grids,
             lines=np.concatenate([base.lines, *added]),
         )
 

@@ -14,8 +14,8 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.maps import LineMap
-from pioneer3.sim.population.placement import Newcomer, place_all
-from pioneer3.sim.population.room import Ground
+from pioneer3.sim.placement.free_space import Ground
+from pioneer3.sim.placement.placer import Newcomer, place_all
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 
 Float = NDArray[np.float64]

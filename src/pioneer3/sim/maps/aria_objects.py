@@ -87,7 +87,7 @@ def _reflects(value: str) -> bool:
     return value.isdecimal() and value not in {"0", "1"}
 
 
-def cairn(line: Line, value: str, types: ObjectTypes) -> MapObject:
+def parse_object(line: Line, value: str, types: ObjectTypes) -> MapObject:
     """Return the object that a `Cairn:` line describes.
 
     Args:

@@ -9,13 +9,11 @@ import numpy as np
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
+from pioneer3.sim.map_check import Level, Remark, check_world
 from pioneer3.sim.maps import LineMap, write_aria_map, write_map_server
 from pioneer3.sim.maps.text import write_bytes
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
-from pioneer3.sim.worldfile.check import check_world
-from pioneer3.sim.worldfile.drawing import Drawing, draw
-from pioneer3.sim.worldfile.picture import to_picture, to_svg
-from pioneer3.sim.worldfile.remark import Level, Remark
+from pioneer3.sim.worldfile.drawing import Drawing, draw, to_picture, to_svg
 
 FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
 

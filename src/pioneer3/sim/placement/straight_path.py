@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.models import RobotModel
-from pioneer3.sim.maps.distance import distances
-from pioneer3.sim.maps.line_map import LineMap, MapObject
-from pioneer3.sim.population.footprint import inside
+from pioneer3.sim.maps.line_map import LineMap, MapObject, distances
+from pioneer3.sim.placement.footprint import inside
 
 Float = NDArray[np.float64]
 Point = tuple[float, float]

@@ -1,0 +1,330 @@
+"""Checks a map or world file: returns all that is wrong with it, not only the first error."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.random import default_rng
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.models import RobotModel, load_model
+from pioneer3.sim.collision import footprint_hits
+from pioneer3.sim.maps.aria import AriaFile, Section, parse_aria
+from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, distances
+from pioneer3.sim.maps.load import read_map_file
+from pioneer3.sim.maps.map_server import KEYS, MapServerFile
+from pioneer3.sim.maps.text import decoded, read_bytes
+from pioneer3.sim.placement.free_space import Floor
+from pioneer3.sim.placement.spawn import Inhabitant, populate
+from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
+
+MOST = 10
+"""Findings of one kind that are listed; the rest is counted."""
+_COUNTS = {"LINES": "NumLines", "DATA": "NumPoints"}
+_BOXES = {"LINES": ("LineMinPos", "LineMaxPos"), "DATA": ("MinPos", "MaxPos")}
+ROUNDING_MM = 1.0
+MOST_ERRORS = 1000
+GOALS = ("Goal", "GoalWithHeading")
+FORBIDDEN = ("ForbiddenLine", "ForbiddenArea")
+
+
+class Level(StrEnum):
+    """How bad it is."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Remark:
+    """Something wrong with a map.
+
+    Attributes:
+        level: An error keeps it from being used.
+        text: What is wrong, in one line.
+        line: In the file, from 1; `None` where no line is to blame.
+    """
+
+    level: Level
+    text: str
+    line: int | None = None
+
+
+def warning(text: str, line: int | None = None) -> Remark:
+    """Return a warning."""
+    return Remark(level=Level.WARNING, text=text, line=line)
+
+
+def some(remarks: Iterable[Remark], what: str) -> Iterator[Remark]:
+    """Yield the first :data:`MOST` of `remarks`, and how many more `what` there are."""
+    found: Sequence[Remark] = tuple(remarks)
+    yield from found[:MOST]
+    if len(found) > MOST:
+        yield Remark(level=found[0].level, text=f"and {len(found) - MOST} more {what}")
+
+
+def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Remark, ...]:
+    """Return all that is wrong with a map or world, errors first, then by line.
+
+    Args:
+        name_or_path: As for :func:`pioneer3.sim.worldfile.load_world`.
+        model: The robot that homes and goals must have room for.
+    """
+    found = list(_remarks(name_or_path, model))
+    return tuple(sorted(found, key=lambda r: (r.level is not Level.ERROR, r.line or 0)))
+
+
+def _remarks(name_or_path: str | Path, model: RobotModel) -> Iterator[Remark]:
+    path = Path(name_or_path)
+    try:
+        world = load_world(name_or_path)
+        if isinstance(world.map, Path) and world.map == path:
+            yield from _plan(path, model)
+        else:
+            yield from _world(world, model)
+    except ConfigError as error:
+        yield as_remark(path, error)
+
+
+def _plan(path: Path, model: RobotModel) -> Iterator[Remark]:
+    """Yield what is wrong with a file that holds a map and no more."""
+    try:
+        file: AriaFile | MapServerFile = read_map_file(path)
+    except ConfigError as error:
+        remarks = tuple(check_aria(path, decoded(read_bytes(path)))) if _is_aria(path) else ()
+        yield from remarks or (as_remark(path, error),)
+        return
+    lines: dict[int, int] = {}
+    if isinstance(file, AriaFile):
+        yield from check_aria(path, decoded(read_bytes(path)))
+        lines = {at: place.line.number for at, place in enumerate(file.places)}
+    else:
+        yield from _unknown_keys(file)
+    yield from check_places(file.line_map(), model, lines)
+
+
+def _is_aria(path: Path) -> bool:
+    return read_bytes(path)[:1000].lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"2D-Map")
+
+
+def _unknown_keys(file: MapServerFile) -> Iterator[Remark]:
+    for key, field in file.fields.items():
+        if key not in KEYS:
+            close = get_close_matches(key, KEYS, n=1)
+            hint = f", did you mean {close[0]}?" if close else ""
+            name = key if key.isprintable() else ascii(key)
+            yield warning(f"{name}: unknown key, skipped{hint}", field.line.number)
+
+
+def _world(world: WorldFile, model: RobotModel) -> Iterator[Remark]:
+    line_map = world.line_map()
+    yield from check_places(line_map, model)
+    sound: dict[int, RobotSpec] = {}
+    for index, robot in enumerate(world.robots):
+        try:
+            load_model(robot.model)
+        except ConfigError as error:
+            yield Remark(level=Level.ERROR, text=f"robot[{index}].model: {error}")
+            continue
+        sound[index] = robot
+        if robot.start == "home" and not line_map.starts:
+            yield warning(f"robot[{index}].start: there is no home and no dock")
+    try:
+        cleared = replace(world, robots=tuple(sound.values()))
+        crew = populate(cleared, line_map, default_rng(world.seed))
+    except ConfigError as error:
+        yield Remark(level=Level.ERROR, text=str(error))
+        return
+    for (index, robot), each in zip(sound.items(), crew, strict=True):
+        yield from _robot(f"robot[{index}]", robot, each, line_map)
+
+
+def _robot(place: str, robot: RobotSpec, each: Inhabitant, line_map: LineMap) -> Iterator[Remark]:
+    """Yield what is wrong with a robot and where it begins."""
+    asked = robot.start
+    if isinstance(asked, Pose2):
+        problem = room(asked, line_map, each.model) if len(line_map.walls) else ""
+        if problem:
+            yield warning(f"{place}.start {problem}")
+        elif each.pose != asked:
+            yield warning(f"{place}.start: another robot stands there, it begins beside it")
+        elif each.in_the_way:
+            yield warning(f"{place}.start: a movable box or a person stands there")
+    if robot.equipment.table_ir in {"old", "new"} and not each.model.table_irs:
+        yield warning(f"{place}.equipment.table_ir: {each.model.name} has no table sensors")
+
+
+def check_aria(path: Path, text: str) -> Iterator[Remark]:
+    """Yield what is wrong with the text of a map file, line by line."""
+    errors: list[ConfigError] = []
+
+    def note(error: ConfigError) -> None:
+        if len(errors) < MOST_ERRORS:
+            errors.append(error)
+
+    try:
+        file = parse_aria(path, text, note)
+    except ConfigError as error:
+        yield as_remark(path, error)
+        return
+    yield from some((as_remark(path, error) for error in errors), "errors")
+    yield from _header(file)
+    for section in file.sections:
+        if section.kind == "LINES":
+            yield from some(_without_length(section), "lines without length")
+            yield from some(_doubles(section), "doubled lines")
+
+
+def as_remark(path: Path, error: ConfigError) -> Remark:
+    """Return an error about the file at `path` as a remark, its line taken out of the text."""
+    text = str(error).removeprefix(f"{path}:").strip()
+    number, _, rest = text.partition(":")
+    line = int(number) if number.isdecimal() else None
+    return Remark(level=Level.ERROR, text=rest.strip() if line else text, line=line)
+
+
+def _header(file: AriaFile) -> Iterator[Remark]:
+    """Yield where counts and boxes in the header disagree with what follows."""
+    for entry in file.entries:
+        for section in file.sections:
+            if entry.key == section.source + _COUNTS[section.kind]:
+                there = len(section.rows)
+                if entry.value.strip() != str(there):
+                    said = f"{entry.key} says {entry.value[:20]!a}, there are {there}"
+                    yield warning(said, entry.line.number)
+            elif entry.key in [section.source + key for key in _BOXES[section.kind]]:
+                corner = _corner(section, is_low="Min" in entry.key)
+                if corner and not _agrees(entry.value, corner):
+                    x, y = corner
+                    said = f"{entry.key} says {entry.value[:30]!a}, it is {x:g} {y:g}"
+                    yield warning(said, entry.line.number)
+
+
+def _corner(section: Section, *, is_low: bool) -> tuple[float, float] | None:
+    """Return the lowest or highest x and y of a section [mm]."""
+    points = section.rows.reshape(-1, 2)
+    if not len(points):
+        return None
+    x, y = (points.min(axis=0) if is_low else points.max(axis=0)).tolist()
+    return x, y
+
+
+def _agrees(value: str, corner: tuple[float, float]) -> bool:
+    try:
+        numbers = [float(word) for word in value.split()]
+    except ValueError:
+        return False
+    return len(numbers) == 2 and all(
+        abs(said - true) <= ROUNDING_MM for said, true in zip(numbers, corner, strict=True)
+    )
+
+
+def _rows(section: Section) -> Iterator[tuple[tuple[float, ...], int]]:
+    """Yield each row with its line."""
+    yield from zip(map(tuple, section.rows.tolist()), section.at.tolist(), strict=True)
+
+
+def _without_length(section: Section) -> Iterator[Remark]:
+    for row, line in _rows(section):
+        if row[:2] == row[2:]:
+            yield warning(f"a line without length at {row[0]:g} {row[1]:g}", line)
+
+
+def _doubles(section: Section) -> Iterator[Remark]:
+    seen: dict[tuple[float, ...], int] = {}
+    for row, line in _rows(section):
+        key = min(row, row[2:] + row[:2])
+        if key in seen:
+            yield warning(f"the same line as on line {seen[key]}", line)
+        seen.setdefault(key, line)
+
+
+def check_places(
+    line_map: LineMap, model: RobotModel, lines: dict[int, int] | None = None
+) -> Iterator[Remark]:
+    """Yield which homes have no room for the robot, and which goals it cannot get to.
+
+    Args:
+        line_map: The map.
+        model: The robot.
+        lines: The line of the file of each object, by its index in the map, as far as known.
+    """
+    known = lines or {}
+    placed = [(item, known.get(at)) for at, item in enumerate(line_map.objects)]
+    if not len(line_map.walls):
+        yield warning("there is no wall")
+        return
+    homes = [(item, line) for item, line in placed if item.kind == "RobotHome"]
+    if not homes:
+        yield warning("there is no RobotHome: robots start at the origin of the map")
+    for item, line in homes:
+        problem = room(item.pose, line_map, model)
+        if problem:
+            yield warning(f"{shown(item)} {problem}", line)
+    goals = [(item, line) for item, line in placed if item.kind in GOALS]
+    yield from some(_unreachable(line_map, model, goals), "goals")
+
+
+def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:
+    """Return why `model` has no room at `pose`, or nothing."""
+    walls, bounds = line_map.walls, line_map.bounds
+    if not (bounds.x_min <= pose.x <= bounds.x_max and bounds.y_min <= pose.y <= bounds.y_max):
+        return "is outside the walls"
+    if footprint_hits(pose, model.length_front, model.length_rear, model.width / 2, walls):
+        return f"stands in a wall: no room for {model.name}"
+    nearest = float(distances(np.array([pose.x, pose.y]), walls).min())
+    if nearest < model.radius:
+        return f"is {nearest:.2f} m from a wall: {model.name} needs {model.radius:.2f} m to turn"
+    return ""
+
+
+def shown(item: MapObject) -> str:
+    """Return what to call an object in a message."""
+    name = "".join(c if c.isprintable() else "?" for c in item.name[:30])
+    kind = "".join(c if c.isprintable() else "?" for c in item.kind[:30])
+    return f'{kind} "{name}"' if name else f"{kind} at {item.pose.x:.2f} {item.pose.y:.2f}"
+
+
+def _unreachable(
+    line_map: LineMap, model: RobotModel, goals: list[tuple[MapObject, int | None]]
+) -> Iterator[Remark]:
+    """Yield the goals that cannot be reached, keeping off walls and what is forbidden."""
+    starts = [(home.x, home.y) for home in line_map.homes]
+    origin = "any home"
+    if not starts:
+        others = [item for item in line_map.objects if item.kind.startswith("Dock")]
+        first = (others or [item for item, _ in goals])[:1]
+        starts = [(item.pose.x, item.pose.y) for item in first]
+        origin = shown(first[0]) if first else ""
+    if not starts or not goals:
+        return
+    forbidden = [side for o in line_map.objects if o.kind in FORBIDDEN for side in o.sides]
+    barriers = np.concatenate([line_map.walls, np.array(forbidden).reshape(-1, 4)])
+    floor = Floor(barriers, _around(line_map, starts, goals), model.width / 2)
+    reached = floor.reached_from(starts)
+    for item, line in goals:
+        if not floor.is_free(item.pose.x, item.pose.y):
+            yield warning(f"{shown(item)} is too near to a wall or forbidden line", line)
+        elif not reached[floor.cell_of((item.pose.x, item.pose.y))]:
+            yield warning(f"{shown(item)} cannot be reached from {origin}", line)
+
+
+def _around(
+    line_map: LineMap,
+    starts: list[tuple[float, float]],
+    goals: list[tuple[MapObject, int | None]],
+) -> Bounds:
+    """Return a box around walls and places [m]."""
+    bounds = line_map.bounds
+    xs = [x for x, _ in starts] + [item.pose.x for item, _ in goals]
+    ys = [y for _, y in starts] + [item.pose.y for item, _ in goals]
+    return Bounds(
+        min(bounds.x_min, *xs),
+        min(bounds.y_min, *ys),
+        max(bounds.x_max, *xs),
+        max(bounds.y_max, *ys),
+    )

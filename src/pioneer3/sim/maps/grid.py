@@ -1,0 +1,170 @@
+"""Occupancy grids and walls: outlines of occupied cells, and the cells that walls pass."""
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.maps.line_map import OCCUPIED, UNKNOWN, Bounds, OccupancyGrid
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bool = NDArray[np.bool_]
+
+MOST_CELLS = 1 << 25
+"""Larger grids and pictures are refused before memory is taken: 5792 x 5792, 290 m at 5 cm."""
+MOST_WALLS = 1_000_000
+"""A picture with more edges than this is noise, not a map."""
+EDGE = 1e-6
+"""A point nearer to the edge of a cell than this counts as on it [cells]."""
+
+
+def grid_of(points: Float, resolution: float) -> OccupancyGrid | None:
+    """Return the grid whose occupied cells :func:`outline` outlines.
+
+    Args:
+        points: Middles of occupied cells [m], shape (N, 2).
+        resolution: Side of a cell [m].
+
+    Returns:
+        The grid, or `None` where there are no points, or they lie too far apart.
+    """
+    if not points.size:
+        return None
+    corner = points.min(axis=0)
+    # before numbers become indices: points may lie 100 km apart
+    extent = np.rint((points.max(axis=0) - corner) / resolution) + 1
+    if extent.prod() > MOST_CELLS:
+        return None
+    columns, rows = np.rint((points - corner) / resolution).astype(np.int64).T
+    states = np.full((int(extent[1]), int(extent[0])), UNKNOWN, dtype=np.uint8)
+    states[rows, columns] = OCCUPIED
+    x, y = (corner - resolution / 2).tolist()
+    return OccupancyGrid(states=states, resolution=resolution, origin=Pose2(x, y))
+
+
+def outline(points: Float, resolution: float) -> Float:
+    """Return the edges between occupied and free cells, neighbours on one line joined.
+
+    Each point occupies the cell it is the centre of. A point off the grid (whose phase is that of
+    the smallest coordinates) moves to the nearest cell, less than one cell away.
+
+    Args:
+        points: Occupied points [m], shape (N, 2); order and repetition don't matter.
+        resolution: Side of a cell [m].
+
+    Returns:
+        Segments `x0, y0, x1, y1` [m], shape (W, 4), along the axes. Watertight: every edge of
+        every occupied cell towards a free cell lies on exactly one segment.
+    """
+    if not points.size:
+        return np.empty((0, 4))
+    corner = points.min(axis=0)
+    columns, rows = np.rint((points - corner) / resolution).astype(np.int64).T
+    across, upright = _edge_runs(columns, rows), _edge_runs(rows, columns)
+    count = len(across[0])
+    walls = np.empty((count + len(upright[0]), 4))
+    for column, (horizontal, vertical) in enumerate(((1, 0), (0, 1), (2, 0), (0, 2))):
+        walls[:count, column], walls[count:, column] = across[horizontal], upright[vertical]
+    # cell (0, 0) is centred on `corner`, so its lower left corner lies half a cell before it
+    walls *= resolution
+    walls += np.tile(corner - resolution / 2, 2)
+    return walls
+
+
+def _edge_runs(along: Int, across: Int) -> tuple[Int, Int, Int]:
+    """Return the edges that run in one direction, joined.
+
+    Args:
+        along: Cell indices >= 0 in the direction of the edges, shape (N,).
+        across: Cell indices >= 0 at right angles to it, shape (N,).
+
+    Returns:
+        Grid line, first and last corner of each run [cells], three arrays of shape (R,).
+    """
+    # one spare cell at each side keeps a run from going on in the next line
+    stride = int(along.max()) + 2
+    cells = across * stride
+    cells += along
+    cells.sort()
+    cells = cells[np.append(True, cells[1:] != cells[:-1])]
+    # a grid line has an edge where exactly one of the two cells beside it is occupied
+    edges = np.concatenate([cells, cells + stride])
+    edges.sort(kind="stable")
+    new = np.concatenate([[True], edges[1:] != edges[:-1], [True]])
+    edges = edges[new[1:] & new[:-1]]
+    breaks = np.flatnonzero(np.diff(edges) != 1) + 1
+    first = edges[np.concatenate([[0], breaks])]
+    last = edges[np.concatenate([breaks - 1, [-1]])]
+    return first // stride, first % stride, last % stride + 1
+
+
+def raster_outline(occupied: Bool) -> Float:
+    """Return the edges between occupied and free cells, neighbours on one line joined.
+
+    Args:
+        occupied: Shape (H, W); row 0 is the lowest. All around it is free.
+
+    Returns:
+        Segments `x0, y0, x1, y1` [cells] from the lower left corner, shape (W, 4), watertight as
+        those of :func:`outline`.
+
+    Raises:
+        OverflowError: There are more than :data:`MOST_WALLS`.
+    """
+    framed = np.pad(occupied, 1)
+    line, start, end = _row_runs(framed[1:, 1:-1] != framed[:-1, 1:-1])
+    horizontal = np.stack([start, line, end, line], axis=1)
+    line, start, end = _row_runs((framed[1:-1, 1:] != framed[1:-1, :-1]).T)
+    vertical = np.stack([line, start, line, end], axis=1)
+    return np.concatenate([horizontal, vertical]).astype(np.float64)
+
+
+def _row_runs(edges: Bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return line, first and last corner of each run of edges along the rows, shape (R,) each."""
+    changes = np.diff(np.pad(edges, ((0, 0), (1, 1))).view(np.int8), axis=1)
+    if np.count_nonzero(changes) > 2 * MOST_WALLS:
+        raise OverflowError
+    line, start = np.nonzero(changes == 1)
+    return line, start, np.nonzero(changes == -1)[1]
+
+
+def touched(walls: Float, bounds: Bounds, cell: float) -> Bool:
+    """Return the cells that walls pass, shape (H, W); row 0 is the lowest.
+
+    A cell that a wall cuts by less than half a cell's side may be left out; neighbours along a
+    wall always touch, at a corner at least.
+
+    Args:
+        walls: Segments [m], shape (W, 4), all within `bounds`.
+        bounds: Of the picture [m].
+        cell: Side of a cell [m].
+    """
+    height, width = shape_of(bounds, cell)
+    cells = np.zeros((height, width), dtype=np.bool_)
+    points = samples(walls, cell / 2)
+    # what lies on an edge but for rounding belongs to the cell beyond it
+    places = (points - (bounds.x_min, bounds.y_min)) / cell + EDGE
+    columns, rows = np.floor(places).astype(np.int64).T
+    cells[rows.clip(0, height - 1), columns.clip(0, width - 1)] = True
+    return cells
+
+
+def shape_of(bounds: Bounds, cell: float) -> tuple[int, int]:
+    """Return height and width [cells] of a picture of `bounds`, at least one each."""
+    # what is a whole number of cells but for rounding takes no cell more
+    width = ceil((bounds.x_max - bounds.x_min) / cell - EDGE)
+    height = ceil((bounds.y_max - bounds.y_min) / cell - EDGE)
+    return max(1, height), max(1, width)
+
+
+def samples(walls: Float, step: float) -> Float:
+    """Return points along walls (W, 4), ends among them, `step` [m] apart at most; (N, 2)."""
+    lengths = np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1])
+    counts = np.ceil(lengths / step).astype(np.int64) + 1
+    owners = np.repeat(np.arange(len(walls)), counts)
+    number = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = (number / np.maximum(counts - 1, 1)[owners])[:, None]
+    points: Float = walls[owners, :2] * (1 - share) + walls[owners, 2:] * share
+    return points

@@ -1,0 +1,72 @@
+"""Reads every kind of map file, and the maps that ship."""
+
+import re
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+from pioneer3.sim.maps.aria import AriaFile, parse_aria
+from pioneer3.sim.maps.image import SIGNATURES
+from pioneer3.sim.maps.line_map import LineMap
+from pioneer3.sim.maps.map_server import LARGEST_YAML, MapServerFile, parse_map_server
+from pioneer3.sim.maps.text import decoded, read_bytes, wrong
+
+PICTURES = (".pgm", ".png")
+YAMLS = (".yaml", ".yml")
+_IMAGE_KEY = re.compile(r"^image\s*:", re.MULTILINE)
+_WORLD = re.compile(r"^\s*\[world\]", re.MULTILINE)
+_SUFFIX = ".map"
+
+
+def read_map(path: Path) -> LineMap:
+    """Read a map: ARIA's `.map`, or map_server's YAML with its picture; named after the file.
+
+    The first line says which of the two it is, or else the end of its name. Worlds, which may
+    stand on maps, are read by :func:`pioneer3.sim.worldfile.load_world`.
+
+    Raises:
+        ConfigError: The file cannot be read or is not a map; one line that says where and why.
+    """
+    return read_map_file(path).line_map()
+
+
+def read_map_file(path: Path) -> AriaFile | MapServerFile:
+    """Read a map file with its line numbers.
+
+    Raises:
+        ConfigError: The file cannot be read or is not a map.
+    """
+    raw = read_bytes(path)
+    ending = path.suffix.lower()
+    if ending in PICTURES and raw.startswith(SIGNATURES):
+        raise wrong(path, " is a picture; give the YAML file that says its resolution")
+    text = decoded(raw)
+    start = text[:LARGEST_YAML]
+    is_aria = start.lstrip().startswith("2D-Map")
+    if not is_aria and (ending in YAMLS or (ending != ".map" and _IMAGE_KEY.search(start))):
+        if len(raw) > LARGEST_YAML:
+            raise wrong(path, " is larger than 64 KB, so not a map_server file")
+        return parse_map_server(path, text)
+    if not is_aria and _WORLD.search(start):
+        raise wrong(path, " is a world; its name must end in .toml")
+    return parse_aria(path, text)
+
+
+def shipped_maps() -> tuple[str, ...]:
+    """Return the names of the maps that ship, sorted."""
+    worlds = (files("pioneer3.sim") / "worlds").iterdir()
+    return tuple(sorted(w.name.removesuffix(_SUFFIX) for w in worlds if w.name.endswith(_SUFFIX)))
+
+
+def shipped_map(name: str) -> LineMap:
+    """Return the map that ships under `name`, with or without `.map`.
+
+    Raises:
+        ConfigError: There is none; names those that there are.
+    """
+    stem = name.removesuffix(_SUFFIX)
+    if stem not in shipped_maps():
+        listed = ", ".join(shipped_maps())
+        raise ConfigError(f"map {name!r}: none ships under this name; there is {listed}")
+    with as_file(files("pioneer3.sim") / "worlds" / (stem + _SUFFIX)) as path:
+        return read_map(path)

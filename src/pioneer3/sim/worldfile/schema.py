@@ -1,0 +1,217 @@
+"""The tables of a world file: their keys, ranges and defaults, and their meaning in SI.
+
+msgspec reads and checks them. Tables have the field names of the objects in
+:mod:`pioneer3.sim.worldfile.spec` that they stand for, and become them and are made of them.
+"""
+
+from math import degrees
+from typing import Annotated, Any, Literal, Self
+
+from msgspec import Meta, Struct, field
+from msgspec.structs import asdict
+
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.models.bounds import BUMPERS
+from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
+from pioneer3.sim.worldfile.spec import (
+    FARTHEST,
+    Box,
+    Camera,
+    Fitting,
+    Place,
+    RobotSpec,
+    TableIr,
+    Wall,
+)
+from pioneer3.units import DEGREE
+
+Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
+Point = tuple[Coordinate, Coordinate]
+Side = Annotated[float, Meta(ge=0.01, le=1000)]
+Angle = Annotated[float, Meta(ge=-360, le=360)]
+
+
+class Table(Struct, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
+    """Any table: unknown keys are refused, defaults are not written."""
+
+    @classmethod
+    def like(cls, item: object, **changed: Any) -> Self:
+        """Return the table of an object: its attributes, except for those `changed`."""
+        names = [name for name in cls.__struct_fields__ if name not in changed]
+        return cls(**{name: getattr(item, name) for name in names}, **changed)
+
+
+class WorldTable(Table):
+    """`[world]`."""
+
+    name: str | None = None
+    map: str = "empty"
+    seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
+    keep_session: bool = False
+
+
+class StartTable(Table):
+    """The pose that a robot starts at."""
+
+    x: Coordinate
+    y: Coordinate
+    theta_deg: Angle = 0.0
+
+
+_ANGLES = {
+    "north": "north_deg",
+    "compass_noise": "compass_noise_deg",
+    "gyro_bias": "gyro_bias_deg_s",
+    "gyro_noise": "gyro_noise_deg_s",
+}
+
+
+class EquipmentTable(Table, rename={"gyro_type": "gyro", **_ANGLES}):
+    """The equipment of a robot, and the words of `--fit`."""
+
+    gripper: bool | None = None
+    compass: bool | None = None
+    gyro_type: Annotated[int, Meta(ge=0, le=2)] | None = None
+    bumpers: Annotated[int, Meta(ge=0, le=int(BUMPERS.high))] | None = None
+    joystick: bool | None = None
+    camera: Camera | None = None
+    camera_port: Annotated[int, Meta(ge=1, le=3)] | None = None
+    table_ir: TableIr | None = None
+    north: Angle | None = None
+    compass_noise: Annotated[float, Meta(ge=0, le=180)] | None = None
+    gyro_bias: Annotated[float, Meta(ge=-100, le=100)] | None = None
+    gyro_noise: Annotated[float, Meta(ge=0, le=100)] | None = None
+
+    def fitting(self) -> Fitting:
+        """Return the choices in SI."""
+        chosen = {name: value for name, value in asdict(self).items() if value is not None}
+        angles = {name: chosen[name] * DEGREE for name in _ANGLES if name in chosen}
+        return Fitting(**chosen | angles)
+
+    @classmethod
+    def of(cls, fitting: Fitting) -> Self:
+        """Return the table of some choices."""
+        angles = {name: getattr(fitting, name) for name in _ANGLES}
+        return cls.like(fitting, **{n: a if a is None else _degrees(a) for n, a in angles.items()})
+
+
+class RobotTable(Table):
+    """`[[robot]]`."""
+
+    model: str = RobotSpec().model
+    name: str = ""
+    start: StartTable | Literal["home", "random", "outside"] = "home"
+    port: Annotated[int, Meta(ge=1, le=65535)] | None = None
+    equipment: EquipmentTable = field(default_factory=EquipmentTable)
+
+    def robot(self) -> RobotSpec:
+        """Return the robot."""
+        start = self.start
+        pose = start if isinstance(start, str) else _pose(start.x, start.y, start.theta_deg)
+        return RobotSpec(
+            model=self.model,
+            name=self.name,
+            start=pose,
+            port=self.port,
+            equipment=self.equipment.fitting(),
+        )
+
+    @classmethod
+    def of(cls, robot: RobotSpec) -> Self:
+        """Return the table of a robot."""
+        start: StartTable | str
+        match robot.start:
+            case Pose2(x, y, theta):
+                start = StartTable(x=x, y=y, theta_deg=_degrees(theta))
+            case word:
+                start = word
+        return cls.like(robot, start=start, equipment=EquipmentTable.of(robot.equipment))
+
+
+class BoxTable(Table):
+    """`[[box]]`."""
+
+    center: Point
+    size: tuple[Side, Side]
+    theta_deg: Angle = 0.0
+    movable: bool = False
+    name: str = ""
+
+    def box(self) -> Box:
+        """Return the box."""
+        pose = _pose(*self.center, self.theta_deg)
+        return Box(pose=pose, size=self.size, movable=self.movable, name=self.name)
+
+    @classmethod
+    def of(cls, box: Box) -> Self:
+        """Return the table of a box."""
+        center = box.pose.x, box.pose.y
+        return cls.like(box, center=center, theta_deg=_degrees(box.pose.theta))
+
+
+class WallTable(Table):
+    """`[[wall]]`."""
+
+    points: Annotated[tuple[Point, ...], Meta(min_length=2)]
+    closed: bool = False
+
+    def wall(self) -> Wall:
+        """Return the wall."""
+        return Wall(points=self.points, closed=self.closed)
+
+
+class PlaceTable(Table):
+    """`[[goal]]`, `[[dock]]` or `[[home]]`; a goal with `theta_deg` has a heading."""
+
+    x: Coordinate
+    y: Coordinate
+    theta_deg: Angle | None = None
+    name: str = ""
+
+    def place(self, kind: str) -> Place:
+        """Return the place; `kind` is ARIA's type."""
+        if kind == "Goal" and self.theta_deg is not None:
+            kind = "GoalWithHeading"
+        return Place(kind=kind, pose=_pose(self.x, self.y, self.theta_deg or 0.0), name=self.name)
+
+    @classmethod
+    def of(cls, place: Place) -> Self:
+        """Return the table of a place."""
+        heading = None if place.kind == "Goal" else _degrees(place.pose.theta)
+        return cls(x=place.pose.x, y=place.pose.y, theta_deg=heading, name=place.name)
+
+
+class PersonTable(Table):
+    """`[[person]]`."""
+
+    path: Annotated[tuple[Point, ...], Meta(min_length=1)]
+    speed: Annotated[float, Meta(ge=0.01, le=10)] = SPEED
+    radius: Annotated[float, Meta(ge=0.05, le=2)] = RADIUS
+    loop: bool = True
+    pause: Annotated[float, Meta(ge=0, le=3600)] = 0.0
+    name: str = ""
+
+    def person(self) -> Person:
+        """Return the person."""
+        return Person(**asdict(self))
+
+
+class FileTable(Table):
+    """All tables of a world file."""
+
+    world: WorldTable
+    robot: tuple[RobotTable, ...] = ()
+    box: tuple[BoxTable, ...] = ()
+    wall: tuple[WallTable, ...] = ()
+    goal: tuple[PlaceTable, ...] = ()
+    dock: tuple[PlaceTable, ...] = ()
+    home: tuple[PlaceTable, ...] = ()
+    person: tuple[PersonTable, ...] = ()
+
+
+def _pose(x: float, y: float, theta_deg: float) -> Pose2:
+    return Pose2(x, y, wrap(theta_deg * DEGREE))
+
+
+def _degrees(angle: float) -> float:
+    return round(degrees(angle), 12)
