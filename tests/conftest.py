@@ -1,4 +1,7 @@
-"""Virtual time: timeouts of minutes pass in microseconds, and always in the same order."""
+"""Virtual time: timeouts of minutes pass in microseconds, and always in the same order.
+
+`--all` runs the thorough tests too.
+"""
 
 import asyncio
 import selectors
@@ -48,6 +51,20 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
     def time(self) -> float:
         return self._autojump.now
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add `--all`."""
+    parser.addoption("--all", action="store_true", help="also run the tests marked `thorough`")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out the thorough tests unless they are asked for."""
+    if config.getoption("--all"):
+        return
+    left_out = [item for item in items if item.get_closest_marker("thorough")]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in set(left_out)]
 
 
 def pytest_asyncio_loop_factories(

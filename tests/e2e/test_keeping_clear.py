@@ -16,6 +16,7 @@ from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Person
+from tests.combinations import pairwise
 from tests.support import SimulatedRobot
 
 SPEED = 0.4
@@ -56,10 +57,10 @@ MODES: dict[str, Callable[[Robot], Stack]] = {
 }
 
 
-@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.3])
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("who", ["wall", "person"])
-@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+@pytest.mark.parametrize(
+    ("model", "who", "mode", "latency"),
+    pairwise(["p3at-sh", "p3dx-sh"], ["wall", "person"], list(MODES), [0.0, 0.1, 0.2, 0.3]),
+)
 async def test_nothing_is_touched(model: str, who: str, mode: str, latency: float) -> None:
     home = Pose2(0.0, 0.2, pi if mode == "backwards" else 0.1)
     sim = SimulatedRobot(ROOM, model=model, home=home, realism=Realism(), seed=7)
