@@ -12,7 +12,7 @@ from playwright.async_api import Browser, ViewportSize, async_playwright
 
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.simulation import simulator
+from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import urllib.request
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from websockets.asyncio.client import connect as connect_page
 
 from pioneer3 import connect_async
 from pioneer3.arcos.commands import Close, Enable, Sonar, Stop, Vel
+from pioneer3.cli.main import execute
 from pioneer3.sim.server.start import simulator
 from tests.e2e.processes import COMMAND, KILLED, PATIENCE, Command, environment, p3, running, until
 from tests.support import Wire
@@ -25,14 +26,34 @@ pytestmark = pytest.mark.realtime
 SERIAL_NODE = "/dev/ttyS0"
 
 
-def complaint(*arguments: str) -> tuple[int, str]:
-    """Run a command that fails; return its code and its one line on stderr."""
-    ended = p3(*arguments)
-    assert ended.stdout == ""
-    lines = ended.stderr.splitlines()
-    assert len(lines) == 1, ended.stderr
+Complaint = Callable[..., tuple[int, str]]
+
+
+def one_line(code: int, stdout: str, stderr: str) -> tuple[int, str]:
+    """Return the code and the one line on stderr of a command that failed."""
+    assert stdout == ""
+    lines = stderr.splitlines()
+    assert len(lines) == 1, stderr
     assert lines[0].startswith("pioneer3: ")
-    return ended.returncode, lines[0].removeprefix("pioneer3: ")
+    return code, lines[0].removeprefix("pioneer3: ")
+
+
+@pytest.fixture
+def complaint(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Complaint]:
+    """Return a function that runs a command that fails, in this process."""
+    for name in set(os.environ) - set(environment()):
+        monkeypatch.delenv(name)
+    with Path(os.devnull).open() as nothing:
+        monkeypatch.setattr(sys, "stdin", nothing)
+        yield lambda *arguments: one_line(execute(arguments), *capsys.readouterr())
+
+
+@pytest.mark.parametrize("line", ["fly", "run --port /dev/none"])
+def test_a_mistake_in_a_process_of_its_own(line: str, complaint: Complaint) -> None:
+    ended = p3(*line.split())
+    assert one_line(ended.returncode, ended.stdout, ended.stderr) == complaint(*line.split())
 
 
 def closed_port() -> int:
@@ -69,7 +90,9 @@ def closed_port() -> int:
         ("drive --turn-rate 0", 2, ["--turn-rate", "positive"]),
     ],
 )
-def test_a_mistake_is_told_in_one_line(line: str, code: int, clues: list[str]) -> None:
+def test_a_mistake_is_told_in_one_line(
+    line: str, code: int, clues: list[str], complaint: Complaint
+) -> None:
     ended, told = complaint(*line.split())
     assert ended == code
     for clue in clues:
@@ -86,7 +109,9 @@ MALFORMED = {
 
 
 @pytest.mark.parametrize("name", [*MALFORMED])
-def test_a_malformed_file_is_named_with_line_and_field(name: str, tmp_path: Path) -> None:
+def test_a_malformed_file_is_named_with_line_and_field(
+    name: str, tmp_path: Path, complaint: Complaint
+) -> None:
     text, clues = MALFORMED[name]
     path = tmp_path / name
     path.write_text(text)
@@ -98,7 +123,9 @@ def test_a_malformed_file_is_named_with_line_and_field(name: str, tmp_path: Path
 
 
 @pytest.mark.parametrize("command", ["sim -p {}", "run --sim-port {}", "run --web-port {}"])
-def test_a_port_in_use_is_told_with_the_option_that_helps(command: str) -> None:
+def test_a_port_in_use_is_told_with_the_option_that_helps(
+    command: str, complaint: Complaint
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         others = " --sim-port 0" if "--web-port" in command else ""
@@ -107,10 +134,8 @@ def test_a_port_in_use_is_told_with_the_option_that_helps(command: str) -> None:
     assert f"127.0.0.1:{port}: in use" in told
 
 
-@pytest.mark.parametrize("command", ["run", "drive", "info"])
-def test_a_closed_port_is_not_reachable(command: str) -> None:
-    if command == "drive":
-        pytest.skip("needs a terminal first; see test_keyboard")
+@pytest.mark.parametrize("command", ["run", "info"])
+def test_a_closed_port_is_not_reachable(command: str, complaint: Complaint) -> None:
     port = closed_port()
     code, told = complaint(command, "--port", f"tcp://127.0.0.1:{port}")
     assert code == 3
@@ -121,7 +146,7 @@ def test_a_closed_port_is_not_reachable(command: str) -> None:
 @pytest.mark.skipif(
     not Path(SERIAL_NODE).exists() or os.access(SERIAL_NODE, os.R_OK), reason="no such port"
 )
-def test_a_port_that_is_not_ours_to_open_has_a_code_of_its_own() -> None:
+def test_a_port_that_is_not_ours_to_open_has_a_code_of_its_own(complaint: Complaint) -> None:
     code, told = complaint("run", "--port", SERIAL_NODE)
     assert code == 4
     assert SERIAL_NODE in told
