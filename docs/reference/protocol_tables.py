@@ -12,9 +12,10 @@ from math import degrees
 from pathlib import Path
 
 from pioneer3.arcos import commands, lists, reports, wire
-from pioneer3.arcos.commands import arguments, quantities
+from pioneer3.arcos.commands import arguments
+from pioneer3.arcos.commands.table import DEVICES, DRIVING, OLD_SIMULATOR
 from pioneer3.arcos.layout import layout
-from pioneer3.arcos.reports import sip_codec
+from pioneer3.arcos.reports import sip
 from pioneer3.models import RobotModel, load_model, model_names
 from pioneer3.units import MM
 
@@ -28,20 +29,17 @@ NOT_FOR_PAGES = re.compile(
 """Citations and ids."""
 CLASS = re.compile(r":class:`(?:[\w.]+\.)?(\w+)`")
 UNITS = {
-    quantities.MILLI: "0.001",
-    quantities.DECI: "0.1",
-    quantities.ONE: "1",
-    quantities.TWENTY_MS: "0.02",
-    quantities.DEGREES: "1 degree",
-    quantities.CENTIDEGREES: "0.01 degree",
-    quantities.HUNDREDTHS_OR_DEGREES: "0.01 degree",
+    arguments.MILLI: "0.001",
+    arguments.DECI: "0.1",
+    arguments.ONE: "1",
+    arguments.TWENTY_MS: "0.02",
+    arguments.DEGREES: "1 degree",
+    arguments.CENTIDEGREES: "0.01 degree",
+    arguments.HUNDREDTHS_OR_DEGREES: "0.01 degree",
 }
 SIZES = {"B": "u8", "b": "s8", "H": "u16", "h": "s16", "I": "u32"}
-PARTS = {
-    "drive": ("session", "motion", "tuning"),
-    "devices": ("sensors", "accessories", "arm", "power", "service"),
-    "simulator": ("simulator", "srisim"),
-}
+PARTS = {"driving": DRIVING, "devices": DEVICES, "simulators": OLD_SIMULATOR}
+"""By module of `pioneer3.arcos.commands`: the lines of the table that belong to it."""
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -113,16 +111,19 @@ def spelt_several(kind: wire.Kind) -> str:  # noqa: PLR0911
 
 def command_table(part: str) -> str:
     """Return the commands of one of :data:`PARTS`, by number."""
-    homes = {f"pioneer3.arcos.commands.{module}" for module in PARTS[part]}
-    found = [cls for cls in commands.every_command() if cls.__module__ in homes]
+    sources = {row.name: row.source for row in PARTS[part]}
     rows = []
-    for cls in sorted(found, key=lambda cls: cls.ID):
-        doc = one_line(cls.__doc__)
-        name = ARCOS_NAME.search(doc)
-        assert name, cls
-        asked = "; ".join(f"{slot.name}: {spelt(slot.kind)}" for slot in layout(cls))
-        rows.append((cls.ID, name[2] or "", f"`{cls.__name__}`", asked, ARCOS_NAME.sub("", doc)))
-    return table(("no", "name", "class", "arguments", "meaning"), rows)
+    for cls in sorted(commands.every_command(), key=lambda cls: cls.ID):
+        listed = cls.__name__ in sources
+        if listed or cls.__module__ == f"pioneer3.arcos.commands.{part}":
+            doc = one_line(cls.__doc__)
+            name = ARCOS_NAME.search(doc)
+            assert name, cls
+            asked = "; ".join(f"{slot.name}: {spelt(slot.kind)}" for slot in layout(cls))
+            meaning = ARCOS_NAME.sub("", doc)
+            own = "" if listed else f"`{cls.__name__}`"
+            rows.append((cls.ID, name[2] or "", own, asked, meaning, sources.get(cls.__name__, "")))
+    return table(("no", "name", "class", "arguments", "meaning", "source"), rows)
 
 
 def report_index() -> str:
@@ -148,8 +149,7 @@ def report_table(name: str) -> str:
     if cls is reports.Sip:
         sonar = ("sonar", "u8 count, each: number u8, range u16")
         head, tail = (
-            [(name, SIZES[letter]) for name, letter in part]
-            for part in (sip_codec.HEAD[1:], sip_codec.TAIL)
+            [(name, SIZES[letter]) for name, letter in part] for part in (sip.HEAD[1:], sip.TAIL)
         )
         kinds = [*head, sonar, *tail]
     rows = [

@@ -18,8 +18,10 @@ def test_the_tables_are_up_to_date(page: Path) -> None:
 
 def test_every_command_is_on_the_page() -> None:
     for cls in commands.every_command():
-        assert f"| {cls.ID} | " in PROTOCOL
-        assert f"| `{cls.__name__}` | " in PROTOCOL
+        name = f"`{cls.__name__}` | "
+        if cls.__name__ in commands.NUMBERS:
+            name = f"| {cls.ID} | {cls.__name__} | "
+        assert name in PROTOCOL, cls
 
 
 def test_every_report_is_on_the_page_with_its_layout() -> None:

@@ -57,7 +57,7 @@ OTHER: tuple[Callable[[Random], Command], ...] = (
     lambda r: commands.RequestBatteryInfo(r.choice(list(Request))),
     lambda r: commands.DigOut(mask=r.randrange(256), values=r.randrange(256)),
     lambda r: commands.SimLrfEnable(r.choice([SimLaserMode.OFF, SimLaserMode.EXTENDED]), laser=0),
-    lambda r: commands.SoundTog(on=False),
+    lambda r: commands.named("SOUNDTOG", False),
 )
 
 

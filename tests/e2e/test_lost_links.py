@@ -239,8 +239,8 @@ async def test_a_program_that_slept_finds_that_its_command_is_stale() -> None:
 async def test_a_command_on_the_wire_when_the_link_fails_is_not_sent_again() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         await hold(driver, 0.3, seconds=1)
-        driver.send(commands.SoundTog(on=False))
+        driver.send(commands.named("SOUNDTOG", False))
         await robot.unplug()
         robot.plugged = True
         await reconnected(driver)
-        assert frame(commands.SoundTog(on=False)) not in robot.wires[-1].data
+        assert frame(commands.named("SOUNDTOG", False)) not in robot.wires[-1].data

@@ -82,7 +82,7 @@ def test_every_field_of_every_message_can_be_generated() -> None:
 @settings(deadline=None, max_examples=600)
 def test_every_command_comes_back(command: commands.Command) -> None:
     payload = commands.to_payload(command)
-    is_old = type(command).__module__.endswith("srisim")
+    is_old = commands.is_old(type(command))
     assert payload[0] == command.ID
     assert commands.from_payload(payload, simulator=is_old) == command
 

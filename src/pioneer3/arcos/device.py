@@ -9,7 +9,7 @@ Rules:
 1. Each SYNC is answered, a repeated one again; SYNC0 begins anew.
 2. The same numbers mean other things by phase: 0 is SYNC0 or PULSE, 1 SYNC1 or OPEN, 2 SYNC2 or
    CLOSE. OPEN may come without its argument, when it is SYNC1 to the letter.
-3. Any packet with a right checksum feeds the watchdog. When that bites, the firmware holds the
+3. Any packet with a right checksum feeds the watchdog. When it expires, the firmware stops the
    robot; when packets come again it goes on with the old motion, as real robots do.
 4. Before OPEN nothing but the answers is sent.
 
@@ -55,7 +55,7 @@ class Commanded:
 
 
 @dataclass(frozen=True, slots=True)
-class WatchdogBit:
+class WatchdogExpired:
     """The host has been silent for too long."""
 
 
@@ -64,14 +64,14 @@ class WatchdogFed:
     """The host is heard again."""
 
 
-Event = SessionOpened | SessionClosed | Commanded | WatchdogBit | WatchdogFed
+Event = SessionOpened | SessionClosed | Commanded | WatchdogExpired | WatchdogFed
 
 
 class Device:
     """One robot's session: call :meth:`receive` and :meth:`tick`, send :meth:`outgoing`.
 
     Args:
-        identity: What SYNC2 is answered with.
+        identity: The answer to SYNC2.
         watchdog: Silence of the host that stops the robot [s]; 0 switches it off.
 
     Attributes:
@@ -84,7 +84,7 @@ class Device:
         self.watchdog = watchdog
         self._identity = identity
         self._heard_at = 0.0
-        self._bitten = False
+        self._expired = False
         self._outbox: list[bytes] = []
 
     @property
@@ -95,25 +95,25 @@ class Device:
     @property
     def due(self) -> float:
         """When :meth:`tick` has something to do [s, monotonic]; `inf`: never."""
-        waits = self.is_open and self.watchdog > 0 and not self._bitten
+        waits = self.is_open and self.watchdog > 0 and not self._expired
         return self._heard_at + self.watchdog if waits else inf
 
     def receive(self, data: bytes, now: float) -> list[Event]:
-        """Process bytes received at `now` [s, monotonic]; return what they mean."""
+        """Process bytes received at `now` [s, monotonic]; return the events that follow."""
         events: list[Event] = []
         for payload in self.reader.feed(data, now):
             self._heard_at = now
-            if self._bitten:
-                self._bitten = False
+            if self._expired:
+                self._expired = False
                 events.append(WatchdogFed())
             events += self._serve(payload) if self.is_open else self._shake_hands(payload)
         return events
 
     def tick(self, now: float) -> list[Event]:
-        """Let the watchdog look at the clock."""
+        """Act on the passing of time."""
         if now >= self.due:
-            self._bitten = True
-            return [WatchdogBit()]
+            self._expired = True
+            return [WatchdogExpired()]
         return []
 
     def send(self, report: Report) -> None:
@@ -133,8 +133,8 @@ class Device:
         return data
 
     def hang_up(self) -> list[Event]:
-        """Take note that the link is gone; return what follows from that."""
-        was_open, self.phase, self._bitten = self.is_open, Phase.WAITING, False
+        """End the session because the link is gone; return the events that follow."""
+        was_open, self.phase, self._expired = self.is_open, Phase.WAITING, False
         self.reader = PacketReader()
         self._outbox.clear()
         return [SessionClosed()] if was_open else []
@@ -142,7 +142,7 @@ class Device:
     def _serve(self, payload: bytes) -> list[Event]:
         match command := commands.from_payload(payload):
             case commands.Close():
-                self.phase, self._bitten = Phase.WAITING, False
+                self.phase, self._expired = Phase.WAITING, False
                 return [SessionClosed()]
             case commands.Open() | commands.Pulse():
                 return []
@@ -158,8 +158,8 @@ class Device:
             case 1, Phase.SYNCED0 | Phase.SYNCED1:
                 self._answer(reports.SyncEcho(1), Phase.SYNCED1)
             case 2, Phase.SYNCED1 | Phase.READY:
-                who = self._identity
-                identity = reports.SyncIdentity(name=who.name, family=who.family, model=who.model)
+                own = self._identity
+                identity = reports.SyncIdentity(name=own.name, family=own.family, model=own.model)
                 self._answer(identity, Phase.READY)
         return []
 

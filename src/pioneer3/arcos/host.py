@@ -9,18 +9,18 @@
 
 Rules:
 
-1. A robot that serves an earlier session hears STOP and CLOSE first: it would take SYNC0 for a
-   PULSE, and firmware that hears one resumes the motion it had before. Such a robot streams
-   reports, so the host listens before it says a word. Bytes that make no packet, not even a spoilt
-   one, come from a robot at another speed: nothing is sent until all speeds have been listened to.
-   Where anything was heard, each SYNC0 follows a STOP.
-2. A robot that is silent hears SYNC0 first. AMRISim takes the first packet for a SYNC whatever it
-   is: after a STOP it never shakes hands any more (arcos.md 2.7). A SYNC0 that stays unanswered may
-   have reached a robot whose reports are lost, and the next ones follow a STOP.
+1. A robot that serves an earlier session gets STOP and CLOSE first: it would take SYNC0 for a
+   PULSE, and firmware that receives one resumes the motion it had before. Such a robot streams
+   reports, so the host listens before it sends anything. Bytes that make no packet, not even a
+   spoilt one, come from a robot at another speed: nothing is sent until all speeds have been
+   listened to. Where anything was heard, each SYNC0 follows a STOP.
+2. A robot that is silent gets SYNC0 first. AMRISim takes any first packet for a SYNC: after a STOP
+   it never shakes hands any more (arcos.md 2.7). A SYNC0 without an answer may have reached a robot
+   whose reports are lost, and the next ones follow a STOP.
 3. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
 4. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
    itself: the caller opens a new one. Time in which nobody listened is no silence: `held_up`.
-5. What is not the answer awaited is late mail of an earlier session, and is ignored.
+5. A report that is not the awaited answer belongs to an earlier session and is ignored.
 
 Facts: arcos.md 2.1 to 2.7.
 """
@@ -51,9 +51,9 @@ TRIES_BEFORE_STOP_OVER_NETWORK: Final = 2
 """So many SYNC0 go out alone. A network may lead to AMRISim, and it may be slow to answer."""
 ROUNDING: Final = 1e-9
 """Event loops wake up this much early [s]."""
-HEAR_OUT: Final = 0.25
+WAIT_FOR_REPORT: Final = 0.25
 """Once bytes come, a whole report has come after this [s], at 9600 baud too."""
-DISLODGE_EVERY: Final = 0.1
+CLOSE_AGAIN_EVERY: Final = 0.1
 SLOWEST_RETRY: Final = 2.0
 """Networks may be slower than robots: without speeds to try, each try is as patient as two before,
 up to this [s]."""
@@ -95,7 +95,7 @@ class Host:
         self._overheard = False
         self._noise = False
         self._began = self._sent_at = self._sip_at = now
-        self._dislodged_at = float("-inf")
+        self._closed_earlier_at = float("-inf")
         self._config_due: float | None = None
         self._opened_at = now
         self._doubtful_config = b""
@@ -123,7 +123,7 @@ class Host:
         self._queue(command, now)
 
     def leave(self, now: float) -> None:
-        """Queue STOP, ENABLE 0, SONAR 0 and CLOSE: whatever the state, the robot stands still."""
+        """Queue STOP, ENABLE 0, SONAR 0 and CLOSE: in every state the robot then stands still."""
         if self._left:
             return
         self._left = True
@@ -140,11 +140,11 @@ class Host:
         return data
 
     def receive(self, data: bytes, now: float) -> list[Event]:
-        """Process received bytes; return what they mean."""
+        """Process received bytes; return the events that follow."""
         events: list[Event] = []
         skipped = self.reader.bytes_skipped
         if self.state is State.LISTENING and self._turns and data and not self._overheard:
-            self._overheard, self.deadline = True, now + HEAR_OUT
+            self._overheard, self.deadline = True, now + WAIT_FOR_REPORT
         for payload in self.reader.feed(data, now):
             match self.state:
                 case State.OPEN:
@@ -167,11 +167,11 @@ class Host:
         if self.state is State.OPEN:
             return self._keep_open(now)
         if now >= self._began + self._timing.give_up:
-            return [self._lose(self._why_nobody_answered())]
+            return [self._lose(self._reason_for_no_answer())]
         worn_out = self._speeds and self._tries >= TRIES_PER_SPEED
         if self._turns == 0 or worn_out or self._is_noise():
             return self._listen(now)
-        self._knock(now)
+        self._begin_handshake(now)
         return []
 
     def held_up(self, seconds: float) -> None:
@@ -197,16 +197,16 @@ class Host:
         return self.reader.packets + self.reader.bad_checksums
 
     def _listen(self, now: float) -> list[Event]:
-        """Say nothing, at the next speed, until it is clear whether somebody talks."""
+        """Send nothing at the next speed until it is clear whether a robot sends reports."""
         self.state = State.LISTENING
         self._turns += 1
         self._tries, self._overheard = 0, False
-        self.reader.forget()
+        self.reader.discard()
         self._frames_before = self._frames
         self._wait(now, self._listening)
         return [] if self.speed is None else [SpeedWanted(self.speed)]
 
-    def _knock(self, now: float) -> None:
+    def _begin_handshake(self, now: float) -> None:
         """Begin the handshake."""
         if self._tries and not self._speeds:
             self._retry = min(2 * self._retry, max(SLOWEST_RETRY, self._retry))
@@ -228,7 +228,7 @@ class Host:
         answer = reports.from_payload(payload)
         match self.state, answer:
             case _, reports.Sip():
-                return self._dislodge(now)
+                return self._close_earlier_session(now)
             case State.SYNC0, reports.SyncEcho(0):
                 self._sync(State.SYNC1, now)
             case State.SYNC1, reports.SyncEcho(1):
@@ -241,15 +241,15 @@ class Host:
                 self._overheard = True
         return []
 
-    def _dislodge(self, now: float) -> list[Event]:
+    def _close_earlier_session(self, now: float) -> list[Event]:
         """Close the session that the robot still serves; begin when it has fallen silent."""
         if now >= self._began + self._timing.give_up:
             return [self._lose("the robot talks, but does not hear: its receive line is dead")]
         self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
         self._overheard = True
         self.deadline = now + self._timing.drain
-        if now >= self._dislodged_at + DISLODGE_EVERY:
-            self._dislodged_at = now
+        if now >= self._closed_earlier_at + CLOSE_AGAIN_EVERY:
+            self._closed_earlier_at = now
             self._queue(commands.Stop(), now)
             self._queue(commands.Close(), now)
         return []
@@ -307,7 +307,7 @@ class Host:
             self._queue(commands.RequestConfig(), now)
             self._config_due = now + self._timing.config_retry
         if now >= self._sent_at + self._timing.pulse:
-            if not self._outbox:  # what waits for the link is a sign of life as well
+            if not self._outbox:  # packets that wait for the link feed the watchdog too
                 self._queue(commands.Pulse(), now)
             self._sent_at = now
         self.deadline = min(
@@ -321,7 +321,7 @@ class Host:
         self.state = State.CLOSED
         return Lost(reason)
 
-    def _why_nobody_answered(self) -> str:
+    def _reason_for_no_answer(self) -> str:
         if self.reader.packets:
             return "it speaks the robot's protocol, but does not finish the handshake"
         if self._noise:

@@ -1,4 +1,4 @@
-"""What a host's session is like: its patience, its states, and what it tells its caller."""
+"""The timing, the states and the events of a host's session."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -10,7 +10,7 @@ from pioneer3.state import Identity
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """How patient the host is, all in [s].
+    """How long the host waits, all in [s].
 
     Attributes:
         listen: Before the first SYNC packet at each speed; a robot that serves an earlier session

@@ -1,4 +1,4 @@
-"""Declarative layouts: a message is a dataclass whose annotations say how it travels.
+"""Declarative layouts: the annotations of a message class describe its bytes.
 
 The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire order::
 
@@ -10,7 +10,7 @@ The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire o
         extra: Rest = b""
 
 Fields with a default may be missing at the end of a packet: reading stops there and leaves the
-defaults, writing stops at the first `None`. `Rest` takes whatever bytes are left over.
+defaults, writing stops at the first `None`. `Rest` takes all bytes that are left.
 """
 
 from dataclasses import MISSING, dataclass, fields
@@ -34,7 +34,7 @@ class Slot:
 
     @property
     def is_rest(self) -> bool:
-        """Whether this field takes what is left over, wherever reading stopped."""
+        """Whether this field takes the remaining bytes, wherever reading stopped."""
         return isinstance(self.kind, AllThatIsLeft)
 
 
@@ -70,7 +70,7 @@ def pack(message: object) -> bytes:
 
 
 def unpack(cls: type[T], body: bytes) -> T:
-    """Return the `cls` that `body` spells; EOFError or ValueError when it spells none."""
+    """Return the `cls` in `body`; EOFError or ValueError when there is none."""
     return read_fields(cls, Reader(body))
 
 

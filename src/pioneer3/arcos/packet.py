@@ -16,7 +16,7 @@ HEADER: Final = b"\xfa\xfb"
 MIN_COUNT: Final = 3
 """One id byte and two checksum bytes."""
 MAX_PAYLOAD: Final = 253
-"""What the one-byte count can carry; robots stay below 200 bytes a frame."""
+"""The most that a one-byte count can carry; robots stay below 200 bytes a frame."""
 PAUSE: Final = 0.05
 """Silence [s] after which an unfinished frame is suspected to be noise."""
 MAX_REJECTED: Final = 8
@@ -63,8 +63,8 @@ class PacketReader:
         self._buffer = bytearray()
         self._heard = 0.0
 
-    def forget(self) -> None:
-        """Lose a packet that has begun: what comes next is from somebody else."""
+    def discard(self) -> None:
+        """Drop a packet that has begun: the next bytes have another sender."""
         self._buffer.clear()
 
     def feed(self, data: bytes, now: float = 0.0) -> list[bytes]:
@@ -89,7 +89,7 @@ class PacketReader:
         return payloads
 
     def _find_header(self, start: int) -> int:
-        """Return where the next header may begin; count what lies before it as skipped."""
+        """Return where the next header may begin; count the bytes before it as skipped."""
         found = self._buffer.find(HEADER, start)
         if found < 0:  # keep a lone trailing 0xFA: its 0xFB may be in the next chunk
             end = len(self._buffer)
@@ -108,7 +108,7 @@ class PacketReader:
         return None
 
     def _take_behind_pause(self) -> list[bytes]:
-        """Refute the unfinished frame if a complete one lies behind its header."""
+        """Drop the unfinished frame if a complete one lies behind its header."""
         buffer = self._buffer
         start = 0
         while 0 <= (start := buffer.find(HEADER, start + 1)) < len(buffer) - 2:

@@ -1,6 +1,6 @@
-"""How single values travel: the kinds that a message's fields are annotated with.
+"""Kinds of single values on the wire, with which the fields of messages are annotated.
 
-Reading raises EOFError or ValueError; what that means is the caller's decision. Writing raises
+Reading raises EOFError or ValueError, and the caller decides what to do. Writing raises
 CommandError, which names the value and the range. All numbers are little-endian (arcos.md 1.2).
 """
 
@@ -41,14 +41,14 @@ class Reader:
 
 
 class Kind(Protocol):
-    """How one value travels."""
+    """One value on the wire."""
 
     def read(self, reader: Reader) -> object: ...
     def write(self, value: object, out: bytearray) -> None: ...
 
 
 class IntegerKind(Kind, Protocol):
-    """How one integer travels, and between which limits."""
+    """One integer on the wire, and its limits."""
 
     @property
     def low(self) -> int: ...
@@ -108,7 +108,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What an integer on the wire stands for: `to_si(raw)` and its inverse `to_raw(si)`."""
+    """The unit of an integer on the wire: `to_si(raw)` and its inverse `to_raw(si)`."""
 
     to_si: Callable[[float], float]
     to_raw: Callable[[float], float]

@@ -9,7 +9,7 @@ from pioneer3.errors import CommandError
 
 
 def test_every_number_has_one_meaning_to_a_robot() -> None:
-    old = {cls for cls in c.every_command() if cls.__module__.endswith("srisim")}
+    old = {cls for cls in c.every_command() if c.is_old(cls)}
     robot = [cls.ID for cls in c.every_command() if cls not in old]
     assert len(robot) == len(set(robot))
     assert {cls.ID for cls in old} == {*range(35, 39), 59, *range(61, 65), *range(66, 70)}
@@ -21,10 +21,18 @@ def test_every_class_says_its_number() -> None:
 
 
 def test_every_name_is_exported() -> None:
-    assert {cls.__name__ for cls in c.every_command()} <= set(c.__all__)
+    names = {cls.__name__ for cls in c.every_command()}
+    assert names <= set(c.__all__) | set(c.NUMBERS)
     assert len(c.__all__) == len(set(c.__all__))
     assert all(hasattr(c, name) for name in c.__all__)
     assert not hasattr(c, "Warp")
+
+
+def test_the_table_has_what_has_no_class() -> None:
+    assert c.named("ARM_POS", 2, 90) == c.from_payload(bytes.fromhex("4d 3b 5a 02"))
+    assert repr(c.named("ARM_POS", 2, 90)) == "ARM_POS(joint=2, position_raw=90)"
+    assert c.named("ROTKP", 40).ID == c.NUMBERS["ROTKP"] == 82
+    assert not set(c.NUMBERS) & set(c.__all__)
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf, 32.768, -32.769, 1e308, True, "1", None])
@@ -39,8 +47,8 @@ def test_a_speed_that_does_not_fit_is_refused_by_name(value: float) -> None:
         (c.Vel(99.0), "Vel.speed: 99.0 is outside -32.768..32.767"),
         (c.SetV(-0.1), "SetV.speed: -0.1 is outside 0..32.767"),
         (c.Vel2(128, 0), "Vel2.left_units: 128 is outside -128..127"),
-        (c.RotKP(2**16), "RotKP.gain: 65536 is outside 0..65535"),
-        (c.RotKP(True), "RotKP.gain: True is not an integer"),
+        (c.named("ROTKP", 2**16), "ROTKP.gain: 65536 is outside 0..65535"),
+        (c.named("ROTKP", True), "ROTKP.gain: True is not an integer"),
         (c.Enable(on=1), "Enable.on: 1 is neither True nor False"),  # type: ignore[arg-type]
         (c.JoyInfo(3), "JoyInfo.how: 3 is none of 0 STOP, 1 ONCE, 2 STREAM"),  # type: ignore[arg-type]
         (c.Say((c.Tone(9.0, 1),)), "Say.tones: Tone.duration: 9.0 is outside 0..5.1"),
@@ -110,8 +118,8 @@ def test_what_makes_no_sense_is_unknown_and_keeps_its_bytes(payload: str) -> Non
     [
         ("23 3b 02 00", c.AdSel(2), c.OldLaser(c.SimLaserMode.EXTENDED)),
         ("25 3b 02 00", c.GripperPacRequest(c.Request.STREAM), c.OldLaserEnd(radians(2))),
-        ("3e 3b 01 00", c.RequestBatteryInfo(c.Request.ONCE), c.EndSim()),
-        ("43 3b 05 00", c.GetAux2(5), c.OldSetY(0.005)),
+        ("3e 3b 01 00", c.RequestBatteryInfo(c.Request.ONCE), c.named("END_SIM")),
+        ("43 3b 05 00", c.GetAux2(5), c.named("SET_TRUE_Y", 0.005)),
         ("e1", c.SimReset(), c.SimReset()),
     ],
 )

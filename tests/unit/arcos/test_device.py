@@ -10,7 +10,7 @@ from pioneer3.arcos.device import (
     Phase,
     SessionClosed,
     SessionOpened,
-    WatchdogBit,
+    WatchdogExpired,
     WatchdogFed,
 )
 from pioneer3.arcos.packet import PacketReader, encode
@@ -103,18 +103,18 @@ def test_a_pulse_or_another_open_does_nothing(harmless: bytes) -> None:
 def test_the_watchdog_bites_once_after_its_time_and_any_packet_feeds_it() -> None:
     robot = opened()
     assert robot.tick(1.99) == []
-    assert robot.tick(2.0) == [WatchdogBit()]
+    assert robot.tick(2.0) == [WatchdogExpired()]
     assert robot.tick(60.0) == []
     expected: list[Event] = [WatchdogFed(), Commanded(commands.Stop())]
     assert robot.receive(frame(commands.Stop()), 60.0) == expected
     assert robot.tick(61.9) == []
-    assert robot.tick(62.0) == [WatchdogBit()]
+    assert robot.tick(62.0) == [WatchdogExpired()]
 
 
 def test_bytes_that_are_no_packet_do_not_feed_the_watchdog() -> None:
     robot = opened()
     robot.receive(b"noise" + SYNC0[:-1] + b"\x07", 1.9)
-    assert robot.tick(2.0) == [WatchdogBit()]
+    assert robot.tick(2.0) == [WatchdogExpired()]
 
 
 def test_a_watchdog_of_zero_never_bites() -> None:

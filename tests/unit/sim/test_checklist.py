@@ -158,7 +158,7 @@ def test_7_all_that_aria_sends_is_taken_and_the_unknown_ignored(bench: Bench) ->
         commands.SetRV(1.5),
         commands.Enable(on=True),
         commands.Sonar(on=True),
-        commands.SoundTog(on=False),
+        commands.named("SOUNDTOG", False),
         commands.JoyInfo(commands.Request.STREAM),
         commands.SetPbioPort(port=11, on=True),
         commands.Gyro(commands.GyroMode.ON),
@@ -169,8 +169,8 @@ def test_7_all_that_aria_sends_is_taken_and_the_unknown_ignored(bench: Bench) ->
         commands.Vel(0.0),
         commands.RVel(0.0),
         commands.Stop(),
-        commands.JoyDrive(on=True),
-        commands.JoyDrive(on=False),
+        commands.named("JOYDRIVE", True),
+        commands.named("JOYDRIVE", False),
         *(commands.Unknown(number, b"\x3b\x01\x00") for number in (14, 119, 173, 254)),
     )
     bench.say(*quiet)

@@ -302,7 +302,9 @@ def test_a_simulated_robot_may_be_put_somewhere_and_sent_home(bench: Bench) -> N
 
 def test_what_this_robot_does_not_have_is_ignored(bench: Bench) -> None:
     bench.say(
-        commands.SoundTog(on=False), commands.JoyDrive(on=True), commands.Gyro(commands.GyroMode.ON)
+        commands.named("SOUNDTOG", False),
+        commands.named("JOYDRIVE", True),
+        commands.Gyro(commands.GyroMode.ON),
     )
     assert [type(report) for report in bench.wait(0.1)] == [reports.Sip]
 

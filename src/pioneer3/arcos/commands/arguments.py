@@ -1,4 +1,4 @@
-"""How the arguments of client commands travel (arcos.md 1.3).
+"""Arguments of commands on the wire, and their units (arcos.md 1.3).
 
 ====  ====================  ========================================
 type  meaning               followed by
@@ -13,12 +13,31 @@ After a string ARIA's `comStr` adds a NUL that is not counted; its `comDataN` le
 An integer stands for itself modulo 2**16: ARIA squeezes every argument through a signed 16-bit
 number, so that 40000 arrives as 0x1B 25536, and two packed bytes of 0xF60A as 0x1B 0x09F6.
 Each field takes the one value of that class that lies in its range.
+
+ARIA's arguments are signed 16-bit numbers, so a quantity without sign ends at 32767; a `Word` is
+a plain number for which the robot uses all 16 bits.
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import Annotated
 
-from pioneer3.arcos.wire import Kind, Reader, checked, latin1
+from pioneer3.arcos.wire import (
+    AllThatIsLeft,
+    Enumerated,
+    Kind,
+    Reader,
+    Scaled,
+    Switch,
+    Unit,
+    checked,
+    latin1,
+)
 from pioneer3.errors import CommandError
+from pioneer3.units import DECIVOLT, MM, MS, degrees, radians
+
+__all__ = ["Baud", "Request"]
+"""Names that callers use; the rest is for the modules beside this one."""
 
 NON_NEGATIVE, NEGATIVE, STRING = 0x3B, 0x1B, 0x2B
 SIGNS = {NON_NEGATIVE: 1, NEGATIVE: -1}
@@ -102,7 +121,7 @@ class Bits:
 
 @dataclass(frozen=True, slots=True)
 class String:
-    """A string argument; `tail` is what follows it uncounted."""
+    """A string argument; `tail` follows it uncounted."""
 
     content: Kind
     limit: int = MAX_STRING
@@ -152,3 +171,66 @@ class Prefixed:
     def write(self, value: object, out: bytearray) -> None:
         out.append(self.prefix)
         self.kind.write(value, out)
+
+
+class Request(IntEnum):
+    """How often to send a report."""
+
+    STOP = 0
+    ONCE = 1
+    STREAM = 2
+
+
+class Baud(IntEnum):
+    """Baud codes of HOSTBAUD, AUX1BAUD, AUX2BAUD and CONFIG (arcos.md 1.1)."""
+
+    B9600 = 0
+    B19200 = 1
+    B38400 = 2
+    B57600 = 3
+    B115200 = 4
+
+
+def per_si(count: float) -> Unit:
+    """Return the unit of which `count` make one SI unit."""
+    # dividing, not multiplying by 0.001, gives back exactly the number a person would write
+    return Unit(lambda raw: raw / count, lambda si: si * count)
+
+
+MILLI = per_si(1 / MM)
+DECI = per_si(1 / DECIVOLT)
+ONE = per_si(1)
+TWENTY_MS = per_si(1 / (20 * MS))
+DEGREES = Unit(radians, degrees)
+CENTIDEGREES = Unit(lambda raw: radians(raw / 100), lambda si: degrees(si) * 100)
+HUNDREDTHS_OR_DEGREES = Unit(
+    lambda raw: radians(raw if raw <= 5 else raw / 100), CENTIDEGREES.to_raw
+)
+"""For SIM_LRF_SET_RES, where sources disagree (arcos.md 13, row 15)."""
+
+POSITIVE = Argument(0, 0x7FFF)
+SIGNED = Argument(-0x8000, 0x7FFF)
+WORD = Argument(0, 0xFFFF)
+
+BaudCode = Annotated[Baud, Enumerated(WORD, Baud)]
+How = Annotated[Request, Enumerated(WORD, Request)]
+On = Annotated[bool, Switch(WORD)]
+Word = Annotated[int, WORD]
+Number = Annotated[int, SIGNED]
+Celsius = Annotated[int, Argument(-128, 127)]
+
+Millis = Annotated[float, Scaled(POSITIVE, MILLI)]
+SignedMillis = Annotated[float, Scaled(SIGNED, MILLI)]
+Degrees = Annotated[float, Scaled(POSITIVE, DEGREES)]
+SignedDegrees = Annotated[float, Scaled(SIGNED, DEGREES)]
+Decivolts = Annotated[float, Scaled(POSITIVE, DECI)]
+Seconds = Annotated[float, Scaled(POSITIVE, ONE)]
+
+High = Annotated[int, Bits(8, 8)]
+Low = Annotated[int, Bits(0, 8, continues=True)]
+LowOn = Annotated[bool, Switch(Bits(0, 8, continues=True))]
+SignedHigh = Annotated[int, Bits(8, 8, signed=True)]
+SignedLow = Annotated[int, Bits(0, 8, signed=True, continues=True)]
+
+Data = Annotated[bytes, String(AllThatIsLeft())]
+Message = Annotated[str, String(Latin1(), tail=b"\0")]

@@ -1,17 +1,17 @@
 """Commands to payloads and back."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, make_dataclass
 from functools import cache
-from importlib import import_module
 from typing import ClassVar, Final, Protocol
 
+from pioneer3.arcos.commands import devices, driving, simulators
+from pioneer3.arcos.commands.table import DEVICES, DRIVING, OLD_SIMULATOR, UNKNOWN, Row
 from pioneer3.arcos.layout import pack, unpack
 from pioneer3.arcos.wire import U8, Rest
 
 
 class Command(Protocol):
-    """What a host tells a robot: a dataclass of this package."""
+    """A message from a host to a robot: a dataclass of this package."""
 
     ID: ClassVar[int]
 
@@ -30,41 +30,69 @@ class Unknown:
     arguments: Rest = b""
 
 
-MODULES: Final = (
-    "session",
-    "motion",
-    "sensors",
-    "tuning",
-    "power",
-    "accessories",
-    "arm",
-    "service",
-    "simulator",
-    "srisim",
-)
-"""The modules that hold commands, the most used first."""
+_ROWS: Final = {row.name: row for row in (*DRIVING, *DEVICES, *OLD_SIMULATOR)}
+NUMBERS: Final = {name: row.number for name, row in _ROWS.items()}
+"""Of the commands in the table, by name."""
 
-OLD_SIMULATOR: Final = "srisim"
-"""The one whose numbers mean something else to a robot."""
+Meaning = type[Command] | Row
 
 
-def _classes(module: str) -> tuple[type[Command], ...]:
-    home = import_module(f"pioneer3.arcos.commands.{module}")
-    members = (getattr(home, name) for name in home.__all__)
+def _written(module: object, names: list[str]) -> tuple[type[Command], ...]:
+    """Return the command classes among the names of a module."""
+    members = (getattr(module, name) for name in names)
     return tuple(member for member in members if hasattr(member, "ID"))
+
+
+_WRITTEN: Final = (
+    *_written(driving, driving.__all__),
+    *_written(devices, devices.__all__),
+    *_written(simulators, simulators.__all__),
+)
+_OLD: Final[dict[int, Meaning]] = {
+    **{row.number: row for row in OLD_SIMULATOR},
+    **{cls.ID: cls for cls in simulators.OLD},
+}
+_MEANINGS: Final[dict[int, Meaning]] = {
+    **{row.number: row for row in (*DRIVING, *DEVICES)},
+    **{cls.ID: cls for cls in _WRITTEN if cls not in simulators.OLD},
+}
+
+
+@cache
+def _from_row(name: str) -> type[Command]:
+    """Return the class of a line of the table. It takes 1 ms to make, so it is made when asked."""
+    row = _ROWS[name]
+    arguments = [
+        (argument, kind, field(default=b"")) if row.arguments is UNKNOWN else (argument, kind)
+        for argument, kind in row.arguments.items()
+    ]
+    members = {"ID": row.number, "__module__": __name__, "__doc__": described(row)}
+    return make_dataclass(row.name, arguments, namespace=members, frozen=True, slots=True)
+
+
+def _class_of(meaning: Meaning) -> type[Command]:
+    return _from_row(meaning.name) if isinstance(meaning, Row) else meaning
+
+
+def described(row: Row) -> str:
+    """Return the docstring of the class that a line of the table stands for."""
+    return f"{row.meaning} (ARCOS {row.number}, {row.name})."
+
+
+def named(name: str, *values: object) -> Command:
+    """Return the command of the table that is called `name`, with its arguments in wire order."""
+    return _from_row(name)(*values)
 
 
 @cache
 def every_command() -> tuple[type[Command], ...]:
-    """Return every command class but :class:`Unknown`, grouped by meaning."""
-    return tuple(cls for module in MODULES for cls in _classes(module))
+    """Return every command class but :class:`Unknown`."""
+    return (*_WRITTEN, *map(_from_row, _ROWS))
 
 
-@cache
-def _meanings(simulator: bool) -> Mapping[int, type[Command]]:
-    """Return the class of each number, as a robot or an old simulator understands it."""
-    old = _classes(OLD_SIMULATOR)
-    return {cls.ID: cls for cls in every_command() if simulator or cls not in old}
+def is_old(cls: type[Command]) -> bool:
+    """Whether only old simulators give this meaning to the number of `cls`."""
+    return cls in map(_class_of, _OLD.values())
 
 
 def to_payload(command: Command) -> bytes:
@@ -79,7 +107,7 @@ def to_payload(command: Command) -> bytes:
 
 
 def from_payload(payload: bytes, *, simulator: bool = False) -> Command:
-    """Return what `payload` means; never raises.
+    """Return the command that `payload` spells; never raises.
 
     Args:
         payload: Id and arguments.
@@ -88,8 +116,10 @@ def from_payload(payload: bytes, *, simulator: bool = False) -> Command:
     """
     if not payload:
         return Unknown()
-    meaning = _meanings(simulator).get(payload[0])
+    number, arguments = payload[0], payload[1:]
+    meaning = _OLD.get(number) if simulator else None
+    meaning = meaning or _MEANINGS.get(number)
     try:
-        return unpack(meaning, payload[1:]) if meaning else Unknown(payload[0], payload[1:])
+        return unpack(_class_of(meaning), arguments) if meaning else Unknown(number, arguments)
     except (EOFError, ValueError):
-        return Unknown(payload[0], payload[1:])
+        return Unknown(number, arguments)

@@ -1,4 +1,4 @@
-"""Reports to payloads and back: whatever comes in goes out again as the same bytes."""
+"""Reports to payloads and back: reading and writing again gives the same bytes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,14 +6,13 @@ from functools import cache
 from typing import ClassVar, Protocol
 
 from pioneer3.arcos.layout import layout, pack, unpack
-from pioneer3.arcos.reports import accessories, config, handshake, sensors, simulator
-from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip
-from pioneer3.arcos.reports.sip_codec import read_sip, write_sip
+from pioneer3.arcos.reports import devices, session, simulators
+from pioneer3.arcos.reports.sip import SIP_NUMBERS, Sip, read_sip, write_sip
 from pioneer3.arcos.wire import U8, Number, Rest
 
 
 class Report(Protocol):
-    """What a robot tells its host: a dataclass of this package."""
+    """A message from a robot to its host: a dataclass of this package."""
 
     ID: ClassVar[int]
 
@@ -33,40 +32,40 @@ class UnknownReport:
 
 
 ALL: tuple[type[Report], ...] = (
-    handshake.SyncIdentity,
-    handshake.SyncEcho,
-    sensors.IrRing,
-    config.Config,
+    session.SyncIdentity,
+    session.SyncEcho,
+    devices.IrRing,
+    session.Config,
     Sip,
-    simulator.SimLaser,
-    simulator.SimLaserExtended,
-    simulator.SimStat,
-    simulator.SimInfo,
-    simulator.MapChanged,
-    sensors.Encoders,
-    accessories.LaserLog,
-    sensors.GyroRates,
-    sensors.Imu,
-    accessories.ArmStatus,
-    accessories.ArmInfo,
-    accessories.SerialAux,
-    sensors.Compass,
-    accessories.Playlist,
-    accessories.FirmwareText,
-    accessories.SafetyState,
-    accessories.SafetyWarning,
-    accessories.GripperState,
-    sensors.Io,
-    sensors.Joystick,
-    accessories.BatteryInfo,
-    handshake.LinkLost,
+    simulators.SimLaser,
+    simulators.SimLaserExtended,
+    simulators.SimStat,
+    simulators.SimInfo,
+    simulators.MapChanged,
+    devices.Encoders,
+    devices.LaserLog,
+    devices.GyroRates,
+    devices.Imu,
+    devices.ArmStatus,
+    devices.ArmInfo,
+    devices.SerialAux,
+    devices.Compass,
+    devices.Playlist,
+    devices.FirmwareText,
+    devices.SafetyState,
+    devices.SafetyWarning,
+    devices.GripperState,
+    devices.Io,
+    devices.Joystick,
+    devices.BatteryInfo,
+    session.LinkLost,
 )
 """Every report class but :class:`UnknownReport`, by id."""
 
 
 @cache
 def numbers(cls: type[Report]) -> tuple[int, ...]:
-    """Return the ids that `cls` travels under."""
+    """Return the ids of `cls`."""
     if cls is Sip:
         return tuple(SIP_NUMBERS)
     first = layout(cls)[0].kind
@@ -75,7 +74,7 @@ def numbers(cls: type[Report]) -> tuple[int, ...]:
 
 @cache
 def _meanings() -> Mapping[int, tuple[type[Report], ...]]:
-    """Return the classes that may hide behind each id."""
+    """Return the classes that may stand behind each id."""
     ids = sorted({number for cls in ALL for number in numbers(cls)})
     return {number: tuple(cls for cls in ALL if number in numbers(cls)) for number in ids}
 
@@ -98,7 +97,7 @@ def to_payload(report: Report) -> bytes:
 
 
 def from_payload(payload: bytes) -> Report:
-    """Return what `payload` means; never raises.
+    """Return the report in `payload`; never raises.
 
     For every byte string, `to_payload(from_payload(payload)) == payload`: a packet of which
     something would be lost is an :class:`UnknownReport`.

@@ -1,21 +1,86 @@
 """The standard information packet, once per cycle (arcos.md 4), in the robot's own units.
 
-What the raw units are worth depends on the robot model: multiply `x_raw` by DistConvFactor,
-wheel speeds by VelConvFactor, sonar ranges by RangeConvFactor.
+Multiply `x_raw` by the model's DistConvFactor, wheel speeds by VelConvFactor and sonar ranges by
+RangeConvFactor. Bytes are read and written by hand here: a simulator writes thousands of reports
+per second.
 """
 
 from dataclasses import dataclass
+from enum import IntFlag
+from operator import attrgetter
+from struct import Struct, calcsize, error, iter_unpack, pack
 from typing import ClassVar, Final
 
-from pioneer3.arcos.reports.flags import Fault, SipFlag, SipFlag3
+from pioneer3.arcos.wire import Integer, checked
+from pioneer3.errors import CommandError
+
+__all__ = [
+    "NO_TEMPERATURE",
+    "SIP_MOVING",
+    "SIP_STOPPED",
+    "Fault",
+    "Sip",
+    "SipFlag",
+    "SipFlag3",
+    "SonarReading",
+]
 
 SIP_STOPPED: Final = 0x32
 SIP_MOVING: Final = 0x33
 SIP_NUMBERS: Final = range(0x30, 0x35)
-"""What Player accepts; ARIA takes 0x32 and 0x33 only."""
+"""Those that Player accepts; ARIA takes 0x32 and 0x33 only."""
 
 NO_TEMPERATURE: Final = -128
-"""What `temperature_celsius` is without a sensor (AMRISim sends -127)."""
+"""The value of `temperature_celsius` without a sensor (AMRISim sends -127)."""
+
+
+class SipFlag(IntFlag):
+    """The robot's own state (arcos.md 4.4)."""
+
+    MOTORS_ENABLED = 1 << 0
+    SONAR_1 = 1 << 1
+    SONAR_2 = 1 << 2
+    SONAR_3 = 1 << 3
+    SONAR_4 = 1 << 4
+    STOP_BUTTON = 1 << 5
+    LEGACY_IR_1 = 1 << 7
+    LEGACY_IR_2 = 1 << 8
+    JOYSTICK_BUTTON = 1 << 9
+    CHARGER_POWER_GOOD = 1 << 10
+    HIGH_TEMPERATURE = 1 << 11
+
+
+class Fault(IntFlag):
+    """Faults of the robot (arcos.md 4.5)."""
+
+    PDB_LASER_STATUS_ERROR = 1 << 0
+    HIGH_TEMPERATURE = 1 << 1
+    PDB_ERROR = 1 << 2
+    UNDERVOLTAGE = 1 << 3
+    GYRO_FAULT = 1 << 4
+    BATTERY_OVERTEMPERATURE = 1 << 5
+    BATTERY_BALANCE_REQUIRED = 1 << 6
+    ENCODER_DEGRADATION = 1 << 7
+    ENCODER_FAILURE = 1 << 8
+    CRITICAL_GENERAL_DRIVING_FAULT = 1 << 9
+    ESTOP_MISMATCH_WARNING = 1 << 10
+    ESTOP_SAFETY_FAULT = 1 << 11
+    ZONE_SAFETY_FAULT = 1 << 12
+    UNKNOWN_SAFETY_FAULT = 1 << 13
+    BACKED_UP_TOO_FAST = 1 << 14
+    JOYDRIVE_UNSAFE = 1 << 15
+
+
+class SipFlag3(IntFlag):
+    """More state of MTX robots (arcos.md 4.6)."""
+
+    JOYSTICK_OVERRIDE = 1 << 0
+    AMPLIFIER_COMMUNICATION_ERROR = 1 << 1
+    SILENT_ESTOP = 1 << 2
+    LASER_SAFETY_CIRCUIT_ERROR = 1 << 3
+    ROTATION_LOOP_ENABLED = 1 << 4
+    ROTATION_INTEGRATOR_SATURATED = 1 << 5
+
 
 NO_FLAGS: Final = SipFlag(0)
 
@@ -102,3 +167,110 @@ class Sip:
     def moving(self) -> bool:
         """Whether the firmware reports that it moves the robot."""
         return self.number == SIP_MOVING
+
+
+HEAD: Final = (
+    ("number", "B"),
+    ("x_raw", "H"),
+    ("y_raw", "H"),
+    ("heading_raw", "h"),
+    ("left_speed_raw", "h"),
+    ("right_speed_raw", "h"),
+    ("battery_decivolts", "B"),
+    ("left_stall_rear_bumpers", "B"),
+    ("right_stall_front_bumpers", "B"),
+    ("control_raw", "h"),
+    ("flags", "H"),
+    ("compass_raw", "B"),
+)
+TAIL: Final = (
+    ("analog_port", "B"),
+    ("gripper_state", "B"),
+    ("analog", "B"),
+    ("digital_in", "B"),
+    ("digital_out", "B"),
+    ("battery_decivolts_wide", "H"),
+    ("charge_state", "B"),
+    ("turn_rate_decidegrees", "h"),
+    ("faults", "H"),
+    ("lateral_speed_mm", "h"),
+    ("temperature_celsius", "b"),
+    ("charge_percent", "B"),
+    ("timestamp_us", "I"),
+    ("flags3", "I"),
+)
+"""Names and :mod:`struct` letters in wire order (arcos.md 4.2)."""
+
+
+def _struct(fields: tuple[tuple[str, str], ...]) -> Struct:
+    return Struct("<" + "".join(letter for _, letter in fields))
+
+
+_HEAD: Final = _struct(HEAD)
+_HEAD_NAMES: Final = tuple(name for name, _ in HEAD)
+_TAIL_NAMES: Final = tuple(name for name, _ in TAIL)
+_head_of: Final = attrgetter(*_HEAD_NAMES)
+_tail_of: Final = attrgetter(*_TAIL_NAMES)
+_TAILS: Final = {count: _struct(TAIL[:count]) for count in (0, *range(5, len(TAIL) + 1))}
+"""How a packet may end: after the sonars, or after any field from `digital_out` on."""
+
+_LONGEST_FIRST: Final = tuple(reversed(_TAILS.values()))
+_FLAG_TYPES: Final = {"flags": SipFlag, "faults": Fault, "flags3": SipFlag3}
+
+
+def read_sip(payload: bytes) -> Sip:
+    """Return the report in `payload`; EOFError when it ends too early."""
+    if len(payload) <= _HEAD.size:
+        raise EOFError
+    start = _HEAD.size + 1
+    end = start + 3 * payload[_HEAD.size]
+    if end > len(payload):
+        raise EOFError
+    sonar = tuple(SonarReading(*reading) for reading in iter_unpack("<BH", payload[start:end]))
+    tail = next(tail for tail in _LONGEST_FIRST if tail.size <= len(payload) - end)
+    values = dict(zip(_HEAD_NAMES, _HEAD.unpack_from(payload), strict=True))
+    values |= zip(_TAIL_NAMES, tail.unpack_from(payload, end), strict=False)
+    for name, flags in _FLAG_TYPES.items():
+        if name in values:
+            values[name] = flags(values[name])
+    return Sip(**values, sonar=sonar, extra=payload[end + tail.size :])
+
+
+def write_sip(sip: Sip) -> bytes:
+    """Return the payload of `sip`; CommandError names the field that does not fit."""
+    tail = _tail_of(sip)
+    count = tail.index(None) if None in tail else len(tail)
+    if sip.number not in SIP_NUMBERS:
+        raise CommandError(f"Sip.number: {sip.number!r} is outside 0x30..0x34")
+    if count not in _TAILS:
+        raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field of its group is set")
+    if tail.count(None) != len(tail) - count:
+        raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field behind it is set")
+    ranges = [part for reading in sip.sonar for part in (reading.number, reading.range_raw)]
+    try:
+        return b"".join(
+            (
+                _HEAD.pack(*_head_of(sip)),
+                pack("<B" + "BH" * len(sip.sonar), len(sip.sonar), *ranges),
+                _TAILS[count].pack(*tail[:count]),
+                sip.extra,
+            )
+        )
+    except error:
+        raise _misfit(sip) from None
+
+
+def _misfit(sip: Sip) -> CommandError:
+    """Return the error of a report that :mod:`struct` refused."""
+    values = [(name, letter, getattr(sip, name)) for name, letter in (*HEAD, *TAIL)]
+    values.append(("len(sonar)", "B", len(sip.sonar)))
+    for index, reading in enumerate(sip.sonar):
+        values.append((f"sonar[{index}].number", "B", reading.number))
+        values.append((f"sonar[{index}].range_raw", "H", reading.range_raw))
+    for name, letter, value in values:
+        try:
+            if value is not None:
+                checked(value, Integer(calcsize("<" + letter), signed=letter.islower()))
+        except CommandError as problem:
+            return CommandError(f"Sip.{name}: {problem}")
+    return CommandError(f"{sip!r} does not fit into a packet")

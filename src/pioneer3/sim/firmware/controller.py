@@ -26,7 +26,7 @@ from pioneer3.arcos.device import (
     Event,
     SessionClosed,
     SessionOpened,
-    WatchdogBit,
+    WatchdogExpired,
     WatchdogFed,
 )
 from pioneer3.sim.body import Body
@@ -189,7 +189,7 @@ class Firmware:
                 self.accessories.hang_up()
             case Commanded(command):
                 self._obey(command, now)
-            case WatchdogBit():
+            case WatchdogExpired():
                 self.body.drive.held = True
             case WatchdogFed():
                 self.body.drive.held = False

@@ -267,7 +267,7 @@ class RobotPort:
         last, self._served = self._served, self._seat.host
         if last is not None and not last.standing and self.is_open:
             self._end_session()  # it was silent, and gave way
-        self.firmware.device.reader.forget()
+        self.firmware.device.reader.discard()
         self._to_host.lose()  # that was for the last one
         if len(self._inbox) > BURST:  # it has flooded us; less may be its farewell
             self._forget()

@@ -9,28 +9,28 @@ from pioneer3.arcos.reports import Report
 from pioneer3.sim.firmware.accessories.base import Inputs
 
 TAKEN: Final = frozenset(
-    {
-        commands.Aux1Baud.ID,
-        commands.Aux2Baud.ID,
-        commands.CalComp.ID,
-        commands.JoyDrive.ID,
-        commands.MovingBlink.ID,
-        commands.Power12V.ID,
-        commands.Power5V.ID,
-        commands.PowerAudio.ID,
-        commands.PowerAuxPc.ID,
-        commands.PowerLrf.ID,
-        commands.PowerLrf2.ID,
-        commands.PowerPc.ID,
-        commands.PowerPtz.ID,
-        commands.PowerTouchscreen.ID,
-        commands.PtuPos.ID,
-        commands.RequestPlaylist.ID,
-        commands.Say.ID,
-        commands.Sound.ID,
-        commands.SoundTog.ID,
-    }
-)
+    commands.NUMBERS[name]
+    for name in (
+        "AUX1BAUD",
+        "AUX2BAUD",
+        "CALCOMP",
+        "JOYDRIVE",
+        "MOVINGBLINK",
+        "PLAYLIST",
+        "POWER_12V",
+        "POWER_5V",
+        "POWER_AUDIO",
+        "POWER_AUX_PC",
+        "POWER_LRF",
+        "POWER_LRF2",
+        "POWER_PC",
+        "POWER_PTZ",
+        "POWER_TOUCHSCREEN",
+        "PTUPOS",
+        "SOUND",
+        "SOUNDTOG",
+    )
+) | {commands.Say.ID}
 
 
 class Courtesy:

@@ -1,11 +1,22 @@
-"""What only simulators report (arcos.md 5.13)."""
+"""Reports that only simulators send (arcos.md 5.13)."""
 
 from dataclasses import dataclass
+from enum import IntFlag
 from typing import Annotated, ClassVar
 
 from pioneer3.arcos.lists import Counted, CountedStructs, Record
-from pioneer3.arcos.reports.flags import SimFlag
 from pioneer3.arcos.wire import S8, S16, S32, U8, U16, U32, Enumerated, Flag, Integer, Rest, Text
+
+__all__ = [
+    "LaserReading",
+    "MapChanged",
+    "SimDevice",
+    "SimFlag",
+    "SimInfo",
+    "SimLaser",
+    "SimLaserExtended",
+    "SimStat",
+]
 
 _U8 = Integer(1)
 _U16 = Integer(2)
@@ -67,6 +78,14 @@ class SimLaserExtended:
     extra: Rest = b""
 
 
+class SimFlag(IntFlag):
+    """Abilities of the simulation in a SIMSTAT report (arcos.md 5.13)."""
+
+    HAS_MAP = 1 << 0
+    HAS_GEO_REFERENCE = 1 << 1
+    HAS_ODOMETRY_ERROR = 1 << 2
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimStat:
     """The state of the simulation (0x62), as an answer to SIM_STAT.
@@ -74,7 +93,7 @@ class SimStat:
     Attributes:
         obsolete1: Empty.
         obsolete2: Empty.
-        flags: What else is valid here.
+        flags: Which of the other fields are valid.
         step_ms: Simulated time of a step.
         interval_ms: Real time that a step should take.
         measured_ms: Real time that a step takes.
@@ -120,13 +139,13 @@ class SimDevice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimInfo:
-    """What the simulator is (0x63), as an answer to SIM_CTRL 6.
+    """The simulator and its devices (0x63), as an answer to SIM_CTRL 6.
 
     Attributes:
         application: Name of the program.
         version: Of the program.
         flags: Bit 0 has a window, bit 1 restarted after a crash.
-        devices: What is simulated.
+        devices: The simulated devices.
         extra: Bytes that belong to no field.
     """
 

@@ -1,14 +1,68 @@
-"""The robot's configuration, 0x20 (arcos.md 5.1)."""
+"""Handshake, configuration and the end of a session (arcos.md 2.1, 2.4, 5.1)."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from pioneer3.arcos.wire import S8, S16, U8, U16, U32, Rest, Text
+from pioneer3.arcos.wire import S8, S16, U8, U16, U32, Number, Rest, Text
+
+__all__ = [
+    "Config",
+    "LinkLost",
+    "SyncEcho",
+    "SyncIdentity",
+]
+
+SYNC_NUMBERS = (0, 1, 2)
+LINK_LOST_NUMBERS = (0xFE, 0xFF)
+
+
+@dataclass(frozen=True, slots=True)
+class SyncEcho:
+    """The same SYNC back (0, 1; AMRISim also 2).
+
+    Attributes:
+        number: Of the SYNC.
+    """
+
+    ID: ClassVar[int] = 0
+    number: Annotated[int, Number(SYNC_NUMBERS)]
+
+
+@dataclass(frozen=True, slots=True)
+class SyncIdentity:
+    """The answer to SYNC2 (2): the robot's identity.
+
+    Attributes:
+        name: Given by its owner; simulators say `MobileSim`.
+        family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
+        model: Parameter-file name such as `p3at-sh`, in any case of letters.
+        extra: Bytes that belong to no field.
+    """
+
+    ID: ClassVar[int] = 2
+    name: Text
+    family: Text
+    model: Text
+    extra: Rest = b""
+
+
+@dataclass(frozen=True, slots=True)
+class LinkLost:
+    """The end of the session (0xFE, 0xFF).
+
+    Attributes:
+        number: 0xFE or 0xFF.
+        extra: Bytes that belong to no field.
+    """
+
+    ID: ClassVar[int] = 0xFF
+    number: Annotated[int, Number(LINK_LOST_NUMBERS)] = 0xFF
+    extra: Rest = b""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Config:
-    """What the firmware is set to (0x20), as an answer to CONFIG.
+    """The settings of the firmware (0x20), as an answer to CONFIG.
 
     Fields are `None` where the packet ends before; older firmware ends early. `top` names a hard
     limit, `max` the present one. `_raw` marks fields whose unit no source tells.

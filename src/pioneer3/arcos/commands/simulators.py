@@ -1,38 +1,75 @@
-"""What only simulators understand (arcos.md 3.3)."""
+"""Commands that only simulators know, new and old (arcos.md 3.3).
+
+The numbers of the old ones, :data:`OLD`, mean something else to a robot. ARIA 2.9.1 still sets up
+simulated lasers with 35 to 38.
+"""
 
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Annotated, ClassVar
 
-from pioneer3.arcos.commands.arguments import Prefixed
-from pioneer3.arcos.commands.choices import Request, SimLaserMode, SimOperation
-from pioneer3.arcos.commands.quantities import (
+from pioneer3.arcos.commands.arguments import (
+    CENTIDEGREES,
     DEGREES,
     HUNDREDTHS_OR_DEGREES,
     MILLI,
     WORD,
+    Data,
     How,
     Message,
     Number,
+    Prefixed,
+    Request,
     SignedDegrees,
 )
 from pioneer3.arcos.lists import CountedText
 from pioneer3.arcos.wire import U8, Enumerated, Integer, Rest, Scaled
 
 __all__ = [
+    "OldLaser",
+    "OldLaserEnd",
+    "OldLaserStart",
+    "OldLaserStep",
+    "OldMessage",
     "RequestSimStat",
     "SimCtrl",
     "SimExit",
+    "SimLaserMode",
     "SimLrfEnable",
     "SimLrfSetFovEnd",
     "SimLrfSetFovStart",
     "SimLrfSetRes",
     "SimMessage",
     "SimModelConfig",
+    "SimOperation",
     "SimReset",
     "SimSetPose",
 ]
 
 _S32 = Integer(4, signed=True)
+
+
+class SimLaserMode(IntEnum):
+    """Packets of the simulated laser."""
+
+    OFF = 0
+    RANGES = 1
+    """Packets 0x60."""
+    EXTENDED = 2
+    """Packets 0x61, with reflectance."""
+
+
+class SimOperation(IntEnum):
+    """Operations of SIM_CTRL."""
+
+    LOAD_MAP = 1
+    LOAD_MASTER_MAP = 2
+    CLEAR_MASTER_MAP = 3
+    ROTATE_LOGS = 4
+    LOG_STATE = 5
+    REQUEST_INFO = 6
+    GHOST = 7
+    SNAPSHOT = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +164,8 @@ class SimCtrl:
     """Control the simulator itself (ARCOS 236, SIM_CTRL).
 
     Attributes:
-        operation: What to do.
-        text: Name of the map to load, or what to write to the log.
+        operation: Of the simulator.
+        text: Name of the map to load, or a line for the log.
     """
 
     ID: ClassVar[int] = 236
@@ -158,3 +195,47 @@ class SimExit:
 
     ID: ClassVar[int] = 239
     code: Number
+
+
+@dataclass(frozen=True, slots=True)
+class OldLaser:
+    """Switch the simulated laser (ARCOS 35 of simulators)."""
+
+    ID: ClassVar[int] = 35
+    mode: Annotated[SimLaserMode, Enumerated(WORD, SimLaserMode)]
+
+
+@dataclass(frozen=True, slots=True)
+class OldLaserStart:
+    """Set where the scan begins [rad], from straight ahead (ARCOS 36 of simulators)."""
+
+    ID: ClassVar[int] = 36
+    angle: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class OldLaserEnd:
+    """Set where the scan ends [rad], from straight ahead (ARCOS 37 of simulators)."""
+
+    ID: ClassVar[int] = 37
+    angle: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class OldLaserStep:
+    """Set the angle between two readings [rad] (ARCOS 38 of simulators)."""
+
+    ID: ClassVar[int] = 38
+    step: Annotated[float, Scaled(WORD, CENTIDEGREES)]
+
+
+@dataclass(frozen=True, slots=True)
+class OldMessage:
+    """Show a text; three bytes of code come before it (ARCOS 59 of simulators)."""
+
+    ID: ClassVar[int] = 59
+    data: Data
+
+
+OLD = (OldLaser, OldLaserStart, OldLaserEnd, OldLaserStep, OldMessage)
+"""Commands of old simulators."""

@@ -1,0 +1,278 @@
+"""Session, motion and limits (arcos.md 3.1): forward and counter-clockwise are positive."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from pioneer3.arcos.commands.arguments import (
+    DEGREES,
+    MILLI,
+    Degrees,
+    Millis,
+    Number,
+    On,
+    Prefixed,
+    SignedDegrees,
+    SignedHigh,
+    SignedLow,
+    SignedMillis,
+    Word,
+)
+from pioneer3.arcos.wire import Integer, Scaled
+
+__all__ = [
+    "Close",
+    "DHead",
+    "DriftFactor",
+    "EStop",
+    "Enable",
+    "Head",
+    "Move",
+    "Open",
+    "Pulse",
+    "QStop",
+    "RVel",
+    "RequestConfig",
+    "RevCount",
+    "Rotate",
+    "SetA",
+    "SetO",
+    "SetRA",
+    "SetRV",
+    "SetV",
+    "Stop",
+    "TicksMM",
+    "Vel",
+    "Vel2",
+]
+
+_S16 = Integer(2, signed=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Pulse:
+    """Do nothing but feed the watchdog (ARCOS 0, PULSE; SYNC0 before the session is open).
+
+    ARIA's SETLATV has number 0 too, with an argument that is ignored.
+    """
+
+    ID: ClassVar[int] = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Open:
+    """Start the reports (ARCOS 1, OPEN; SYNC1 without argument before the session is open).
+
+    Attributes:
+        argument: Ignored by the robot; ARIA sends 1, Player none.
+    """
+
+    ID: ClassVar[int] = 1
+    argument: Number = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Close:
+    """Stop everything and wait for SYNC0 (ARCOS 2, CLOSE; SYNC2 while shaking hands).
+
+    Attributes:
+        argument: Ignored by the robot; ARIA sends 1, Player none.
+    """
+
+    ID: ClassVar[int] = 2
+    argument: Number = 1
+
+
+@dataclass(frozen=True, slots=True)
+class RequestConfig:
+    """Ask for one configuration report (ARCOS 18, CONFIG).
+
+    Attributes:
+        argument: Ignored by the robot.
+    """
+
+    ID: ClassVar[int] = 18
+    argument: Number = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Enable:
+    """Give the motors power or take it away (ARCOS 4, ENABLE)."""
+
+    ID: ClassVar[int] = 4
+    on: On
+
+
+@dataclass(frozen=True, slots=True)
+class Vel:
+    """Drive at `speed` [m/s] (ARCOS 11, VEL)."""
+
+    ID: ClassVar[int] = 11
+    speed: SignedMillis
+
+
+@dataclass(frozen=True, slots=True)
+class RVel:
+    """Turn at `rate` [rad/s] (ARCOS 21, RVEL)."""
+
+    ID: ClassVar[int] = 21
+    rate: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Brake to a stand with the set decelerations (ARCOS 29, STOP)."""
+
+    ID: ClassVar[int] = 29
+
+
+@dataclass(frozen=True, slots=True)
+class EStop:
+    """Stop with the greatest deceleration (ARCOS 55, ESTOP).
+
+    Attributes:
+        argument: Ignored by the robot; ARIA sends 0 or 1, the manual has none.
+    """
+
+    ID: ClassVar[int] = 55
+    argument: Number = 1
+
+
+@dataclass(frozen=True, slots=True)
+class QStop:
+    """Stop with the greatest deceleration: AMRISim's second number (ARCOS 57, QSTOP).
+
+    Attributes:
+        argument: Ignored.
+    """
+
+    ID: ClassVar[int] = 57
+    argument: Number = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Vel2:
+    """Set the speed of each wheel (ARCOS 32, VEL2).
+
+    Attributes:
+        left_units: -128..127, in units of the model's Vel2Divisor (P2, P3: 20 mm/s).
+        right_units: Likewise.
+    """
+
+    ID: ClassVar[int] = 32
+    left_units: SignedHigh
+    right_units: SignedLow
+
+
+@dataclass(frozen=True, slots=True)
+class Rotate:
+    """Turn at `rate` [rad/s]: the old synonym of RVEL (ARCOS 9, ROTATE)."""
+
+    ID: ClassVar[int] = 9
+    rate: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Drive `distance` [m] straight, within the limits of SETV and SETA (ARCOS 8, MOVE)."""
+
+    ID: ClassVar[int] = 8
+    distance: SignedMillis
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """Turn to the absolute `heading` [rad] of the odometry (ARCOS 12, HEAD)."""
+
+    ID: ClassVar[int] = 12
+    heading: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class DHead:
+    """Turn by `angle` [rad] (ARCOS 13, DHEAD)."""
+
+    ID: ClassVar[int] = 13
+    angle: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class SetO:
+    """Set the odometry (ARCOS 7, SETO).
+
+    Robots take no arguments and set it to zero. AMRISim also takes a pose, of which missing parts
+    are zero.
+
+    Attributes:
+        x: [m].
+        y: [m].
+        heading: [rad].
+    """
+
+    ID: ClassVar[int] = 7
+    x: Annotated[float, Prefixed(Scaled(_S16, MILLI), 0x3B)] | None = None
+    y: Annotated[float, Scaled(_S16, MILLI)] | None = None
+    heading: Annotated[float, Scaled(_S16, DEGREES)] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SetV:
+    """Limit the translational speed to `speed` [m/s]; MOVE uses it too (ARCOS 6, SETV)."""
+
+    ID: ClassVar[int] = 6
+    speed: Millis
+
+
+@dataclass(frozen=True, slots=True)
+class SetRV:
+    """Limit the rotational speed to `rate` [rad/s] (ARCOS 10, SETRV)."""
+
+    ID: ClassVar[int] = 10
+    rate: Degrees
+
+
+@dataclass(frozen=True, slots=True)
+class SetA:
+    """Set the translational acceleration or deceleration (ARCOS 5, SETA).
+
+    Attributes:
+        acceleration: [m/s^2]; a negative value is the deceleration, and leaves the acceleration.
+    """
+
+    ID: ClassVar[int] = 5
+    acceleration: SignedMillis
+
+
+@dataclass(frozen=True, slots=True)
+class SetRA:
+    """Set the rotational acceleration or deceleration (ARCOS 23, SETRA).
+
+    Attributes:
+        acceleration: [rad/s^2]; a negative value is the deceleration, and leaves the acceleration.
+    """
+
+    ID: ClassVar[int] = 23
+    acceleration: SignedDegrees
+
+
+@dataclass(frozen=True, slots=True)
+class RevCount:
+    """Set by how many `ticks` the encoders differ after half a turn (ARCOS 88, REVCOUNT)."""
+
+    ID: ClassVar[int] = 88
+    ticks: Word
+
+
+@dataclass(frozen=True, slots=True)
+class DriftFactor:
+    """Set the correction of the left encoder [1/8192 of its count] (ARCOS 89, DRIFTFACTOR)."""
+
+    ID: ClassVar[int] = 89
+    correction: Number
+
+
+@dataclass(frozen=True, slots=True)
+class TicksMM:
+    """Set the encoder ticks per millimetre of wheel travel (ARCOS 93, TICKSMM)."""
+
+    ID: ClassVar[int] = 93
+    ticks_per_mm: Word
