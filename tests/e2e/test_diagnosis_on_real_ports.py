@@ -13,8 +13,8 @@ from pioneer3.doctor.facts import Level
 from pioneer3.doctor.ports import holders_of
 from pioneer3.doctor.probe import Verdict, probe
 from pioneer3.doctor.probe_session import QUICK
-from pioneer3.links.pty import PtyPort, open_pty
 from pioneer3.sim.server.start import simulator
+from tests.pseudo_terminal import PtyPort, open_pty
 
 pytestmark = pytest.mark.realtime
 

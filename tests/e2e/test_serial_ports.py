@@ -8,7 +8,6 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.errors import LinkError, MotionError, PortBusyError, PortNotFoundError
 from pioneer3.links import open_link
-from pioneer3.links.pty import open_pty
 from pioneer3.links.serial import SPEEDS, open_serial, remember_speed, remembered_speed
 from pioneer3.links.stream import StreamLink
 from pioneer3.models import load_model
@@ -16,6 +15,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
+from tests.pseudo_terminal import open_pty
 from tests.support import hold, until
 
 pytestmark = pytest.mark.realtime

@@ -15,7 +15,7 @@ from pioneer3 import connect_async
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.packet import PacketReader
-from pioneer3.links.tcp import accepted
+from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware

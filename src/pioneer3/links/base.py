@@ -1,17 +1,17 @@
-"""What a driver or a simulator needs from a cable, and nothing more."""
+"""The interface of a byte pipe between a host and a robot."""
 
 from collections.abc import Awaitable, Callable
 from typing import Protocol
 
 HUNG_UP = "a robot takes one program at a time: is another one connected to it?"
-"""What to ask when the far end closes the link."""
+"""A question for people when the far end closes the link."""
 
 
 class Link(Protocol):
     """A byte pipe to one robot, or to one host.
 
     Attributes:
-        url: What was opened, for messages and logs.
+        url: For messages and logs.
         speeds: Baud rates this link can be set to, best guess first; empty where that has no
             meaning.
     """
@@ -41,7 +41,7 @@ class Link(Protocol):
         """Change the line speed; does nothing on links without one."""
 
     async def close(self) -> None:
-        """Send what is still buffered, then close; safe to call twice."""
+        """Send the buffered bytes, then close; safe to call twice."""
 
 
 Opener = Callable[[], Awaitable[Link]]

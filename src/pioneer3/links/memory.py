@@ -1,4 +1,4 @@
-"""A null-modem cable in memory, with faults: what tests and the embedded simulator share."""
+"""A null-modem cable in memory, with faults, for tests and the embedded simulator."""
 
 import asyncio
 from collections.abc import Callable, Iterable
@@ -8,7 +8,7 @@ from random import Random
 from pioneer3.errors import LinkError
 
 Fault = Callable[[bytes], Iterable[bytes]]
-"""Takes what one end sends; gives the pieces that arrive, in order."""
+"""Takes the bytes that one end sends; gives the pieces that arrive, in order."""
 
 
 def clean(data: bytes) -> Iterable[bytes]:
@@ -36,7 +36,7 @@ class Noise:
     drop: float = 0.0
 
     def __call__(self, data: bytes) -> Iterable[bytes]:
-        """Deliver in one piece what survives."""
+        """Deliver the surviving bytes in one piece."""
         kept = bytearray()
         for byte in data:
             if self.random.random() < self.drop:
@@ -47,7 +47,7 @@ class Noise:
 
 
 class MemoryLink:
-    """One end of the cable; `fault` may split, drop or corrupt what this end sends.
+    """One end of the cable; `fault` may split, drop or corrupt its bytes.
 
     Attributes:
         fault: May be changed at any time.
@@ -72,7 +72,7 @@ class MemoryLink:
         return self.delay + (self.peer.delay if self.peer is not None else 0.0)
 
     async def read(self) -> bytes:
-        """Return what the far end sent; `b""` once either end has closed."""
+        """Return the far end's bytes; `b""` once either end has closed."""
         if self._closed and self._inbox.empty():
             return b""
         data = await self._inbox.get()
@@ -104,7 +104,7 @@ class MemoryLink:
         peer = self.peer
         if peer is None or peer._closed:
             return
-        if self.speed != peer.speed:  # what a UART makes of the wrong speed
+        if self.speed != peer.speed:  # as a UART reads at the wrong speed
             piece = bytes(byte * 37 % 256 | 0x80 for byte in piece)
         if self.delay:
             loop = asyncio.get_running_loop()

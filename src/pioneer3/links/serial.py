@@ -1,9 +1,10 @@
-"""Serial ports, and what a person needs to hear when one does not open."""
+"""Serial ports, real and pseudo, and the reasons why one does not open."""
 
 import errno
 import os
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from stat import S_IRGRP
 from typing import Final
@@ -13,20 +14,21 @@ from pioneer3.links.stream import StreamLink
 
 try:
     import grp
+    import tty
     from termios import error as TerminalError  # noqa: N812
 except ImportError:  # Windows
-    grp = None  # type: ignore[assignment]
+    grp = tty = None  # type: ignore[assignment]
     TerminalError = OSError  # type: ignore[misc, assignment]
 
 SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
-"""What an ARCOS robot can be set to [baud] (arcos.md 1.1)."""
+"""Speeds of ARCOS robots [baud] (arcos.md 1.1)."""
 
 
 async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
     """Open the serial port at `path`, at `first_speed` [baud] or the last that worked.
 
     Raises:
-        PortNotFoundError, PortPermissionError, PortBusyError, LinkError: says what to do about it.
+        PortNotFoundError, PortPermissionError, PortBusyError, LinkError: with a remedy.
     """
     import serialx  # noqa: PLC0415  costs 100 ms
 
@@ -47,7 +49,7 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
 
 
 def explain_open_error(path: str, error: Exception) -> LinkError:
-    """Turn what the operating system said into what it means and what mends it."""
+    """Return an error of the operating system with its meaning and a remedy."""
     code = error.errno if isinstance(error, OSError) else None
     is_file = os.name == "posix"  # COM3 is none
     if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or (is_file and not Path(path).exists()):
@@ -64,7 +66,7 @@ def explain_open_error(path: str, error: Exception) -> LinkError:
 
 
 def how_to_get_permission(path: str) -> str:
-    """Return what lets this user open `path`."""
+    """Return how to give this user the right to open `path`."""
     if grp is None:
         return "another program may have it open"
     group = "dialout"
@@ -108,3 +110,34 @@ def remember_speed(path: str, baud: int) -> None:
         file.write_text("\n".join([*lines, f"{path} {baud}"]) + "\n", "utf-8")
     except (OSError, UnicodeDecodeError):
         return
+
+
+@dataclass(frozen=True, slots=True)
+class PtyPair:
+    """Both ends of a pseudo terminal, passing bytes as they are.
+
+    Attributes:
+        master: File descriptor of the robot's end.
+        slave: The host's; kept open, so that a host that closes does not end the port.
+        path: Of the port that a host opens.
+    """
+
+    master: int
+    slave: int
+    path: str
+
+
+def make_pty() -> PtyPair:
+    """Make a pseudo terminal; the caller closes both ends.
+
+    Raises:
+        LinkError: this machine has no more of them, or none at all.
+    """
+    if tty is None:
+        raise LinkError("this system has no pseudo terminals; use TCP")
+    try:
+        master, slave = os.openpty()
+    except OSError as error:
+        raise LinkError(f"cannot make a pseudo terminal: {error.strerror}") from None
+    tty.setraw(slave)
+    return PtyPair(master, slave, os.ttyname(slave))

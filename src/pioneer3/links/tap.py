@@ -5,9 +5,9 @@ The format::
     # pioneer3 <version>, <when the recording began, ISO 8601, UTC>
     <seconds> C>S|S>C <number of bytes> <hex>
 
-`C>S` is what the host sent, `S>C` what the robot sent; seconds count from the beginning. Lines that
-start with # are comments; those of the form `# <seconds> <words>` say what else happened, such as
-what decided the motion. Older files have no heading, and begin anew at 0 s with each connection.
+`C>S` are bytes of the host, `S>C` of the robot; seconds count from the beginning. Lines that
+start with # are comments; those of the form `# <seconds> <words>` tell other events, such as
+the reason of a motion. Older files have no heading, and begin anew at 0 s with each connection.
 """
 
 import asyncio
@@ -32,7 +32,7 @@ FROM_HOST, FROM_ROBOT = "C>S", "S>C"
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Some bytes on the wire: when [s from the opening], which way, what."""
+    """Bytes on the wire: the time [s from the opening], the direction, the data."""
 
     time: float
     way: str
@@ -112,7 +112,7 @@ class Recorder:
         return self._tap
 
     def remark(self, words: str) -> None:
-        """Write what happens besides bytes, as a comment; nothing before the first link."""
+        """Write another event as a comment; nothing before the first link."""
         if self._tap is not None:
             self._tap.remark(words)
 
@@ -135,10 +135,10 @@ def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
 
 
 class Replay:
-    """Plays what a robot said in a recording, once, at the pace it was recorded.
+    """Plays a robot's bytes from a recording, once, at the recorded pace.
 
     The recorded time starts with the first byte the host sends. It goes on over a link that is
-    closed: the next one gets what comes after, as with a robot.
+    closed: the next one gets the bytes after that, as with a robot.
     """
 
     def __init__(self, path: Path) -> None:

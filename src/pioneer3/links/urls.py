@@ -1,4 +1,4 @@
-"""From what a person writes to an open link."""
+"""Opens the link that a URL or path names."""
 
 import re
 from functools import partial
@@ -25,7 +25,7 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
 
     Raises:
         ConfigError: the URL is not of these forms.
-        LinkError: it does not open; the message says what to do.
+        LinkError: it does not open; the message has a remedy.
     """
     scheme, rest = split_url(url)
     match scheme:
@@ -34,7 +34,7 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
 
             return await open_serial(rest, baud)
         case "tcp":
-            from pioneer3.links.tcp import open_tcp  # noqa: PLC0415
+            from pioneer3.links.stream import open_tcp  # noqa: PLC0415
 
             return await open_tcp(*split_host(f"tcp:{rest}"))
         case _:

@@ -1,4 +1,4 @@
-"""What is known of each robot type: sizes, limits, conversion factors, sensor mounts."""
+"""Robot types: sizes, limits, conversion factors, sensor mounts."""
 
 from pioneer3.models.catalog import find_model, generic_model, load_model, model_names
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount

@@ -3,24 +3,26 @@
 from dataclasses import replace
 from math import tau
 
-from pioneer3.models.bounds import BOUNDS, BUMPERS, SWITCH_SPEEDS, Bounds
-from pioneer3.models.lines import Line, split
 from pioneer3.models.model import (
+    BOUNDS,
     BRAKING,
+    BUMPERS,
     CAREFUL_BRAKING,
     CAREFUL_TURN_BRAKING,
     GYRO_SCALER,
     START_ACCELERATION,
     START_TURN_ACCELERATION,
     SWITCH_SPEED,
+    SWITCH_SPEEDS,
     TURN_BRAKING,
     VEL2_UNIT,
+    Bounds,
     IrMount,
     LaserMount,
     RobotModel,
     SonarMount,
 )
-from pioneer3.models.parameters import Parameters, rounded
+from pioneer3.models.parameters import Line, Parameters, rounded, split
 from pioneer3.units import MM
 
 _HEADING_UNITS = (1024, 4096)

@@ -11,8 +11,9 @@ from types import MappingProxyType
 
 from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
-from pioneer3.models.bounds import BOUNDS, BUMPERS
 from pioneer3.models.model import (
+    BOUNDS,
+    BUMPERS,
     CAREFUL_BRAKING,
     CAREFUL_TURN_BRAKING,
     START_ACCELERATION,
@@ -93,11 +94,11 @@ def generic_model(
     front_bumpers: int = 0,
     rear_bumpers: int = 0,
 ) -> RobotModel:
-    """Return a model for a robot that nobody knows, from what its CONFIG says of itself.
+    """Return a model for an unknown robot, made of values in its CONFIG.
 
     Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
-    is known. It never fails: what is 0 (CONFIG says nothing) or no number becomes what a real
-    P3-AT starts with (arcos.md 5.1), what is out of range the nearest allowed.
+    is known. It never fails: a value of 0 (CONFIG has none) or NaN becomes that of a real P3-AT
+    (arcos.md 5.1), a value out of range the nearest allowed.
 
     Args:
         name: As the robot reports it.
@@ -143,7 +144,7 @@ def _usable(field: str, value: float, default: float) -> float:
 
 
 def _read(path: Path) -> str:
-    """Return a file's text; what is not UTF-8 in its comments does no harm."""
+    """Return a file's text; comments need not be UTF-8."""
     try:
         status = path.stat()
         fit = (

@@ -1,11 +1,16 @@
-"""One robot type as frozen numbers."""
+"""One robot type as frozen numbers, and the range of each number.
 
+The ranges are wide enough for any robot that drives in a building. They catch millimetres written
+as metres, and degrees as radians.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import radians
+from math import pi, radians, tau
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from pioneer3.errors import ConfigError
-from pioneer3.models.bounds import BOUNDS, BUMPERS, HEADING, REACH, SWITCH_SPEEDS, Bounds
 from pioneer3.units import HEADING_UNIT, MM
 
 Drive = Literal["skid", "differential"]
@@ -17,11 +22,11 @@ START_TURN_ACCELERATION = radians(100)
 """Both ways, of a real P3-AT (arcos.md 5.1) [rad/s^2]."""
 
 BRAKING = 1.5
-"""What the driver asks of a low robot: from 0.3 m/s it stands after 3 cm; robots take up to
-2 m/s^2 (arcos.md 5.1) [m/s^2]."""
+"""The deceleration that the driver asks of a low robot: from 0.3 m/s it stands after 3 cm. Robots
+take up to 2 m/s^2 (arcos.md 5.1) [m/s^2]."""
 
 TURN_BRAKING = radians(300)
-"""What the driver asks of a turning robot; robots take up to this (arcos.md 5.1) [rad/s^2]."""
+"""The same of a turning robot; robots take up to this (arcos.md 5.1) [rad/s^2]."""
 
 CAREFUL_BRAKING, CAREFUL_TURN_BRAKING = 0.5, radians(100)
 """The same for robots that are tall, or not known."""
@@ -34,6 +39,73 @@ GYRO_SCALER = 1.626
 
 SWITCH_SPEED = 38400
 """Of every Pioneer 2 and 3 (arcos.md 6.3) [baud]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """A closed range, SI."""
+
+    low: float
+    high: float
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` [SI] is inside; NaN never is."""
+        return self.low <= value <= self.high
+
+    def complaint(self, value: float, unit: float = 1.0) -> str:
+        """Return the message for `value`; it and the limits are shown in `unit` [SI]."""
+        shown = f"{value:g}" if not abs(value) > 1e300 else "this number"
+        return f"{shown} is out of range, expected {self.in_words(unit)}"
+
+    def in_words(self, unit: float = 1.0) -> str:
+        """Return the limits, shown in `unit` [SI]."""
+        return f"{self.low / unit:g} to {self.high / unit:g}"
+
+
+_SIZE = Bounds(0.01, 10.0)
+_FACTOR = Bounds(1e-6, 0.1)
+_ACCELERATION = Bounds(0.001, 20.0)
+_TURN_ACCELERATION = Bounds(0.001, 200.0)
+
+BOUNDS: Mapping[str, Bounds] = MappingProxyType(
+    {
+        "radius": _SIZE,
+        "width": _SIZE,
+        "length_front": _SIZE,
+        "length_rear": _SIZE,
+        "wheel_base": _SIZE,
+        "max_speed": Bounds(0.01, 10.0),
+        "max_turn_rate": Bounds(0.01, 50.0),
+        "acceleration": _ACCELERATION,
+        "deceleration": _ACCELERATION,
+        "turn_acceleration": _TURN_ACCELERATION,
+        "turn_deceleration": _TURN_ACCELERATION,
+        "braking": _ACCELERATION,
+        "turn_braking": _TURN_ACCELERATION,
+        "distance_factor": _FACTOR,
+        "heading_factor": _FACTOR,
+        "speed_factor": _FACTOR,
+        "range_factor": _FACTOR,
+        "vel2_unit": Bounds(1e-4, 1.0),
+        "gyro_scaler": Bounds(0.001, 1000.0),
+    }
+)
+"""Of each numeric field of `RobotModel` [SI]."""
+
+REACH = Bounds(-10.0, 10.0)
+"""Of a sensor's position along one axis [m]."""
+
+BEARING = Bounds(-tau, tau)
+"""Of a sensor's direction as files give it [rad]."""
+
+HEADING = Bounds(-pi, pi)
+"""Of a sensor's direction in a model [rad]."""
+
+BUMPERS = Bounds(0, 7)
+"""Segments on one side: a stall byte has bits 1 to 7 for them (arcos.md 4.7)."""
+
+SWITCH_SPEEDS = (0, 9600, 19200, 38400, 57600, 115200)
+"""Line speeds that HOSTBAUD can name [baud] (arcos.md 1.1); 0 means never switch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +189,7 @@ class RobotModel:
         switch_speed: Line speed to change to after connecting [baud]; 0 never.
 
     Raises:
-        ConfigError: A number is out of its range (`pioneer3.models.bounds`).
+        ConfigError: A number is out of its range.
     """
 
     name: str

@@ -79,8 +79,8 @@ PEOPLEBOT: Final = Shape(
 SHAPES: Final[Mapping[str, Shape]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}
 )
-"""By the first word of a model's name. Heights and wheels are what is commonly published,
-rounded, and where the sonars sit along the height is an estimate: none was measured on a robot."""
+"""By the first word of a model's name. Heights and wheels are published figures,
+rounded; the height of the sonars is an estimate. None was measured on a robot."""
 
 
 def shape_of(model: RobotModel) -> Shape:

@@ -12,8 +12,15 @@ from typing import get_args
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import wrap
-from pioneer3.models.bounds import BEARING, BOUNDS, Bounds
-from pioneer3.models.model import Drive, LaserMount, RobotModel, SonarMount
+from pioneer3.models.model import (
+    BEARING,
+    BOUNDS,
+    Bounds,
+    Drive,
+    LaserMount,
+    RobotModel,
+    SonarMount,
+)
 from pioneer3.units import DEGREE
 
 _ANGLES = {
@@ -29,7 +36,7 @@ _KEYS = {field: key for key, field in _ANGLES.items()} | {"heading_factor": "hea
 Table = dict[str, object]
 
 MOST_PARTS = 16
-"""Of a dotted key. What tomllib keeps of one grows with their square: 50 thousand take 8 GB."""
+"""Of a dotted key. tomllib needs memory by their square: 8 GB for 50 thousand."""
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _LONG_KEY = re.compile(rf"""(?<![\w"'-])(?:{_PART}){{{MOST_PARTS}}}""")
 

@@ -2,7 +2,7 @@
 
 import os
 
-from pioneer3.links.pty import make_pty
+from pioneer3.links.serial import make_pty
 
 
 def test_a_pseudo_terminal_passes_every_byte_as_it_is() -> None:

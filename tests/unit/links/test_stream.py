@@ -8,8 +8,7 @@ from collections.abc import AsyncIterator
 import pytest
 
 from pioneer3.errors import LinkError
-from pioneer3.links.stream import StreamLink
-from pioneer3.links.tcp import accepted, open_tcp
+from pioneer3.links.stream import StreamLink, accepted, open_tcp
 
 pytestmark = pytest.mark.realtime
 

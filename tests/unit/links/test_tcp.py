@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from pioneer3.links.tcp import KEEPALIVE, tune
+from pioneer3.links.stream import KEEPALIVE, tune
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from io import FileIO
 from typing import Any
 
 from pioneer3.errors import LinkError, PortBusyError
-from pioneer3.links.pty import make_pty
-from pioneer3.links.tcp import tune
+from pioneer3.links.serial import make_pty
+from pioneer3.links.stream import tune
 from pioneer3.sim.server.clients import Connection, Terminal
 from pioneer3.sim.server.port import RobotPort
 

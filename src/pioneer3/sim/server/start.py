@@ -10,7 +10,7 @@ from pathlib import Path
 from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError, PioneerError
-from pioneer3.links.tcp import accepted
+from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware

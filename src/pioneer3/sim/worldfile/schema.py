@@ -11,7 +11,7 @@ from msgspec import Meta, Struct, field
 from msgspec.structs import asdict
 
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.models.bounds import BUMPERS
+from pioneer3.models.model import BUMPERS
 from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,

@@ -1,48 +1,12 @@
-"""The robot's end of a pseudo terminal: serial code meets a robot without hardware."""
+"""A serial port without hardware: hosts open a pseudo terminal, a test holds the other end."""
 
 import asyncio
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 from pioneer3.errors import LinkError
+from pioneer3.links.serial import make_pty
 from pioneer3.links.stream import StreamLink
-
-try:
-    import tty
-except ImportError:  # Windows
-    tty = None  # type: ignore[assignment]
-
-
-@dataclass(frozen=True, slots=True)
-class PtyPair:
-    """Both ends of a pseudo terminal, passing bytes as they are.
-
-    Attributes:
-        master: File descriptor of the robot's end.
-        slave: The host's; kept open, so that a host that closes does not end the port.
-        path: What a host opens.
-    """
-
-    master: int
-    slave: int
-    path: str
-
-
-def make_pty() -> PtyPair:
-    """Make a pseudo terminal; the caller closes both ends.
-
-    Raises:
-        LinkError: this machine has no more of them, or none at all.
-    """
-    if tty is None:
-        raise LinkError("this system has no pseudo terminals; use TCP")
-    try:
-        master, slave = os.openpty()
-    except OSError as error:
-        raise LinkError(f"cannot make a pseudo terminal: {error.strerror}") from None
-    tty.setraw(slave)
-    return PtyPair(master, slave, os.ttyname(slave))
 
 
 class PtyPort:
