@@ -18,8 +18,8 @@ from pioneer3.robot.devices import Presence
 from pioneer3.robot.devices.gripper import Paddles
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
+from pioneer3.sim.accessories import Thing
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.firmware.accessories import Thing
 from tests.support import First, SimulatedRobot, frame, lost, until, wall_at
 
 IO_ON, IO_OFF = commands.IoRequest(Request.STREAM), commands.IoRequest(Request.STOP)

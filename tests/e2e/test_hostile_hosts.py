@@ -23,9 +23,9 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
+from pioneer3.sim.server.clients import STALE
 from pioneer3.sim.server.pace import TICK, Pace
 from pioneer3.sim.server.port import BURST, BYTES_PER_TICK
-from pioneer3.sim.server.seat import STALE
 from pioneer3.sim.world import World
 from tests.e2e.processes import PATIENCE
 from tests.support import frame, hold, until

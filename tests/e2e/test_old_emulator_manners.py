@@ -12,9 +12,9 @@ from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Report, Sip
 from pioneer3.geometry import wrap
 from pioneer3.models import load_model
+from pioneer3.sim.accessories import Equipment
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.firmware.accessories import Equipment
 from pioneer3.sim.world import World
 from tests.e2e.plain_client import SYNCS
 from tests.support import frame

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import to_payload
-from pioneer3.sim.firmware.sweep import SweepFrames, packets
+from pioneer3.sim.firmware.laser import SweepFrames, packets
 
 WORD = st.integers(-0x8000, 0x7FFF)
 

@@ -8,10 +8,10 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import ClientMaps
 from tests.support import frame
 
 SYNCS = b"".join(encode(bytes([number])) for number in (0, 1, 2))
@@ -44,7 +44,7 @@ class Bench:
         line_map: LineMap | None = None,
         model: str = "p3at-sh",
         equipment: Equipment | None = None,
-        shelf: MapShelf | None = None,
+        shelf: ClientMaps | None = None,
         realism: Realism | None = None,
     ) -> None:
         self.body = Touchy(load_model(model))

@@ -14,8 +14,8 @@ from pioneer3.arcos.reports import MapChanged, SimFlag, SimInfo, SimStat, Sip
 from pioneer3.geometry import Pose2
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware.console import StepTimes
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
+from pioneer3.sim.worldfile import ClientMaps
 from tests.support import frame, wall_at
 from tests.unit.sim.bench import Bench
 
@@ -25,7 +25,7 @@ TWO_WALLS = "2D-Map\nLINES\n3000 -5000 3000 5000\n4000 -5000 4000 5000\n"
 @pytest.fixture
 def bench(tmp_path: Path) -> Bench:
     (tmp_path / "two.map").write_text(TWO_WALLS)
-    made = Bench(wall_at(2.0), shelf=MapShelf(tmp_path)).open()
+    made = Bench(wall_at(2.0), shelf=ClientMaps(tmp_path)).open()
     made.hear()
     return made
 

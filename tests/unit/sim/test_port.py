@@ -10,10 +10,10 @@ from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.server.clients import GRACE, STALE
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.pace import TICK
 from pioneer3.sim.server.port import BURST, BYTES_PER_TICK, MOST_WAITING, RobotPort
-from pioneer3.sim.server.seat import GRACE, STALE
 from pioneer3.sim.world import World
 from tests.support import frame
 

@@ -11,7 +11,7 @@ from pioneer3.arcos.reports import SimLaser, SimLaserExtended, from_payload
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.firmware.scanner import Scanner
+from pioneer3.sim.firmware.laser import Scanner
 from pioneer3.sim.world import World
 from tests.support import wall_at
 

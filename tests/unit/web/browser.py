@@ -19,12 +19,12 @@ from pioneer3.links.memory import null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotHere
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import ClientMaps
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
 from pioneer3.web.page import Page
@@ -216,7 +216,7 @@ def simulated(*poses: Pose2, line_map: LineMap | None = None) -> RunningSimulati
         )
         for number, (body, port) in enumerate(zip(bodies, simulation.ports, strict=True), 1)
     ]
-    return RunningSimulation(simulation, robots, default_rng(0), MapShelf())
+    return RunningSimulation(simulation, robots, default_rng(0), ClientMaps())
 
 
 @dataclass(frozen=True)

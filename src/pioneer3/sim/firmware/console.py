@@ -11,12 +11,12 @@ from pioneer3.arcos.commands import Command, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report, SimDevice, SimFlag, SimInfo, SimStat
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.sim.accessories.base import Asked
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.firmware.accessories.base import Asked
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import ClientMaps
 from pioneer3.units import MM, MS, degrees
 
 log = logging.getLogger(__name__)
@@ -56,7 +56,7 @@ class Console:
     world: World
     body: Body
     equipment: Equipment
-    shelf: MapShelf
+    shelf: ClientMaps
     tell: Callable[[MapChanged], None]
     step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
     messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))

@@ -1,6 +1,6 @@
 """Where hosts meet one simulated robot: one at a time, any number one after the other.
 
-Rules, besides those of :mod:`pioneer3.sim.server.seat`:
+Rules, besides those of :mod:`pioneer3.sim.server.clients`:
 
 1. What hosts send waits in a small buffer for the next tick; when that is full the host waits.
    Each tick a robot takes as much as a fast serial line would bring, answers included, so a flood
@@ -18,9 +18,8 @@ from typing import Protocol
 from pioneer3.arcos.device import Phase
 from pioneer3.links import Link
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server.clients import Client, LinkClient
+from pioneer3.sim.server.clients import STALE, Client, LinkClient, Seat
 from pioneer3.sim.server.faults import Line, LinkFaults
-from pioneer3.sim.server.seat import STALE, Seat
 
 BYTES_PER_TICK = 256
 """Taken from a host and answered to it in each tick, on average: 115 200 baud are 230."""

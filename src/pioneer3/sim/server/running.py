@@ -16,7 +16,6 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.placement.footprint import hits, overlap, stands_in
 from pioneer3.sim.placement.placer import Berths, Newcomer
@@ -26,7 +25,7 @@ from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
-from pioneer3.sim.worldfile import Box, Person, RobotSpec
+from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec
 
 ANY = {"0.0.0.0", "::", ""}
 SOMEWHERE = ("192.0.2.1", 9)
@@ -110,7 +109,7 @@ class RunningSimulation:
         simulation: Simulation,
         robots: Iterable[SimulatedRobot],
         rng: Generator,
-        shelf: MapShelf,
+        shelf: ClientMaps,
     ) -> None:
         self.world: World = simulation.world
         self.robots = list(robots)

@@ -17,7 +17,7 @@ from pioneer3.clock import Clock
 from pioneer3.errors import LinkError
 from pioneer3.sim.firmware import CYCLE, Firmware
 from pioneer3.sim.firmware.console import StepTimes
-from pioneer3.sim.server.doors import PtyDoor, TcpDoor, listening
+from pioneer3.sim.server.listeners import PtyDoor, TcpDoor, listening
 from pioneer3.sim.server.pace import LATELY, TICK, Pace
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World

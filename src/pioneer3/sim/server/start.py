@@ -14,18 +14,17 @@ from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.firmware.map_shelf import MapShelf
 from pioneer3.sim.placement.spawn import Inhabitant, populate
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.choice import KernelChoice, chosen_kernels
-from pioneer3.sim.server.doors import listening
 from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.listeners import listening
 from pioneer3.sim.server.pace import Pace
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot, url_of
 from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
-from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_world
+from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
 from pioneer3.tasks import running
 
@@ -191,6 +190,6 @@ def _robots(
         yield SimulatedRobot.at(port, each.name, pty)
 
 
-def _shelf(world: WorldFile) -> MapShelf:
+def _shelf(world: WorldFile) -> ClientMaps:
     """Return the maps that clients may load: those beside the one in use, and those here."""
-    return MapShelf(world.map.parent, Path()) if isinstance(world.map, Path) else MapShelf()
+    return ClientMaps(world.map.parent, Path()) if isinstance(world.map, Path) else ClientMaps()

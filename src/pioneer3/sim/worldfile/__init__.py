@@ -1,6 +1,6 @@
 """Worlds in TOML: a map with robots, boxes, walls, places and people."""
 
-from pioneer3.sim.worldfile.load import load_map, load_world, shipped_worlds
+from pioneer3.sim.worldfile.load import ClientMaps, load_map, load_world, shipped_worlds
 from pioneer3.sim.worldfile.person import Person, outlines_at
 from pioneer3.sim.worldfile.spec import Box, Fitting, Place, RobotSpec, Start, Wall, WorldFile
 from pioneer3.sim.worldfile.toml import (
@@ -13,6 +13,7 @@ from pioneer3.sim.worldfile.toml import (
 
 __all__ = [
     "Box",
+    "ClientMaps",
     "Fitting",
     "Person",
     "Place",

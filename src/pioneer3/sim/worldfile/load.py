@@ -66,3 +66,39 @@ def shipped_world(name: str) -> WorldFile:
     """Return the world of :func:`shipped_worlds` with this name."""
     with as_file(files("pioneer3.sim") / "worlds" / f"{name}.toml") as path:
         return read_world(path)
+
+
+class ClientMaps:
+    """The maps that a client may ask for by name: those that ship, and those in some folders.
+
+    Args:
+        folders: By default the working directory. Folders inside these are not searched, and links
+            out of them not followed, so that clients cannot read this machine's other files.
+    """
+
+    def __init__(self, *folders: Path) -> None:
+        self._folders = folders or (Path(),)
+
+    def find(self, name: str) -> LineMap:
+        """Return the map of this name; a file wins over a shipped map.
+
+        Raises:
+            ConfigError: A client may have no such map, or it cannot be read.
+        """
+        for folder in self._folders:
+            path = _inside(folder, name)
+            if path is not None:
+                return load_map(path)
+        if name.removesuffix(".map") in shipped_maps():
+            return load_map(name.removesuffix(".map"))
+        raise ConfigError(f"map {name!r}: clients can have the shipped ones and those beside it")
+
+
+def _inside(folder: Path, name: str) -> Path | None:
+    """Return the ordinary file `name` if it lies right in `folder`."""
+    try:
+        path = (folder / name).resolve()
+        return path if path.parent == folder.resolve() and path.is_file() else None
+    except (OSError, ValueError, RuntimeError):
+        # not a name, or a loop of links
+        return None

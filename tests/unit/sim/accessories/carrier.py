@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pioneer3.arcos.reports import Report
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.firmware.accessories.base import Accessory
+from pioneer3.sim.accessories.base import Accessory
 
 
 @dataclass

@@ -4,7 +4,7 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
-from pioneer3.sim.firmware.accessories.aux_port import BUFFER, AuxPort
+from pioneer3.sim.accessories.aux_port import BUFFER, AuxPort
 from tests.unit.sim.accessories.carrier import answers
 
 

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.sim.firmware.accessories.cameras import CanonVcc4, Gaze
+from pioneer3.sim.accessories.canon import CanonVcc4
+from pioneer3.sim.accessories.pan_tilt_zoom import Gaze
 
 
 def frame(command: int, parameters: bytes = b"") -> bytes:

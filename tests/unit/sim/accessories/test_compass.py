@@ -6,8 +6,8 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.firmware.accessories.base import NOTHING
-from pioneer3.sim.firmware.accessories.compass import Compass
+from pioneer3.sim.accessories.base import NOTHING
+from pioneer3.sim.accessories.compass import Compass
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 

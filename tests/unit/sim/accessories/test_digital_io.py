@@ -3,8 +3,8 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request
 from pioneer3.errors import ConfigError
-from pioneer3.sim.firmware.accessories.base import NOTHING
-from pioneer3.sim.firmware.accessories.digital_io import DigitalIo
+from pioneer3.sim.accessories.base import NOTHING
+from pioneer3.sim.accessories.digital_io import DigitalIo
 from tests.unit.sim.accessories.carrier import answers
 
 

@@ -3,7 +3,7 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request
 from pioneer3.models import load_model
-from pioneer3.sim.firmware.accessories.encoders import Encoders
+from pioneer3.sim.accessories.gauges import Encoders
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers
 
 

@@ -6,9 +6,8 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import GripperAction, Request
 from pioneer3.arcos.reports import GripperSwitch
 from pioneer3.errors import ConfigError
-from pioneer3.sim.firmware.accessories.base import NOTHING
-from pioneer3.sim.firmware.accessories.gripper import IDLE, Gripper, NoGripper
-from pioneer3.sim.firmware.accessories.gripper_motion import OPENING, Thing
+from pioneer3.sim.accessories.base import NOTHING
+from pioneer3.sim.accessories.gripper import IDLE, OPENING, Gripper, NoGripper, Thing
 from tests.unit.sim.accessories.carrier import answers
 
 S = GripperSwitch

@@ -4,9 +4,9 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request
 from pioneer3.arcos.reports import SipFlag
 from pioneer3.errors import ConfigError
-from pioneer3.sim.firmware.accessories import Stick
-from pioneer3.sim.firmware.accessories.base import NOTHING
-from pioneer3.sim.firmware.accessories.joystick import Joystick
+from pioneer3.sim.accessories import Stick
+from pioneer3.sim.accessories.base import NOTHING
+from pioneer3.sim.accessories.gauges import Joystick
 from tests.unit.sim.accessories.carrier import answers
 
 

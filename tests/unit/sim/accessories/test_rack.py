@@ -11,8 +11,7 @@ from pioneer3.arcos.commands import Command, GripperAction, GyroMode, Request, T
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.sim.body import Body
-from pioneer3.sim.firmware.accessories import (
+from pioneer3.sim.accessories import (
     Accessories,
     Carrier,
     Equipment,
@@ -20,8 +19,9 @@ from pioneer3.sim.firmware.accessories import (
     Stick,
     TableSensor,
 )
-from pioneer3.sim.firmware.accessories.cameras import SonyEvi
-from pioneer3.sim.firmware.accessories.courtesy import TAKEN
+from pioneer3.sim.accessories.fitted import TAKEN
+from pioneer3.sim.accessories.sony import SonyEvi
+from pioneer3.sim.body import Body
 from tests.property.test_codecs import messages
 from tests.unit.sim.accessories.carrier import FakeCarrier
 

@@ -8,13 +8,11 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, Request, Tcm2Mode
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.firmware.accessories.base import Accessory, Asked
-from pioneer3.sim.firmware.accessories.battery import BatteryGauge
-from pioneer3.sim.firmware.accessories.compass import Compass
-from pioneer3.sim.firmware.accessories.digital_io import DigitalIo
-from pioneer3.sim.firmware.accessories.encoders import Encoders
-from pioneer3.sim.firmware.accessories.gripper import Gripper, NoGripper
-from pioneer3.sim.firmware.accessories.joystick import Joystick
+from pioneer3.sim.accessories.base import Accessory, Asked
+from pioneer3.sim.accessories.compass import Compass
+from pioneer3.sim.accessories.digital_io import DigitalIo
+from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
+from pioneer3.sim.accessories.gripper import Gripper, NoGripper
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
 TCM2 = {Request.STOP: Tcm2Mode.OFF, Request.ONCE: Tcm2Mode.ONCE, Request.STREAM: Tcm2Mode.STREAM}

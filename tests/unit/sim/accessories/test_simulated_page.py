@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from pioneer3.arcos import commands, reports
-from pioneer3.sim.firmware.accessories.courtesy import TAKEN
+from pioneer3.sim.accessories.fitted import TAKEN
 
 PAGE = Path(__file__).parents[4] / "docs" / "reference" / "simulated.md"
 ROW = re.compile(r"^\| (0x[0-9A-F]+|\d+) \| [^|]+ \| (simulated|answers|ignored) \|", re.MULTILINE)

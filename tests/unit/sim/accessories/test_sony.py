@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.sim.firmware.accessories.cameras import Gaze, SonyEvi
+from pioneer3.sim.accessories.pan_tilt_zoom import Gaze
+from pioneer3.sim.accessories.sony import SonyEvi
 
 ACK, DONE, SYNTAX = b"\x90\x41\xff", b"\x90\x51\xff", b"\x90\x60\x02\xff"
 ARIA_INIT = bytes.fromhex("88010001ff 883001ff")

@@ -5,8 +5,8 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.sim.firmware.accessories import Table, TableSensor
-from pioneer3.sim.firmware.accessories.table_ir import TableIr
+from pioneer3.sim.accessories import Table, TableSensor
+from pioneer3.sim.accessories.digital_io import TableIr
 from tests.unit.sim.accessories.carrier import FakeCarrier
 
 T = TableSensor

@@ -10,7 +10,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, Tcm2Mode
 from pioneer3.arcos.reports import Compass as CompassReport
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.firmware.accessories.base import Asked, Carrier, Inputs
+from pioneer3.sim.accessories.base import Asked, Carrier, Inputs
 from pioneer3.units import degrees
 
 FIELD_LEVEL, FIELD_DOWN = 20.0, 45.0

@@ -10,7 +10,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GyroMode
 from pioneer3.arcos.reports import GyroRates, GyroSample, Report
 from pioneer3.geometry import wrap
-from pioneer3.sim.firmware.accessories.base import Carrier, Inputs
+from pioneer3.sim.accessories.base import Carrier, Inputs
 
 PERIOD = 0.025
 """Between two samples [s]."""

@@ -10,7 +10,7 @@ the place of an old one without BUSY.
 from collections.abc import Callable, Mapping
 from math import inf, radians
 
-from pioneer3.sim.firmware.accessories.cameras.mechanism import Gaze, PanTiltZoom, Slew
+from pioneer3.sim.accessories.pan_tilt_zoom import Gaze, PanTiltZoom, Slew
 
 HEADER, ANSWER, FOOTER = 0xFF, 0xFE, 0xEF
 LONGEST = 32

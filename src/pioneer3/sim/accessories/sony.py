@@ -10,7 +10,7 @@ on their D30 mode: 0370 is 100 degrees to the right and 012C is 25 up, speed 1 t
 from collections import deque
 from math import inf, radians
 
-from pioneer3.sim.firmware.accessories.cameras.mechanism import Gaze, PanTiltZoom, Slew
+from pioneer3.sim.accessories.pan_tilt_zoom import Gaze, PanTiltZoom, Slew
 
 END = 0xFF
 LONGEST = 16

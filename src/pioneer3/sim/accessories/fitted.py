@@ -2,24 +2,66 @@
 
 from collections.abc import Sequence
 from math import inf
+from typing import Final
 
 from numpy.random import Generator, default_rng
 
+from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperVal
 from pioneer3.arcos.reports import Report
+from pioneer3.sim.accessories.aux_port import AuxPort
+from pioneer3.sim.accessories.base import NOTHING, Accessory, Carrier, Inputs
+from pioneer3.sim.accessories.canon import CanonVcc4
+from pioneer3.sim.accessories.compass import Compass
+from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr, nothing_low
+from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
+from pioneer3.sim.accessories.gripper import Gripper, NoGripper
+from pioneer3.sim.accessories.gyro import Gyro
+from pioneer3.sim.accessories.sony import SonyEvi
 from pioneer3.sim.equipment import PORTS, Camera, Equipment
-from pioneer3.sim.firmware.accessories.aux_port import AuxPort
-from pioneer3.sim.firmware.accessories.base import NOTHING, Accessory, Carrier, Inputs
-from pioneer3.sim.firmware.accessories.battery import BatteryGauge
-from pioneer3.sim.firmware.accessories.cameras import CanonVcc4, SonyEvi
-from pioneer3.sim.firmware.accessories.compass import Compass
-from pioneer3.sim.firmware.accessories.courtesy import Courtesy
-from pioneer3.sim.firmware.accessories.digital_io import DigitalIo, nothing_low
-from pioneer3.sim.firmware.accessories.encoders import Encoders
-from pioneer3.sim.firmware.accessories.gripper import Gripper, NoGripper
-from pioneer3.sim.firmware.accessories.gyro import Gyro
-from pioneer3.sim.firmware.accessories.joystick import Joystick
-from pioneer3.sim.firmware.accessories.table_ir import TableIr
+
+TAKEN: Final = frozenset(
+    commands.NUMBERS[name]
+    for name in (
+        "AUX1BAUD",
+        "AUX2BAUD",
+        "CALCOMP",
+        "JOYDRIVE",
+        "MOVINGBLINK",
+        "PLAYLIST",
+        "POWER_12V",
+        "POWER_5V",
+        "POWER_AUDIO",
+        "POWER_AUX_PC",
+        "POWER_LRF",
+        "POWER_LRF2",
+        "POWER_PC",
+        "POWER_PTZ",
+        "POWER_TOUCHSCREEN",
+        "PTUPOS",
+        "SOUND",
+        "SOUNDTOG",
+    )
+) | {commands.Say.ID}
+
+
+class Courtesy:
+    """Takes commands that have no effect on anything that is simulated, and says nothing."""
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Return whether `command` is one of them."""
+        return command.ID in TAKEN
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """There are none."""
+        return ()
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Nothing of this is in the standard report."""
+        return sip
+
+    def hang_up(self) -> None:
+        """There is nothing to stop."""
 
 
 class Accessories:

@@ -7,7 +7,7 @@ from typing import Protocol
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Report, SerialAux
-from pioneer3.sim.firmware.accessories.base import Inputs
+from pioneer3.sim.accessories.base import Inputs
 
 TTY = (commands.Tty2.ID, commands.Tty3.ID, commands.Tty4.ID)
 GETAUX = (commands.GetAux.ID, commands.GetAux2.ID, commands.GetAux3.ID)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.firmware.map_shelf import MapShelf
+from pioneer3.sim.worldfile import ClientMaps
 
 MAP = "2D-Map\nLINES\n0 0 1000 0\n0 0 0 1000\n"
 
@@ -26,19 +26,19 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_files_right_in_the_folder_are_found_by_name_and_by_path(folder: Path) -> None:
-    shelf = MapShelf(folder)
+    shelf = ClientMaps(folder)
     for name in ("lab.map", "./lab.map", "below/../lab.map", str(folder / "lab.map")):
         assert len(shelf.find(name).walls) == 2
 
 
 def test_shipped_maps_are_always_there(folder: Path) -> None:
     for name in ("office", "office.map"):
-        assert MapShelf(folder).find(name).name == "office"
+        assert ClientMaps(folder).find(name).name == "office"
 
 
 def test_a_file_wins_over_a_shipped_map_of_the_same_name(folder: Path) -> None:
     (folder / "office.map").write_text(MAP)
-    assert len(MapShelf(folder).find("office.map").walls) == 2
+    assert len(ClientMaps(folder).find("office.map").walls) == 2
 
 
 @pytest.mark.parametrize(
@@ -63,12 +63,12 @@ def test_a_file_wins_over_a_shipped_map_of_the_same_name(folder: Path) -> None:
 )
 def test_nothing_else_is(folder: Path, name: str) -> None:
     with pytest.raises(ConfigError):
-        MapShelf(folder).find(name)
+        ClientMaps(folder).find(name)
 
 
 def test_by_default_it_is_the_working_directory(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shelf = MapShelf()
+    shelf = ClientMaps()
     monkeypatch.chdir(folder)
     assert len(shelf.find("lab.map").walls) == 2

@@ -1,0 +1,178 @@
+"""Accessories that only report: battery, wheel encoders, joystick (arcos.md 5.2, 5.8, 5.9)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import BatteryInfo, Report, SipFlag, SmartBattery
+from pioneer3.arcos.reports import Encoders as EncoderReport
+from pioneer3.arcos.reports import Joystick as JoystickReport
+from pioneer3.errors import ConfigError
+from pioneer3.sim.accessories.base import Asked, Carrier, Cells, Inputs
+from pioneer3.sim.body import EMPTY, FULL
+
+LOW = 11.5
+"""The firmware complains from here on [V]; CONFIG tells it (arcos.md 5.1)."""
+
+
+def charge_percent(cells: Cells) -> int:
+    """Return what is left, 0 to 100; a voltage that a test has set decides, where there is one."""
+    fixed = cells.fixed
+    share = cells.charge if fixed is None else (fixed - EMPTY) / (FULL - EMPTY)
+    return max(0, min(100, round(100 * share)))
+
+
+class BatteryGauge:
+    """One battery with a gauge; its flags are all clear."""
+
+    def __init__(self, body: Carrier) -> None:
+        self._body = body
+        self._asked = Asked()
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Take requests for reports."""
+        match command:
+            case commands.RequestBatteryInfo(how):
+                self._asked.ask(how)
+                return True
+        return False
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the charge when it is due."""
+        if not self._asked.due(cycle=cycle):
+            return ()
+        percent = charge_percent(self._body.battery)
+        battery = SmartBattery(
+            flags1=0,
+            flags2=0,
+            flags3=0,
+            relative_charge_percent=percent,
+            absolute_charge_percent=percent,
+        )
+        return (BatteryInfo((battery,)),)
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """The voltage in the standard report is the firmware's."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more reports."""
+        self._asked = Asked()
+
+
+TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
+"""Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (arcos.md 5.1)."""
+
+
+class Encoders:
+    """Two counters of 32 bits that run from power-on; SETO does not reset them."""
+
+    def __init__(self, body: Carrier) -> None:
+        self._body = body
+        self._ticks = TICKS_PER_METRE[body.model.drive]
+        self._asked = Asked()
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Take requests for reports."""
+        match command:
+            case commands.RequestEncoders(how):
+                self._asked.ask(how)
+                return True
+        return False
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the counts when they are due."""
+        if not self._asked.due(cycle=cycle):
+            return ()
+        left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
+        return (EncoderReport(left_counts=left, right_counts=right),)
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Nothing of this is in the standard report."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more reports; the counters run on."""
+        self._asked = Asked()
+
+
+def _s32(count: float) -> int:
+    """Return what a signed counter of 32 bits shows."""
+    return (round(count) + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+CENTRE, TOP = 512, 1023
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stick:
+    """How somebody holds the stick.
+
+    Attributes:
+        forward: -1 backward to 1 forward.
+        left: -1 right to 1 left.
+        throttle: 0 to 1.
+        button1: Pressed; robots drive by joystick only while it is.
+        button2: Pressed.
+
+    Raises:
+        ConfigError: A value is not finite.
+    """
+
+    forward: float = 0.0
+    left: float = 0.0
+    throttle: float = 0.0
+    button1: bool = False
+    button2: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse NaN and infinity; what is too large stops at the end of the stick."""
+        if not all(map(isfinite, (self.forward, self.left, self.throttle))):
+            raise ConfigError(f"{self!r}: not finite")
+
+
+class Joystick:
+    """Reports how :attr:`stick` is held; it does not drive the simulated robot."""
+
+    def __init__(self) -> None:
+        self.stick = Stick()
+        self._asked = Asked()
+
+    def obey(self, command: Command, now: float) -> bool:
+        """Take requests for reports."""
+        match command:
+            case commands.JoyInfo(how):
+                self._asked.ask(how)
+                return True
+        return False
+
+    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
+        """Return the stick's position when it is due."""
+        if not self._asked.due(cycle=cycle):
+            return ()
+        stick = self.stick
+        return (
+            JoystickReport(
+                button1=int(stick.button1),
+                button2=int(stick.button2),
+                x_raw=_raw(CENTRE + CENTRE * stick.left),
+                y_raw=_raw(CENTRE + CENTRE * stick.forward),
+                throttle_raw=_raw(2 * CENTRE * stick.throttle),
+            ),
+        )
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Show the first button among the flags."""
+        if not self.stick.button1:
+            return sip
+        return replace(sip, flags=sip.flags | SipFlag.JOYSTICK_BUTTON)
+
+    def hang_up(self) -> None:
+        """Send no more reports."""
+        self._asked = Asked()
+
+
+def _raw(value: float) -> int:
+    return max(0, min(TOP, round(value)))
