@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.runtime.connect import connect_async
-from pioneer3.sim.server import doors
+from pioneer3.sim.server import listeners
 from pioneer3.sim.server.start import simulator
 
 ROOT = Path(__file__).parents[2]
@@ -103,7 +103,7 @@ def test_what_is_not_there_is_said_in_one_line(line: str, told: str) -> None:
 async def test_the_simulator_serves_sockets_that_are_no_files(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(doors, "SOCKETS_ARE_FILES", False)
+    monkeypatch.setattr(listeners, "SOCKETS_ARE_FILES", False)
     async with simulator(port=0) as simulation:
         for _ in range(2):
             async with connect_async(simulation.url) as robot:
