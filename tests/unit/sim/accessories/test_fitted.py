@@ -78,7 +78,7 @@ def test_what_it_does_not_have_nobody_takes(command: Command) -> None:
 
 
 @pytest.mark.parametrize("cls", POLITE)
-@settings(max_examples=10)
+@settings(max_examples=10, deadline=None)
 @given(data=st.data())
 def test_sounds_lamps_and_switches_are_taken_silently(cls: type[Any], data: st.DataObject) -> None:
     rack = Accessories(FakeCarrier())
