@@ -6,10 +6,10 @@ from random import Random
 from time import perf_counter
 
 from benchmarks.table import Row
+from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.engine import resolve
 from pioneer3.behaviors.memory import SONAR
 from pioneer3.behaviors.modes import Preset, wander
-from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
@@ -45,7 +45,7 @@ def situations() -> list[Situation]:
                 ),
                 model=model,
                 limits=limits,
-                around=Surroundings(pose, echoes[: SONAR.recent], echoes, echoes),
+                around=Surroundings(pose, echoes[: SONAR.current], echoes, echoes),
             )
         )
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3 import connect_async
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.gym.places import Places
 from pioneer3.models import load_model

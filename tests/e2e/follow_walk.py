@@ -82,7 +82,7 @@ class Judge:
         outcome.ended = ended.why if ended else None
 
     def _says_it_follows(self) -> bool:
-        shares = self._robot.arbiter.decision.shares
+        shares = self._robot.arbiter.decision.contributions
         return any(s.action == "follow" and s.reason.startswith("follows") for s in shares)
 
 

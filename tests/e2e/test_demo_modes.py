@@ -20,9 +20,7 @@ from pioneer3.arcos.commands import (
     Tcm2,
     Tcm2Mode,
 )
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Desire, Situation, Stack
 from pioneer3.demo.modes import ALL, Cockpit, Mode, Row
 from pioneer3.demo.program import Maker, Program
 from pioneer3.errors import ConfigError, PortNotFoundError

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pioneer3.behaviors.action import Action, Situation
 from pioneer3.behaviors.actions import (
     AvoidFront,
     AvoidSide,
@@ -16,8 +17,6 @@ from pioneer3.behaviors.actions import (
     RatioInput,
     TurnAway,
 )
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Action
 from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import around, seen, value
 

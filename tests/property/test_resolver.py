@@ -6,10 +6,8 @@ from math import inf
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.behaviors.desire import Desire, Wish
+from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import Decision, resolve
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Ranked, Stack
 from tests.unit.behaviors.support import seen
 
 
@@ -22,9 +20,9 @@ class Wants:
         return self.desire
 
 
-def wishes(low: float, high: float) -> st.SearchStrategy[Wish | None]:
+def wishes(low: float, high: float) -> st.SearchStrategy[Weighted | None]:
     return st.none() | st.builds(
-        Wish, st.floats(low, high), st.sampled_from([0.0, 0.1, 0.25, 0.5, 1.0])
+        Weighted, st.floats(low, high), st.sampled_from([0.0, 0.1, 0.25, 0.5, 1.0])
     )
 
 
@@ -82,7 +80,7 @@ def test_values_stay_within_what_was_wanted(ranked: list[Ranked]) -> None:
     wanted = [
         r.action.desire.v.value
         for r in ranked
-        if isinstance(r.action, Wants) and isinstance(r.action.desire.v, Wish)
+        if isinstance(r.action, Wants) and isinstance(r.action.desire.v, Weighted)
     ]
     v = decided(ranked).twist.v
     assert min([0.0, *wanted]) - 1e-12 <= v <= max([0.0, *wanted]) + 1e-12

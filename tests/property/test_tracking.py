@@ -6,10 +6,9 @@ from math import cos, inf, isfinite, radians, sin
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.behaviors.actions.brake import DELAY, SHARE, stopping_speed
-from pioneer3.behaviors.actions.follow_lab import FollowLab
-from pioneer3.behaviors.actions.follow_tracking import FollowTracking
-from pioneer3.behaviors.tracking.estimate import FASTEST, Estimate
+from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
+from pioneer3.behaviors.actions.limiters import BRAKE_DELAY, PLANNED_SHARE, stopping_speed
+from pioneer3.behaviors.tracking import FASTEST, KalmanFilter
 from pioneer3.geometry import Pose2
 from pioneer3.state import Sonar
 from tests.unit.behaviors.support import seen, value
@@ -25,8 +24,8 @@ REPORTS = st.lists(
 )
 
 
-def measured(corrections: list[tuple[float, float, float, float]]) -> Estimate:
-    estimate, now = Estimate(1.0, -2.0, 0.0, 0.15), 0.0
+def measured(corrections: list[tuple[float, float, float, float]]) -> KalmanFilter:
+    estimate, now = KalmanFilter(1.0, -2.0, 0.0, 0.15), 0.0
     for angle, error, sigma, dt in corrections:
         now += dt
         estimate.advance(now)
@@ -101,4 +100,4 @@ def test_the_labs_rule_keeps_its_bounds_and_its_sides(ranges: list[float]) -> No
 def test_a_robot_at_its_stopping_speed_stops_in_time(distance: float, deceleration: float) -> None:
     v = stopping_speed(distance, deceleration)
     assert v >= 0
-    assert v * DELAY + v * v / (2 * SHARE * deceleration) <= distance + 1e-9
+    assert v * BRAKE_DELAY + v * v / (2 * PLANNED_SHARE * deceleration) <= distance + 1e-9

@@ -1,16 +1,120 @@
-"""Prioritised actions, resolved. Pure: situation in, decision out; no link, no logging."""
+"""Resolves prioritised actions. Pure: situation in, decision out; no link, no logging."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from math import inf, radians
+from math import copysign, inf, radians, sqrt
 
-from pioneer3.behaviors.merge import Entry, Merge, Share
-from pioneer3.behaviors.profile import approach
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Action, Stack
-from pioneer3.geometry import STILL, Twist2
+from pioneer3.behaviors.action import (
+    HIGHEST,
+    LOWEST,
+    MOTION,
+    NO_STRENGTH,
+    Action,
+    Combined,
+    Contribution,
+    Desire,
+    Situation,
+    Stack,
+    Weighted,
+    as_weighted,
+)
+from pioneer3.geometry import STILL, Twist2, wrap
 from pioneer3.limits import Limits
+
+SETTLE = 0.35
+"""Time constant of the last stretch [s]: three report cycles, so that it does not overshoot."""
+MARGIN = 0.7
+"""Share of the deceleration planned with; the rest covers the delay of a report cycle."""
+
+
+def approach(remaining: float, top: float, deceleration: float) -> float:
+    """Return the speed towards a point `remaining` away, signed like it.
+
+    Square root far away (constant deceleration), proportional near. Metres or radians alike.
+    """
+    distance = abs(remaining)
+    speed = min(top, sqrt(2 * MARGIN * deceleration * distance), distance / SETTLE)
+    return copysign(speed, remaining)
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """The desire of one action, with its name."""
+
+    action: str
+    desire: Desire
+
+
+def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combined:
+    """Return `above` with the desires of a group of equal priority added below it.
+
+    Args:
+        above: The desires of higher priorities.
+        group: In any order; the result is the same up to rounding.
+        theta: The robot's heading, from which headings become turns [rad].
+    """
+    motion, limits, parts = dict(above.motion), dict(above.limits), list(above.contributions)
+    until, despite_stall = above.until, above.despite_stall
+    group = sorted(group, key=lambda proposal: proposal.action)
+    asked = {channel: _wanted(channel, group, theta) for channel in MOTION}
+    for channel, found in asked.items():
+        room = 1.0 - above.strength(channel)
+        if not found or room <= NO_STRENGTH or _decided_otherwise(above, channel):
+            continue
+        scale = min(1.0, room / sum(weighted.strength for _, weighted in found))
+        for proposal, weighted in found:
+            counted = Weighted(weighted.value, weighted.strength * scale)
+            parts.append(_contribution(proposal, channel, counted))
+            motion[channel] = _mean(motion.get(channel), counted)
+            until = min(until, proposal.desire.until)
+            despite_stall = despite_stall or proposal.desire.despite_stall
+    for channel in (*LOWEST, *HIGHEST):
+        for proposal in group:
+            limit = as_weighted(getattr(proposal.desire, channel))
+            if limit is not None:
+                parts.append(_contribution(proposal, channel, Weighted(limit.value)))
+                limits[channel] = _safest(channel, limits.get(channel), limit.value)
+    return Combined(motion, limits, until, despite_stall, tuple(parts))
+
+
+def _contribution(proposal: Proposal, channel: str, counted: Weighted) -> Contribution:
+    reason = proposal.desire.reason
+    return Contribution(proposal.action, channel, counted.value, counted.strength, reason)
+
+
+def _decided_otherwise(above: Combined, channel: str) -> bool:
+    """Return whether higher priorities have chosen the other way to turn (arcos.md 7.4, rule 4)."""
+    other = {"turn": "w", "w": "turn"}.get(channel)
+    return other in above.motion and channel not in above.motion
+
+
+def _wanted(channel: str, group: list[Proposal], theta: float) -> list[tuple[Proposal, Weighted]]:
+    """Return the proposals for `channel`, each with its value and strength."""
+    found = []
+    for proposal in group:
+        asked = as_weighted(getattr(proposal.desire, channel))
+        if channel == "turn" and (heading := as_weighted(proposal.desire.heading)):
+            asked = Weighted(wrap(heading.value - theta), heading.strength)
+        if asked is not None:
+            found.append((proposal, asked))
+    return found
+
+
+def _mean(above: Weighted | None, below: Weighted) -> Weighted:
+    """Return the mean by strength."""
+    if above is None:
+        return below
+    strength = above.strength + below.strength
+    value = (above.value * above.strength + below.value * below.strength) / strength
+    return Weighted(value, min(1.0, strength))
+
+
+def _safest(channel: str, known: float | None, value: float) -> float:
+    if known is None:
+        return value
+    return max(known, value) if channel in HIGHEST else min(known, value)
+
 
 TURNED = radians(0.5)
 """A turn smaller than this is done (arcos.md 7.5: it rounds to no degree)."""
@@ -32,49 +136,49 @@ class ActionError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What the robot shall do, until when, and who decided it.
+    """The motion of the robot, its end, and the actions that decided it.
 
     Attributes:
         twist: Within all limits of actions [m/s, rad/s].
         until: When it ends [s, monotonic].
-        shares: Parts of the actions in it, highest priority first.
+        contributions: The parts of the actions in it, highest priority first.
         limits: Set by actions, by channel of `Desire`.
         despite_stall: Whether it is the answer to a stall.
     """
 
     twist: Twist2 = STILL
     until: float = inf
-    shares: tuple[Share, ...] = ()
+    contributions: tuple[Contribution, ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
     despite_stall: bool = False
 
     @property
     def v_by(self) -> str | None:
-        """Who decided the speed first of all, or `None`."""
+        """The first action that decided the speed, or `None`."""
         return self._first("v")
 
     @property
     def w_by(self) -> str | None:
-        """Who decided the turn first of all, or `None`."""
+        """The first action that decided the turn, or `None`."""
         return self._first("turn", "w")
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody asked for motion, standing still included."""
+        """Whether an action asked for motion, standing still included."""
         return self.v_by is not None or self.w_by is not None
 
     def _first(self, *channels: str) -> str | None:
-        return next((share.action for share in self.shares if share.channel in channels), None)
+        return next((part.action for part in self.contributions if part.channel in channels), None)
 
 
 def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
-    """Ask all actions, from the highest priority down; each knows what those above want.
+    """Ask all actions, from the highest priority down; each sees the desires above it.
 
     Raises:
-        ActionError: an action failed, or wants what is no number.
+        ActionError: an action failed, or asked for a value that is no number.
     """
-    theta, merge = situation.pose.theta, Merge()
-    seen = replace(situation, higher=merge)
+    theta, combined = situation.pose.theta, Combined()
+    seen = replace(situation, higher=combined)
     ranked = sorted(
         (
             (-stack.priority, -ranked.priority, stack.name, ranked.action)
@@ -86,22 +190,22 @@ def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
     for _, group in groupby(ranked, key=lambda entry: entry[:2]):
         asked = [_ask(stack, action, seen) for _, _, stack, action in group]
         if entries := [entry for entry in asked if entry is not None]:
-            merge = merge.below(entries, theta)
-            seen = replace(situation, higher=merge)
-    return _decision(merge, situation.limits)
+            combined = combine(combined, entries, theta)
+            seen = replace(situation, higher=combined)
+    return _decision(combined, situation.limits)
 
 
-def _ask(stack: str, action: Action, situation: Situation) -> Entry | None:
+def _ask(stack: str, action: Action, situation: Situation) -> Proposal | None:
     try:
         desire = action.decide(situation)
     except Exception as error:
         raise ActionError(stack, action.name, error) from error
-    return None if desire is None else Entry(action.name, desire)
+    return None if desire is None else Proposal(action.name, desire)
 
 
-def _decision(merge: Merge, limits: Limits) -> Decision:
-    known = merge.limits
-    motion = {channel: wish.value for channel, wish in merge.motion.items()}
+def _decision(combined: Combined, limits: Limits) -> Decision:
+    known = combined.limits
+    motion = {channel: taken.value for channel, taken in combined.motion.items()}
     top_left = min(known.get("left_max", inf), limits.max_turn_rate)
     top_right = min(known.get("right_max", inf), limits.max_turn_rate)
     w = motion.get("w", 0.0)
@@ -114,7 +218,7 @@ def _decision(merge: Merge, limits: Limits) -> Decision:
         _clip(motion.get("v", 0.0), known.get("v_max", inf), known.get("back_max", inf)),
         _clip(w, known.get("left_max", inf), known.get("right_max", inf)),
     )
-    return Decision(twist, merge.until, merge.shares, known, merge.despite_stall)
+    return Decision(twist, combined.until, combined.contributions, known, combined.despite_stall)
 
 
 def _clip(value: float, top: float, bottom: float) -> float:

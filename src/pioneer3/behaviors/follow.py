@@ -2,11 +2,9 @@
 
 from typing import Literal, get_args
 
-from pioneer3.behaviors.actions.brake import Brake
-from pioneer3.behaviors.actions.follow_lab import FollowLab
-from pioneer3.behaviors.actions.follow_tracking import FollowTracking
-from pioneer3.behaviors.actions.limiters import LimiterBackwards, LimiterTableSensor
-from pioneer3.behaviors.stack import MODE, Action, Ranked, Stack
+from pioneer3.behaviors.action import MODE, Action, Ranked, Stack
+from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
+from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
 
 Rule = Literal["tracking", "lab"]
 HINT = "follows the person in front, at arm's length"

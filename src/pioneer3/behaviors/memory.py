@@ -1,16 +1,111 @@
-"""Remembers what the range sensors saw, in odometry's frame (arcos.md 7.2)."""
+"""Remembers points that range sensors saw, in odometry's frame (arcos.md 7.2)."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import hypot, inf, isfinite, radians
+from math import atan2, cos, floor, hypot, inf, isfinite, radians, sin
+from typing import NamedTuple
 
-from pioneer3.behaviors.laser_memory import STALE, LaserMemory
-from pioneer3.behaviors.seen import Seen
-from pioneer3.behaviors.surroundings import LATELY, Surroundings
-from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.behaviors.surroundings import WINDOW, Surroundings
+from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
 from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
+
+
+class StampedPoint(NamedTuple):
+    """Where it is in odometry's frame [m], and when it was seen [s]."""
+
+    x: float
+    y: float
+    stamp: float
+
+
+STALE_SCAN = 1.0
+"""A scan older than this [s] says nothing of now."""
+AGE, DISTANCE = 30.0, 6.0
+"""How long [s] and how far from the robot [m] points are cumulative."""
+NEAR, SPACING = 3.0, 0.2
+"""Points within the first [m] are cumulative, no two closer than the second [m]."""
+MOST = 500
+CLEAN_EVERY, CLEAR = 1.0, 0.075
+"""Every so often [s], what a beam sees past by more than this [m] is forgotten."""
+
+
+class LaserMemory:
+    """The last scan, and points of those before."""
+
+    def __init__(self) -> None:
+        self.current: tuple[StampedPoint, ...] = ()
+        self._cells: dict[
+            tuple[int, int], StampedPoint
+        ] = {}  # oldest first; at most one point in each
+        self._sequence = -1
+        self._cleaned = 0.0
+
+    @property
+    def cumulative(self) -> Iterable[StampedPoint]:
+        """Points of earlier scans, too."""
+        return self._cells.values()
+
+    def add(self, scan: Scan) -> None:
+        """Take in a scan; the same one again changes nothing."""
+        if scan.sequence == self._sequence:
+            return
+        self._sequence = scan.sequence
+        sensor = scan.sensor_in_odom
+        if scan.stamp - self._cleaned >= CLEAN_EVERY:
+            self._cleaned = scan.stamp
+            self._clean(scan, sensor)
+        seen = []
+        for angle, metres in zip(scan.angles, scan.ranges, strict=True):
+            if isfinite(metres):
+                bearing = sensor.theta + angle
+                x, y = sensor.x + metres * cos(bearing), sensor.y + metres * sin(bearing)
+                seen.append(StampedPoint(x, y, scan.stamp))
+                if metres <= NEAR:
+                    self._remember(seen[-1])
+        self.current = tuple(seen)
+
+    def forget(self, pose: Pose2, now: float) -> None:
+        """Drop what is too old, and what has been left behind."""
+        if self.current and now - self.current[0].stamp > STALE_SCAN:
+            self.current = ()
+        self._keep(lambda p: now - p.stamp <= AGE and hypot(p.x - pose.x, p.y - pose.y) <= DISTANCE)
+
+    def sensing(self, now: float) -> bool:
+        """Whether scans come."""
+        return bool(self.current) and now - self.current[0].stamp <= STALE_SCAN
+
+    def _remember(self, new: StampedPoint) -> None:
+        i, j = floor(new.x / SPACING), floor(new.y / SPACING)
+        if (i, j) in self._cells and self._near(self._cells[i, j], new):
+            return
+        beside = (self._cells.get((i + di, j + dj)) for di in (-1, 0, 1) for dj in (-1, 0, 1))
+        if not any(p is not None and self._near(p, new) for p in beside):
+            self._cells[i, j] = new
+            if len(self._cells) > MOST:
+                del self._cells[next(iter(self._cells))]
+
+    @staticmethod
+    def _near(one: StampedPoint, other: StampedPoint) -> bool:
+        return hypot(one.x - other.x, one.y - other.y) < SPACING
+
+    def _clean(self, scan: Scan, sensor: Pose2) -> None:
+        """Forget points that the beam in their direction sees past."""
+        step = (scan.angles[-1] - scan.angles[0]) / max(1, len(scan.angles) - 1)
+
+        def stays(point: StampedPoint) -> bool:
+            dx, dy = point.x - sensor.x, point.y - sensor.y
+            off = wrap(atan2(dy, dx) - sensor.theta - scan.angles[0])
+            beam = round(off / step) if step else -1
+            past = 0 <= beam < len(scan.ranges) and scan.ranges[beam] > hypot(dx, dy) + CLEAR
+            return not past
+
+        self._keep(stays)
+
+    def _keep(self, stays: Callable[[StampedPoint], bool]) -> None:
+        self._cells = {cell: point for cell, point in self._cells.items() if stays(point)}
+
 
 SILENT = 1.0
 """A sonar that has told nothing new for this long [s] does not work."""
@@ -21,64 +116,64 @@ BUMPER_ARC = radians(135)
 
 
 @dataclass(frozen=True, slots=True)
-class Keep:
+class Capacity:
     """How much of a sensor is kept, for how long.
 
     Attributes:
-        recent: Number of points.
-        recent_age: [s].
-        remembered: Number of points of the longer memory.
-        remembered_age: [s].
-        remembered_distance: From the robot [m]; farther ones are neither taken nor kept.
+        current: Number of points.
+        current_age: [s].
+        cumulative: Number of points of the longer memory.
+        cumulative_age: [s].
+        cumulative_distance: From the robot [m]; farther ones are neither taken nor kept.
         spacing: An older point nearer to a new one than this [m] is replaced by it.
     """
 
-    recent: int
-    recent_age: float
-    remembered: int
-    remembered_age: float
-    remembered_distance: float = inf
+    current: int
+    current_age: float
+    cumulative: int
+    cumulative_age: float
+    cumulative_distance: float = inf
     spacing: float = 0.05
 
 
-SONAR = Keep(24, 5.0, 64, 15.0, remembered_distance=3.0)
-BUMPERS = Keep(30, 15.0, 30, 15.0)
+SONAR = Capacity(24, 5.0, 64, 15.0, cumulative_distance=3.0)
+BUMPERS = Capacity(30, 15.0, 30, 15.0)
 
 
 class RangeBuffer:
     """Points of one sensor; a full one drops its oldest."""
 
-    def __init__(self, keep: Keep) -> None:
+    def __init__(self, keep: Capacity) -> None:
         self._keep = keep
-        self.recent: deque[Seen] = deque(maxlen=keep.recent)
-        self.remembered: deque[Seen] = deque(maxlen=keep.remembered)
+        self.current: deque[StampedPoint] = deque(maxlen=keep.current)
+        self.cumulative: deque[StampedPoint] = deque(maxlen=keep.cumulative)
 
-    def add(self, point: Seen, distance: float) -> None:
+    def add(self, point: StampedPoint, distance: float) -> None:
         """Take a new point, `distance` [m] from the robot."""
-        self.recent.append(point)
-        if distance < self._keep.remembered_distance:
+        self.current.append(point)
+        if distance < self._keep.cumulative_distance:
             self._drop_near(point)
-            self.remembered.append(point)
+            self.cumulative.append(point)
 
     def forget(self, pose: Pose2, now: float) -> None:
         """Drop what is too old, and what has been left behind."""
         keep = self._keep
-        while self.recent and now - self.recent[0].stamp > keep.recent_age:
-            self.recent.popleft()
+        while self.current and now - self.current[0].stamp > keep.current_age:
+            self.current.popleft()
         kept = [
             point
-            for point in self.remembered
-            if now - point.stamp <= keep.remembered_age
-            and hypot(point.x - pose.x, point.y - pose.y) <= keep.remembered_distance
+            for point in self.cumulative
+            if now - point.stamp <= keep.cumulative_age
+            and hypot(point.x - pose.x, point.y - pose.y) <= keep.cumulative_distance
         ]
-        if len(kept) < len(self.remembered):
-            self.remembered = deque(kept, maxlen=keep.remembered)
+        if len(kept) < len(self.cumulative):
+            self.cumulative = deque(kept, maxlen=keep.cumulative)
 
-    def _drop_near(self, new: Seen) -> None:
+    def _drop_near(self, new: StampedPoint) -> None:
         spacing = self._keep.spacing
-        kept = [p for p in self.remembered if hypot(p.x - new.x, p.y - new.y) > spacing]
-        if len(kept) < len(self.remembered):
-            self.remembered = deque(kept, maxlen=self._keep.remembered)
+        kept = [p for p in self.cumulative if hypot(p.x - new.x, p.y - new.y) > spacing]
+        if len(kept) < len(self.cumulative):
+            self.cumulative = deque(kept, maxlen=self._keep.cumulative)
 
 
 class RangeMemory:
@@ -99,7 +194,7 @@ class RangeMemory:
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
         self._push(snapshot, here, now)
-        if scan is not None and now - scan.stamp <= STALE:
+        if scan is not None and now - scan.stamp <= STALE_SCAN:
             self._laser.add(scan)
         for buffer in (self._sonar, self._bumpers, self._laser):
             buffer.forget(here, now)
@@ -110,15 +205,17 @@ class RangeMemory:
         sensors = (self._sonar, self._bumpers, self._laser)
         return Surroundings(
             self._pose,
-            [(p.x, p.y) for sensor in sensors for p in sensor.recent],
-            [(p.x, p.y) for sensor in sensors for p in sensor.remembered],
-            [(p.x, p.y) for p in self._seen_lately(now)],
+            [(p.x, p.y) for sensor in sensors for p in sensor.current],
+            [(p.x, p.y) for sensor in sensors for p in sensor.cumulative],
+            [(p.x, p.y) for p in self._window(now)],
             sensing=now - self._heard <= SILENT or self._laser.sensing(now),
         )
 
-    def _seen_lately(self, now: float) -> Iterable[Seen]:
-        points = (*self._sonar.recent, *self._sonar.remembered, *self._bumpers.recent)
-        return dict.fromkeys((*self._laser.recent, *(p for p in points if now - p.stamp <= LATELY)))
+    def _window(self, now: float) -> Iterable[StampedPoint]:
+        points = (*self._sonar.current, *self._sonar.cumulative, *self._bumpers.current)
+        return dict.fromkeys(
+            (*self._laser.current, *(p for p in points if now - p.stamp <= WINDOW))
+        )
 
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
@@ -135,7 +232,7 @@ class RangeMemory:
                 mount = mounts[number]
                 echo = Pose2(mount.x, mount.y, mount.theta) @ Pose2(metres)
                 point = pose @ echo
-                self._sonar.add(Seen(point.x, point.y, now), hypot(echo.x, echo.y))
+                self._sonar.add(StampedPoint(point.x, point.y, now), hypot(echo.x, echo.y))
 
     def _push(self, snapshot: Snapshot, pose: Pose2, now: float) -> None:
         """Take a stall for something at the corners it drove with: sonars had not seen it."""
@@ -148,7 +245,7 @@ class RangeMemory:
         for stalled, side in ((motors.left_stalled, 1), (motors.right_stalled, -1)):
             if stalled:
                 point = pose @ Pose2(x, side * model.width / 2)
-                self._bumpers.add(Seen(point.x, point.y, now), model.radius)
+                self._bumpers.add(StampedPoint(point.x, point.y, now), model.radius)
 
     def _feel(self, bumpers: Bumpers, pose: Pose2, now: float) -> None:
         for behind, segments in ((0.0, bumpers.front), (radians(180), bumpers.rear)):
@@ -156,4 +253,4 @@ class RangeMemory:
                 if hit:
                     bearing = behind + BUMPER_ARC / 2 - (i + 0.5) * BUMPER_ARC / len(segments)
                     point = pose @ Pose2(theta=bearing) @ Pose2(self.model.radius)
-                    self._bumpers.add(Seen(point.x, point.y, now), self.model.radius)
+                    self._bumpers.add(StampedPoint(point.x, point.y, now), self.model.radius)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
+from pioneer3.behaviors.action import MODE, Ranked, Stack
 from pioneer3.behaviors.actions import (
     AvoidFront,
     Bumpers,
@@ -23,7 +24,6 @@ from pioneer3.behaviors.actions import (
     Unstick,
 )
 from pioneer3.behaviors.follow import HINT, follow
-from pioneer3.behaviors.stack import MODE, Ranked, Stack
 
 Preset = Literal["lab", "aria", "explore"]
 

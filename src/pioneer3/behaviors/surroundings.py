@@ -1,4 +1,4 @@
-"""What is around the robot, as its range sensors see it and have seen it."""
+"""Obstacles around the robot, as its range sensors see them and have seen them."""
 
 from collections.abc import Sequence
 from enum import Enum
@@ -22,7 +22,7 @@ class Echo(NamedTuple):
         return self.distance < inf
 
 
-SILENCE = Echo(inf)
+NO_ECHO = Echo(inf)
 
 
 class Point(NamedTuple):
@@ -38,22 +38,22 @@ _POINT = Point._make
 """Half of the time of calling the class, and there are many."""
 
 
-class Recall(Enum):
-    """How far back a query looks (arcos.md 7.2).
+class Buffer(Enum):
+    """The points that a query looks at (arcos.md 7.2).
 
-    Sonars fire in turn and miss echoes, and new points push older ones out of what is recent: what
-    has to be sure that something is there, such as a limiter, asks for what was seen lately.
+    Sonars fire in turn and miss echoes, and new points push older ones out of the current buffer:
+    a limiter, which has to be sure of an obstacle, asks for the window.
     """
 
-    RECENT = 0
+    CURRENT = 0
     """As ARIA's current buffers: the newest points of each sensor."""
-    LATELY = 1
-    """Everything seen in the last :data:`LATELY` seconds."""
-    REMEMBERED = 2
-    """As ARIA's cumulative buffers: older points, too, of what is near."""
+    WINDOW = 1
+    """All points of the last :data:`WINDOW` seconds."""
+    CUMULATIVE = 2
+    """As ARIA's cumulative buffers: older points, too, near the robot."""
 
 
-LATELY = 2.0
+WINDOW = 2.0
 """Six rounds of a ring of sonars that fire in turn [s]."""
 
 
@@ -62,58 +62,58 @@ class Surroundings:
 
     Args:
         pose: The robot's, in the frame of the points.
-        recent: Points in odometry's frame [m], (x, y) each.
-        remembered: Older ones, too.
-        lately: What was seen lately; what is recent if `None`.
-        sensing: Whether any range sensor works. Without one, nothing is known of what is near, and
-            limiters let no one move.
+        current: The newest points in odometry's frame [m], (x, y) each.
+        cumulative: Older ones, too.
+        window: Those of the last :data:`WINDOW` seconds; the current ones if `None`.
+        sensing: Whether any range sensor works. Without one, nothing is known of obstacles, and
+            limiters allow no motion.
     """
 
     def __init__(
         self,
         pose: Pose2,
-        recent: Sequence[tuple[float, float]] = (),
-        remembered: Sequence[tuple[float, float]] = (),
-        lately: Sequence[tuple[float, float]] | None = None,
+        current: Sequence[tuple[float, float]] = (),
+        cumulative: Sequence[tuple[float, float]] = (),
+        window: Sequence[tuple[float, float]] | None = None,
         *,
         sensing: bool = True,
     ) -> None:
         self.sensing = sensing
         self._pose = pose
         self._given = {
-            Recall.RECENT: recent,
-            Recall.LATELY: recent if lately is None else lately,
-            Recall.REMEMBERED: remembered,
+            Buffer.CURRENT: current,
+            Buffer.WINDOW: current if window is None else window,
+            Buffer.CUMULATIVE: cumulative,
         }
-        self._points: dict[Recall, tuple[Point, ...]] = {}
+        self._points: dict[Buffer, tuple[Point, ...]] = {}
         self._known: dict[tuple[float, float], Point] = {}
 
-    def points(self, recall: Recall = Recall.RECENT) -> tuple[Point, ...]:
+    def points(self, buffer: Buffer = Buffer.CURRENT) -> tuple[Point, ...]:
         """Return all points."""
-        if recall not in self._points:
-            self._points[recall] = _seen_from(self._pose, self._given[recall], self._known)
-        return self._points[recall]
+        if buffer not in self._points:
+            self._points[buffer] = _seen_from(self._pose, self._given[buffer], self._known)
+        return self._points[buffer]
 
-    def nearest(self, start: float, end: float, recall: Recall = Recall.RECENT) -> Echo:
+    def nearest(self, start: float, end: float, buffer: Buffer = Buffer.CURRENT) -> Echo:
         """Return the nearest point between two bearings [rad], counter-clockwise from `start`.
 
         (-70 degrees, 70 degrees) is the front, (120, -120) the back (arcos.md 7.2).
         """
         span = min(end - start, TURN) if end > start else (end - start) % TURN
-        best = SILENCE
-        for _, _, distance, bearing in self.points(recall):
+        best = NO_ECHO
+        for _, _, distance, bearing in self.points(buffer):
             if distance < best.distance and (bearing - start) % TURN <= span:
                 best = Echo(distance, bearing)
         return best
 
     def nearest_in_box(
-        self, x1: float, y1: float, x2: float, y2: float, recall: Recall = Recall.RECENT
+        self, x1: float, y1: float, x2: float, y2: float, buffer: Buffer = Buffer.CURRENT
     ) -> Echo:
         """Return the point nearest to the centre in a box [m], any two opposite corners given."""
         left, right = (x1, x2) if x1 <= x2 else (x2, x1)
         low, high = (y1, y2) if y1 <= y2 else (y2, y1)
-        best = SILENCE
-        for x, y, distance, bearing in self.points(recall):
+        best = NO_ECHO
+        for x, y, distance, bearing in self.points(buffer):
             if distance < best.distance and left <= x <= right and low <= y <= high:
                 best = Echo(distance, bearing)
         return best

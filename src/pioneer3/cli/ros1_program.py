@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from pioneer3.cli.loop import run_until_told_to_leave
 
 if TYPE_CHECKING:
-    from pioneer3.behaviors.stack import Stack
+    from pioneer3.behaviors.action import Stack
     from pioneer3.ros.remote import TopicRobot
 
 Arguments = Annotated[str, Parameter(show=False)]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from rich.text import Text
 
-from pioneer3.behaviors.words import told
+from pioneer3.behaviors.explanations import explain
 from pioneer3.demo.modes import Mode
 from pioneer3.robot.devices import detailed_status
 from pioneer3.robot.identity import is_simulator, kind
@@ -71,7 +71,7 @@ def flags(robot: Robot) -> Text:
 def reasons(robot: Robot) -> Text:
     """Return who decided what, and why the robot stands still if it does."""
     text = Text(overflow="ellipsis")
-    if words := told(robot.arbiter.decision):
+    if words := explain(robot.arbiter.decision):
         text.append("; ".join(words), "cyan").append("\n")
     why = robot.why_not_moving()
     return text.append(why or "moving", "yellow" if why else "bold green")

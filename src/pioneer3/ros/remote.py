@@ -7,7 +7,7 @@ from math import inf
 from typing import Final
 
 from pioneer3.arcos import commands
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed

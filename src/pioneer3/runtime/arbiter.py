@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from pioneer3.behaviors.action import Action, ProgressChecker, Situation, Stack
 from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
-from pioneer3.behaviors.goal import Headway
+from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Action, Stack
-from pioneer3.behaviors.words import told, why_standing
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.feed import Feed
@@ -115,7 +113,7 @@ class Arbiter:
         self._parts: list[_Part] = []
         self._decided_after = self.last_stop
         self._memory: RangeMemory | None = None
-        self._headway = Headway()
+        self._progress = ProgressChecker()
         self._clock = asyncio.get_running_loop().time
         supervisor.on_reading = self._take
 
@@ -205,7 +203,7 @@ class Arbiter:
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence why the robot stands still, or `None` while it moves."""
-        return self._supervisor.why_not_moving(why_standing(self.decision))
+        return self._supervisor.why_not_moving(explain_standstill(self.decision))
 
     def add(self, action: Action, priority: int) -> None:
         """Let `action` take part from now on."""
@@ -227,7 +225,7 @@ class Arbiter:
         """Stop, then let `mode` drive in place of the one before; return why it does not."""
         self.stop()
         self.mode, self.ended = mode, None
-        self._headway = Headway()
+        self._progress = ProgressChecker()
         self._join(mode)
         return self.decide()
 
@@ -280,18 +278,18 @@ class Arbiter:
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
             self.decide()
-        self._look_for_headway(snapshot)
+        self._check_progress(snapshot)
 
-    def _look_for_headway(self, snapshot: Snapshot) -> None:
+    def _check_progress(self, snapshot: Snapshot) -> None:
         """End a mode that goes somewhere and does not get there."""
         here = snapshot.odometry.robot_in_odom
-        if self.mode and not self._headway.made(self.mode.goal, here.x, here.y, snapshot.stamp):
+        if self.mode and not self._progress.check(self.mode.goal, here.x, here.y, snapshot.stamp):
             self.end_mode(": ".join(("something is in the way", *self.told)))
 
     @property
     def told(self) -> tuple[str, ...]:
         """Who decides what and why, a sentence each; nothing while nobody drives."""
-        return told(self.decision) if self._clock() < self.decision.until else ()
+        return explain(self.decision) if self._clock() < self.decision.until else ()
 
     def _tell(self, remark: Callable[[str], None]) -> None:
         words = "; ".join(self.told)

@@ -4,8 +4,8 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Move, Turn
-from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import LinkError, MotionError
 from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor

@@ -5,9 +5,9 @@ from collections.abc import AsyncIterator
 from math import inf
 
 from pioneer3.arcos.commands import Command
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
-from pioneer3.behaviors.stack import Stack
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.devices import Devices
 from pioneer3.robot.devices.laser import LaserSource

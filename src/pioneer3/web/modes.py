@@ -6,9 +6,9 @@ import msgspec
 from msgspec import Meta
 
 from pioneer3.behaviors import modes
+from pioneer3.behaviors.action import MODE, Stack
 from pioneer3.behaviors.actions import Turn as TurnAction
 from pioneer3.behaviors.follow import follow
-from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.limits import Limits
 
 Coordinate = Annotated[float, Meta(ge=-1e4, le=1e4)]

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from pioneer3.behaviors.goal import Goal
+from pioneer3.behaviors.action import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.explain import kind_of
 from pioneer3.runtime.robot import Robot

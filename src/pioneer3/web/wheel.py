@@ -13,7 +13,7 @@ import asyncio
 from collections.abc import Callable
 from math import isfinite
 
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import Twist2
 from pioneer3.robot.pilot import STANDING
 from pioneer3.runtime.robot import Robot

@@ -2,9 +2,8 @@
 
 from math import cos, inf, sin
 
-from pioneer3.behaviors.desire import Desire, Wish, as_wish
-from pioneer3.behaviors.merge import Entry, Merge
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Combined, Desire, Situation, Weighted, as_weighted
+from pioneer3.behaviors.engine import Proposal, combine
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2
 from pioneer3.limits import Limits
@@ -30,7 +29,7 @@ def seen(
     motors: Motors | None = None,
     bumpers: Bumpers | None = None,
     around: Surroundings | None = None,
-    higher: Merge | None = None,
+    higher: Combined | None = None,
     inputs: Inputs | None = None,
     sequence: int = 1,
     model: RobotModel = P3AT,
@@ -52,7 +51,7 @@ def seen(
         model=model,
         limits=LIMITS,
         around=around or Surroundings(pose),
-        higher=higher or Merge(),
+        higher=higher or Combined(),
     )
 
 
@@ -62,12 +61,12 @@ def around(*polar: tuple[float, float], pose: Pose2 = ORIGIN) -> Surroundings:
     return Surroundings(pose, [(p.x, p.y) for p in points], [(p.x, p.y) for p in points])
 
 
-def above(desire: Desire) -> Merge:
-    """Return what a higher priority wants."""
-    return Merge().below([Entry("above", desire)], 0.0)
+def above(desire: Desire) -> Combined:
+    """Return the desires of a higher priority."""
+    return combine(Combined(), [Proposal("above", desire)], 0.0)
 
 
 def value(desire: Desire | None, channel: str) -> float | None:
-    """Return what is wanted of a channel, or `None`."""
-    wish: Wish | None = as_wish(getattr(desire, channel)) if desire is not None else None
+    """Return the value that is asked of a channel, or `None`."""
+    wish: Weighted | None = as_weighted(getattr(desire, channel)) if desire is not None else None
     return wish.value if wish else None

@@ -4,10 +4,9 @@ from math import pi, radians, sqrt
 
 import pytest
 
+from pioneer3.behaviors.action import Desire, Situation, as_weighted
 from pioneer3.behaviors.actions import Hold, Move, Turn
-from pioneer3.behaviors.desire import Desire, as_wish
-from pioneer3.behaviors.profile import MARGIN, SETTLE, approach
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.engine import MARGIN, SETTLE, approach
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.stops import NO_STOP
 from tests.unit.behaviors.support import seen
@@ -19,7 +18,7 @@ def at(now: float = 0.0, pose: Pose2 = ORIGIN, v: float = 0.0, w: float = 0.0) -
 
 def wanted(desire: Desire | None, channel: str) -> float:
     """Return what is wanted of a channel."""
-    wish = as_wish(getattr(desire, channel))
+    wish = as_weighted(getattr(desire, channel))
     assert wish is not None
     return wish.value
 

@@ -5,11 +5,8 @@ from math import inf, nan, pi, radians
 
 import pytest
 
-from pioneer3.behaviors.desire import Desire, Wish
-from pioneer3.behaviors.engine import ActionError, Decision, resolve
-from pioneer3.behaviors.profile import approach
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Ranked, Stack
+from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
+from pioneer3.behaviors.engine import ActionError, Decision, approach, resolve
 from pioneer3.geometry import STILL, Pose2, Twist2
 from tests.unit.behaviors.support import LIMITS, seen
 
@@ -64,16 +61,16 @@ def test_a_limit_alone_asks_for_nothing() -> None:
 
 def test_what_strength_is_left_goes_to_the_next_priority() -> None:
     # (0.6 * 0.100 + (1 - 0.6) * 0.300) / 1 = 0.180
-    high = Wants("high", 2, Desire(v=Wish(0.1, 0.6)))
-    low = Wants("low", 1, Desire(v=Wish(0.3, 1.0)))
+    high = Wants("high", 2, Desire(v=Weighted(0.1, 0.6)))
+    low = Wants("low", 1, Desire(v=Weighted(0.3, 1.0)))
     assert decided(low, high).twist.v == pytest.approx(0.18)
 
 
 def test_equal_priorities_give_the_mean_by_strength() -> None:
     # (0.5 * 0.100 + 0.25 * 0.300) / 0.75 = 0.1667, with strength 0.75;
     # below it the last quarter goes to 0.4: 0.75 * 0.1667 + 0.25 * 0.4 = 0.225
-    one = Wants("one", 2, Desire(v=Wish(0.1, 0.5)))
-    two = Wants("two", 2, Desire(v=Wish(0.3, 0.25)))
+    one = Wants("one", 2, Desire(v=Weighted(0.1, 0.5)))
+    two = Wants("two", 2, Desire(v=Weighted(0.3, 0.25)))
     low = Wants("low", 1, Desire(v=0.4))
     assert decided(one, two).twist.v == pytest.approx(0.125 / 0.75)
     assert decided(two, low, one).twist.v == pytest.approx(0.225)
@@ -94,9 +91,9 @@ def test_limits_of_one_group_take_the_safest_value_in_any_order() -> None:
 
 def test_limits_of_lower_priority_hold_and_their_strength_does_not_matter() -> None:
     go = Wants("go", 9, Desire(v=-0.5, w=1.0))
-    limits = Wants("limits", 1, Desire(back_max=Wish(0.2, 0.01), left_max=0.3, right_max=0.0))
+    limits = Wants("limits", 1, Desire(back_max=Weighted(0.2, 0.01), left_max=0.3, right_max=0.0))
     assert decided(go, limits).twist == Twist2(-0.2, 0.3)
-    none = Wants("none", 1, Desire(back_max=Wish(0.2, 0.0)))
+    none = Wants("none", 1, Desire(back_max=Weighted(0.2, 0.0)))
     assert decided(go, none).twist.v == -0.5
 
 
@@ -120,10 +117,10 @@ def test_a_heading_is_a_turn_from_the_present_heading_the_short_way() -> None:
 
 
 def test_who_turns_by_angle_is_not_mixed_with_who_turns_at_a_rate_below() -> None:
-    angle = Wants("angle", 2, Desire(turn=Wish(radians(10), 0.5)))
+    angle = Wants("angle", 2, Desire(turn=Weighted(radians(10), 0.5)))
     rate = Wants("rate", 1, Desire(w=-1.0))
     assert decided(angle, rate).twist.w == decided(angle).twist.w > 0
-    above = Wants("rate", 3, Desire(w=Wish(-1.0, 0.5)))
+    above = Wants("rate", 3, Desire(w=Weighted(-1.0, 0.5)))
     assert decided(angle, above).twist.w == -1.0
 
 
@@ -152,7 +149,7 @@ def test_actions_know_what_those_above_want() -> None:
             heard.append(situation.higher.strength("v"))
 
     stack = Stack.of(
-        "mode", 5, [Ranked(1, Listens()), Ranked(2, Wants("half", 0, Desire(v=Wish(0.1, 0.5))))]
+        "mode", 5, [Ranked(1, Listens()), Ranked(2, Wants("half", 0, Desire(v=Weighted(0.1, 0.5))))]
     )
     resolve([stack, Stack.alone(Wants("low", 0, Desire(v=1.0)), 1)], seen())
     assert heard == [0.5]
@@ -186,9 +183,9 @@ def test_a_failing_action_is_named(failing: object) -> None:
 
 
 def test_a_decision_says_who_has_which_part() -> None:
-    high = Wants("high", 2, Desire(v=Wish(0.1, 0.6), reason="near"))
+    high = Wants("high", 2, Desire(v=Weighted(0.1, 0.6), reason="near"))
     low = Wants("low", 1, Desire(v=0.3, v_max=0.5))
-    shares = [(s.action, s.channel, s.strength, s.reason) for s in decided(low, high).shares]
+    shares = [(s.action, s.channel, s.strength, s.reason) for s in decided(low, high).contributions]
     assert shares == [
         ("high", "v", 0.6, "near"),
         ("low", "v", pytest.approx(0.4), ""),

@@ -6,7 +6,7 @@ from math import cos, inf, pi, radians, sin
 import pytest
 
 from pioneer3.behaviors.memory import RangeMemory
-from pioneer3.behaviors.surroundings import LATELY, Recall, Surroundings
+from pioneer3.behaviors.surroundings import WINDOW, Buffer, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.state import Bumpers, LinkQuality, Motors, Scan, Snapshot, Sonar
 from tests.unit.behaviors.support import P3AT, around, seen
@@ -61,12 +61,12 @@ def test_near_echoes_are_remembered_for_fifteen_seconds(
 ) -> None:
     # the transducer sits 0.15 m before the centre: 2.9 m from there are more than 3 m
     memory = remembering(reading(0.0, {AHEAD: metres}), reading(age))
-    assert len(memory.around(age).points(Recall.REMEMBERED)) == left
+    assert len(memory.around(age).points(Buffer.CUMULATIVE)) == left
 
 
 def test_what_was_left_behind_is_forgotten() -> None:
     memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(1.0, pose=Pose2(-2.5)))
-    assert memory.around(1.0).points(Recall.REMEMBERED) == ()
+    assert memory.around(1.0).points(Buffer.CUMULATIVE) == ()
     assert len(memory.around(1.0).points()) == 1
 
 
@@ -76,14 +76,14 @@ def test_the_newest_24_are_recent_and_64_remembered() -> None:
         memory.update(reading(n / 100, {AHEAD: 0.5 + n / 50}, Pose2(0.0, n / 1000)))
     points = memory.around(1.0).points()
     assert len(points) == 24
-    assert len(memory.around(1.0).points(Recall.REMEMBERED)) <= 64
+    assert len(memory.around(1.0).points(Buffer.CUMULATIVE)) <= 64
 
 
 def test_an_echo_at_the_same_place_replaces_the_older_one() -> None:
     memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(0.1, {AHEAD: 1.04}))
-    assert len(memory.around(0.1).points(Recall.REMEMBERED)) == 1
+    assert len(memory.around(0.1).points(Buffer.CUMULATIVE)) == 1
     memory.update(reading(0.2, {AHEAD: 1.1}))
-    assert len(memory.around(0.2).points(Recall.REMEMBERED)) == 2
+    assert len(memory.around(0.2).points(Buffer.CUMULATIVE)) == 2
 
 
 def test_nothing_is_known_while_the_sonar_is_silent() -> None:
@@ -121,12 +121,12 @@ def test_what_was_seen_lately_outlives_newer_echoes() -> None:
     for n in range(1, 40):
         memory.update(reading(n / 20, {6: 2.0 + n / 100}))
     now = 39 / 20
-    assert now < LATELY
+    assert now < WINDOW
     ahead = (-0.3, 0.3)
     assert not memory.around(now).nearest(*ahead)
-    assert memory.around(now).nearest(*ahead, Recall.LATELY)
-    memory.update(reading(LATELY + 0.1))
-    assert not memory.around(LATELY + 0.1).nearest(*ahead, Recall.LATELY)
+    assert memory.around(now).nearest(*ahead, Buffer.WINDOW)
+    memory.update(reading(WINDOW + 0.1))
+    assert not memory.around(WINDOW + 0.1).nearest(*ahead, Buffer.WINDOW)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_a_stall_is_something_at_the_corners(
     moving = seen(0.0, twist=Twist2(v, 0.0)).snapshot
     stalled = seen(0.1, motors=motors).snapshot
     memory = remembering(moving, stalled)
-    for recall in Recall:
+    for recall in Buffer:
         found = [(p.x, p.y) for p in memory.around(0.1).points(recall)]
         assert found == [pytest.approx(corner) for corner in corners]
 
@@ -175,9 +175,9 @@ def test_a_scan_replaces_the_one_before() -> None:
 def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:
     memory = RangeMemory(P3AT)
     memory.update(reading(1.0), scan(1.0, {0: 2.0, 45: 1.0, 90: 3.5}))
-    assert len(memory.around(1.0).points(Recall.REMEMBERED)) == 2  # within 3 m
+    assert len(memory.around(1.0).points(Buffer.CUMULATIVE)) == 2  # within 3 m
     memory.update(reading(2.1), scan(2.1, {0: 2.5, 45: 1.05}, 1))
-    left = memory.around(2.1).points(Recall.REMEMBERED)
+    left = memory.around(2.1).points(Buffer.CUMULATIVE)
     assert sorted(round(p.distance, 1) for p in left) == [1.1, 2.6]
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.engine import resolve
 from pioneer3.behaviors.modes import MODES, goto, teleop, unguarded, wander
-from pioneer3.behaviors.stack import Stack
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import around, seen

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
+from pioneer3.behaviors.action import MODE, Desire, Situation, Stack
 from pioneer3.behaviors.actions import Hold
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import MODE, Stack
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, PROGRAM, WEB

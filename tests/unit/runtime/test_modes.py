@@ -11,10 +11,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
+from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack
 from pioneer3.behaviors.actions import Hold, Move
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Action, Ranked, Stack
 from pioneer3.geometry import Twist2
 from pioneer3.links.tap import read_recording
 from pioneer3.runtime.priorities import KEYBOARD, MODE

@@ -7,10 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.goal import Goal
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import MODE, Stack
+from pioneer3.behaviors.action import MODE, Desire, Goal, Situation, Stack
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap, MapObject
 from pioneer3.web.scene import Scene

@@ -1,12 +1,11 @@
-"""Go where there is room, and rather where one has not been."""
+"""Goes where there is room, and rather where it has not been."""
 
 from dataclasses import dataclass, field
 from math import cos, inf, pi, radians, sin
 
-from pioneer3.behaviors.actions.reasons import BLIND
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.surroundings import Point, Recall
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.actions.sensing import BLIND
+from pioneer3.behaviors.surroundings import Buffer, Point
 from pioneer3.geometry import TURN, Pose2, wrap
 
 CELL = 0.5
@@ -64,7 +63,7 @@ class Explore:
             return Desire(v=0.0, turn=0.0, reason=BLIND)
         model = situation.model
         half, front = model.width / 2 + self.side_clearance, model.length_front
-        points = (*around.points(Recall.LATELY), *around.points(Recall.REMEMBERED))
+        points = (*around.points(Buffer.WINDOW), *around.points(Buffer.CUMULATIVE))
         heading, free = self._heading, 0.0
         if heading is not None:
             free = room(points, wrap(heading - pose.theta), half) - front

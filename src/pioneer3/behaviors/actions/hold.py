@@ -1,10 +1,9 @@
-"""A velocity that somebody holds: a key, a stick, a finger, a program."""
+"""Holds a velocity that a key, a stick, a finger or a program has set."""
 
 from dataclasses import dataclass, field
 from typing import Final
 
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.stops import LET_GO, Stop, leads_away
 

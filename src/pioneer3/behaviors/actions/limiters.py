@@ -1,12 +1,15 @@
-"""No faster than there is room for."""
+"""Actions that limit the speed by the room there is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import chain
+from math import atan2, hypot, inf, radians, sqrt
 
-from pioneer3.behaviors.actions.reasons import BLIND, ahead, behind
-from pioneer3.behaviors.actions.table import table_seen
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.surroundings import Recall
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.actions.sensing import BLIND, ahead, behind, table_seen
+from pioneer3.behaviors.pings import Ping, PingReader
+from pioneer3.behaviors.surroundings import Buffer, Point
+from pioneer3.geometry import TURN, Pose2, wrap
+from pioneer3.models import RobotModel
 
 
 @dataclass(slots=True)
@@ -33,7 +36,7 @@ class LimiterForwards:
         model = situation.model
         side, front = model.width / 2 * self.width_ratio, model.length / 2
         reach = max(self.stop_distance, self.slow_distance) + front
-        echo = situation.around.nearest_in_box(0.0, -side, reach, side, Recall.LATELY)
+        echo = situation.around.nearest_in_box(0.0, -side, reach, side, Buffer.WINDOW)
         distance = echo.distance - front
         if distance > self.slow_distance:
             return None
@@ -68,7 +71,7 @@ class LimiterBackwards:
         model = situation.model
         side = model.width / 2 * self.width_ratio
         reach = max(self.stop_distance, self.slow_distance) + max(model.length, model.radius)
-        echo = situation.around.nearest_in_box(0.0, -side, -reach, side, Recall.LATELY)
+        echo = situation.around.nearest_in_box(0.0, -side, -reach, side, Buffer.WINDOW)
         distance = echo.distance - model.radius
         if distance > self.slow_distance:
             return Desire(back_max=self.max_speed, reason="nothing behind")
@@ -91,3 +94,242 @@ class LimiterTableSensor:
 def _share(distance: float, stop: float, slow: float) -> float:
     """Return how far between the two `distance` is, 0 to 1."""
     return 0.0 if distance < stop or slow <= stop else (distance - stop) / (slow - stop)
+
+
+UNSURE = radians(20)
+"""How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
+
+
+@dataclass(slots=True)
+class LimiterSweep:
+    """Slows the robot down before it meets what it sees or has seen; never below a creep.
+
+    Not one of ARIA's, whose limiters look ahead only, at what is seen now: things that sonars have
+    lost and corners of a turning robot are what it runs into. Because memory may be wrong, a robot
+    may always go on at a creep, at which touching something does no harm.
+
+    Attributes:
+        creep: Speed at which any point of the robot may meet something [m/s].
+        margin: Kept beside and before the robot [m].
+        deceleration: The speed ahead is what this can end in time [m/s^2].
+        turn_time: It takes at least this long to turn until something is met [s].
+    """
+
+    creep: float = 0.04
+    margin: float = 0.05
+    deceleration: float = 0.3
+    turn_time: float = 1.2
+    name: str = "limiter sweep"
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return limits of the speed forwards and of both turns, or `None`."""
+        model, around = situation.model, situation.around
+        corner = hypot(max(model.length_front, model.length_rear), model.width / 2)
+        side, reach = model.width / 2 + self.margin, corner + self.margin
+        ahead, left, right = inf, inf, inf
+        for point in chain(around.points(Buffer.WINDOW), around.points(Buffer.CUMULATIVE)):
+            x, y, distance, _ = point
+            if 0 < x < ahead and -side < y < side:
+                ahead = x
+            if distance < reach:
+                to_left, to_right = self._turns_to(point, model)
+                left, right = min(left, to_left), min(right, to_right)
+        gap = ahead - model.length_front
+        fastest = sqrt(2 * self.deceleration * max(0.0, gap - self.margin))
+        slowed = fastest < situation.limits.max_speed
+        if not slowed and left == right == inf:
+            return None
+        return Desire(
+            v_max=max(self.creep, fastest) if slowed else None,
+            left_max=self._rate(left, corner),
+            right_max=self._rate(right, corner),
+            reason=f"{gap:.2f} m ahead" if slowed else "a corner is near something",
+        )
+
+    def _rate(self, angle: float, corner: float) -> float | None:
+        return max(self.creep / corner, angle / self.turn_time) if angle < inf else None
+
+    def _turns_to(self, point: Point, model: RobotModel) -> tuple[float, float]:
+        """Return how far [rad] the robot can turn left, and right, until it meets `point`."""
+        left = right = inf
+        for x in (model.length_front, -model.length_rear):
+            for y in (model.width / 2, -model.width / 2):
+                if point.distance < hypot(x, y) + self.margin:
+                    between = wrap(point.bearing - atan2(y, x))
+                    left = min(left, max(0.0, between % TURN - UNSURE))
+                    right = min(right, max(0.0, -between % TURN - UNSURE))
+        return left, right
+
+
+FRESH = 0.7
+"""Older echoes do not count [s]: two turns of a ring."""
+BRAKE_DELAY = 0.25
+"""Until the robot begins to brake: the turn of a ring, in the mean, and a report [s]."""
+PLANNED_SHARE = 0.7
+"""Of the deceleration that is planned with."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Brake:
+    """Limits the speed forwards to what can be braked in time.
+
+    Where the other limiters keep clear of all that has been heard in the last seconds, and so of
+    where somebody ahead has just walked, this one knows only what each transducer heard last.
+    With distance d to what is ahead, less `clearance`, speed v is allowed where
+    v `BRAKE_DELAY` + v^2 / (2 `PLANNED_SHARE` deceleration) <= d. It lets the robot come as near
+    as `clearance`.
+
+    Attributes:
+        clearance: To be kept between the front end and what is ahead [m].
+        beside: To be kept on either side of the robot [m].
+    """
+
+    clearance: float = 0.1
+    beside: float = 0.08
+    name: str = "brake"
+    _listener: PingReader = field(default_factory=PingReader, init=False)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the limit, if anything is ahead; without sonars, no motion forwards."""
+        self._listener.listen(situation)
+        recent = self._recent(situation)
+        if not recent:
+            return Desire(v_max=0.0, reason=BLIND)
+        gap = min(_gap(ping, situation, self.beside) for ping in recent)
+        if gap == inf:
+            return None
+        top = stopping_speed(gap - self.clearance, situation.limits.deceleration)
+        if top >= situation.limits.max_speed:
+            return None
+        return Desire(v_max=top, reason=f"{gap:.2f} m ahead")
+
+    def _recent(self, situation: Situation) -> list[Ping]:
+        return [p for p in self._listener.latest.values() if situation.now - p.stamp <= FRESH]
+
+
+def stopping_speed(distance: float, deceleration: float) -> float:
+    """Return the speed from which a robot comes to stand within `distance` [m]."""
+    a = PLANNED_SHARE * deceleration
+    return a * (sqrt(BRAKE_DELAY**2 + 2 * max(distance, 0.0) / a) - BRAKE_DELAY)
+
+
+def _gap(ping: Ping, situation: Situation, beside: float) -> float:
+    """Return how far ahead of the front end an echo is; `inf` if it is not in the way."""
+    if ping.distance == inf:
+        return inf
+    there, model = situation.pose.inverse() @ Pose2(*ping.point), situation.model
+    inside = there.x > 0 and abs(there.y) <= model.width / 2 + beside
+    return max(0.0, there.x - model.length_front) if inside else inf
+
+
+FAR = 16.0
+"""How far beyond the padding it looks [m]."""
+OTHER_WAY = 0.1
+"""Faster than this [m/s] the other way it is not asked."""
+INSIDE = 0.001
+ROLLING, FAST = 0.005, 0.1
+TOP = 2.0
+"""Harder brakes no Pioneer (arcos.md 5.1) [m/s^2]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class DeceleratingLimiter:
+    """Limits the speed one way so that the robot can stop before what is there (arcos.md 7.6).
+
+    The room it keeps grows with the speed. Outside of it the speed may be as high as
+    `preferred_decel` can end in time, `reaction` after it was seen. ARIA says speed 0 at that
+    distance and lets the deceleration make the curve, with no time to react. Our driver brakes
+    harder than ARIA's by itself: the robot would stop and start over and over on its way, and from
+    rest it might speed up at any distance.
+
+    Attributes:
+        backwards: Which way.
+        clearance: Kept in any case ahead of the robot [m].
+        side_clearance_at_slow_speed: Kept beside it [m].
+        side_clearance_at_fast_speed: [m].
+        padding_at_slow_speed: Kept ahead beyond `clearance` [m].
+        padding_at_fast_speed: [m].
+        slow_speed: At and below it the former of two hold [m/s]; between the speeds, in proportion.
+        fast_speed: At and above it the latter hold [m/s].
+        preferred_decel: [m/s^2].
+        reaction: From an echo until the robot obeys [s]: a report's cycle and 0.3 s each way, as
+            over a bad radio link.
+        emergency_decel: When something is nearer than `clearance` [m/s^2]; 0 for the robot's own.
+    """
+
+    backwards: bool = False
+    clearance: float = 0.1
+    side_clearance_at_slow_speed: float = 0.05
+    side_clearance_at_fast_speed: float = 0.4
+    padding_at_slow_speed: float = 0.05
+    padding_at_fast_speed: float = 0.3
+    slow_speed: float = 0.2
+    fast_speed: float = 1.0
+    preferred_decel: float = 0.6
+    reaction: float = 0.7
+    emergency_decel: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            self.name = f"decelerating limiter {'backwards' if self.backwards else 'forwards'}"
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the limit; without range sensors, no motion."""
+        v = -situation.twist.v if self.backwards else situation.twist.v
+        if v < -OTHER_WAY:
+            return None
+        if not situation.around.sensing:
+            return self._limit(0.0, BLIND)
+        share = min(1.0, max(0.0, (abs(v) - self.slow_speed) / (self.fast_speed - self.slow_speed)))
+        side = _between(share, self.side_clearance_at_slow_speed, self.side_clearance_at_fast_speed)
+        padding = _between(share, self.padding_at_slow_speed, self.padding_at_fast_speed)
+        inside, reason = self._room(situation, self.side_clearance_at_slow_speed, 0.0)
+        if inside < INSIDE:
+            return self._too_near(v, situation.limits.deceleration, reason)
+        room, reason = self._room(situation, side, padding)
+        fastest = self._fastest(max(0.0, room))
+        if fastest >= situation.limits.max_speed:
+            return None
+        return self._limit(fastest, reason, self._braking(v, room, inside, situation))
+
+    def _fastest(self, room: float) -> float:
+        """Return the speed [m/s] that ends within `room` [m]: v t + v^2 / (2 a) = room."""
+        a, t = self.preferred_decel, self.reaction
+        return a * (sqrt(t**2 + 2 * room / a) - t)
+
+    def _room(self, situation: Situation, side: float, padding: float) -> tuple[float, str]:
+        """Return how far one may go [m], and why not farther."""
+        model, way = situation.model, -1 if self.backwards else 1
+        taken = model.length / 2 + self.clearance + padding
+        half = model.width / 2 + side
+        echo = situation.around.nearest_in_box(0.0, -half, way * (taken + FAR), half, Buffer.WINDOW)
+        edge = echo.distance - model.length / 2
+        return echo.distance - taken, behind(edge) if self.backwards else ahead(edge, echo)
+
+    def _too_near(self, v: float, own: float, reason: str) -> Desire:
+        if abs(v) <= ROLLING:
+            return self._limit(0.0, reason)
+        brake = (self.emergency_decel or own) if abs(v) > FAST else None
+        return self._limit(0.0, reason, brake, v=0.0)
+
+    def _braking(self, v: float, room: float, inside: float, situation: Situation) -> float | None:
+        """Return the deceleration needed beyond the robot's own [m/s^2], or `None`."""
+        needed = v**2 / (2 * room) if room > 0 else inf
+        if v <= ROLLING or needed <= situation.limits.deceleration:
+            return None
+        if self.emergency_decel:
+            return self.emergency_decel
+        hard = v**2 / (2 * inside)
+        return min(hard if hard > self.preferred_decel else min(needed, self.preferred_decel), TOP)
+
+    def _limit(
+        self, top: float, reason: str, brake: float | None = None, v: float | None = None
+    ) -> Desire:
+        if self.backwards:
+            return Desire(back_max=top, deceleration=brake, v=v, reason=reason)
+        return Desire(v_max=top, deceleration=brake, v=v, reason=reason)
+
+
+def _between(share: float, slow: float, fast: float) -> float:
+    return slow + share * (fast - slow)

@@ -1,10 +1,9 @@
-"""Driving by shares of full speed: keys, sticks, programs."""
+"""Drives by shares of full speed: keys, sticks, programs."""
 
 from dataclasses import dataclass, field
 from math import inf, radians
 
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Desire, Situation
 
 DEAD_DRIVE, DEAD_TURN = 0.1, 0.05
 """Less is nothing."""
@@ -43,7 +42,7 @@ class RatioInput:
         turn_at_full_forwards: Turn rate when driving so fast [rad/s].
         turn_at_full_backwards: [rad/s].
         turn_at_rest: Turn rate when standing [rad/s].
-        key_step: Share of full speed per key.
+        key_step: Contribution of full speed per key.
     """
 
     full_forwards: float | None = None
@@ -62,7 +61,7 @@ class RatioInput:
 
     @property
     def keyed(self) -> float:
-        """Share of full speed set by keys, -1 to 1."""
+        """Contribution of full speed set by keys, -1 to 1."""
         return round(self._keyed, 6)
 
     @property

@@ -6,8 +6,8 @@ from contextlib import contextmanager, suppress
 
 from pioneer3.acts import Picture
 from pioneer3.behaviors import modes as stacks
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Blob, ColorFollow
-from pioneer3.behaviors.stack import Stack
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode
 from pioneer3.demo.modes.row import Row

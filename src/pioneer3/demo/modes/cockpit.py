@@ -3,7 +3,7 @@
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices import Acts
 from pioneer3.runtime.robot import Robot

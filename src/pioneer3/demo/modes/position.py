@@ -4,7 +4,7 @@ from contextlib import AbstractContextManager, nullcontext
 from math import pi
 
 from pioneer3.arcos.commands import GyroMode
-from pioneer3.behaviors.stack import MODE, Ranked, Stack
+from pioneer3.behaviors.action import MODE, Ranked, Stack
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.driving import speed_gauges
 from pioneer3.demo.modes.mode import Mode

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from pioneer3.behaviors import modes as stacks
+from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
-from pioneer3.behaviors.stack import Stack
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.driving import driving_row, speed_gauges
 from pioneer3.demo.modes.mode import Gauge, Mode

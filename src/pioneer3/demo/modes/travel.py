@@ -3,9 +3,8 @@
 from dataclasses import dataclass, field
 from math import cos, radians, sin
 
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.profile import approach
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.engine import approach
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.units import DEGREE
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pioneer3.behaviors import modes as stacks
-from pioneer3.behaviors.stack import Stack
+from pioneer3.behaviors.action import Stack
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.driving import speed_gauges, wandering_row
 from pioneer3.demo.modes.mode import Mode

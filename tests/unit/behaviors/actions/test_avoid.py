@@ -4,9 +4,8 @@ from math import inf, pi, radians
 
 import pytest
 
+from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.actions import AvoidFront, AvoidSide
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model

@@ -4,9 +4,9 @@ from math import sqrt
 
 import pytest
 
-from pioneer3.behaviors.actions.brake import DELAY, SHARE, Brake, stopping_speed
-from pioneer3.behaviors.actions.reasons import BLIND
-from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.action import Desire
+from pioneer3.behaviors.actions.limiters import BRAKE_DELAY, PLANNED_SHARE, Brake, stopping_speed
+from pioneer3.behaviors.actions.sensing import BLIND
 from tests.unit.behaviors.support import seen, value
 from tests.unit.behaviors.tracking.scene import Scene, ahead
 
@@ -26,7 +26,7 @@ def test_the_speed_is_that_from_which_it_stops() -> None:
     # a = 0.7 * 1.5 = 1.05; v = 1.05 * (sqrt(0.25^2 + 2 * 0.25 / 1.05) - 0.25) = 0.508
     speed = stopping_speed(0.25, 1.5)
     assert speed == pytest.approx(1.05 * (sqrt(0.0625 + 0.5 / 1.05) - 0.25))
-    assert speed * DELAY + speed**2 / (2 * SHARE * 1.5) == pytest.approx(0.25)
+    assert speed * BRAKE_DELAY + speed**2 / (2 * PLANNED_SHARE * 1.5) == pytest.approx(0.25)
 
 
 @pytest.mark.parametrize("distance", [0.0, -0.1])

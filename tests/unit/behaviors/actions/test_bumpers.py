@@ -4,8 +4,8 @@ from math import radians
 
 import pytest
 
+from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.actions import Bumpers
-from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.state import Bumpers as Segments
 from tests.unit.behaviors.support import seen, value

@@ -1,12 +1,11 @@
-"""Keys, sticks and programs."""
+"""Shares of full speed by keys and sticks, and the input of programs."""
 
 from math import inf, radians
 
 import pytest
 
-from pioneer3.behaviors.actions import Input, JoyDrive, KeyDrive, RatioInput, Stick
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.actions import Input, RatioInput
 from pioneer3.geometry import Pose2, Twist2
 from tests.unit.behaviors.support import above, seen, value
 
@@ -18,61 +17,6 @@ def at(reading: int = 1, v: float = 0.0, w: float = 0.0, higher: Desire | None =
         twist=Twist2(v, w),
         higher=above(higher) if higher else None,
     )
-
-
-def test_keys_change_the_speed_by_steps() -> None:
-    keys = KeyDrive()
-    keys.up()
-    keys.up()
-    assert keys.decide(at()).v == pytest.approx(0.05)
-    keys.down()
-    assert keys.decide(at(2)).v == pytest.approx(0.025)
-    for _ in range(30):
-        keys.up()
-    assert keys.decide(at(3)).v == 0.4
-    keys.space()
-    assert keys.decide(at(4)).v == 0.0
-
-
-def test_keys_turn_for_one_reading_however_often_asked_in_it() -> None:
-    keys = KeyDrive()
-    keys.left()
-    assert [keys.decide(at(n)).turn for n in (1, 1, 2)] == pytest.approx([radians(8)] * 2 + [0])
-    for _ in range(4):
-        keys.right()
-    assert keys.decide(at(3)).turn == pytest.approx(radians(-24))
-    keys.left()  # in the same reading: a new turn, not 24 less 8
-    assert keys.decide(at(3)).turn == pytest.approx(radians(8))
-
-
-def test_keys_follow_who_drives_above_and_their_limits() -> None:
-    keys = KeyDrive()
-    assert keys.decide(at(v=0.3, higher=Desire(v=0.3))).v == 0.3
-    assert keys.decide(at(2, higher=Desire(v_max=0.1))).v == 0.1
-    for _ in range(40):
-        keys.down()
-    assert keys.decide(at(3, higher=Desire(back_max=0.2))).v == -0.2
-
-
-def test_a_joystick_drives_while_its_button_is_held() -> None:
-    joy = JoyDrive()
-    assert joy.decide(at()) is None
-    joy.stick = Stick(x=0.5, y=-0.5, button=True)
-    desire = joy.decide(at())
-    # -0.5 * 0.4 m/s; right is clockwise: -0.5 * 15 degrees
-    assert value(desire, "v") == -0.2
-    assert value(desire, "turn") == pytest.approx(radians(-7.5))
-    joy.stick = Stick(x=0.5, y=-0.5)
-    let_go = joy.decide(at())
-    assert (value(let_go, "v"), value(let_go, "turn")) == (0.0, 0.0)
-    joy.stop_if_no_button = False
-    assert joy.decide(at()) is None
-
-
-def test_the_throttle_sets_the_top_speed_where_there_is_one() -> None:
-    joy = JoyDrive(throttle_low=0.1, throttle_high=0.5)
-    joy.stick = Stick(y=1.0, button=True, throttle=0.25)
-    assert value(joy.decide(at()), "v") == pytest.approx(0.2)  # 0.1 + 0.25 * 0.4
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,8 @@ from math import radians
 
 import pytest
 
+from pioneer3.behaviors.action import Desire
 from pioneer3.behaviors.actions import Blob, ColorFollow
-from pioneer3.behaviors.desire import Desire
 from tests.unit.behaviors.support import seen, value
 
 

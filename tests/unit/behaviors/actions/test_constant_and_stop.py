@@ -1,5 +1,5 @@
+from pioneer3.behaviors.action import Desire
 from pioneer3.behaviors.actions import ConstantVelocity, Stop
-from pioneer3.behaviors.desire import Desire
 from tests.unit.behaviors.support import seen
 
 

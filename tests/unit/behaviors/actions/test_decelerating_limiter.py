@@ -4,9 +4,8 @@ from math import atan2, hypot, inf, pi, sqrt
 
 import pytest
 
+from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.actions import DeceleratingLimiter
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import around, seen, value

@@ -4,10 +4,10 @@ from math import inf, pi, radians
 
 import pytest
 
+from pioneer3.behaviors.action import Combined, Desire
 from pioneer3.behaviors.actions import Explore, Unstick
 from pioneer3.behaviors.actions.explore import room
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.merge import Entry, Merge
+from pioneer3.behaviors.engine import Proposal, combine
 from pioneer3.behaviors.surroundings import NOTHING_SENSED, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2
 from tests.unit.behaviors.support import around, seen, value
@@ -78,8 +78,8 @@ def beside_a_wall(*points: tuple[float, float], rate: float = 0.1) -> Desire:
     """
     right = [(0.1 * n - 3.0, -0.34) for n in range(60)]
     far = [*row(1.5, -0.3, 3.0), *row(-1.5, -0.3, 3.0), *points]
-    limiter = Entry("limiter sweep", Desire(left_max=rate, right_max=rate))
-    higher = Merge().below([limiter], 0.0)
+    limiter = Proposal("limiter sweep", Desire(left_max=rate, right_max=rate))
+    higher = combine(Combined(), [limiter], 0.0)
     return Explore().decide(seen(around=walls(*right, *far), higher=higher))
 
 

@@ -5,8 +5,8 @@ from math import inf, nan, radians
 
 import pytest
 
-from pioneer3.behaviors.actions.follow_lab import FollowLab
-from pioneer3.behaviors.desire import Desire
+from pioneer3.behaviors.action import Desire
+from pioneer3.behaviors.actions.follow import FollowLab
 from pioneer3.state import Sonar
 from tests.unit.behaviors.support import P3AT, seen, value
 

@@ -4,9 +4,8 @@ from math import inf, pi, radians, sqrt
 
 import pytest
 
+from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.actions import Goto, TurnAway
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.situation import Situation
 from pioneer3.geometry import Pose2, Twist2
 from tests.unit.behaviors.support import above, around, seen, value
 

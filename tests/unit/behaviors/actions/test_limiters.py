@@ -4,8 +4,8 @@ from math import inf, pi, radians
 
 import pytest
 
+from pioneer3.behaviors.action import Desire
 from pioneer3.behaviors.actions import LimiterBackwards, LimiterForwards, LimiterTableSensor
-from pioneer3.behaviors.desire import Desire
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.models import load_model
 from pioneer3.state import Inputs

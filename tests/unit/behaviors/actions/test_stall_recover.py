@@ -4,10 +4,9 @@ from math import pi, radians
 
 import pytest
 
+from pioneer3.behaviors.action import Desire, Situation, Weighted
 from pioneer3.behaviors.actions import StallRecover
-from pioneer3.behaviors.actions.stall_recover import WAYS
-from pioneer3.behaviors.desire import Desire, Wish
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.actions.recover import WAYS
 from pioneer3.geometry import Pose2
 from pioneer3.state import Motors
 from tests.unit.behaviors.support import above, around, seen, value
@@ -124,6 +123,6 @@ def test_it_leaves_the_robot_to_a_higher_priority(owner: Desire) -> None:
 
 
 def test_half_a_wish_above_does_not_end_it() -> None:
-    assert StallRecover().decide(at(0.0, BOTH, higher=Desire(v=Wish(0.1, 0.5)))) is not None
+    assert StallRecover().decide(at(0.0, BOTH, higher=Desire(v=Weighted(0.1, 0.5)))) is not None
     # nor do limits
     assert StallRecover().decide(at(0.0, BOTH, higher=Desire(v_max=0.0))) is not None

@@ -5,7 +5,7 @@ from math import inf, radians
 
 import numpy as np
 
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Situation
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.worldfile import Person

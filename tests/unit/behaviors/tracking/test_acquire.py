@@ -4,19 +4,18 @@ from math import inf
 
 import pytest
 
-from pioneer3.behaviors.tracking.acquire import Hearing
-from pioneer3.behaviors.tracking.clutter import Clutter
-from pioneer3.behaviors.tracking.pings import Listener
+from pioneer3.behaviors.detection import ClutterMap, PersonDetector
+from pioneer3.behaviors.pings import PingReader
 from tests.unit.behaviors.support import P3AT
 from tests.unit.behaviors.tracking.scene import Scene, ahead
 
 
-def hearing(scene: Scene, reports: int = 4, clutter: Clutter | None = None) -> Hearing:
+def hearing(scene: Scene, reports: int = 4, clutter: ClutterMap | None = None) -> PersonDetector:
     """Listen for a turn of the ring."""
-    listener = Listener()
+    listener = PingReader()
     for _ in range(reports):
         listener.listen(scene.report())
-    return Hearing(listener.latest, scene.now, P3AT, clutter or Clutter())
+    return PersonDetector(listener.latest, scene.now, P3AT, clutter or ClutterMap())
 
 
 @pytest.mark.parametrize("gap", [0.2, 0.6, 0.8])
@@ -47,12 +46,12 @@ def test_of_two_the_nearer_one_is() -> None:
 
 
 def test_furniture_is_not() -> None:
-    scene, clutter = Scene(people=[ahead(0.6)]), Clutter()
-    listener = Listener()
+    scene, clutter = Scene(people=[ahead(0.6)]), ClutterMap()
+    listener = PingReader()
     for _ in range(30):
         for ping in listener.listen(scene.report()):
             clutter.take(ping)
-    heard = Hearing(listener.latest, scene.now, P3AT, clutter)
+    heard = PersonDetector(listener.latest, scene.now, P3AT, clutter)
     assert heard.nearest_person() is None
     scene.people = [ahead(0.3)]
     assert hearing(scene, clutter=clutter).nearest_person() is not None
@@ -60,7 +59,9 @@ def test_furniture_is_not() -> None:
 
 def test_old_echoes_are_not() -> None:
     heard = hearing(Scene(people=[ahead(0.6)]))
-    assert Hearing(heard.latest, heard.now + 1.0, P3AT, Clutter()).nearest_person() is None
+    assert (
+        PersonDetector(heard.latest, heard.now + 1.0, P3AT, ClutterMap()).nearest_person() is None
+    )
 
 
 def test_who_was_lost_may_come_back_farther_away_but_only_near_where_they_went() -> None:

@@ -2,16 +2,16 @@
 
 from math import inf, radians
 
-from pioneer3.behaviors.tracking.clutter import FORGET, Clutter
-from pioneer3.behaviors.tracking.pings import Ping
+from pioneer3.behaviors.detection import FORGET, ClutterMap
+from pioneer3.behaviors.pings import Ping
 
 
 def ping(distance: float, stamp: float, *, axis: float = 0.0, number: int = 3) -> Ping:
     return Ping(number, 0.0, 0.0, radians(axis), distance, stamp)
 
 
-def heard(distance: float, *stamps: float) -> Clutter:
-    clutter = Clutter()
+def heard(distance: float, *stamps: float) -> ClutterMap:
+    clutter = ClutterMap()
     for stamp in stamps:
         clutter.take(ping(distance, stamp))
     return clutter
@@ -30,7 +30,7 @@ def test_two_echoes_are_chance() -> None:
 
 
 def test_who_walks_past_is_no_furniture() -> None:
-    clutter = Clutter()
+    clutter = ClutterMap()
     for tick in range(40):
         clutter.take(ping(1.0 + 0.04 * tick, tick / 10))  # 0.4 m/s away
     assert clutter.explains(ping(2.0, 4.0)) == inf
@@ -69,6 +69,6 @@ def test_old_places_are_forgotten_when_new_ones_come() -> None:
 
 
 def test_what_is_told_to_be_furniture_is() -> None:
-    clutter = Clutter()
+    clutter = ClutterMap()
     clutter.learn([ping(0.7, 0.0)])
     assert clutter.explains(ping(0.7, 0.1)) == 0.0

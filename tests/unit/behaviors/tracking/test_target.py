@@ -4,9 +4,9 @@ from math import atan2, degrees, hypot, inf, radians
 
 import pytest
 
-from pioneer3.behaviors.tracking.clutter import Clutter
-from pioneer3.behaviors.tracking.pings import Listener, Ping
-from pioneer3.behaviors.tracking.target import Target, expected_range
+from pioneer3.behaviors.detection import ClutterMap
+from pioneer3.behaviors.pings import Ping, PingReader
+from pioneer3.behaviors.tracking import Track, expected_range
 from tests.unit.behaviors.tracking.scene import Point, Scene, ahead
 
 
@@ -14,9 +14,9 @@ def ping(distance: float, axis: float = 0.0, stamp: float = 0.0, number: int = 3
     return Ping(number, 0.0, 0.0, radians(axis), distance, stamp)
 
 
-def watched(scene: Scene, *way: Point) -> Target:
+def watched(scene: Scene, *way: Point) -> Track:
     """Return who is seen walking `way`, a point for each report, first heard straight ahead."""
-    listener, clutter = Listener(), Clutter()
+    listener, clutter = PingReader(), ClutterMap()
     target = None
     for point in way:
         scene.people = [point]
@@ -24,12 +24,12 @@ def watched(scene: Scene, *way: Point) -> Target:
         if target is not None:
             target.hear(pings, clutter)
         elif heard := [p for p in pings if p.distance < inf]:
-            target = Target(heard[0])
+            target = Track(heard[0])
     assert target is not None
     return target
 
 
-def off(target: Target, point: Point) -> float:
+def off(target: Track, point: Point) -> float:
     x, y = target.estimate.position
     return hypot(x - point[0], y - point[1])
 
@@ -63,11 +63,11 @@ def test_noise_is_no_walk() -> None:
 
 
 def test_an_echo_farther_or_nearer_is_somebody_elses() -> None:
-    target = Target(ping(0.8))
+    target = Track(ping(0.8))
     for tick in range(1, 11):
-        target.hear([ping(0.8, stamp=tick / 10)], Clutter())
+        target.hear([ping(0.8, stamp=tick / 10)], ClutterMap())
     others = [ping(0.2, stamp=1.1, number=4), ping(2.0, stamp=1.1, number=2)]
-    assert target.hear(others, Clutter()) == others
+    assert target.hear(others, ClutterMap()) == others
 
 
 def test_the_range_of_who_is_in_the_beam_is_to_their_outline() -> None:
@@ -83,9 +83,11 @@ def test_who_is_beside_the_beam_is_met_by_its_edge() -> None:
 
 def test_what_the_transducer_beside_hears_as_near_is_theirs_too() -> None:
     def heard(distance: float, number: int) -> bool:
-        target = Target(ping(0.4, number=3))
+        target = Track(ping(0.4, number=3))
         # 80 degrees off: no beam is that wide
-        return target.hear([ping(distance, axis=80.0, stamp=0.1, number=number)], Clutter()) == []
+        return (
+            target.hear([ping(distance, axis=80.0, stamp=0.1, number=number)], ClutterMap()) == []
+        )
 
     assert heard(0.5, 2)
     assert not heard(0.6, 2)
@@ -93,23 +95,23 @@ def test_what_the_transducer_beside_hears_as_near_is_theirs_too() -> None:
 
 
 def test_furniture_beside_them_does_not_pull_them_away() -> None:
-    clutter = Clutter()
+    clutter = ClutterMap()
     clutter.learn([ping(0.95)])
-    target = Target(ping(0.8))
+    target = Track(ping(0.8))
     assert target.hear([ping(0.95, stamp=0.1)], clutter)
     assert target.estimate.position == pytest.approx((1.05, 0.0))
 
 
 def test_silence_where_they_are_expected_says_that_they_are_beside() -> None:
-    target = Target(ping(0.8, axis=5.0))
+    target = Track(ping(0.8, axis=5.0))
     for tick in range(1, 4):
-        target.hear([ping(inf, axis=0.0, stamp=0.3 * tick)], Clutter())
+        target.hear([ping(inf, axis=0.0, stamp=0.3 * tick)], ClutterMap())
     x, y = target.estimate.position
     assert degrees(atan2(y, x)) > 9
     assert target.heard == 0.0
 
 
 def test_something_before_them_says_nothing_of_them() -> None:
-    target = Target(ping(0.8))
-    target.hear([ping(0.2, stamp=0.1)], Clutter())
+    target = Track(ping(0.8))
+    target.hear([ping(0.2, stamp=0.1)], ClutterMap())
     assert target.estimate.position == pytest.approx((1.05, 0.0))

@@ -1,8 +1,10 @@
-"""Sensors that look up at tables, which sonars miss."""
+"""Table sensors, and words for obstacles, as several actions use them."""
 
 from dataclasses import dataclass
+from math import degrees
 
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Situation
+from pioneer3.behaviors.surroundings import Echo
 
 LEFT, RIGHT = 1 << 0, 1 << 1
 """Of the digital inputs, low when triggered (arcos.md 4.7, old wiring)."""
@@ -30,3 +32,21 @@ def table_seen(situation: Situation) -> Table:
         return Table()
     bits = situation.snapshot.inputs.digital_in
     return Table(not bits & LEFT, not bits & RIGHT)
+
+
+BLIND = "no range sensor works"
+
+
+def ahead(distance: float, echo: Echo) -> str:
+    """Return where an echo is: `distance` [m] from the robot's edge, in its direction."""
+    return f"{distance:.2f} m ahead at {round(degrees(echo.bearing))} deg"
+
+
+def behind(distance: float) -> str:
+    """Return how far [m] behind the robot's edge something is."""
+    return f"{distance:.2f} m behind"
+
+
+def beside(distance: float, side: str) -> str:
+    """Return how far [m] from the robot's edge something is, and on which side."""
+    return f"{distance:.2f} m to the {side}"

@@ -1,12 +1,114 @@
-"""Drive to a place."""
+"""Actions that drive: on, a distance, an angle, to a place, or not at all."""
 
 from dataclasses import dataclass, field
-from math import atan2, degrees, hypot, inf, radians, sqrt
+from math import atan2, cos, degrees, hypot, inf, radians, sin, sqrt
 
-from pioneer3.behaviors.desire import Desire
-from pioneer3.behaviors.goal import Goal
-from pioneer3.behaviors.situation import Situation
-from pioneer3.geometry import wrap
+from pioneer3.behaviors.action import Desire, Goal, Situation
+from pioneer3.behaviors.engine import approach
+from pioneer3.geometry import Pose2, wrap
+
+
+@dataclass(slots=True)
+class ConstantVelocity:
+    """Wants straight ahead at `velocity` [m/s], negative is backwards (arcos.md 7.6)."""
+
+    velocity: float = 0.4
+    name: str = "constant velocity"
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return it."""
+        return Desire(v=self.velocity, turn=0.0, reason="onwards")
+
+
+@dataclass(slots=True)
+class Stop:
+    """Wants to stand still, whatever lower priorities want (arcos.md 7.6)."""
+
+    name: str = "stop"
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return no speed and no turn."""
+        return Desire(v=0.0, turn=0.0, reason="standing still")
+
+
+KEEP_HEADING = 1.5
+"""Turn rate per heading error [1/s]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Move:
+    """Drive `distance` [m] along the heading at the start; negative is backwards.
+
+    Attributes:
+        speed: Top speed [m/s].
+        deceleration: What the robot can do [m/s^2].
+        tolerance: Near enough [m].
+    """
+
+    distance: float
+    speed: float
+    deceleration: float
+    tolerance: float = 0.005
+    name: str = "move"
+    done: bool = False
+    _start: Pose2 | None = field(default=None, init=False)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the speed for what is left; stands still when done."""
+        here = situation.pose
+        start = self._start = self._start or here
+        along = (here.x - start.x) * cos(start.theta) + (here.y - start.y) * sin(start.theta)
+        remaining = self.distance - along
+        if abs(remaining) <= self.tolerance:
+            self.done = abs(situation.twist.v) < 0.01
+            return Desire(v=0.0, w=0.0, reason="there")
+        self.done = False
+        return Desire(
+            v=approach(remaining, self.speed, self.deceleration),
+            w=KEEP_HEADING * wrap(start.theta - here.theta),
+            reason=f"{remaining:z.2f} m to go",
+        )
+
+
+SLOWEST = radians(2)
+"""Wheels of a standing robot stick below this [rad/s]; commands are whole degrees."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Turn:
+    """Turn by `angle` [rad], counter-clockwise positive; more than a full turn is possible.
+
+    Attributes:
+        rate: Top turn rate [rad/s].
+        deceleration: What the robot can do [rad/s^2].
+        tolerance: Near enough [rad].
+    """
+
+    angle: float
+    rate: float
+    deceleration: float
+    tolerance: float = radians(0.7)
+    name: str = "turn"
+    done: bool = False
+    _turned: float = field(default=0.0, init=False)
+    _last: float | None = field(default=None, init=False)
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the turn rate for what is left; stands still when done."""
+        theta = situation.pose.theta
+        if self._last is not None:
+            self._turned += wrap(theta - self._last)
+        self._last = theta
+        remaining = self.angle - self._turned
+        if abs(remaining) <= self.tolerance:
+            self.done = abs(situation.twist.w) < SLOWEST
+            return Desire(v=0.0, w=0.0, reason="there")
+        self.done = False
+        rate = approach(remaining, self.rate, self.deceleration)
+        if abs(rate) < SLOWEST:
+            rate = SLOWEST if rate > 0 else -SLOWEST
+        return Desire(v=0.0, w=rate, reason=f"{degrees(remaining):z.0f} deg to go")
+
 
 SLOWING = 0.2
 """Deceleration towards the goal [m/s^2]: ARIA's speed is the root of 400 mm/s^2 times the way."""

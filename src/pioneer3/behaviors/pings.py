@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, isnan, radians, sin
 
-from pioneer3.behaviors.situation import Situation
+from pioneer3.behaviors.action import Situation
 from pioneer3.geometry import Pose2, wrap
 
 RING = 0.36
@@ -44,7 +44,7 @@ class Ping:
         return hypot(dx, dy), wrap(atan2(dy, dx) - self.axis)
 
 
-class Listener:
+class PingReader:
     """Takes the fresh readings of each report, once.
 
     Attributes:

@@ -1,14 +1,88 @@
-"""Somebody who is followed: takes the echoes that are theirs, expects them where they went."""
+"""Tracks a person by the echoes of sonars: position and velocity, filtered."""
 
 from collections.abc import Sequence
 from math import asin, copysign, cos, hypot, inf, radians, sin, sqrt
 
-from pioneer3.behaviors.tracking.clutter import Clutter
-from pioneer3.behaviors.tracking.estimate import Estimate
-from pioneer3.behaviors.tracking.pings import HALF_BEAM, RING, Ping
+from pioneer3.behaviors.detection import RADIUS, ClutterMap
+from pioneer3.behaviors.pings import HALF_BEAM, RING, Ping
 
-RADIUS = 0.25
-"""Of somebody who walks, seen from above [m]."""
+WANDERS = 0.5
+"""How much the velocity of somebody who walks, turns and stops is another after 1 s [m/s]."""
+UNSURE_SPEED = 0.3
+"""Standard deviation of the speed of somebody who has just been seen [m/s]."""
+FASTEST = 0.8
+"""Nobody who is followed walks faster [m/s]."""
+
+
+class KalmanFilter:
+    """Position and velocity of somebody who walks with nearly constant velocity.
+
+    The state is (x, y, vx, vy), `spread` its covariance, shape (4, 4), in SI units, in odometry's
+    frame. A measurement is the position along some direction, so no matrix need be inverted.
+    """
+
+    def __init__(self, x: float, y: float, stamp: float, sigma: float) -> None:
+        self.state = [x, y, 0.0, 0.0]
+        self.stamp = stamp
+        p, v = sigma**2, UNSURE_SPEED**2
+        self.spread = [[p, 0, 0, 0], [0, p, 0, 0], [0, 0, v, 0], [0, 0, 0, v]]
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """At `stamp` [m]."""
+        return self.state[0], self.state[1]
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Along x and y [m/s]."""
+        return self.state[2], self.state[3]
+
+    def at(self, stamp: float) -> tuple[float, float]:
+        """Return where they are expected at `stamp` [s], which may lie ahead."""
+        dt = stamp - self.stamp
+        return self.state[0] + dt * self.state[2], self.state[1] + dt * self.state[3]
+
+    def advance(self, stamp: float) -> None:
+        """Let time pass until `stamp` [s]."""
+        dt = stamp - self.stamp
+        if dt <= 0:
+            return
+        self.stamp, spread = stamp, self.spread
+        for axis in (0, 1):
+            self.state[axis] += dt * self.state[axis + 2]
+            spread[axis] = [a + dt * b for a, b in zip(spread[axis], spread[axis + 2], strict=True)]
+        for axis in (0, 1):
+            for row in spread:
+                row[axis] += dt * row[axis + 2]
+            noise = WANDERS**2 * dt
+            spread[axis][axis] += noise * dt * dt / 3
+            spread[axis][axis + 2] += noise * dt / 2
+            spread[axis + 2][axis] += noise * dt / 2
+            spread[axis + 2][axis + 2] += noise
+
+    def variance(self, nx: float, ny: float) -> float:
+        """Return the variance of the position along a unit vector [m^2]."""
+        p = self.spread
+        return nx * nx * p[0][0] + 2 * nx * ny * p[0][1] + ny * ny * p[1][1]
+
+    def correct(self, nx: float, ny: float, error: float, sigma: float) -> None:
+        """Take in that they are `error` [m] farther along a unit vector than expected.
+
+        `sigma` [m] is the standard deviation of that measurement.
+        """
+        covariance = [nx * row[0] + ny * row[1] for row in self.spread]
+        total = nx * covariance[0] + ny * covariance[1] + sigma**2
+        gain = [c / total for c in covariance]
+        self.state = [s + g * error for s, g in zip(self.state, gain, strict=True)]
+        self.spread = [
+            [p - g * c for p, c in zip(row, covariance, strict=True)]
+            for row, g in zip(self.spread, gain, strict=True)
+        ]
+        speed = hypot(*self.velocity)
+        if speed > FASTEST:
+            self.state[2:] = [part * FASTEST / speed for part in self.velocity]
+
+
 RANGE_SIGMA = 0.06
 """Of the distance to the middle of somebody whose outline is no circle [m]."""
 BLUR = radians(5)
@@ -29,7 +103,7 @@ WALKED = 0.6
 """Who has come this far has walked [m]; noise does not get that far."""
 
 
-class Target:
+class Track:
     """Somebody, as told by sonar.
 
     An echo says how far away they are and, roughly, in which direction; silence from where they are
@@ -46,13 +120,13 @@ class Target:
     def __init__(self, ping: Ping) -> None:
         reach = ping.distance + RADIUS
         x, y = ping.x + reach * cos(ping.axis), ping.y + reach * sin(ping.axis)
-        self.estimate = Estimate(x, y, ping.stamp, sigma=0.15)
+        self.estimate = KalmanFilter(x, y, ping.stamp, sigma=0.15)
         self.heard = self.found = ping.stamp
         self.walked = False
         self.echoes = {ping.number: ping}
         self._first = x, y
 
-    def hear(self, pings: Sequence[Ping], clutter: Clutter) -> list[Ping]:
+    def hear(self, pings: Sequence[Ping], clutter: ClutterMap) -> list[Ping]:
         """Take in those echoes that are theirs; return the others."""
         if pings:
             self.estimate.advance(pings[0].stamp)
@@ -97,7 +171,7 @@ class Target:
     def _recent(self, stamp: float) -> list[Ping]:
         return [echo for echo in self.echoes.values() if stamp - echo.stamp <= RING]
 
-    def _is_furniture(self, ping: Ping, clutter: Clutter) -> bool:
+    def _is_furniture(self, ping: Ping, clutter: ClutterMap) -> bool:
         longer = ping.distance - expected_range(*ping.seen(*self.estimate.position))
         return abs(longer) > 1.5 * abs(clutter.explains(ping)) + 0.05
 

@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass
 
-from pioneer3.behaviors.desire import Desire, Wish
+from pioneer3.behaviors.action import Desire, Ranked, Situation, Stack, Weighted
 from pioneer3.behaviors.engine import Decision, resolve
-from pioneer3.behaviors.situation import Situation
-from pioneer3.behaviors.stack import Ranked, Stack
-from pioneer3.behaviors.words import told, why_standing
+from pioneer3.behaviors.explanations import explain, explain_standstill
 from tests.unit.behaviors.support import seen
 
 
@@ -28,14 +26,14 @@ GO = ("constant velocity", Desire(v=0.4, turn=0.0))
 
 
 def test_nobody_says_nothing() -> None:
-    assert told(Decision()) == ()
-    assert why_standing(Decision()) is None
+    assert explain(Decision()) == ()
+    assert explain_standstill(Decision()) is None
 
 
 def test_speed_limit_and_turn_are_told_with_their_reasons() -> None:
     avoid = ("avoid front", Desire(turn=0.3, reason="0.38 m at -12°"))
     limit = ("near limiter", Desire(v_max=0.1, reason="0.42 m ahead"))
-    assert told(decided(avoid, limit, GO)) == (
+    assert explain(decided(avoid, limit, GO)) == (
         "0.10 m/s: constant velocity",
         "held to 0.10 m/s: near limiter, 0.42 m ahead",
         "turns left at 49°/s: avoid front, 0.38 m at -12°",
@@ -43,20 +41,20 @@ def test_speed_limit_and_turn_are_told_with_their_reasons() -> None:
 
 
 def test_limits_that_do_not_bite_are_not_told() -> None:
-    assert told(decided(("limiter", Desire(v_max=0.5)), GO)) == ("0.40 m/s: constant velocity",)
+    assert explain(decided(("limiter", Desire(v_max=0.5)), GO)) == ("0.40 m/s: constant velocity",)
 
 
 def test_a_mixture_says_the_parts() -> None:
-    half = ("half", Desire(v=Wish(0.2, 0.6)))
-    assert told(decided(half, GO))[0] == "0.28 m/s: half (60 %) and constant velocity (40 %)"
+    half = ("half", Desire(v=Weighted(0.2, 0.6)))
+    assert explain(decided(half, GO))[0] == "0.28 m/s: half (60 %) and constant velocity (40 %)"
 
 
 def test_who_holds_the_robot_back_is_why_it_stands() -> None:
     limit = ("near limiter", Desire(v_max=0.0, reason="0.22 m ahead"))
-    assert told(decided(limit, GO))[1] == "held back: near limiter, 0.22 m ahead"
-    assert why_standing(decided(limit, GO)) == "near limiter, 0.22 m ahead"
-    assert why_standing(decided(GO)) is None
+    assert explain(decided(limit, GO))[1] == "held back: near limiter, 0.22 m ahead"
+    assert explain_standstill(decided(limit, GO)) == "near limiter, 0.22 m ahead"
+    assert explain_standstill(decided(GO)) is None
     stop = ("stop", Desire(v=0.0, turn=0.0))
-    assert why_standing(decided(stop, GO)) == "stop"
+    assert explain_standstill(decided(stop, GO)) == "stop"
     back = ("back", Desire(v=-0.2))
-    assert why_standing(decided(back, ("rear", Desire(back_max=0.0)))) == "rear"
+    assert explain_standstill(decided(back, ("rear", Desire(back_max=0.0)))) == "rear"

@@ -1,1 +1,0 @@
-"""Where somebody is and goes, from echoes of sonars; pure."""
