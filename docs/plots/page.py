@@ -78,7 +78,7 @@ async def look_at_the_map(browser: Browser, address: str, folder: Path) -> None:
         place = await desk.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [x, y])
         await canvas.click(position=place)
         if number < len(PLACES):
-            await desk.click("#errand-go")
+            await desk.click("#goto-go")
     await desk.wait_for_timeout(4000)
     await canvas.screenshot(path=folder / "map.png")
 

@@ -216,7 +216,7 @@ def test_keys_alone_add_move_turn_and_remove(page: Page, product: Product) -> No
     page.keyboard.press("Delete")
     until(lambda: not world.obstacles)
     page.keyboard.press("e")
-    assert page.locator("#bench").is_hidden()
+    assert page.locator("#editor").is_hidden()
 
 
 def test_time_is_paused_and_stepped_without_losing_the_robot(bench: Page, product: Product) -> None:
@@ -233,7 +233,7 @@ def test_time_is_paused_and_stepped_without_losing_the_robot(bench: Page, produc
     drag(bench, (home.x, home.y), (home.x + 0.6, home.y))
     until(lambda: abs(bench.evaluate("window.pioneer3.state.pose.x") - home.x - 0.6) < 0.05)
     bench.locator("#pause").click()
-    bench.locator("#pace").select_option("2")
+    bench.locator("#world-speed").select_option("2")
     until(lambda: world.time > stopped + 1.0)
     assert product.simulation.pace.speed == 2.0
     bench.keyboard.down("ArrowUp")
@@ -266,7 +266,7 @@ def test_everybody_sees_what_one_changes(bench: Page, product: Product) -> None:
     box = things(second, "box")[0]
     drag(bench, (8.0, 7.4), (9.0, 7.0))
     until(lambda: things(second, "box")[0]["pose"] != box["pose"])
-    assert second.locator("#bench").is_hidden()
+    assert second.locator("#editor").is_hidden()
     second.close()
 
 
@@ -285,7 +285,7 @@ def test_everything_of_the_bench_is_in_reach(
             "#thing",
             "#press",
             "#pause",
-            "#pace",
+            "#world-speed",
             "#tool-robot",
             "#edit",
             "#stop",
@@ -334,6 +334,6 @@ def test_the_world_of_a_real_robot_has_nothing_to_edit(browser: Browser) -> None
         page.keyboard.press("e")
         page.wait_for_timeout(300)
         assert page.locator("#edit").is_hidden()
-        assert page.locator("#bench").is_hidden()
+        assert page.locator("#editor").is_hidden()
         assert page.evaluate("window.pioneer3.state.things") == []
         page.close()

@@ -109,7 +109,7 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
     assert product.simulation.body.drive.linear.velocity > 0.25
     second.keyboard.up("ArrowDown")
     second.locator("#driver").click()
-    second.locator("#wheel-over").click()
+    second.locator("#lease-take-over").click()
     until(lambda: speed(product) == 0.0)
     expect(page.locator("#toast")).to_contain_text("took over")
     still_stands(page, product)  # though the first still holds its key

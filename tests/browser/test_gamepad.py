@@ -227,9 +227,9 @@ def test_it_lets_go_when_somebody_takes_over(
     with visit(browser, product.address) as bob:
         go(player, product)
         bob.page.click("#driver")
-        bob.page.click("#wheel-over")
+        bob.page.click("#lease-take-over")
         until(lambda: speed(product) == 0.0, 2.0)
-        bob.page.click("#wheel-leave")
+        bob.page.click("#lease-release")
         player.page.wait_for_timeout(1500)  # the button is still held
         assert player.source is None
         assert speed(product) == 0.0

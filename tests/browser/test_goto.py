@@ -30,18 +30,18 @@ def away(product: Product, x: float, y: float) -> float:
 
 def test_a_click_offers_a_place_and_moves_nothing(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 4.2, 3.1))
-    expect(office.locator("#errand-where")).to_have_text("Go to 4.20, 3.10 m?")
+    expect(office.locator("#goto-where")).to_have_text("Go to 4.20, 3.10 m?")
     office.wait_for_timeout(700)
     assert speed(product) == 0.0
     assert product.robot.arbiter.mode is None
-    office.locator("#errand-close").click()
-    expect(office.locator("#errand")).to_be_hidden()
-    assert state(office, "offer") is None
+    office.locator("#goto-close").click()
+    expect(office.locator("#goto-card")).to_be_hidden()
+    assert state(office, "proposal") is None
 
 
 def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 4.0, 3.4))
-    office.locator("#errand-go").click()
+    office.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)
     expect(office.locator("#card-going")).to_contain_text("To 4.0")
     target = state(office, "snapshot.target")
@@ -53,8 +53,8 @@ def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Produc
 
 def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 7.0, 5.1))
-    expect(office.locator("#errand-where")).to_have_text("Go to Lab?")
-    office.locator("#errand-go").click()
+    expect(office.locator("#goto-where")).to_have_text("Go to Lab?")
+    office.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)
     expect(office.locator("#card-going")).to_contain_text("To Lab")
     office.locator("#card-end").click()
@@ -64,7 +64,7 @@ def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
 
 def test_somebody_else_may_end_it_too(browser: Browser, office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 7.0, 5.1))
-    office.locator("#errand-go").click()
+    office.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)
     other = browser.new_page()
     other.goto(product.address)
@@ -78,15 +78,15 @@ def test_somebody_else_may_end_it_too(browser: Browser, office: Page, product: P
 
 def test_the_knob_turns_the_heading(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 4.0, 3.1))
-    offer = state(office, "offer")
+    offer = state(office, "proposal")
     assert offer["heading"] is None
     arm = 46 / state(office, "camera.scale")
     drag(office, (offer["x"] + arm, offer["y"]), (offer["x"], offer["y"] + 2 * arm))
-    expect(office.locator("#errand-where")).to_contain_text("heading 90°")
-    office.locator("#errand-any").click()
-    assert state(office, "offer.heading") is None
+    expect(office.locator("#goto-where")).to_contain_text("heading 90°")
+    office.locator("#goto-any").click()
+    assert state(office, "proposal.heading") is None
     drag(office, (offer["x"] + arm, offer["y"]), (offer["x"], offer["y"] + 3 * arm))
-    office.locator("#errand-go").click()
+    office.locator("#goto-go").click()
     until(lambda: state(office, "snapshot.mode") == "goto")
     until(lambda: state(office, "snapshot.mode") is None, 20.0)
     assert product.simulation.body.robot_in_world.theta == pytest.approx(pi / 2, abs=0.2)
@@ -95,7 +95,7 @@ def test_the_knob_turns_the_heading(office: Page, product: Product) -> None:
 def test_a_double_click_follows_the_robot_and_offers_nothing(office: Page) -> None:
     office.mouse.dblclick(*spot(office, 4.2, 3.1))
     assert state(office, "camera.mode") == "follow"
-    assert state(office, "offer") is None
+    assert state(office, "proposal") is None
 
 
 def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
@@ -114,7 +114,7 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
         (30.0, 3.1, "This is outside the walls of the map."),
     ):
         office.mouse.click(*spot(office, min(x, 20.6), y))
-        office.locator("#errand-go").click()
+        office.locator("#goto-go").click()
         expect(office.locator("#toast")).to_have_text(why)
     office.wait_for_timeout(500)
     assert speed(product) == 0.0
@@ -122,13 +122,13 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
 
 def test_keys_alone_send_the_robot(office: Page, product: Product) -> None:
     office.keyboard.press("g")
-    expect(office.locator("#errand-go")).to_be_focused()
-    office.locator("#errand-place").select_option(label="Lab")
-    until(lambda: state(office, "offer.name") == "Lab")
-    office.locator("#errand-go").focus()
+    expect(office.locator("#goto-go")).to_be_focused()
+    office.locator("#goto-place").select_option(label="Lab")
+    until(lambda: state(office, "proposal.name") == "Lab")
+    office.locator("#goto-go").focus()
     for key in ("Shift+ArrowLeft", "Shift+ArrowDown", "["):
         office.keyboard.press(key)
-    offer = state(office, "offer")
+    offer = state(office, "proposal")
     assert (offer["x"], offer["y"]) == pytest.approx((6.9, 5.0))
     assert offer["heading"] is not None
     assert speed(product) == 0.0
@@ -138,7 +138,7 @@ def test_keys_alone_send_the_robot(office: Page, product: Product) -> None:
     until(lambda: speed(product) == 0.0)
     office.keyboard.press("g")
     office.keyboard.press("Escape")
-    expect(office.locator("#errand")).to_be_hidden()
+    expect(office.locator("#goto-card")).to_be_hidden()
 
 
 @pytest.fixture
@@ -167,21 +167,21 @@ def test_a_finger_that_stays_offers_a_place_and_turns_the_heading(
 
     x, y = spot(phone, 4.2, 3.1)
     phone.touchscreen.tap(x, y)
-    assert state(phone, "offer") is None
+    assert state(phone, "proposal") is None
     phone.wait_for_timeout(400)
     touch("touchStart", x, y)
     phone.wait_for_timeout(700)
-    assert state(phone, "offer") is not None
+    assert state(phone, "proposal") is not None
     touch("touchMove", x, y - 40)
     touch("touchMove", x, y - 60)
     touch("touchEnd")
-    assert state(phone, "offer.heading") == pytest.approx(pi / 2, abs=0.05)
-    for button in ("#errand-go", "#errand-close", "#errand-any"):
+    assert state(phone, "proposal.heading") == pytest.approx(pi / 2, abs=0.05)
+    for button in ("#goto-go", "#goto-close", "#goto-any"):
         box = phone.locator(button).bounding_box()
         assert box is not None
         assert box["height"] >= 40
         assert box["x"] + box["width"] <= 390
-    phone.locator("#errand-go").tap()
+    phone.locator("#goto-go").tap()
     until(lambda: speed(product) > 0.1)
     phone.locator("#card-end").tap()
     until(lambda: speed(product) == 0.0)
@@ -195,7 +195,7 @@ def test_a_finger_that_moves_pans_and_offers_nothing(phone: Page) -> None:
         session.send("Input.dispatchTouchEvent", {"type": name, "touchPoints": points})
     phone.wait_for_timeout(700)
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    assert state(phone, "offer") is None
+    assert state(phone, "proposal") is None
     assert state(phone, "camera.mode") == "free"
 
 
@@ -207,7 +207,7 @@ def test_leaving_the_page_ends_what_it_started(
     wait_for_the_robot(other)
     other.wait_for_timeout(500)
     other.mouse.click(*spot(other, 7.0, 5.1))
-    other.locator("#errand-go").click()
+    other.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)
     other.close()
     until(lambda: speed(product) == 0.0)

@@ -66,7 +66,7 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, share
         drive(ann, shared)
         expect(bob.locator("#driver")).to_have_text("laptop drives")
         bob.click("#driver")
-        bob.click("#wheel-over")
+        bob.click("#lease-take-over")
         until(lambda: speed(shared) == 0.0, 2.0)
         expect(ann.locator("#driver")).to_have_text("Bob has the wheel")
         expect(ann.locator("#toast")).to_contain_text("Bob")
@@ -83,7 +83,7 @@ def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: P
         ann.click("#wander-start")
         until(lambda: speed(shared) > 0.1)
         bob.click("#driver")
-        bob.click("#wheel-over")
+        bob.click("#lease-take-over")
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
         expect(ann.locator("#view-modes .mode-state")).to_have_text("Wander ended: Bob took over.")
         expect(ann.locator("#why")).to_have_text("Bob has the wheel.")
@@ -107,15 +107,15 @@ def test_an_invitation_to_watch_offers_no_more(browser: Browser, shared: Product
 def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> None:
     with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         ann.click("#driver")
-        ann.click("#wheel-take")
-        expect(ann.locator("#people-wheel")).to_have_text("You have the wheel.")
+        ann.click("#lease-take")
+        expect(ann.locator("#people-lease")).to_have_text("You have the wheel.")
         expect(ann.locator("#driver")).to_have_text("You have the wheel")
         ann.get_by_label("Hand the wheel to Bob").click()
-        expect(ann.locator("#people-wheel")).to_have_text("Bob has the wheel.")
+        expect(ann.locator("#people-lease")).to_have_text("Bob has the wheel.")
         expect(bob.locator("#toast")).to_have_text("laptop has handed you the wheel")
         bob.click("#driver")
-        bob.click("#wheel-leave")
-        expect(ann.locator("#people-wheel")).to_have_text("The wheel is free.")
+        bob.click("#lease-release")
+        expect(ann.locator("#people-lease")).to_have_text("The wheel is free.")
 
 
 def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(

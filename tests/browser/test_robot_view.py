@@ -53,7 +53,7 @@ def test_stalls_and_battery_are_words_not_colours_alone(view: Page, product: Pro
 def test_bumpers_are_drawn_by_segment_and_told_in_words(view: Page, product: Product) -> None:
     """The page's part of it: a robot with bumpers is made up."""
     view.evaluate("""async () => {
-        const { BumperDrawing } = await import("/static/panels/bumpers.js");
+        const { BumperDrawing } = await import("/static/panels/widgets.js");
         const drawing = new BumperDrawing();
         drawing.show({ front: [false, true, false, false, true], rear: [false, false] });
         drawing.element.id = "made-up";

@@ -165,15 +165,15 @@ def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product
 def test_the_wheel_that_is_taken_is_the_selected_robots(page: Page, product: Product) -> None:
     page.keyboard.press("2")
     page.locator("#driver").click()
-    page.locator("#wheel-take").click()
-    expect(page.locator("#people-wheel")).to_have_text("You have the wheel of bob.")
+    page.locator("#lease-take").click()
+    expect(page.locator("#people-lease")).to_have_text("You have the wheel of bob.")
     assert [station.wheel.holder is not None for station in product.web.stations.values()] == [
         False,
         True,
         False,
     ]
     page.keyboard.press("1")
-    expect(page.locator("#people-wheel")).to_have_text("The wheel of alice is free.")
+    expect(page.locator("#people-lease")).to_have_text("The wheel of alice is free.")
 
 
 def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(

@@ -181,10 +181,10 @@ def test_the_stick_lets_go_when_somebody_takes_over(
         push(phone, 1.0)
         until(lambda: speed(product) > 0.25)
         bob.page.click("#driver")
-        bob.page.click("#wheel-over")
+        bob.page.click("#lease-take-over")
         until(lambda: speed(product) == 0.0, 2.0)
         expect(phone.page.locator("#toast")).to_be_visible()
-        bob.page.click("#wheel-leave")
+        bob.page.click("#lease-release")
         phone.page.wait_for_timeout(1500)  # the finger is still out
         assert phone.source is None
         assert speed(product) == 0.0

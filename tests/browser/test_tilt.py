@@ -29,7 +29,7 @@ def run(page: Page, module: str, expression: str) -> Any:
 def turned(page: Page, start: Angles, end: Angles, screen: int = 0) -> dict[str, float]:
     """Return tip, turn and flip [degrees] from one attitude to another."""
     a, b = (f"m.attitude(...{json.dumps(angles)})" for angles in (start, end))
-    result = run(page, "attitude.js", f"m.meaning(m.rotation({a}, {b}), {screen})")
+    result = run(page, "drive/tilt.js", f"m.meaning(m.rotation({a}, {b}), {screen})")
     return {name: round(value, 6) + 0.0 for name, value in result.items()}
 
 
@@ -100,19 +100,19 @@ def test_small_changes_of_angles_are_small_turns_everywhere(page: Page) -> None:
 def test_five_degrees_are_nothing_and_a_flip_is_a_stop(
     page: Page, vector: list[float], wish: dict[str, float] | None
 ) -> None:
-    got = run(page, "tilt.js", f"m.wishOf({vector}, 0)")
+    got = run(page, "drive/tilt.js", f"m.commandOf({vector}, 0)")
     assert got == (None if wish is None else pytest.approx(wish))
 
 
 def test_the_response_is_even_monotonic_and_bounded(page: Page) -> None:
     values = [n / 50 for n in range(-60, 61)]
     for dead, gentle in ((0.1, 0), (0.12, 0.6), (0.125, 0.3)):
-        got = run(page, "response.js", f"{values}.map((v) => m.response(v, {dead}, {gentle}))")
+        got = run(page, "drive/stick.js", f"{values}.map((v) => m.response(v, {dead}, {gentle}))")
         assert got == sorted(got)
         assert got == pytest.approx([-value for value in reversed(got)])
         assert (got[0], got[-1]) == (-1, 1)
         assert all(out == 0 for value, out in zip(values, got, strict=True) if abs(value) <= dead)
-    nothing = run(page, "response.js", "[NaN, undefined, 'x'].map((v) => m.response(v, 0.1))")
+    nothing = run(page, "drive/stick.js", "[NaN, undefined, 'x'].map((v) => m.response(v, 0.1))")
     assert nothing == [0, 0, 0]
 
 

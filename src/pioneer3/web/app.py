@@ -1,12 +1,14 @@
 """Routes: the page, its parts, its WebSocket and the API."""
 
+import re
 from collections.abc import Awaitable, Callable
+from functools import cache
 from pathlib import Path
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
@@ -20,10 +22,10 @@ from pioneer3.web.page import Page
 from pioneer3.web.visitor import Visitor
 
 STATIC = Path(__file__).with_name("static")
-PAGES = {
-    "/": "index.html",
-    "/pair": "pair/pair.html",
-    "/api": "api/api.html",
+IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
+FILES = {
+    "/pair": "pages/pair.html",
+    "/api": "pages/api.html",
     "/app.webmanifest": "app/app.webmanifest",
     "/worker.js": "app/worker.js",  # here, for it may serve what is beside it and below only
 }
@@ -34,6 +36,10 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
 
     The files of the page are no secret; the robot is behind the WebSocket and the API.
     """
+    html = index()
+
+    async def start(_: Request) -> Response:
+        return HTMLResponse(html)
 
     async def visit(socket: WebSocket) -> None:
         session = session_of(socket)
@@ -50,7 +56,8 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
     app = Starlette(
         routes=[
             Route("/ca.crt", authority),
-            *(Route(path, _file(name)) for path, name in PAGES.items()),
+            Route("/", start),
+            *(Route(path, _file(name)) for path, name in FILES.items()),
             WebSocketRoute("/ws", visit),
             *api_routes(page),
             Mount("/static", StaticFiles(directory=STATIC)),
@@ -61,6 +68,27 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
         },
     )
     return Gate(app, page.access, names)
+
+
+@cache
+def index() -> str:
+    """Return the page. It names all its modules, so that browsers load them side by side."""
+    html = (STATIC / "index.html").read_text("utf-8")
+    (main,) = re.findall(r'<script type="module" src="/static/(.+?)"', html)
+    links = (f'  <link rel="modulepreload" href="/static/{name}">\n' for name in modules(main)[1:])
+    return html.replace("</head>", f"{''.join(links)}</head>")
+
+
+def modules(main: str) -> list[str]:
+    """Return `main` and all modules that it imports, also through others, as paths below STATIC."""
+    found = [main]
+    for name in found:  # grows meanwhile
+        folder = (STATIC / name).parent
+        for imported in IMPORT.findall((STATIC / name).read_text("utf-8")):
+            path = (folder / imported).resolve().relative_to(STATIC.resolve()).as_posix()
+            if path not in found:
+                found.append(path)
+    return found
 
 
 def _file(name: str) -> Callable[[Request], Awaitable[Response]]:

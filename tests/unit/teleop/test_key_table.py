@@ -115,7 +115,7 @@ def test_the_buttons_of_a_gamepad() -> None:
 
 
 def test_the_keys_of_the_page() -> None:
-    script = (ROOT / "src/pioneer3/web/static/keys.js").read_text("utf-8")
+    script = (ROOT / "src/pioneer3/web/static/drive/keys.js").read_text("utf-8")
     driving = set(re.findall(r"^  (?:Key|Arrow)(\w+): \{ forward", script, re.MULTILINE))
     told = {key: row[1] for key, row in ROWS if row[1]}
     assert driving == {"Up", "Down", "Left", "Right", "W", "S", "A", "D"}

@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, Robot, connect_async
 from pioneer3.web.access import certificate
-from pioneer3.web.app import STATIC
+from pioneer3.web.app import STATIC, index
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
@@ -175,9 +175,10 @@ def test_small_messages_leave_at_once() -> None:
 
 
 def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None:
-    page = (STATIC / "index.html").read_text()
-    named = re.findall(r'(?:modulepreload" href|module" src)="/static/([a-z_]+\.js)"', page)
-    assert sorted(named) == sorted(path.name for path in STATIC.glob("*.js"))
+    named = re.findall(r'(?:modulepreload" href|module" src)="/static/(.+?\.js)"', index())
+    others = {"pages", "app"}
+    files = {path.relative_to(STATIC) for path in STATIC.rglob("*.js")}
+    assert sorted(named) == sorted(str(path) for path in files if path.parts[0] not in others)
 
 
 async def test_a_port_in_use_is_refused_with_a_way_out() -> None:

@@ -1,11 +1,11 @@
-// The WebSocket: connects, reconnects with back-off, measures the round trip.
-// A socket that is silent for SILENCE ms counts as lost, whatever TCP believes.
+// The WebSocket: connects, reconnects with back-off, measures the round trip. A socket that is silent for
+// SILENCE ms counts as lost, whatever TCP reports.
 
 const FIRST_RETRY = 500; // ms
 const LAST_RETRY = 5000;
 const PING = 1000;
 const SILENCE = 4000;
-const QUEUE = 512; // bytes; a fuller queue would deliver old velocities late
+const QUEUE = 512; // bytes; velocities behind a longer queue would arrive late
 
 export class Connection {
   #onMessage;
@@ -14,8 +14,8 @@ export class Connection {
   #socket = null;
   #retry = FIRST_RETRY;
   #timer = 0;
-  #heard = 0;
-  #pinged = -Infinity;
+  #heardAt = 0;
+  #pingedAt = -Infinity;
 
   /** Milliseconds from a ping to its answer, or null before the first. */
   roundTrip = null;
@@ -26,9 +26,9 @@ export class Connection {
     this.#onMessage = onMessage;
     this.#onChange = onChange;
     this.#onLost = onLost;
-    setInterval(() => this.#beat(), PING);
-    addEventListener("online", () => this.hurry());
-    document.addEventListener("visibilitychange", () => document.hidden || this.hurry());
+    setInterval(() => this.#check(), PING);
+    addEventListener("online", () => this.retryNow());
+    document.addEventListener("visibilitychange", () => document.hidden || this.retryNow());
   }
 
   get open() {
@@ -41,14 +41,14 @@ export class Connection {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     const socket = new WebSocket(`${scheme}//${location.host}/ws${location.search}`);
     this.#socket = socket;
-    this.#heard = performance.now();
+    this.#heardAt = performance.now();
     socket.addEventListener("open", () => this.#isCurrent(socket) && this.#opened());
-    socket.addEventListener("message", (event) => this.#isCurrent(socket) && this.#heardOf(event.data));
+    socket.addEventListener("message", (event) => this.#isCurrent(socket) && this.#receive(event.data));
     socket.addEventListener("close", () => this.#isCurrent(socket) && this.#lost());
     this.#onChange();
   }
 
-  /** Sends now or not at all: nothing is kept for a later connection. Says whether it was sent. */
+  /** Sends now or not at all: nothing is kept for a later connection. Returns whether it was sent. */
   send(message) {
     if (!this.open) return false;
     this.#socket.send(JSON.stringify(message));
@@ -60,14 +60,14 @@ export class Connection {
     return this.open && this.#socket.bufferedAmount < QUEUE && this.send(message);
   }
 
-  /** Asks for a pong, which also tells the server that somebody is here. */
+  /** Asks for a pong; for the server it is a sign of life. */
   ping() {
-    this.#pinged = performance.now();
-    return this.send({ type: "ping", t: this.#pinged });
+    this.#pingedAt = performance.now();
+    return this.send({ type: "ping", t: this.#pingedAt });
   }
 
-  /** Tries again at once, if it waits to. */
-  hurry() {
+  /** Connects at once instead of waiting for the next attempt. */
+  retryNow() {
     if (this.retryAt !== null) this.connect();
   }
 
@@ -76,16 +76,16 @@ export class Connection {
   }
 
   #opened() {
-    this.#heard = performance.now();
+    this.#heardAt = performance.now();
     this.#onChange();
     this.ping();
   }
 
-  #heardOf(text) {
-    this.#heard = performance.now();
+  #receive(text) {
+    this.#heardAt = performance.now();
     this.#retry = FIRST_RETRY;
-    // A page behind others is woken once a minute by timers, but always by messages.
-    if (this.#heard - this.#pinged > 2 * PING) this.ping();
+    // timers of a page in the background run once a minute, but messages always arrive
+    if (this.#heardAt - this.#pingedAt > 2 * PING) this.ping();
     let message;
     try {
       message = JSON.parse(text);
@@ -96,9 +96,9 @@ export class Connection {
     if (message?.type) this.#onMessage(message);
   }
 
-  #beat() {
+  #check() {
     if (this.#socket === null) return;
-    if (performance.now() - this.#heard > SILENCE) this.#lost();
+    if (performance.now() - this.#heardAt > SILENCE) this.#lost();
     else this.ping();
   }
 

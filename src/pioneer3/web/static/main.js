@@ -1,44 +1,37 @@
-// Joins the parts: messages -> model -> picture and numbers; inputs -> drive -> messages.
+// Composes the page: messages change the model, the model is drawn and shown, inputs become messages.
 
-import { checkPairing } from "./access.js";
+import { byId } from "./dom.js";
 import { Connection } from "./connection.js";
-import { Drive } from "./drive.js";
-import { Editor } from "./editor.js";
-import { Errand } from "./errand.js";
-import { expose } from "./exposed.js";
-import { listenToCanvas } from "./gestures.js";
-import { watchForLoss } from "./guard.js";
-import { Hands } from "./hands.js";
-import { robotAt } from "./draw_robots.js";
-import { showConnection, showRobot } from "./header.js";
-import { Inputs } from "./inputs.js";
-import { Layers } from "./layers.js";
-import { Legend } from "./legend.js";
-import { Limits } from "./limits.js";
-import { Model } from "./model.js";
-import { showOverlay, showPause, showWhy, toast } from "./notices.js";
-import { showLatched, showTrouble } from "./panels/alarm.js";
+import { Drive } from "./drive/drive.js";
+import { Inputs, Limits } from "./drive/inputs.js";
+import { StopQueue, listenToStops, showLatched, showStops, showTrouble } from "./drive/stops.js";
+import { Teleop, watchForLoss } from "./drive/teleop.js";
+import { checkPairing } from "./http.js";
+import { Editor } from "./map/editor.js";
+import { EditorToolbar } from "./map/editor_toolbar.js";
+import { listenToCanvas, listenToPointer, listenToTools, showMode } from "./map/gestures.js";
+import { GotoTool } from "./map/goto.js";
+import { Layers, Legend } from "./map/layers.js";
+import { robotAt } from "./map/robots.js";
+import { Scene } from "./map/scene.js";
+import { View } from "./map/view.js";
+import { Model } from "./model/model.js";
 import { Panels } from "./panels/panels.js";
-import { StopPost } from "./panels/stop_post.js";
-import { showLink, showSnapshot, showUsable } from "./panel.js";
-import { People } from "./people.js";
-import { Picker } from "./picker.js";
-import { listenToPointer } from "./pointer.js";
-import { Scene } from "./scene.js";
-import { listenToStops, showStops } from "./stops.js";
-import { listenToTools, showMode } from "./tools.js";
-import { View } from "./view.js";
-import { Workbench } from "./workbench.js";
+import { People } from "./panels/people.js";
+import { Picker } from "./panels/picker.js";
+import {
+  showConnection, showLink, showOverlay, showPause, showRobot, showSnapshot, showUsable, showWhy, toast,
+} from "./panels/status.js";
 
 const CHECK = 250; // ms between looks at the age of what is shown
-const NEWS = 1500; // ms in which news are not covered by what follows from them
-const NEWS_LAST = 8000; // ms
+const RECENT = 1500; // ms after a message of the server in which it is not covered by others
+const LONG = 8000; // ms, of a message of the server
 const WATCHING = "You watch. STOP and E-STOP are for you, too.";
 const PHONE = "(max-width: 760px), (max-height: 520px)";
 
-let toldAt = -Infinity;
-let driven = false; // whether the user has found out how
-const canvas = document.getElementById("canvas");
+let newsAt = -Infinity; // of the last message about another person's action
+let hasDriven = false; // the user knows how to drive
+const canvas = byId("canvas");
 const model = new Model();
 const limits = new Limits();
 const view = new View({ reducedMotion: () => matchMedia("(prefers-reduced-motion: reduce)").matches });
@@ -49,99 +42,99 @@ const connection = new Connection({ onMessage: receive, onChange: connected, onL
 const drive = new Drive({
   send: sendDrive,
   limits: () => limits.values,
-  onChange: () => (driven ||= drive.holding, inputs.show(drive)),
+  onChange: () => (hasDriven ||= drive.holding, inputs.show(drive)),
 });
 
 const people = new People({
   send: (message) => connection.send(message) || toast("Not connected: nothing was changed."),
-  complain: toast,
+  notify: toast,
 });
 const picker = new Picker({ model, select, open: () => panels.open("robots") });
 const editor = new Editor({ view, world: model.world, send: sendEdit, lift, changed: showEdit });
 scene.editor = editor;
-const bench = new Workbench({
+const toolbar = new EditorToolbar({
   editor,
   world: model.world,
   send: sendEdit,
   driving: () => drive.holding,
-  toggled: () => (hands.abandon(), errand.withdraw(), showEdit()), // keys of the pad may have gone from under a finger
+  toggled: () => (teleop.abandon(), goto.withdraw(), showEdit()), // a held control may vanish from under a finger
 });
-const errand = new Errand({
+const goto = new GotoTool({
   view, scene, model,
   send: (message) => connection.send(message) || toast("Not connected: nothing was sent."),
   speed: () => limits.values.speed,
   driving: () => drive.holding,
-  changed: () => (errand.show(), scene.invalidate()),
+  changed: () => (goto.show(), scene.invalidate()),
 });
-scene.errand = errand;
+scene.goto = goto;
 
-const post = new StopPost({
+const stops = new StopQueue({
   send: (message) => connection.send(message),
   ping: () => connection.ping(),
   delivered: () => toast("The stop has arrived, late."),
 });
-const hands = new Hands({ drive, model, post, connection, complain: toast, changed: refresh });
+const teleop = new Teleop({ drive, model, stops, connection, notify: toast, changed: refresh });
 const panels = new Panels({
   send: sendToRobot,
-  complain: toast,
-  remark,
+  notify: toast,
+  tell,
   opened: (view) => {
-    if (view && matchMedia(PHONE).matches) bench.open(false);
-    picker.listed(view === "robots");
+    if (view && matchMedia(PHONE).matches) toolbar.open(false);
+    picker.setListed(view === "robots");
   },
 });
 
 /** The socket has opened or closed. */
 function connected() {
-  post.carryOn(connection.open);
-  if (connection.open) panels.attend();
+  stops.flush(connection.open);
+  if (connection.open) panels.subscribe();
   refresh();
 }
 
 function receive(message) {
   const before = model.selected;
   model.receive(message);
-  if (before && before !== model.selected) drive.forget(); // it has gone: its keys move no other one
-  if (message.type === "hello") greet(message);
+  if (before && before !== model.selected) drive.forget(); // the robot is gone, and its keys drive no other
+  if (message.type === "hello") showHello(message);
   else if (message.type === "map") scene.adoptMap(message.map);
   else if (message.type === "scans") scene.invalidate();
-  else if (message.type === "robots") see(message);
-  else if (message.type === "world") survey();
+  else if (message.type === "robots") showSnapshots(message);
+  else if (message.type === "world") showWorld();
   else if (message.type === "added") editor.select(message.id);
   else if (message.type === "edit_refused") refusedEdit(message);
   else if (message.type === "refused") refused(message);
-  else if (message.type === "people") meet(message);
-  else if (message.type === "told") told(message);
-  else if (message.type === "pong") post.heard(message.t);
+  else if (message.type === "people") takePeople(message);
+  else if (message.type === "told") showNews(message);
+  else if (message.type === "pong") stops.acknowledge(message.t);
   else panels.receive(message);
   refresh();
 }
 
-function greet(hello) {
+function showHello(hello) {
   inputs.adopt(hello);
-  bench.adopt(hello.models);
+  toolbar.adopt(hello.models);
   showSelected();
   legend.offer("laser", hello.robots.some(({ laser }) => laser));
-  watch();
+  watchLasers();
 }
 
 /** Lasers are on while somebody looks at them. */
-function watch() {
+function watchLasers() {
   connection.send({ type: "watch_lasers", on: layers.has("laser") });
 }
 
 function showLayer(name) {
-  if (name === "laser") watch();
+  if (name === "laser") watchLasers();
   scene.renew();
 }
 
-/** The user wants another robot: the one before is let go first. */
+/** Selects another robot; the one before is stopped if it is driven. */
 function select(id) {
   if (id === model.selected?.id || !model.robots.has(id)) return;
   if (drive.active) drive.stop();
   model.select(id);
   showSelected();
-  if (panels.view === "robots" && matchMedia(PHONE).matches) panels.open(null); // to what it is driven with
+  if (panels.view === "robots" && matchMedia(PHONE).matches) panels.open(null); // back to the controls
   if (model.snapshot) show();
   refresh();
 }
@@ -155,7 +148,7 @@ function showSelected() {
   scene.invalidate();
 }
 
-/** A tap on the map selects the robot there; says whether there was one. */
+/** A tap on the map selects the robot there; returns whether there is one. */
 function pick(point, type) {
   if (editor.active || !model.several) return false;
   const slack = (type === "mouse" ? 4 : 16) / view.scale;
@@ -164,16 +157,16 @@ function pick(point, type) {
   return robot !== null;
 }
 
-/** A tap on the map: a robot is selected, or with the mouse a place is offered to drive to. */
+/** A tap on the map: a robot is selected, or with the mouse a goal is proposed. */
 function tap(point, type) {
   if (pick(point, type)) return true;
   editor.select(null); // the floor was tapped
-  if (!editor.active && type === "mouse") errand.propose(point, type);
-  else errand.withdraw();
+  if (!editor.active && type === "mouse") goto.propose(point, type);
+  else goto.withdraw();
   return false;
 }
 
-const hold = (point, type) => (!editor.active && errand.propose(point, type) ? errand : null);
+const hold = (point, type) => (!editor.active && goto.propose(point, type) ? goto : null);
 
 function sendDrive(message) {
   const request = { ...message, robot: model.selected?.id };
@@ -184,15 +177,15 @@ function sendToRobot(message) {
   return connection.send({ ...message, robot: model.selected?.id });
 }
 
-function meet(message) {
+function takePeople(message) {
   people.receive(message);
   model.viewer = people.viewer;
   model.guest = message.id;
-  model.wheels = message.wheels;
+  model.leases = message.wheels;
 }
 
-function see({ snapshots }) {
-  for (const snapshot of snapshots) panels.note(snapshot, model.robots.get(snapshot.robot));
+function showSnapshots({ snapshots }) {
+  for (const snapshot of snapshots) panels.record(snapshot, model.robots.get(snapshot.robot));
   show();
 }
 
@@ -204,26 +197,26 @@ function show() {
   scene.invalidate();
 }
 
-/** What to do with a robot that stands and is asked for nothing. */
+/** Returns the hint for a robot that stands and has nothing to do. */
 function hint() {
   if (model.viewer) return WATCHING;
   const holder = people.holder;
   if (holder && holder !== "you") return `${holder} has the wheel.`;
-  return driven ? "" : inputs.hint;
+  return hasDriven ? "" : inputs.hint;
 }
 
-/** The world has changed. While a robot says nothing, as in a pause, the world says where it is. */
-function survey() {
+/** Shows the world. While a robot does not report, as in a pause, its pose comes from the world. */
+function showWorld() {
   for (const robot of model.robots.values()) {
     const own = model.world.own(robot.id);
-    if (own && (model.world.paused || !robot.hearing)) robot.place(own.pose);
+    if (own && (model.world.paused || !robot.reporting)) robot.moveTo(own.pose);
   }
   editor.catchUp();
   showEdit();
 }
 
 function showEdit() {
-  bench.show();
+  toolbar.show();
   scene.invalidate();
 }
 
@@ -236,31 +229,31 @@ function refusedEdit({ message }) {
   toast(message);
 }
 
-/** The user takes the selected thing, which is a robot of the page, in the hand, or puts it down. */
+/** The user begins to drag the selected thing, which is a robot of the page, or drops it. */
 function lift(lifted) {
   for (const robot of model.robots.values()) robot.lifted = lifted && robot.id === editor.thing?.own;
   if (drive.active) drive.stop();
 }
 
-/** Somebody did something that concerns this page. */
-function told({ message }) {
-  toldAt = performance.now();
-  toast(message, NEWS_LAST);
+/** Shows a message about another person's action. */
+function showNews({ message }) {
+  newsAt = performance.now();
+  toast(message, LONG);
 }
 
-/** Says what has happened, unless the user has just been told why. */
-function remark(text) {
-  if (performance.now() - toldAt > NEWS) toast(text);
+/** Shows a message, unless one about another person's action explains it. */
+function tell(text) {
+  if (performance.now() - newsAt > RECENT) toast(text);
 }
 
 function refused({ message }) {
-  remark(message);
-  // Held inputs must not take over by themselves once the other driver leaves.
+  tell(message);
+  // held inputs must not take over by themselves once the other driver leaves
   if (model.driver === "you") drive.releaseAll();
   else drive.forget();
 }
 
-/** Shows how much of what is known still holds, and lets go where it does not. */
+/** Shows which data are still up to date, and stops driving where they are not. */
 function refresh() {
   model.setSocket(connection.open);
   if (drive.holding && model.obstacle !== null) drive.stop();
@@ -270,24 +263,24 @@ function refresh() {
   const latched = [...model.robots.values()].filter((robot) => robot.snapshot?.emergency_stop);
   showStops(snapshot?.emergency_stop ?? false, live);
   showLatched(latched, model);
-  showTrouble(post.trouble);
-  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, starter: people.holder, going: errand.going, roundTrip: connection.roundTrip });
+  showTrouble(stops.trouble);
+  if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, startedBy: people.holder, going: goto.going, roundTrip: connection.roundTrip });
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live && !model.viewer);
   showMode(view.mode);
   if (model.world.paused) showPause();
   picker.show();
-  errand.show();
+  goto.show();
 }
 
-const inputs = new Inputs(hands);
-listenToStops(hands);
-watchForLoss(hands.abandon);
+const inputs = new Inputs(teleop);
+listenToStops(teleop);
+watchForLoss(teleop.abandon);
 listenToCanvas(canvas, view, {
-  takers: [editor, errand],
+  takers: [editor, goto],
   changed: () => (scene.invalidate(), showMode(view.mode)),
   tap,
-  twice: () => errand.withdraw(),
+  twice: () => goto.withdraw(),
   hold,
 });
 listenToPointer(canvas, view);
@@ -295,13 +288,56 @@ listenToTools(view, {
   changed: () => (scene.invalidate(), showMode(view.mode)),
   clearTrail: () => model.clearTrail(),
 });
-document.getElementById("motors").addEventListener("click", ({ currentTarget }) => {
+byId("motors").addEventListener("click", ({ currentTarget }) => {
   const on = currentTarget.getAttribute("aria-checked") !== "true";
   sendToRobot({ type: "motors", on });
 });
+
+// on a home screen, and only there, a worker says when the driver cannot be reached; a browser says so itself
+const installed = matchMedia("(display-mode: standalone)").matches || navigator.standalone === true;
+if (installed) navigator.serviceWorker?.register("/worker.js").catch(() => {}); // a certificate that is not trusted
 
 if (matchMedia(PHONE).matches) view.setMode("follow");
 setInterval(refresh, CHECK);
 connection.connect();
 
-expose({ model, scene, view, connection, editor, drive, layers, errand });
+expose();
+
+/** Exposes the state to tests as `window.pioneer3`, frozen. Pixels are CSS pixels from the canvas' top left corner. */
+function expose() {
+  const toScreen = (x, y) => view.toScreen(x, y);
+  Object.defineProperty(window, "pioneer3", {
+    value: Object.freeze({
+      toScreen,
+      get state() {
+        const { pose } = scene;
+        const drawn = pose && Object.freeze({ ...toScreen(pose.x, pose.y), theta: pose.theta });
+        return Object.freeze({
+          hello: model.hello,
+          robot: model.selected?.id ?? null,
+          robots: [...model.robots.values()].map(({ id, name, snapshot, status }) => ({ id, name, snapshot, status })),
+          snapshot: model.snapshot,
+          status: model.status,
+          live: model.live,
+          connected: connection.open,
+          roundTrip: connection.roundTrip,
+          things: [...model.world.things.values()],
+          clock: model.world.clock,
+          selected: editor.selected,
+          held: [...drive.directions],
+          source: drive.source,
+          pose,
+          drawn,
+          camera: Object.freeze({ x: view.x, y: view.y, scale: view.scale, mode: view.mode }),
+          ratio: scene.ratio,
+          layers: layers.all,
+          places: scene.places,
+          proposal: goto.proposal && Object.freeze({ ...goto.proposal }),
+          scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
+          frames: scene.frames,
+          toScreen,
+        });
+      },
+    }),
+  });
+}

@@ -1,4 +1,4 @@
-// What a robot did over the last minutes, for plots and for the battery's long line.
+// The history of a robot over the last minutes, for the plots and for the sparkline of the battery.
 
 const SPAN = 300; // s
 const GAP = 1.5; // s without a reading: the line breaks
@@ -40,7 +40,7 @@ export class History {
     return this.columns[0].length;
   }
 
-  /** Takes in a snapshot that came at `now` [s since 1970]; `sonars` are the robot's of hello. */
+  /** Takes a snapshot that came at `now` [s since 1970]; `sonars` are the robot's of hello. */
   add(snapshot, sonars, now) {
     const last = this.columns[0].at(-1) ?? now;
     if (now - last > GAP) this.#push(last + 1e-3, COLUMNS.map(() => null));

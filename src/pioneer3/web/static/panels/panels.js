@@ -1,19 +1,19 @@
-// The sheet with its views, and the card of the mode that runs: joined with the page here.
+// The sheet beside the map, or below it on a phone, with its views; and the card of the running mode.
 
+import { byId, isTyping, put, set } from "../dom.js";
 import { History } from "./history.js";
-import { ModeCard } from "./mode_card.js";
-import { ModesView } from "./modes_view.js";
+import { ModeCard, ModesView } from "./modes.js";
 import { Plots } from "./plots.js";
 import { RobotView } from "./robot_view.js";
-import { Sheet } from "./sheet.js";
 
-const byId = (id) => document.getElementById(id);
+const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", robots: "All robots", help: "Help" };
+const OF_ONE = ["robot", "plots", "modes"]; // the button beside a phone's numbers opens the last of them
 
 export class Panels {
   #send;
   #histories = new Map();
   #selected = null;
-  #starter = "";
+  #startedBy = "";
   #sheet;
   #view;
   #plots;
@@ -21,21 +21,21 @@ export class Panels {
   #card;
 
   /**
-   * @param send     function(message): says whether it was sent
-   * @param complain function(text)
-   * @param remark   function(text): tells of what has happened
-   * @param opened   function(view or null), after the sheet has changed
+   * @param send   function(message): returns whether it was sent
+   * @param notify function(text)
+   * @param tell   function(text): like `notify`, for news that may follow from a message of the server
+   * @param opened function(view or null), after the sheet has changed
    */
-  constructor({ send, complain, remark, opened }) {
+  constructor({ send, notify, tell, opened }) {
     this.#send = send;
-    // who did not start it may end it by a stop, as everybody may
-    const end = () => send({ type: this.#starter === "you" ? "end_mode" : "stop" }) || complain("Not connected: press the stop button on the robot.");
+    // a mode that somebody else started is ended by a stop, which everybody may send
+    const end = () => send({ type: this.#startedBy === "you" ? "end_mode" : "stop" }) || notify("Not connected: press the stop button on the robot.");
     const motors = (on) => send({ type: "motors", on });
-    this.#view = new RobotView(byId("view-robot"), { askConfig: () => send({ type: "ask_config" }) });
+    this.#view = new RobotView(byId("view-robot"), { requestConfig: () => send({ type: "ask_config" }) });
     this.#plots = new Plots(byId("view-plots"));
-    this.#modes = new ModesView(byId("view-modes"), { send, complain, end, motors });
-    this.#card = new ModeCard({ end, tell: remark });
-    this.#sheet = new Sheet((view) => (this.#attend(), opened(view)));
+    this.#modes = new ModesView(byId("view-modes"), { send, notify, end, motors });
+    this.#card = new ModeCard({ end, tell });
+    this.#sheet = new Sheet((view) => (this.subscribe(), opened(view)));
   }
 
   get view() {
@@ -47,11 +47,6 @@ export class Panels {
     this.#sheet.open(view);
   }
 
-  /** Tells the server again what is open: the connection is new. */
-  attend() {
-    this.#attend();
-  }
-
   /** @param robot the Robot that is selected, or null */
   select(robot) {
     const changed = robot?.id !== this.#selected?.id;
@@ -60,19 +55,19 @@ export class Panels {
     this.#view.clear();
     this.#card.forget();
     this.#plots.adopt(this.#history(robot?.id), robot?.name ?? "");
-    this.#attend();
+    this.subscribe();
   }
 
-  /** Notes a snapshot of any Robot. */
-  note(snapshot, robot) {
+  /** Records a snapshot of any Robot. */
+  record(snapshot, robot) {
     if (robot) this.#history(robot.id).add(snapshot, robot.shape ?? undefined, Date.now() / 1000);
   }
 
   /** Shows the newest snapshot of the robot that is selected. */
-  show(snapshot, { usable, starter, going, roundTrip }) {
-    this.#starter = starter;
-    this.#card.show(snapshot, starter, going);
-    if (this.view === "modes") this.#modes.show(snapshot, usable, starter);
+  show(snapshot, { usable, startedBy, going, roundTrip }) {
+    this.#startedBy = startedBy;
+    this.#card.show(snapshot, startedBy, going);
+    if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy);
     if (this.view !== "robot") return;
     this.#view.showSnapshot(snapshot, roundTrip);
     this.#view.showBattery(this.#history(this.#selected?.id).battery);
@@ -84,7 +79,8 @@ export class Panels {
     else if (message.type === "config") this.#view.showConfig(message);
   }
 
-  #attend() {
+  /** Tells the server whether the details are shown, also after a new connection. */
+  subscribe() {
     this.#plots.setOpen(this.view === "plots");
     this.#send({ type: "watch_details", on: this.view === "robot" });
   }
@@ -92,5 +88,59 @@ export class Panels {
   #history(number) {
     if (!this.#histories.has(number)) this.#histories.set(number, new History());
     return this.#histories.get(number);
+  }
+}
+
+/** Shows one view at a time. */
+class Sheet {
+  #changed;
+  #last = "robot";
+  /** The view that is open, or null. */
+  view = null;
+
+  /** @param changed function(view or null), after another one is shown */
+  constructor(changed) {
+    this.#changed = changed;
+    for (const button of document.querySelectorAll("[data-view]")) {
+      button.addEventListener("click", () => {
+        const { view } = button.dataset;
+        this.open(view === this.view && !button.closest("#sheet") ? null : view);
+      });
+    }
+    byId("details").addEventListener("click", () => this.open(this.view ? null : this.#last));
+    byId("sheet-close").addEventListener("click", () => this.open(null));
+    addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Shows a view; null closes the sheet, and returns the focus to the button that opened it. */
+  open(view) {
+    if (view === this.view) return;
+    const inside = byId("sheet").contains(document.activeElement);
+    const closed = this.view;
+    this.view = view;
+    if (OF_ONE.includes(view)) this.#last = view;
+    document.body.classList.toggle("sheet-open", view !== null);
+    byId("sheet").hidden = view === null;
+    put(byId("sheet-title"), VIEWS[view] ?? "");
+    set(byId("sheet"), "aria-label", VIEWS[view] ?? "");
+    byId("sheet").classList.toggle("of-one", OF_ONE.includes(view));
+    set(byId("details"), "aria-expanded", String(view !== null));
+    for (const name of Object.keys(VIEWS)) byId(`view-${name}`).hidden = name !== view;
+    for (const button of document.querySelectorAll("[data-view]")) {
+      set(button, "aria-pressed", String(button.dataset.view === view));
+    }
+    byId("sheet-body").scrollTop = 0;
+    this.#changed(view);
+    if (view === null && inside) this.#returnFocus(closed);
+  }
+
+  #key(event) {
+    if (event.key === "Escape" && this.view) this.open(null);
+    else if (event.key === "?" && !isTyping(event)) this.open(this.view === "help" ? null : "help");
+  }
+
+  #returnFocus(closed) {
+    const openers = [document.querySelector(`.bar [data-view="${closed}"]`), byId("details")];
+    openers.find((button) => button?.offsetParent)?.focus();
   }
 }

@@ -1,12 +1,15 @@
-// The plots: what was commanded and what was measured, over the last minutes.
+// The plots: commanded and measured values over the last minutes, each chart drawn by uPlot.
 
-import { Chart } from "./chart.js";
-import { make, number, put, set } from "./dom.js";
+import { make, makeButton, number, put, set } from "../dom.js";
+import uPlot from "../vendor/uplot-1.6.32/uPlot.esm.js";
 import { COLUMNS } from "./history.js";
 import { TimeAxis } from "./time_axis.js";
 
+const HEIGHT = 108; // px
 const REDRAW = 200; // ms
-const WORDS = 2000; // ms between two texts for those who do not see the picture
+const WORDS = 2000; // ms between two descriptions for screen readers
+
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** At least so much of the scale is shown; a little air above and below. */
 function around(span, least, greatest) {
@@ -35,7 +38,7 @@ export class Plots {
   #open = false;
   #pausedAt = null;
   #row = null;
-  #spokenAt = -Infinity;
+  #describedAt = -Infinity;
   #timer = 0;
   #axis = new TimeAxis(() => this.#draw());
   #box;
@@ -43,19 +46,15 @@ export class Plots {
   #look;
   #later;
   #all;
-  #moment = make("b", {}, "of now");
+  #lookWords = make("b", {}, "of now");
 
   constructor(container) {
     this.#pause = make("button", { type: "button", class: "choice", id: "plots-pause", "aria-pressed": "false" }, "Pause");
     const save = make("button", { type: "button", class: "choice", id: "plots-save" }, "Download CSV");
     this.#look = make("input", { type: "range", id: "plots-look", min: -1, max: 0, step: 1, value: 0 });
-    const look = make("label", { class: "look" }, make("span", {}, "Values ", this.#moment), this.#look);
+    const look = make("label", { class: "look" }, make("span", {}, "Values ", this.#lookWords), this.#look);
     const axis = this.#axis;
-    const tool = (id, text, label, act) => {
-      const button = make("button", { type: "button", class: "small", id: `plots-${id}`, "aria-label": label, title: label }, text);
-      button.addEventListener("click", act);
-      return button;
-    };
+    const tool = (id, text, label, act) => makeButton(text, { class: "small", id: `plots-${id}`, "aria-label": label, title: label }, act);
     this.#later = tool("later", "▶", "Later", () => axis.move(MOVE * axis.span));
     this.#all = tool("all", "All", "Show all, until now", () => axis.reset());
     const tools = make("div", { class: "row", role: "group", "aria-label": "Time axis" },
@@ -94,7 +93,7 @@ export class Plots {
     clearInterval(this.#timer);
     if (!open) return;
     if (this.#charts.length === 0) this.#build();
-    this.#spokenAt = -Infinity;
+    this.#describedAt = -Infinity;
     this.#draw();
     this.#timer = setInterval(() => this.#pausedAt === null && this.#draw(), REDRAW);
   }
@@ -123,7 +122,7 @@ export class Plots {
     set(this.#look, "min", String(-Math.floor(axis.span)));
     if (this.#look.value !== "0") this.#point();
     this.#read();
-    if (performance.now() - this.#spokenAt >= WORDS) this.#speak();
+    if (performance.now() - this.#describedAt >= WORDS) this.#describe();
   }
 
   #moved(row) {
@@ -147,7 +146,7 @@ export class Plots {
     const ago = Math.round(this.#now - this.#axis.to - back);
     const words = ago === 0 ? "of now" : `of ${ago} seconds before`;
     set(this.#look, "aria-valuetext", words);
-    put(this.#moment, words);
+    put(this.#lookWords, words);
   }
 
   #freeze(paused) {
@@ -157,8 +156,8 @@ export class Plots {
     this.#draw();
   }
 
-  #speak() {
-    this.#spokenAt = performance.now();
+  #describe() {
+    this.#describedAt = performance.now();
     const { from, to, words: when } = this.#axis;
     const summaries = PLOTTED.map((column) => this.#history.summary(column, from, to));
     PLOTTED.forEach((column) => {
@@ -187,4 +186,97 @@ function sentence({ name, unit, digits }, one) {
   if (!one) return `${name}: nothing known.`;
   const say = (value) => value.toFixed(digits);
   return `${name}: now ${say(one.last)} ${unit}, between ${say(one.least)} and ${say(one.greatest)}.`;
+}
+
+/** One chart: lines over time, with their values above. */
+class Chart {
+  element;
+  #plot;
+  #picture;
+  #values;
+  #series;
+
+  /**
+   * @param title, unit, digits
+   * @param series [{label, column, colour: name of a CSS variable, dash}]
+   * @param range  function(least, greatest) -> [low, high]
+   * @param axis   the TimeAxis that all charts share
+   * @param group  charts of one group share their cursor
+   * @param moved  function(row or null): the cursor stands there
+   */
+  constructor({ title, unit, digits, series, range, axis, group, moved }) {
+    this.#series = series.map((one) => ({ ...one, digits }));
+    this.#values = series.map(() => make("b", {}, "–"));
+    const legend = series.map((one, i) => {
+      const line = make("i", { class: `swatch${one.dash ? " dashed" : ""}` });
+      line.style.setProperty("--swatch", `var(${one.colour})`);
+      return make("span", { class: "key-of-line" }, ...(one.label ? [line, one.label] : []), this.#values[i]);
+    });
+    this.#picture = make("div", { class: "chart-picture", role: "img", "aria-label": title });
+    const head = make("p", { class: "chart-head" }, make("span", { class: "chart-title" }, `${title} `, make("small", {}, unit)), ...legend);
+    this.element = make("div", { class: "chart" }, head, this.#picture);
+    this.#plot = new uPlot(this.#options(range, axis, group, moved), [[], ...series.map(() => [])], this.#picture);
+  }
+
+  /** Draws columns (times first) between two times [s]. */
+  draw(columns, from, to) {
+    this.#plot.setData([columns[0], ...this.#series.map(({ column }) => columns[column + 1])], false);
+    this.#plot.setScale("x", { min: from, max: to });
+  }
+
+  /** Shows the values of a row as text. */
+  read(columns, row) {
+    this.#series.forEach(({ column, digits }, i) => {
+      put(this.#values[i], number((row === null ? null : columns[column + 1][row]) ?? NaN, digits));
+    });
+  }
+
+  /** Describes the picture in words. */
+  describe(words) {
+    set(this.#picture, "aria-label", words);
+  }
+
+  /** Puts the cursor at a time [s]; null takes it away. */
+  point(time) {
+    const left = time === null ? -10 : this.#plot.valToPos(time, "x");
+    this.#plot.setCursor({ left, top: time === null ? -10 : 1 });
+  }
+
+  fit(width) {
+    if (width > 0 && width !== this.#plot.width) this.#plot.setSize({ width, height: HEIGHT });
+  }
+
+  /** Draws again, in today's colours. */
+  repaint() {
+    this.#plot.redraw(false, true);
+  }
+
+  destroy() {
+    this.#plot.destroy();
+  }
+
+  #options(range, axis, group, moved) {
+    const look = {
+      stroke: () => colour("--muted"),
+      font: "11px system-ui, sans-serif",
+      grid: { stroke: () => colour("--line"), width: 1 },
+      ticks: { show: false },
+    };
+    return {
+      width: 320,
+      height: HEIGHT,
+      padding: [6, 12, 0, 0],
+      legend: { show: false },
+      cursor: { y: false, drag: { x: false, y: false }, points: { size: 7 }, sync: { key: group } },
+      scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least ?? 0, greatest ?? 0) } },
+      axes: [
+        { ...look, size: 22, splits: () => axis.marks, values: (_, marks) => marks.map((mark) => axis.ago(mark)) },
+        { ...look, size: 44, space: 18 },
+      ],
+      series: [{}, ...this.#series.map(({ label, colour: name, dash }) => ({
+        label, stroke: () => colour(name), width: dash ? 1.5 : 2, dash, points: { show: false }, spanGaps: false,
+      }))],
+      hooks: { setCursor: [(plot) => moved(plot.cursor.left >= 0 ? plot.cursor.idx ?? null : null)] },
+    };
+  }
 }

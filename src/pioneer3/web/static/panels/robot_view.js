@@ -1,13 +1,9 @@
-// Everything about one robot: from the snapshots what is quick, from the details the rest.
+// The view of one robot: fast values from its snapshots, the others from its details, and its CONFIG.
 
-import { BumperDrawing } from "./bumpers.js";
-import { ConfigTable } from "./config_table.js";
-import { degrees, make, number, put } from "./dom.js";
-import { showFindings, showRoundTrip } from "./findings.js";
-import { LineBoard } from "./lines.js";
-import { Rows, part } from "./rows.js";
-import { Sparkline } from "./sparkline.js";
+import { degrees, make, number, put, putLines } from "../dom.js";
+import { BumperDrawing, LineBoard, Rows, Sparkline, part, showFindings, showRoundTrip } from "./widgets.js";
 
+const NOT_SENT = "not sent";
 const place = ({ x, y, theta }) => `${number(x, 2)}, ${number(y, 2)} m, ${number(degrees(theta), 0)}°`;
 const speeds = (twist) => (twist ? `${number(twist.v, 2)} m/s, ${number(twist.w, 2)} rad/s` : "–");
 
@@ -30,9 +26,9 @@ export class RobotView {
   #flags = new Rows({ flags: "Flags", faults: "Faults" });
   #config;
 
-  /** @param askConfig function(): asks the robot for its CONFIG */
-  constructor(container, { askConfig }) {
-    this.#config = new ConfigTable(askConfig);
+  /** @param requestConfig function(): asks the robot for its CONFIG; returns whether it was sent */
+  constructor(container, { requestConfig }) {
+    this.#config = new ConfigTable(requestConfig);
     container.append(
       part("Why it does not move", this.#why, this.#decided),
       part("Motion", this.#motion.element),
@@ -47,7 +43,7 @@ export class RobotView {
     );
   }
 
-  /** Forgets what another robot has told. */
+  /** Removes the values of the robot before. */
   clear() {
     this.#config.clear();
   }
@@ -55,7 +51,7 @@ export class RobotView {
   showSnapshot(snapshot, roundTrip) {
     const { motors, battery, why } = snapshot;
     put(this.#why, why ?? (snapshot.motors.moving ? "It moves." : "Nothing keeps it."));
-    this.#showDecided(snapshot);
+    putLines(this.#decided, snapshot.mode ? [snapshot.mode, ...snapshot.decided] : []);
     this.#motion.show("pose", place(snapshot.pose));
     this.#motion.show("measured", speeds(snapshot.twist));
     this.#motion.show("commanded", speeds(snapshot.commanded));
@@ -109,12 +105,53 @@ export class RobotView {
     put(this.#span, words);
     this.#sparkline.show(points, words);
   }
+}
 
-  #showDecided({ mode, decided }) {
-    const lines = mode ? [mode, ...decided] : [];
-    const key = lines.join("\n");
-    if (this.#decided.dataset.key === key) return;
-    this.#decided.dataset.key = key;
-    this.#decided.replaceChildren(...lines.map((line) => make("li", {}, line)));
+/** CONFIG, requested when it is opened: every field by name, with its unit and its meaning. */
+class ConfigTable {
+  element;
+  #note = make("p", { class: "words", role: "status" });
+  #body = make("div", { class: "config" });
+  #again = make("button", { type: "button", class: "choice", id: "config-again" }, "Ask again");
+  #send;
+
+  /** @param send function(): sends the request; returns whether it was sent */
+  constructor(send) {
+    this.#send = send;
+    const summary = make("summary", { id: "config-open" }, "Configuration (CONFIG)");
+    this.element = make("details", { class: "part", id: "config" }, summary, this.#note, this.#body, this.#again);
+    this.element.addEventListener("toggle", () => this.element.open && this.#request());
+    this.#again.addEventListener("click", () => this.#request());
   }
+
+  clear() {
+    this.element.open = false;
+    this.#body.replaceChildren();
+    put(this.#note, "");
+  }
+
+  show({ rows, error }) {
+    const missing = rows.length ? error : error ?? "The robot did not send its configuration.";
+    put(this.#note, missing ? `${missing}${rows.length ? " These are the values of before." : ""}` : `${rows.length} fields.`);
+    const groups = grouped(rows);
+    this.#body.replaceChildren(...[...groups].map(([group, members]) => table(group, members)));
+  }
+
+  #request() {
+    put(this.#note, "Asking the robot …");
+    if (!this.#send()) put(this.#note, "Not connected to the driver.");
+  }
+}
+
+function grouped(rows) {
+  const groups = new Map();
+  for (const row of rows) groups.set(row.group, [...(groups.get(row.group) ?? []), row]);
+  return groups;
+}
+
+function table(group, rows) {
+  const head = ["Field", "Value", "Meaning"].map((title) => make("th", { scope: "col" }, title));
+  const lines = rows.map(({ field, value, unit, meaning }) => make("tr", value === NOT_SENT ? { class: "absent" } : {},
+    make("th", { scope: "row" }, field), make("td", {}, `${value} ${unit}`.trim()), make("td", {}, meaning)));
+  return make("table", {}, make("caption", {}, group), make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...lines));
 }

@@ -1,4 +1,4 @@
-// The time axis that all plots share: it grows with what is kept, and is zoomed and moved by hand.
+// The time axis that all plots share: it grows with the history, and is zoomed and moved by hand.
 
 import { History } from "./history.js";
 
@@ -21,7 +21,7 @@ export class TimeAxis {
     this.#changed = changed;
   }
 
-  /** Takes in the time, and that of the oldest reading or null [s since 1970]. */
+  /** Takes the time, and that of the oldest reading or null [s since 1970]. */
   note(now, since) {
     [this.#now, this.#since] = [now, since ?? now];
   }
@@ -90,7 +90,7 @@ export class TimeAxis {
     return Array.from({ length: last - first + 1 }, (_, i) => this.#now - (last - i) * step);
   }
 
-  /** What is shown, in words. */
+  /** The shown time in words. */
   get words() {
     const length = spoken(this.span);
     return this.follows ? `the last ${length}` : `${length} until ${spoken(this.#now - this.to)} ago`;

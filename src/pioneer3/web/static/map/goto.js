@@ -1,0 +1,206 @@
+// Sending the selected robot to a goal: a tap on the map proposes it, a button starts the drive.
+// Nothing drives before that button; the server refuses goals that the map forbids.
+
+import { byId, degrees, hasModifier, isTyping, number, put } from "../dom.js";
+import { STEPS, TURN, kindOf } from "./gestures.js";
+import { placeAt } from "./places.js";
+import { KNOB, knobOf } from "./target.js";
+
+const SNAP = { mouse: 14, touch: 26 }; // px to a goal of the map
+const SLACK = { mouse: 4, touch: 16 }; // px beside the knob
+const NEAR = 0.15; // m between a target and the place of the map that it means: odometry drifts
+const ROUND = Math.PI / 36; // headings that are dragged are multiples of it
+
+export class GotoTool {
+  /** The goal that is proposed, {x, y, heading or null, toward, name}, or null. */
+  proposal = null;
+  #view;
+  #scene;
+  #model;
+  #send;
+  #speed;
+  #changed;
+  #turning = false;
+  #listed = "";
+
+  /**
+   * @param view, scene, model
+   * @param send    function(message)
+   * @param speed   function(): the user's [m/s]
+   * @param driving function(): whether keys drive now
+   * @param changed function(), after the proposal has changed
+   */
+  constructor({ view, scene, model, send, speed, driving, changed }) {
+    this.#view = view;
+    this.#scene = scene;
+    this.#model = model;
+    this.#send = send;
+    this.#speed = speed;
+    this.#changed = changed;
+    byId("goto-go").addEventListener("click", () => this.#go());
+    byId("goto-close").addEventListener("click", () => this.withdraw());
+    byId("goto-any").addEventListener("click", () => this.#turn(null));
+    byId("goto-place").addEventListener("change", ({ target }) => this.#pick(Number(target.value)));
+    byId("goto").addEventListener("click", () => (this.proposal ? this.withdraw() : this.#proposeMiddle()));
+    addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
+  }
+
+  /** Whether the selected robot may be sent anywhere from here. */
+  get possible() {
+    return this.#model.live && !this.#model.viewer;
+  }
+
+  // pointers on the canvas, in CSS pixels
+
+  /** A click, or a finger held down: proposes the place. Returns whether that is possible. */
+  propose(point, type) {
+    if (!this.possible) return false;
+    const at = this.#view.toWorld(point.x, point.y);
+    const place = placeAt(this.#scene.places, at, SNAP[kindOf(type)] / this.#view.scale);
+    if (place) this.#set(place, place.heads ? place.theta : null, place.name);
+    else this.#set(at, null, "");
+    return true;
+  }
+
+  /** A pointer is pressed; returns whether it is taken: if it is on the knob. */
+  take(point, type) {
+    if (!this.proposal) return false;
+    const knob = knobOf(this.proposal, this.#view.scale);
+    const at = this.#view.toScreen(knob.x, knob.y);
+    this.#turning = Math.hypot(point.x - at.x, point.y - at.y) <= KNOB + SLACK[kindOf(type)];
+    return this.#turning;
+  }
+
+  drag(point) {
+    if (!this.proposal) return;
+    const { x, y } = this.#view.toWorld(point.x, point.y);
+    const heading = Math.atan2(y - this.proposal.y, x - this.proposal.x);
+    if (Math.hypot(x - this.proposal.x, y - this.proposal.y) * this.#view.scale > 12) this.#turn(ROUND * Math.round(heading / ROUND));
+  }
+
+  drop() {
+    this.#turning = false;
+  }
+
+  cancel() {
+    this.#turning = false;
+  }
+
+  hovers(point) {
+    const before = this.#turning;
+    const over = this.take(point, "mouse");
+    this.#turning = before;
+    return over;
+  }
+
+  withdraw() {
+    if (!this.proposal) return;
+    const inside = byId("goto-card").contains(document.activeElement);
+    this.proposal = null;
+    this.#changed();
+    if (inside) byId("goto").focus();
+  }
+
+  /** Shows the proposal. */
+  show() {
+    if (this.proposal && !this.possible) this.proposal = null;
+    this.#aim();
+    byId("goto-card").hidden = !this.proposal;
+    byId("goto").hidden = this.#model.viewer;
+    byId("goto").disabled = !this.possible;
+    byId("goto").setAttribute("aria-expanded", String(Boolean(this.proposal)));
+    if (this.proposal) this.#showProposal();
+  }
+
+  /** Without a heading, the robot arrives in the direction in which it comes. */
+  #aim() {
+    const [goal, from] = [this.proposal, this.#scene.pose];
+    if (goal && goal.heading === null && from) goal.toward = Math.atan2(goal.y - from.y, goal.x - from.x);
+  }
+
+  #showProposal() {
+    const { x, y, heading, name } = this.proposal;
+    const turned = heading === null ? "" : `, heading ${number(degrees(heading), 0)}°`;
+    const go = this.#model.several ? `${this.#model.selected.name}: go` : "Go";
+    put(byId("goto-where"), `${go} to ${name || `${x.toFixed(2)}, ${y.toFixed(2)} m`}${turned}?`);
+    byId("goto-any").hidden = heading === null;
+    this.#list();
+  }
+
+  /** Where the selected robot is going, in words, or "". */
+  get going() {
+    const { live, snapshot } = this.#model;
+    const target = live ? snapshot?.target : null;
+    if (!target) return "";
+    const left = Math.hypot(target.x - snapshot.pose.x, target.y - snapshot.pose.y).toFixed(1);
+    if (target.person) return `Follows somebody ${left} m away`;
+    const place = placeAt(this.#scene.places, target, NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
+    return `To ${place}: ${left} m left`;
+  }
+
+  /** Lists the goals of the map, for use without a pointer. */
+  #list() {
+    const places = this.#named();
+    const key = places.map(({ name }) => name).join("\n");
+    const select = byId("goto-place");
+    select.hidden = places.length === 0;
+    if (key !== this.#listed) {
+      this.#listed = key;
+      select.replaceChildren(new Option("A place …", "-1"), ...places.map(({ name }, at) => new Option(name, String(at))));
+    }
+    const chosen = String(places.findIndex(({ name, x }) => name === this.proposal.name && x === this.proposal.x));
+    if (select.value !== chosen) select.value = chosen;
+  }
+
+  #named() {
+    return this.#scene.places.filter(({ name, role }) => name && ["goal", "dock", "home"].includes(role));
+  }
+
+  #pick(number) {
+    const place = this.#named()[number];
+    if (place) this.#set(place, place.heads ? place.theta : null, place.name);
+  }
+
+  #set({ x, y }, heading, name) {
+    this.proposal = { x, y, heading, toward: heading ?? 0, name };
+    this.#aim();
+    this.#changed();
+  }
+
+  #turn(heading) {
+    if (!this.proposal) return;
+    this.proposal.heading = heading;
+    if (heading !== null) this.proposal.toward = heading;
+    this.#changed();
+  }
+
+  #proposeMiddle() {
+    if (!this.possible) return;
+    this.#set(this.#view, null, "");
+    byId("goto-go").focus();
+  }
+
+  #go() {
+    const { x, y, heading } = this.proposal;
+    const request = { type: "goto", robot: this.#model.selected.id, x, y, speed: this.#speed() };
+    this.#send(heading === null ? request : { ...request, heading });
+    this.withdraw();
+  }
+
+  #key(event, driving) {
+    if (hasModifier(event) || isTyping(event)) return;
+    if (event.key === "g") this.#proposeMiddle();
+    else if (!this.proposal) return;
+    else if (event.key === "Escape") this.withdraw();
+    else if (event.shiftKey && event.code in STEPS && !driving()) this.#nudge(...STEPS[event.code]);
+    else if (event.key === "[" || event.key === "]") this.#turn(this.proposal.toward + (event.key === "[" ? TURN : -TURN));
+    else return;
+    event.preventDefault();
+    event.stopImmediatePropagation(); // these keys do not drive
+  }
+
+  #nudge(dx, dy) {
+    const { x, y, heading } = this.proposal;
+    this.#set({ x: x + dx, y: y + dy }, heading, "");
+  }
+}

@@ -1,0 +1,128 @@
+// The state of the page: the robots, the selected one, the simulated world; and whether it is up to date.
+
+import { Robot } from "./robot.js";
+import { World } from "./world.js";
+
+export class Model {
+  hello = null;
+  /** id -> Robot, in the server's order. */
+  robots = new Map();
+  socketOpen = false;
+  world = new World();
+  /** Whether this page may only look, and stop. */
+  viewer = false;
+  /** Number of this page's guest, by which drivers are told apart. */
+  guest = null;
+  /** Control leases that are held: [{robot, id, name}]. */
+  leases = [];
+  #selected = null;
+
+  /** Takes one message of the server. */
+  receive(message) {
+    if (message.type === "hello") this.#takeHello(message);
+    else if (message.type === "status") this.#takeStatus(message);
+    else if (message.type === "robots") this.#takeSnapshots(message);
+    else if (message.type === "scans") this.#takeScans(message);
+    else if (message.type === "world") this.world.receive(message);
+  }
+
+  /** The robot that is driven, stopped and shown, or null before any is known. */
+  get selected() {
+    return this.robots.get(this.#selected) ?? null;
+  }
+
+  /** Returns whether that is another one. */
+  select(id) {
+    if (id === this.#selected || !this.robots.has(id)) return false;
+    this.#selected = id;
+    return true;
+  }
+
+  get several() {
+    return this.robots.size > 1;
+  }
+
+  /** With a closed socket all data count as old; the picture stays, greyed. */
+  setSocket(open) {
+    if (open === this.socketOpen) return;
+    this.socketOpen = open;
+    for (const robot of this.robots.values()) robot.expire();
+  }
+
+  clearTrail() {
+    for (const robot of this.robots.values()) robot.clearTrail();
+  }
+
+  // of the selected robot
+
+  get snapshot() {
+    return this.selected?.snapshot ?? null;
+  }
+
+  get status() {
+    return this.selected?.status ?? null;
+  }
+
+  /** The robots whose lease this page's guest has: those that they drive, also by a mode. */
+  get mine() {
+    return [...this.robots.values()].filter((robot) => this.holderOf(robot)?.id === this.guest);
+  }
+
+  /** The holder of a Robot's control lease: {id, name}, or undefined for nobody. */
+  holderOf(robot) {
+    return this.leases.find((lease) => lease.robot === robot.id);
+  }
+
+  /** "you", "other" or null: who drives it. */
+  get driver() {
+    const driver = this.snapshot?.driver ?? null;
+    if (driver === null) return null;
+    return driver.id !== null && driver.id === this.guest ? "you" : "other";
+  }
+
+  /** The selected robot as a thing of the simulated world, or undefined. */
+  get own() {
+    return this.world.own(this.#selected);
+  }
+
+  /** Whether the page shows the robot's present state. */
+  get live() {
+    return this.isLive(this.selected);
+  }
+
+  isLive(robot) {
+    if (!this.socketOpen || !robot?.connected) return false;
+    return robot.reporting || (this.world.paused && robot.snapshot !== null);
+  }
+
+  /** The reason why a press does not drive, or null when it may. */
+  get obstacle() {
+    if (!this.socketOpen) return "Not connected to the driver.";
+    if (this.selected && !this.selected.connected) return "The robot is not connected.";
+    if (!this.live) return "No news from the robot: driving blind is not possible.";
+    if (this.viewer) return "You are a viewer: you may look, and stop the robot.";
+    if (this.snapshot.emergency_stop) return "Emergency stop: reset it before driving.";
+    return null;
+  }
+
+  #takeHello(hello) {
+    this.hello = hello;
+    const before = this.robots;
+    this.robots = new Map(hello.robots.map((told) => [told.id, before.get(told.id) ?? new Robot(told)]));
+    for (const told of hello.robots) this.robots.get(told.id).takeHello(told);
+    if (!this.robots.has(this.#selected)) this.#selected = hello.robots[0]?.id ?? null;
+  }
+
+  #takeStatus(status) {
+    const robot = this.robots.get(status.robot);
+    if (robot) robot.status = status;
+  }
+
+  #takeSnapshots({ snapshots }) {
+    for (const snapshot of snapshots) this.robots.get(snapshot.robot)?.takeSnapshot(snapshot);
+  }
+
+  #takeScans({ scans }) {
+    for (const sweep of scans) this.robots.get(sweep.robot)?.takeScan(sweep);
+  }
+}
