@@ -65,8 +65,8 @@ export class Legend {
     byId("legend-close").addEventListener("click", () => this.open(false));
     addEventListener("keydown", (event) => {
       if (hasModifier(event)) return;
-      const inside = byId("legend").contains(event.target); // its check boxes take no letters
-      if (event.key === "l" && (inside || !isTyping(event))) this.open(byId("legend").hidden, true);
+      const typing = isTyping(event) && !event.target.closest("#legend"); // its check boxes take no letters
+      if (event.key === "l" && !typing) this.open(byId("legend").hidden, true);
       if (event.key === "Escape") this.open(false);
     });
   }
