@@ -1,4 +1,4 @@
-"""The one place where wishes become velocities: actions in, one request to the robot out."""
+"""The arbiter: resolves all actions into one velocity command for the robot."""
 
 import asyncio
 import logging
@@ -23,14 +23,14 @@ log = logging.getLogger(__name__)
 
 
 class Drivable(Protocol):
-    """What an arbiter sends its decisions to.
+    """A robot that an arbiter drives, at a cable or on the other side of topics.
 
     Attributes:
         pilot: Keeps the rules: limits, expiry, fresh commands.
-        snapshots: Every reading.
-        status: How it stands with the connection.
+        snapshots: All snapshots.
+        status: State of the connection.
         info: Of the robot last connected, or `None`.
-        on_reading: Called with every reading, at once.
+        on_reading: Called with every snapshot, at once.
     """
 
     pilot: Pilot
@@ -44,7 +44,7 @@ class Drivable(Protocol):
         """The latest reading, or `None` without a connection."""
 
     def drive(self, command: VelocityCommand) -> str | None:
-        """Drive as :meth:`Pilot.drive` does; return why that is ignored, or `None`."""
+        """Drive as :meth:`Pilot.drive` does; return the reason to ignore it, or `None`."""
 
     def stop(self) -> None:
         """Stand still."""
@@ -56,15 +56,15 @@ class Drivable(Protocol):
         """Release the latch; the motors stay off."""
 
     def set_motors(self, *, on: bool) -> str | None:
-        """Switch the motors' power; return why not, or `None`."""
+        """Switch the motors' power; return the reason for a refusal, or `None`."""
 
     def why_not_moving(self, decided: str | None = None) -> str | None:
-        """Return why the robot stands still, or `None` while it moves."""
+        """Return the reason that the robot stands still, or `None` while it moves."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How a mode ended: whether it had done what it was for, and a few words."""
+    """The end of a mode: whether it reached its aim, and the reason in a few words."""
 
     mode: Stack
     done: bool
@@ -76,7 +76,7 @@ class _Part:
     """A stack that takes part in driving.
 
     Attributes:
-        after: Number of the last stop that it has begun after, or answered.
+        after: Number of the last stop before it began, or that it answered.
     """
 
     stack: Stack
@@ -84,22 +84,22 @@ class _Part:
 
     @property
     def is_held(self) -> bool:
-        """Whether a hand or a program holds it: it knows itself when it began."""
+        """Whether an input or a program holds it: a :class:`Hold` knows when it began."""
         return any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
 
 
 class Arbiter:
-    """Asks every action and tells the robot, at each reading and at each change.
+    """Asks every action and commands the robot, at each snapshot and at each change.
 
     Args:
         supervisor: Of the robot.
-        remark: Told in words what was decided, whenever that changes.
+        remark: Called with each new decision, in words.
 
     Attributes:
-        decision: The last one.
+        decision: The last decision.
         mode: The stack that was started last and has not ended, or `None`.
-        latest_scan: Returns what a laser last saw, while one is on.
-        ended: How the last mode ended; `None` while one runs and before the first.
+        latest_scan: Returns the last scan of a laser, while one is on.
+        ended: The end of the last mode; `None` while one runs and before the first.
     """
 
     def __init__(self, supervisor: Drivable, remark: Callable[[str], None] | None = None) -> None:
@@ -125,7 +125,7 @@ class Arbiter:
         return self.decision.v_by or self.decision.w_by
 
     def situation(self) -> Situation | None:
-        """Return what actions see now, or `None` without a robot."""
+        """Return the situation that actions decide in, or `None` without a robot."""
         snapshot, info = self._supervisor.snapshot, self._supervisor.info
         if snapshot is None or info is None or self._memory is None:
             return None
@@ -141,11 +141,11 @@ class Arbiter:
 
     @property
     def last_stop(self) -> Stop:
-        """What a command must have begun after."""
+        """The stop that a command must have begun after."""
         return self._supervisor.pilot.last_stop
 
     def decide(self) -> str | None:
-        """Resolve now; return why the robot ignores the result, or `None`."""
+        """Resolve now; return the reason to ignore the result, or `None`."""
         situation, before = self.situation(), self.decision
         if situation is None:
             return self._supervisor.why_not_moving()
@@ -172,11 +172,11 @@ class Arbiter:
             return self._supervisor.drive(command)
         stopped, self._decided_after = self._decided_after, situation.last_stop
         if stopped == self._decided_after and before.wanted and situation.now < before.until:
-            return self._stand()  # somebody let go; the pilot ends what expires, and what it stops
+            return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
 
     def _end_motions(self) -> None:
-        """Take out what has begun before the last stop and can be no answer to it."""
+        """Remove motions that began before the last stop and cannot answer it."""
         last = self.last_stop.number
         self._parts = [
             part
@@ -202,15 +202,15 @@ class Arbiter:
         return self._supervisor.drive(VelocityCommand(STILL, after=self.last_stop.number))
 
     def why_not_moving(self) -> str | None:
-        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
         return self._supervisor.why_not_moving(explain_standstill(self.decision))
 
     def add(self, action: Action, priority: int) -> None:
-        """Let `action` take part from now on."""
+        """Ask `action` from now on."""
         self._join(Stack.alone(action, priority))
 
     def remove(self, action: Action) -> None:
-        """Take `action` out; what it wanted ends at once."""
+        """Remove `action`; its motion ends at once."""
         if action in self:
             self._parts = [part for part in self._parts if not _has(part.stack, action)]
             self.decide()
@@ -222,7 +222,7 @@ class Arbiter:
         self._parts.append(_Part(stack, self.last_stop.number))
 
     def start(self, mode: Stack) -> str | None:
-        """Stop, then let `mode` drive in place of the one before; return why it does not."""
+        """Stop, then let `mode` drive in place of the one before; return a reason for refusal."""
         self.stop()
         self.mode, self.ended = mode, None
         self._progress = ProgressChecker()
@@ -236,39 +236,39 @@ class Arbiter:
             self.decide()
 
     def hold(self, held: Hold, twist: Twist2, seconds: float) -> str | None:
-        """Let `held` want `twist` for `seconds`; return why the robot ignores it, or `None`."""
+        """Let `held` ask for `twist` for `seconds`; return the reason to ignore it, or `None`."""
         held.set(twist, self._clock(), seconds, self.last_stop)
         return held.ignored(self.last_stop) or self.decide()
 
     def release(self, held: Hold) -> None:
-        """Let go by hand: the robot stops if nobody else drives; the next wish is a fresh one."""
+        """Release `held`: the robot stops if nobody else drives."""
         held.release()
         self.decide()
         if not self.decision.wanted:
             self._stand()
 
     def stop(self, by: Hold | None = None, *, why: str = STOPPED) -> None:
-        """End every wish and stand still; what others than `by` hold must be let go first.
+        """End every command and stand still; holds other than `by` must be released first.
 
-        A mode says that it ended because of `why`.
+        A mode ends with the reason `why`.
         """
         if by is not None:
             by.release()
-        self._end_wishes(why)
+        self._end_commands(why)
         self._supervisor.stop()
 
     def emergency_stop(self) -> None:
-        """End every wish and stop hard, latched."""
-        self._end_wishes()
+        """End every command and stop hard, latched."""
+        self._end_commands()
         self._supervisor.emergency_stop()
 
     def set_motors(self, *, on: bool, by: Hold | None = None) -> str | None:
-        """Stop as :meth:`stop` does, then switch the motors; return why not, or `None`."""
+        """Stop as :meth:`stop` does, then switch the motors; return a reason for refusal."""
         self.stop(by)
         return self._supervisor.set_motors(on=on)
 
     def _take(self, snapshot: Snapshot) -> None:
-        """Decide anew at each reading."""
+        """Decide anew at each snapshot."""
         info = self._supervisor.info
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
@@ -288,7 +288,7 @@ class Arbiter:
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Who decides what and why, a sentence each; nothing while nobody drives."""
+        """The actions that decide and their reasons, a sentence each; empty while nobody drives."""
         return explain(self.decision) if self._clock() < self.decision.until else ()
 
     def _tell(self, remark: Callable[[str], None]) -> None:
@@ -313,8 +313,8 @@ class Arbiter:
             self._parts = [part for part in self._parts if part.stack is not mode]
             self.ended = Ended(mode, done, why)
 
-    def _end_wishes(self, why: str = STOPPED) -> None:
-        """End all but what hands hold, which the stop outdates."""
+    def _end_commands(self, why: str = STOPPED) -> None:
+        """End all but the holds, which the stop outdates."""
         if self.mode is not None:
             self._forget_mode(why)
         self._parts = [part for part in self._parts if part.is_held]

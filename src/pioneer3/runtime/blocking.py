@@ -92,7 +92,7 @@ class LoopThread:
             raise
 
     def call(self, function: Callable[[], T | Coroutine[Any, Any, T]]) -> T:
-        """Call `function` on the loop, and await what it returns if that is a coroutine."""
+        """Call `function` on the loop; await its result if that is a coroutine."""
 
         async def call() -> T:
             result = function()
@@ -125,7 +125,7 @@ class Facade:
 
 
 class MadeFacade(Facade):
-    """A facade whose members come from a class, and from attributes that an object has besides."""
+    """A facade with the members of a class, and the attributes of an object besides."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -179,7 +179,7 @@ def _property(name: str, member: Any) -> property:
 
 
 def _adapted(value: Any, thread: LoopThread) -> Any:
-    """Return what a program without an event loop can do with `value`."""
+    """Return `value` as a program without an event loop can use it."""
     if isinstance(value, AsyncIterator):
         return _iterate(value, thread)
     if isinstance(value, AbstractContextManager):
@@ -289,7 +289,7 @@ class BlockingRobot(Facade):
 
     @property
     def devices(self) -> Any:
-        """What the robot has besides wheels and sonars: :class:`pioneer3.robot.devices.Devices`.
+        """The devices besides wheels and sonars: :class:`pioneer3.robot.devices.Devices`.
 
         Facades, made as they are asked for: `robot.devices.gripper.open()`, or
         `for scan in robot.devices.laser.values()`. Their types are known when the program runs.
@@ -311,12 +311,12 @@ class BlockingRobot(Facade):
     send_unsafe = blocking(Robot.send_unsafe)
 
     def _stand(self) -> None:
-        """Let the robot stand, whoever drives, in the loop."""
+        """Stop the robot in the loop, also when others drive."""
         if self._target is not None:
             self._target.arbiter.stop()
 
     async def _leave(self) -> None:
-        """End the session, and whatever was interrupted before there was one."""
+        """End the session, also one that was interrupted before it began."""
         await self._stack.aclose()
         tasks = asyncio.all_tasks() - {asyncio.current_task()}
         for task in tasks:

@@ -38,7 +38,7 @@ async def connect_async(
     Args:
         url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
         baud: Serial speed to try first.
-        model: Use this model, whatever the robot says it is.
+        model: Use this model, not the one that the robot names.
         max_speed: Keep below this [m/s]; never above the robot's own limit.
         max_turn_rate: Keep below this [rad/s].
         auto_enable: Whether a fresh command switches the motors on.
@@ -66,7 +66,7 @@ async def connect_async(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         arbiter = Arbiter(supervisor, remark)
-        load_model(USUAL)  # what reads models is slow to load, and a robot that waits is lost
+        load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         async with running(supervisor.run()):
             await _first_snapshot(supervisor)
@@ -74,6 +74,6 @@ async def connect_async(
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:
-    """Wait until the robot has said something; what ends the supervisor cancels this."""
+    """Wait for the first snapshot; the end of the supervisor cancels this."""
     if await anext(supervisor.snapshots.values(), None) is None:
         await asyncio.get_running_loop().create_future()

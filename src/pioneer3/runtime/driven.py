@@ -1,4 +1,4 @@
-"""What it takes to drive a robot, be it at a cable or on the other side of topics."""
+"""The interface of a robot that can be driven, at a cable or on the other side of topics."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -15,19 +15,19 @@ LOST_AFTER = 2.5
 
 
 class Driven(Protocol):
-    """A robot with a arbiter: what keyboards, modes and live lines need of it."""
+    """A robot with an arbiter, as keyboards, modes and live displays use it."""
 
     @property
     def supervisor(self) -> Drivable:
-        """Whom the arbiter tells what to do."""
+        """The robot as the arbiter drives it."""
 
     @property
     def arbiter(self) -> Arbiter:
-        """Where wishes meet."""
+        """Resolves all actions."""
 
     @property
     def info(self) -> RobotInfo:
-        """Of the robot last connected."""
+        """Identity, model and limits of the robot last connected."""
 
     @property
     def snapshot(self) -> Snapshot | None:
@@ -39,10 +39,10 @@ class Driven(Protocol):
         """Return :func:`readings` of it."""
 
     def why_not_moving(self) -> str | None:
-        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
 
     def stop(self) -> None:
-        """Stand still, whoever drives."""
+        """Stop the robot, also when others drive."""
 
     def emergency_stop(self) -> None:
         """Stop as hard as possible, motors off, latched."""
@@ -53,9 +53,9 @@ async def readings(
 ) -> AsyncIterator[Snapshot]:
     """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow.
 
-    This is the rule for everything that waits for a robot: whoever waits is told of a lost link.
-    Motions and modes turn the error into a MotionError. The driver goes on connecting: who iterates
-    again gets readings as soon as the robot is back.
+    This is the rule for everything that waits for a robot: a lost link is an error. Motions and
+    modes turn it into a MotionError. The driver goes on connecting; a new iteration yields readings
+    as soon as the robot is back.
 
     Raises:
         LinkError: the link is lost, and nothing has come for `patience` [s], `inf` to wait for as

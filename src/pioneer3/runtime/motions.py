@@ -1,4 +1,4 @@
-"""Motions that take a while: waits until they are done, or says what ended them."""
+"""Motions that take a while: waits for their end, and raises the reason of an early one."""
 
 import asyncio
 from collections.abc import AsyncIterator, Iterator
@@ -36,8 +36,8 @@ async def carry_out(
     """Let `action` drive until it is done.
 
     Raises:
-        MotionError: something else ended it, it got stuck, or the link was lost; the message says
-            why.
+        MotionError: something else ended it, it got stuck, or the link was lost; the message
+            gives the reason.
     """
     clock = asyncio.get_running_loop().time
     arbiter.add(action, PROGRAM)
@@ -59,10 +59,10 @@ async def carry_out(
 
 
 async def run_mode(mode: Stack, arbiter: Arbiter, readings: Readings, *, until: float) -> None:
-    """Let `mode` drive `until` then [s, loop time], or until it has done what it is for.
+    """Let `mode` drive `until` then [s, loop time], or until it has reached its aim.
 
     Raises:
-        MotionError: something else ended it, or the link was lost; the message says what.
+        MotionError: something else ended it, or the link was lost; the message gives the reason.
     """
     clock = asyncio.get_running_loop().time
     arbiter.start(mode)

@@ -1,4 +1,4 @@
-"""Who drives when several want to; the higher number wins (twist_mux's order, user-needs 6.6)."""
+"""Priorities of inputs: the higher number drives (the order of twist_mux, user-needs 6.6)."""
 
 from pioneer3.behaviors.action import MODE
 

@@ -71,14 +71,14 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: the robot will not move; the message says why.
+            MotionError: the robot will not move; the message gives the reason.
         """
         refused = self.arbiter.hold(self._hold, checked(speed, turn_rate), self.info.limits.expiry)
         if refused:
             raise MotionError(refused)
 
     def stop(self) -> None:
-        """Stand still, whoever drives."""
+        """Stop the robot, also when others drive."""
         self.arbiter.stop(by=self._hold)
 
     def emergency_stop(self) -> None:
@@ -110,7 +110,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there, or the link was lost; the message says why.
+            MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
         top = limits.max_speed if speed is None else _positive("speed", speed)
@@ -127,7 +127,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there, or the link was lost; the message says why.
+            MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
         top = limits.max_turn_rate if rate is None else _positive("rate", rate)
@@ -148,7 +148,7 @@ class Robot:
 
         Raises:
             CommandError: not finite numbers.
-            MotionError: it did not get there, or the link was lost; the message says why.
+            MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
         top = limits.max_speed if speed is None else _positive("speed", speed)
@@ -157,19 +157,19 @@ class Robot:
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
-        """Let `mode` drive for `seconds`, or until it has done what it is for.
+        """Let `mode` drive for `seconds`, or until it has reached its aim.
 
-        It must be a fresh one, and replaces the one before. Hands on a keyboard, a stick or the
-        page come before it.
+        It must be a fresh one, and replaces the one before. A keyboard, a gamepad and the page
+        come before it.
 
         Raises:
-            MotionError: something else ended it, or the link was lost; the message says what.
+            MotionError: something else ended it, or the link was lost; see the message.
         """
         until = asyncio.get_running_loop().time() + seconds
         await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
 
     def why_not_moving(self) -> str | None:
-        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        """Return in one sentence the reason to stand still, or `None` while the robot moves."""
         return self.arbiter.why_not_moving()
 
     def send(self, command: Command) -> None:
@@ -182,7 +182,7 @@ class Robot:
         self.supervisor.send(command)
 
     def send_unsafe(self, command: Command) -> None:
-        """Send any ARCOS command at all; see :meth:`Supervisor.send_unsafe` for what that means.
+        """Send any ARCOS command at all; see :meth:`Supervisor.send_unsafe` for the consequences.
 
         Raises:
             CommandError: no session is open, or the command does not fit the protocol.

@@ -1,7 +1,7 @@
 """Signals that end a program stop its robots first: SIGINT, SIGTERM, SIGHUP and SIGQUIT.
 
 =================================  ===============================================================
-what the program does with one     what happens when it comes
+action of the program              effect of a signal
 =================================  ===============================================================
 ignores it (SIG_IGN, nohup)        nothing: the robot goes on
 nothing: it would end the program  the session ends with STOP, ENABLE 0, SONAR 0 and CLOSE. Then
