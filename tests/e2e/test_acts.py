@@ -12,12 +12,12 @@ from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.robot.devices.acts import Acts
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import Box, Fitting, RobotSpec, WorldFile
+from pioneer3.sim.worldfile import Box, EquipmentOptions, RobotSpec, WorldFile
 
 WORLD = WorldFile(
     name="two boxes",
     robots=(
-        RobotSpec(model="p3dx-sh", start=ORIGIN, equipment=Fitting(camera="sony")),
+        RobotSpec(model="p3dx-sh", start=ORIGIN, equipment=EquipmentOptions(camera="sony")),
         RobotSpec(model="p3dx-sh", start=Pose2(-3, 0, 0)),
     ),
     boxes=(Box(pose=Pose2(3, 0.4, 0), size=(0.5, 0.5), movable=True),),

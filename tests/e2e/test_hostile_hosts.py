@@ -24,7 +24,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.clients import STALE
-from pioneer3.sim.server.pace import TICK, Pace
+from pioneer3.sim.server.pacer import TICK, Pacer
 from pioneer3.sim.server.port import BURST, BYTES_PER_TICK
 from pioneer3.sim.world import World
 from tests.e2e.processes import PATIENCE
@@ -81,7 +81,7 @@ class Host:
 class Lab:
     """Some robots that listen."""
 
-    def __init__(self, count: int, pace: Pace | None = None) -> None:
+    def __init__(self, count: int, pace: Pacer | None = None) -> None:
         model = load_model("p3dx-sh")
         self.bodies = [Body(model, Pose2(0, 2 * number, 0)) for number in range(count)]
         self.world = World(None, self.bodies)
@@ -102,7 +102,7 @@ class Lab:
 @asynccontextmanager
 async def lab(
     count: int = 1,
-    pace: Pace | None = None,
+    pace: Pacer | None = None,
     *,
     first: int = 0,
     ports: Sequence[int | None] = (),
@@ -149,14 +149,14 @@ async def test_a_hundred_hosts_at_once_on_a_hundred_robots_are_all_served() -> N
     async with lab(100) as here:
         hosts = await asyncio.gather(*(Host.connect(here.number(n)) for n in range(100)))
         assert all(await asyncio.gather(*(host.open() for host in hosts)))
-        slots = [port.slot for port in here.ports]
+        slots = [port.report_tick for port in here.ports]
         assert max(map(slots.count, slots)) <= 20
         for host in hosts:
             await host.close()
 
 
 async def test_a_hundred_sessions_one_after_the_other() -> None:
-    async with lab(1, Pace(10)) as here:
+    async with lab(1, Pacer(10)) as here:
         for number in range(100):
             host = await here.host(0)
             host.writer.write(frame(commands.Close()))
@@ -202,7 +202,7 @@ async def test_thousands_of_connects_and_disconnects_leave_nothing_behind() -> N
     ids=["random", "count 0", "count 255", "requests", "open", "sync"],
 )
 async def test_a_flood_costs_the_others_nothing(flood: bytes) -> None:
-    async with lab(2, Pace(5)) as here:
+    async with lab(2, Pacer(5)) as here:
         flooder = await here.host(0)
         reader = here.firmwares[0].device.reader
         at_first = reader.packets * 6, here.world.time
@@ -235,7 +235,7 @@ async def test_a_flood_that_never_ends_gives_way_to_the_next_host() -> None:
 
 
 async def test_a_host_that_takes_nothing_is_cut_off() -> None:
-    async with lab(2, Pace(100)) as here:
+    async with lab(2, Pacer(100)) as here:
         stuck = socket.socket()
         stuck.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         stuck.connect(("127.0.0.1", here.number(0)))
@@ -288,7 +288,7 @@ async def test_a_terminal_beside_tcp_serves_whoever_comes_first() -> None:
 
 
 async def test_a_terminal_that_nobody_reads_loses_what_it_is_sent() -> None:
-    async with lab(1, Pace(100)) as here:
+    async with lab(1, Pacer(100)) as here:
         (path,) = here.simulation.open_ptys()
         with FileIO(path, "r+") as line:
             line.write(b"".join(encode(bytes([number])) for number in (0, 1, 2)))
@@ -362,14 +362,14 @@ from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 
 async def main():
     body = Body(load_model("p3dx-sh"))
     world = World(None, [body])
-    simulation = Simulation(world, [Firmware(world, body)], pace=Pace({pace}))
+    simulation = Simulation(world, [Firmware(world, body)], pace=Pacer({pace}))
     await simulation.listen(0)
     print(simulation.addresses[0][1], *simulation.open_ptys(), flush=True)
     await simulation.run()
@@ -409,9 +409,9 @@ async def test_a_signal_ends_it_whatever_it_is_doing(pace: str) -> None:
 
 
 async def test_as_fast_as_possible_hosts_are_still_heard() -> None:
-    async with lab(1, Pace(inf)) as here:
+    async with lab(1, Pacer(inf)) as here:
         host = await here.host(0)
         host.writer.write(frame(commands.RequestConfig()))
         assert await host.next(0x20) is not None
-        await until(lambda: here.simulation.pace.factor > 1)
+        await until(lambda: here.simulation.pace.real_time_factor > 1)
         await host.close()

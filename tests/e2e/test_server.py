@@ -16,7 +16,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
-from pioneer3.sim.server.pace import TICK, Pace
+from pioneer3.sim.server.pacer import TICK, Pacer
 from pioneer3.sim.world import World
 from tests.support import frame, hold
 
@@ -34,7 +34,7 @@ def robots(count: int = 1) -> tuple[World, list[Firmware]]:
 class Station:
     """A robot's port in virtual time."""
 
-    def __init__(self, pace: Pace | None = None, *, keep_session: bool = False) -> None:
+    def __init__(self, pace: Pacer | None = None, *, keep_session: bool = False) -> None:
         self.world, (self.firmware,) = robots()
         self.simulation = Simulation(
             self.world, [self.firmware], pace=pace, keep_session=keep_session

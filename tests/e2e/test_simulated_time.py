@@ -1,4 +1,4 @@
-"""Pace: the same bytes give the same simulation at any speed; pause, steps, lock step."""
+"""Pacer: the same bytes give the same simulation at any speed; pause, steps, lock step."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping
@@ -18,7 +18,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.pace import PATIENCE, Pace
+from pioneer3.sim.server.pacer import PATIENCE, Pacer
 from pioneer3.sim.world import World
 from tests.support import frame, hold, until, wall_at
 
@@ -46,7 +46,7 @@ class Watched(World):
 class Scripted:
     """A host that says what its script has for the tick, and keeps what it gets, and when."""
 
-    standing = False
+    permanent = False
 
     def __init__(self, name: str, script: Mapping[int, bytes], world: World) -> None:
         self.peer, self.script, self.world = name, script, world
@@ -88,7 +88,7 @@ ANOTHER = script(
 )
 
 
-async def played(pace: Pace, faults: str = "") -> list[list[tuple[float, bytes]]]:
+async def played(pace: Pacer, faults: str = "") -> list[list[tuple[float, bytes]]]:
     """Return what two robots that see each other and a wall say to two scripts, and when."""
     model = load_model("p3dx-sh")
     bodies = [Body(model), Body(model, Pose2(1.5, 1.0, 3.0))]
@@ -101,7 +101,7 @@ async def played(pace: Pace, faults: str = "") -> list[list[tuple[float, bytes]]
             pace.pause()  # as fast as possible leaves no moment to look
         for host, port in zip(hosts, simulation.ports, strict=True):
             if data := host.script.get(tick):
-                port.hear(host, data)
+                port.received(host, data)
 
     world.watch(stepped)
     for host, port in zip(hosts, simulation.ports, strict=True):
@@ -131,15 +131,21 @@ async def test_the_same_bytes_at_the_same_ticks_give_the_same_bytes_at_any_pace(
 ) -> None:
     loop = asyncio.get_running_loop()
     began = loop.time()
-    real_time = await played(Pace(), faults)
+    real_time = await played(Pacer(), faults)
     assert loop.time() - began == pytest.approx(10, abs=0.3)
     assert all(len(said) > 80 for said in real_time)
-    for pace in (Pace(10), Pace(0.5), Pace(inf), Pace(lock_step=True), Pace(inf, lock_step=True)):
+    for pace in (
+        Pacer(10),
+        Pacer(0.5),
+        Pacer(inf),
+        Pacer(lock_step=True),
+        Pacer(inf, lock_step=True),
+    ):
         assert await played(pace, faults) == real_time
 
 
 async def test_the_pace_may_change_at_any_time_without_a_trace() -> None:
-    pace = Pace()
+    pace = Pacer()
 
     async def meddle() -> None:
         for speed in (3.0, 0.3, 50.0, 1.0):
@@ -154,13 +160,13 @@ async def test_the_pace_may_change_at_any_time_without_a_trace() -> None:
     meddling = asyncio.ensure_future(meddle())
     changed = await played(pace)
     await meddling
-    assert changed == await played(Pace())
+    assert changed == await played(Pacer())
 
 
 class Lab:
     """Robots with cables in memory."""
 
-    def __init__(self, pace: Pace, count: int = 1) -> None:
+    def __init__(self, pace: Pacer, count: int = 1) -> None:
         self.bodies = [Body(load_model("p3dx-sh"), Pose2(0, 3 * n, 0)) for n in range(count)]
         self.world = World(None, self.bodies)
         firmwares = [Firmware(self.world, body) for body in self.bodies]
@@ -199,14 +205,14 @@ async def passed(lab: Lab, seconds: float) -> float:
 
 @pytest.mark.parametrize("speed", [10.0, 100.0])
 async def test_a_driver_of_ours_drives_in_a_world_that_is_faster(speed: float) -> None:
-    async with Lab(Pace(speed)) as lab, connect_async(lab.open) as driver:
+    async with Lab(Pacer(speed)) as lab, connect_async(lab.open) as driver:
         assert await hold(driver, 0.3, seconds=3) == 0
         assert not lab.bodies[0].drive.held
         assert lab.bodies[0].robot_in_world.x > 3 * 0.3 * speed / 2
 
 
 async def test_the_watchdog_counts_the_hosts_seconds_when_time_is_fast() -> None:
-    async with Lab(Pace(10)) as lab:
+    async with Lab(Pacer(10)) as lab:
         link = await lab.open()
         await link.write(HELLO)
         await asyncio.sleep(1.9)
@@ -216,7 +222,7 @@ async def test_the_watchdog_counts_the_hosts_seconds_when_time_is_fast() -> None
 
 
 async def test_in_a_pause_hosts_are_welcome_and_nothing_is_lost() -> None:
-    async with Lab(Pace(paused=True)) as lab:
+    async with Lab(Pacer(paused=True)) as lab:
         link = await lab.open()
         await link.write(SYNCS)
         await asyncio.sleep(0.1)
@@ -238,7 +244,7 @@ async def test_in_a_pause_hosts_are_welcome_and_nothing_is_lost() -> None:
 
 
 async def test_a_flood_in_a_pause_waits_and_is_all_heard() -> None:
-    async with Lab(Pace(paused=True)) as lab:
+    async with Lab(Pacer(paused=True)) as lab:
         link = await lab.open()
         await link.write(HELLO)
         await asyncio.sleep(0.1)
@@ -251,7 +257,7 @@ async def test_a_flood_in_a_pause_waits_and_is_all_heard() -> None:
 
 
 async def test_lock_step_waits_for_the_slowest_host() -> None:
-    async with Lab(Pace(inf, lock_step=True), 2) as lab:
+    async with Lab(Pacer(inf, lock_step=True), 2) as lab:
         links = [await lab.open(number) for number in range(2)]
         for link in links:
             await link.write(HELLO)
@@ -268,14 +274,14 @@ async def test_lock_step_waits_for_the_slowest_host() -> None:
         ]
         await asyncio.sleep(1.0)
         assert await passed(lab, 4.0) == pytest.approx(1.0, abs=0.11)
-        assert lab.simulation.pace.factor == pytest.approx(0.25, abs=0.1)
+        assert lab.simulation.pace.real_time_factor == pytest.approx(0.25, abs=0.1)
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
 async def test_lock_step_is_no_faster_than_asked_for() -> None:
-    async with Lab(Pace(2.0, lock_step=True)) as lab:
+    async with Lab(Pacer(2.0, lock_step=True)) as lab:
         link = await lab.open()
         await link.write(HELLO)
 
@@ -292,7 +298,7 @@ async def test_lock_step_is_no_faster_than_asked_for() -> None:
 
 
 async def test_each_step_in_lock_step_is_one_report() -> None:
-    async with Lab(Pace(inf, lock_step=True)) as lab:
+    async with Lab(Pacer(inf, lock_step=True)) as lab:
         link = await lab.open()
         await link.write(HELLO)
         await sips(link, 1)
@@ -306,7 +312,7 @@ async def test_each_step_in_lock_step_is_one_report() -> None:
 
 
 async def test_a_silent_host_in_lock_step_costs_patience_until_its_watchdog_bites() -> None:
-    async with Lab(Pace(lock_step=True)) as lab:
+    async with Lab(Pacer(lock_step=True)) as lab:
         link = await lab.open()
         assert await passed(lab, 1.0) == pytest.approx(1.0, abs=0.03)  # nobody to wait for
         await link.write(HELLO)
@@ -323,7 +329,7 @@ async def test_a_silent_host_in_lock_step_costs_patience_until_its_watchdog_bite
 
 
 async def test_sessions_that_open_together_report_in_different_ticks() -> None:
-    async with Lab(Pace(), 20) as lab:
+    async with Lab(Pacer(), 20) as lab:
         links = [await lab.open(number) for number in range(20)]
         for link in links:
             await link.write(SYNCS)
@@ -331,12 +337,12 @@ async def test_sessions_that_open_together_report_in_different_ticks() -> None:
         for link in links:
             await link.write(frame(commands.Open()))
         await asyncio.sleep(0.2)
-        slots = [port.slot for port in lab.simulation.ports if port.is_open]
+        slots = [port.report_tick for port in lab.simulation.ports if port.is_open]
         assert sorted(slots) == [slot for slot in range(5) for _ in range(4)]
 
 
 async def test_robots_come_and_go_while_time_passes() -> None:
-    async with Lab(Pace(10)) as lab:
+    async with Lab(Pacer(10)) as lab:
         firmware = Firmware(lab.world, lab.bodies[0])
         port = lab.simulation.attach(firmware)
         lab.bodies.append(lab.bodies[0])
@@ -356,7 +362,7 @@ async def test_robots_come_and_go_while_time_passes() -> None:
 
 
 async def test_simstat_tells_how_time_passes() -> None:
-    async with Lab(Pace(10)) as lab:
+    async with Lab(Pacer(10)) as lab:
         await asyncio.sleep(2.5)
         times = lab.simulation.ports[0].firmware.step_times
         assert (times.simulated, times.wanted) == (0.1, 0.01)

@@ -8,8 +8,8 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.placement.footprint import overlap
-from pioneer3.sim.placement.free_space import Ground
-from pioneer3.sim.placement.placer import Newcomer, place_all
+from pioneer3.sim.placement.free_space import Obstructions
+from pioneer3.sim.placement.placer import PlacementRequest, place_all
 from pioneer3.sim.worldfile import Box, Place, Start, Wall, WorldFile
 
 MODELS = [load_model(name) for name in ("p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh")]
@@ -21,7 +21,7 @@ boxes = st.builds(
 starts: st.SearchStrategy[Start] = st.one_of(
     st.just("home"), st.just("random"), st.just("outside"), poses
 )
-newcomers = st.builds(Newcomer, st.just("r"), st.sampled_from(MODELS), starts)
+requests = st.builds(PlacementRequest, st.just("r"), st.sampled_from(MODELS), starts)
 
 
 @settings(deadline=None, max_examples=150)
@@ -29,11 +29,11 @@ newcomers = st.builds(Newcomer, st.just("r"), st.sampled_from(MODELS), starts)
     st.booleans(),
     st.lists(boxes, max_size=4),
     st.lists(poses, max_size=2),
-    st.lists(newcomers, min_size=1, max_size=7),
+    st.lists(requests, min_size=1, max_size=7),
     st.integers(0, 9),
 )
 def test_everybody_gets_a_place_of_their_own(
-    walled: bool, boxes: list[Box], homes: list[Pose2], robots: list[Newcomer], seed: int
+    walled: bool, boxes: list[Box], homes: list[Pose2], robots: list[PlacementRequest], seed: int
 ) -> None:
     wall = Wall(points=((0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)), closed=True)
     world = WorldFile(
@@ -49,7 +49,7 @@ def test_everybody_gets_a_place_of_their_own(
     except ConfigError:
         return  # too crowded
     assert found == place_all(line_map, robots, np.random.default_rng(seed), obstacles)
-    ground = Ground.of(line_map, obstacles)
+    ground = Obstructions.of(line_map, obstacles)
     for index, (robot, pose) in enumerate(zip(robots, found, strict=True)):
         for other, there in zip(robots[:index], found, strict=False):
             assert not overlap(robot.model, pose, other.model, there)

@@ -11,7 +11,7 @@ from pioneer3.cli.options import Flag
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pioneer3.sim.map_check import Remark
+    from pioneer3.sim.map_check import Finding
     from pioneer3.sim.map_convert import MapInfo
 
 map_app = App(
@@ -65,11 +65,11 @@ def check(
     from pioneer3.cli.output import write_json  # noqa: PLC0415
     from pioneer3.sim import map_convert  # noqa: PLC0415
 
-    remarks, code = map_convert.check(file, robot)
+    findings, code = map_convert.check(file, robot)
     if json:
-        write_json({"file": file, "exit_code": code, "remarks": remarks}, indent=2)
+        write_json({"file": file, "exit_code": code, "remarks": findings}, indent=2)
     else:
-        _print_remarks(file, remarks)
+        _print_findings(file, findings)
     return code
 
 
@@ -127,15 +127,15 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
     console.print(marks)
 
 
-def _print_remarks(file: str, remarks: "tuple[Remark, ...]") -> None:
+def _print_findings(file: str, findings: "tuple[Finding, ...]") -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
 
     console = Console(highlight=False)
-    for remark in remarks:
-        style = "bold red" if remark.level == "error" else "yellow"
-        where = f"{file}:{remark.line}: " if remark.line else f"{file}: "
-        text = Text(where).append(f"{remark.level}: ", style).append(remark.text)
+    for finding in findings:
+        style = "bold red" if finding.level == "error" else "yellow"
+        where = f"{file}:{finding.line}: " if finding.line else f"{file}: "
+        text = Text(where).append(f"{finding.level}: ", style).append(finding.text)
         console.print(text, soft_wrap=True)
-    if not remarks:
+    if not findings:
         console.print(Text(f"{file}: all fine", "bold green"), soft_wrap=True)

@@ -12,22 +12,22 @@ from rich.text import Text
 
 from pioneer3.sim.maps.grid import samples
 from pioneer3.sim.maps.line_map import Bounds
-from pioneer3.sim.worldfile.drawing import Drawing, Ink, Mark
+from pioneer3.sim.worldfile.drawing import Drawing, Layer, Marker
 
 BLANK: Final = 0x2800
 DOTS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 """The bit of each dot of a braille character, its rows from the top."""
 ARROWS: Final = "→↗↑↖←↙↓↘"
-SIGNS: Mapping[Ink, str] = MappingProxyType({Ink.GOAL: "●", Ink.DOCK: "■", Ink.HOME: "▲"})
-STYLES: Mapping[Ink, str] = MappingProxyType(
+SIGNS: Mapping[Layer, str] = MappingProxyType({Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"})
+STYLES: Mapping[Layer, str] = MappingProxyType(
     {
-        Ink.WALL: "",
-        Ink.FORBIDDEN: "red",
-        Ink.PERSON: "magenta",
-        Ink.BOX: "yellow",
-        Ink.DOCK: "bold yellow",
-        Ink.GOAL: "bold cyan",
-        Ink.HOME: "bold green",
+        Layer.WALL: "",
+        Layer.FORBIDDEN: "red",
+        Layer.PERSON: "magenta",
+        Layer.BOX: "yellow",
+        Layer.DOCK: "bold yellow",
+        Layer.GOAL: "bold cyan",
+        Layer.HOME: "bold green",
     }
 )
 ROUND: Final = (1, 2, 5)
@@ -53,12 +53,12 @@ class Canvas:
         self._bits = np.zeros((self.rows, self.columns), dtype=np.int64)
         self._styles = [[""] * self.columns for _ in range(self.rows)]
         self._letters: dict[tuple[int, int], tuple[str, str]] = {}
-        for ink in Ink:
-            self._draw_lines(ink, drawing.lines.get(ink, np.empty((0, 4))))
-        for mark in drawing.marks:
-            self._put(*self._cell(mark), _sign(mark), STYLES[mark.ink])
-        for mark in drawing.marks:
-            self._name(mark)
+        for layer in Layer:
+            self._draw_lines(layer, drawing.lines.get(layer, np.empty((0, 4))))
+        for marker in drawing.markers:
+            self._put(*self._cell(marker), _sign(marker), STYLES[marker.layer])
+        for marker in drawing.markers:
+            self._name(marker)
 
     def text(self) -> Text:
         """Return all of it, one line of text a row."""
@@ -79,7 +79,7 @@ class Canvas:
         width = max(2, round(metres / self.scale / 2))
         return Text(f"├{'─' * (width - 2)}┤ {metres:g} m", "dim")
 
-    def _draw_lines(self, ink: Ink, segments: NDArray[np.float64]) -> None:
+    def _draw_lines(self, layer: Layer, segments: NDArray[np.float64]) -> None:
         if not len(segments):
             return
         points = samples(segments, self.scale / 2)
@@ -89,44 +89,44 @@ class Canvas:
         down = np.rint(y).astype(np.int64).clip(0, 4 * self.rows - 1)
         np.bitwise_or.at(self._bits, (down // 4, across // 2), DOTS[down % 4, across % 2])
         for row, column in set(zip((down // 4).tolist(), (across // 2).tolist(), strict=True)):
-            self._styles[row][column] = STYLES[ink]
+            self._styles[row][column] = STYLES[layer]
 
-    def _cell(self, mark: Mark) -> tuple[int, int]:
-        column = int((mark.pose.x - self._bounds.x_min) / self.scale / 2 + 0.25)
-        row = int((self._bounds.y_max - mark.pose.y) / self.scale / 4 + 0.125)
+    def _cell(self, marker: Marker) -> tuple[int, int]:
+        column = int((marker.pose.x - self._bounds.x_min) / self.scale / 2 + 0.25)
+        row = int((self._bounds.y_max - marker.pose.y) / self.scale / 4 + 0.125)
         return min(max(row, 0), self.rows - 1), min(max(column, 0), self.columns - 1)
 
     def _put(self, row: int, column: int, letter: str, style: str) -> None:
         self._letters[row, column] = letter, style
 
-    def _name(self, mark: Mark) -> None:
+    def _name(self, marker: Marker) -> None:
         """Write a name beside its sign, right or else left, if that hides no other sign."""
-        name = "".join(c for c in mark.name[:20] if c.isprintable() and cell_len(c) == 1)
-        row, column = self._cell(mark)
+        name = "".join(c for c in marker.name[:20] if c.isprintable() and cell_len(c) == 1)
+        row, column = self._cell(marker)
         for first in (column + 1, column - len(name)):
             cells = [(row, at) for at in range(first, first + len(name))]
             inside = first >= 0 and first + len(name) <= self.columns
             if inside and not any(cell in self._letters for cell in cells):
                 for cell, letter in zip(cells, name, strict=True):
-                    self._put(*cell, letter, STYLES[mark.ink])
+                    self._put(*cell, letter, STYLES[marker.layer])
                 return
 
 
-def _sign(mark: Mark) -> str:
-    if mark.ink is Ink.HOME:
-        return ARROWS[round(mark.pose.theta / (pi / 4)) % 8]
-    return SIGNS[mark.ink]
+def _sign(marker: Marker) -> str:
+    if marker.layer is Layer.HOME:
+        return ARROWS[round(marker.pose.theta / (pi / 4)) % 8]
+    return SIGNS[marker.layer]
 
 
 def legend(bounds: Bounds, drawing: Drawing) -> Text:
     """Return what the colours and signs on the drawing mean, and its corners."""
     text = Text()
-    used = {mark.ink for mark in drawing.marks}
-    used |= {ink for ink, segments in drawing.lines.items() if len(segments)}
-    for ink in Ink:
-        if ink in used and ink is not Ink.WALL:
-            sign = "→" if ink is Ink.HOME else SIGNS.get(ink, "⣿")
-            text.append(f"{sign} {ink}  ", STYLES[ink])
+    used = {marker.layer for marker in drawing.markers}
+    used |= {layer for layer, segments in drawing.lines.items() if len(segments)}
+    for layer in Layer:
+        if layer in used and layer is not Layer.WALL:
+            sign = "→" if layer is Layer.HOME else SIGNS.get(layer, "⣿")
+            text.append(f"{sign} {layer}  ", STYLES[layer])
     across, up = (bounds.x_min, bounds.x_max), (bounds.y_min, bounds.y_max)
     x, y = (f"{low:z.1f} to {high:z.1f}" for low, high in (across, up))
     corners = f"x {x}, y {y} m"

@@ -17,7 +17,7 @@ from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
-    from pioneer3.sim.worldfile.arguments import Wishes
+    from pioneer3.sim.worldfile.arguments import WorldOverrides
 
 DEFAULT_PORT = "tcp://localhost:8101"
 UNITS = (
@@ -173,9 +173,9 @@ class WorldOptions:
     seed: Annotated[int | None, Parameter(validator=Number(gte=0, lt=2**63))] = None
     keep_session: Flag = False
 
-    def wishes(
+    def overrides(
         self, robots: tuple[str, ...] = (), *, factory: str = "", own_ports: bool = True
-    ) -> "Wishes":
+    ) -> "WorldOverrides":
         """Return what to lay over the world file.
 
         Args:
@@ -186,17 +186,17 @@ class WorldOptions:
         Raises:
             ConfigError: A word is wrong.
         """
-        from pioneer3.sim.worldfile import parse_fitting  # noqa: PLC0415
+        from pioneer3.sim.worldfile import parse_equipment  # noqa: PLC0415
         from pioneer3.sim.worldfile.arguments import (  # noqa: PLC0415
-            Wishes,
+            WorldOverrides,
             parse_robot,
             parse_start,
         )
 
-        return Wishes(
+        return WorldOverrides(
             robots=tuple(map(parse_robot, robots)),
             starts=tuple(map(parse_start, self.start)),
-            equipment=parse_fitting(self.fit),
+            equipment=parse_equipment(self.fit),
             seed=self.seed,
             keep_session=self.keep_session,
             own_ports=own_ports,

@@ -61,7 +61,7 @@ def run(
         baud=baud,
         map_name=map_,
         robots=tuple(map(parse_robot, robot)),
-        wishes=world.wishes(),
+        overrides=world.overrides(),
         ideal=ideal,
         sim_port=sim_port,
         web_port=web_port,

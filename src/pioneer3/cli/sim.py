@@ -71,7 +71,7 @@ def sim(
 
     simulation = simulator(
         map_name=map_.name(),
-        wishes=world.wishes(robot, factory=robot_factory, own_ports=ports.port is None),
+        overrides=world.overrides(robot, factory=robot_factory, own_ports=ports.port is None),
         port=ports.first,
         host=ports.bind,
         ptys=ports.pty,

@@ -15,7 +15,7 @@ from pioneer3.errors import ConfigError
 if TYPE_CHECKING:
     from pioneer3.sim.realism import Realism
     from pioneer3.sim.server.faults import LinkFaults
-    from pioneer3.sim.server.pace import Pace
+    from pioneer3.sim.server.pacer import Pacer
 
 PORTS = Group.create_ordered("Ports")
 TIME = Group.create_ordered("Time")
@@ -105,17 +105,17 @@ class TimeOptions:
     lock_step: Flag = False
     kernels: Literal["auto", "numba", "numpy"] = "auto"
 
-    def pace(self) -> "Pace":
+    def pace(self) -> "Pacer":
         """Return the pace.
 
         Raises:
             ConfigError: The speed is none, or two are given.
         """
-        from pioneer3.sim.server.pace import Pace  # noqa: PLC0415
+        from pioneer3.sim.server.pacer import Pacer  # noqa: PLC0415
 
         if self.fast and self.speed != 1.0:
             raise ConfigError("--speed and --fast: give one of them")
-        return Pace(inf if self.fast else self.speed, lock_step=self.lock_step)
+        return Pacer(inf if self.fast else self.speed, lock_step=self.lock_step)
 
 
 @Parameter(name="*", group=ERRORS)

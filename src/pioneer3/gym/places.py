@@ -12,7 +12,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.sim.kernels import build_grid
 from pioneer3.sim.kernels.near import NearWalls, distances
 from pioneer3.sim.maps import LineMap
-from pioneer3.sim.placement.free_space import Floor, Ground, room_inside
+from pioneer3.sim.placement.free_space import FreeGrid, Obstructions, places_inside
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -49,9 +49,9 @@ class Places:
     """
 
     def __init__(self, line_map: LineMap, walls: Float, radius: float) -> None:
-        ground = Ground.of(line_map)
-        floor = Floor(ground.barriers, line_map.bounds, radius, ground.solids)
-        points = _largest_part(floor, room_inside(line_map, ground, radius).centres)
+        ground = Obstructions.of(line_map)
+        floor = FreeGrid(ground.barriers, line_map.bounds, radius, ground.solids)
+        points = _largest_part(floor, places_inside(line_map, ground, radius).centres)
         near = NearWalls(build_grid(walls), radius + SPARE)
         which, wall = near.of(*points.T)
         room = np.full(len(points), np.inf)
@@ -80,7 +80,7 @@ class Places:
         )
 
 
-def _largest_part(floor: Floor, points: Float) -> Float:
+def _largest_part(floor: FreeGrid, points: Float) -> Float:
     """Return those of `points` that can be reached from each other, as many as possible."""
     cells = [floor.cell_of((x, y)) for x, y in points.tolist()]
     rows, columns = np.array(cells, dtype=np.int64).reshape(-1, 2).T

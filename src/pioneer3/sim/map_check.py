@@ -18,8 +18,8 @@ from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, distances
 from pioneer3.sim.maps.load import read_map_file
 from pioneer3.sim.maps.map_server import KEYS, MapServerFile
 from pioneer3.sim.maps.text import decoded, read_bytes
-from pioneer3.sim.placement.free_space import Floor
-from pioneer3.sim.placement.spawn import Inhabitant, populate
+from pioneer3.sim.placement.free_space import FreeGrid
+from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
 
 MOST = 10
@@ -32,53 +32,53 @@ GOALS = ("Goal", "GoalWithHeading")
 FORBIDDEN = ("ForbiddenLine", "ForbiddenArea")
 
 
-class Level(StrEnum):
-    """How bad it is."""
+class Severity(StrEnum):
+    """The severity of a finding."""
 
     ERROR = "error"
     WARNING = "warning"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Remark:
-    """Something wrong with a map.
+class Finding:
+    """A problem of a map.
 
     Attributes:
-        level: An error keeps it from being used.
-        text: What is wrong, in one line.
-        line: In the file, from 1; `None` where no line is to blame.
+        level: A map with an error cannot be used.
+        text: The problem in one line.
+        line: In the file, from 1; `None` for problems of no single line.
     """
 
-    level: Level
+    level: Severity
     text: str
     line: int | None = None
 
 
-def warning(text: str, line: int | None = None) -> Remark:
+def warning(text: str, line: int | None = None) -> Finding:
     """Return a warning."""
-    return Remark(level=Level.WARNING, text=text, line=line)
+    return Finding(level=Severity.WARNING, text=text, line=line)
 
 
-def some(remarks: Iterable[Remark], what: str) -> Iterator[Remark]:
-    """Yield the first :data:`MOST` of `remarks`, and how many more `what` there are."""
-    found: Sequence[Remark] = tuple(remarks)
+def some(findings: Iterable[Finding], what: str) -> Iterator[Finding]:
+    """Yield the first :data:`MOST` of `findings`, and the number of other `what`."""
+    found: Sequence[Finding] = tuple(findings)
     yield from found[:MOST]
     if len(found) > MOST:
-        yield Remark(level=found[0].level, text=f"and {len(found) - MOST} more {what}")
+        yield Finding(level=found[0].level, text=f"and {len(found) - MOST} more {what}")
 
 
-def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Remark, ...]:
-    """Return all that is wrong with a map or world, errors first, then by line.
+def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Finding, ...]:
+    """Return all problems of a map or world, errors first, then by line.
 
     Args:
         name_or_path: As for :func:`pioneer3.sim.worldfile.load_world`.
-        model: The robot that homes and goals must have room for.
+        model: The robot that must fit at homes and goals.
     """
-    found = list(_remarks(name_or_path, model))
-    return tuple(sorted(found, key=lambda r: (r.level is not Level.ERROR, r.line or 0)))
+    found = list(_findings(name_or_path, model))
+    return tuple(sorted(found, key=lambda r: (r.level is not Severity.ERROR, r.line or 0)))
 
 
-def _remarks(name_or_path: str | Path, model: RobotModel) -> Iterator[Remark]:
+def _findings(name_or_path: str | Path, model: RobotModel) -> Iterator[Finding]:
     path = Path(name_or_path)
     try:
         world = load_world(name_or_path)
@@ -87,16 +87,16 @@ def _remarks(name_or_path: str | Path, model: RobotModel) -> Iterator[Remark]:
         else:
             yield from _world(world, model)
     except ConfigError as error:
-        yield as_remark(path, error)
+        yield as_finding(path, error)
 
 
-def _plan(path: Path, model: RobotModel) -> Iterator[Remark]:
-    """Yield what is wrong with a file that holds a map and no more."""
+def _plan(path: Path, model: RobotModel) -> Iterator[Finding]:
+    """Yield the problems of a file that holds only a map."""
     try:
         file: AriaFile | MapServerFile = read_map_file(path)
     except ConfigError as error:
-        remarks = tuple(check_aria(path, decoded(read_bytes(path)))) if _is_aria(path) else ()
-        yield from remarks or (as_remark(path, error),)
+        findings = tuple(check_aria(path, decoded(read_bytes(path)))) if _is_aria(path) else ()
+        yield from findings or (as_finding(path, error),)
         return
     lines: dict[int, int] = {}
     if isinstance(file, AriaFile):
@@ -111,7 +111,7 @@ def _is_aria(path: Path) -> bool:
     return read_bytes(path)[:1000].lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"2D-Map")
 
 
-def _unknown_keys(file: MapServerFile) -> Iterator[Remark]:
+def _unknown_keys(file: MapServerFile) -> Iterator[Finding]:
     for key, field in file.fields.items():
         if key not in KEYS:
             close = get_close_matches(key, KEYS, n=1)
@@ -120,7 +120,7 @@ def _unknown_keys(file: MapServerFile) -> Iterator[Remark]:
             yield warning(f"{name}: unknown key, skipped{hint}", field.line.number)
 
 
-def _world(world: WorldFile, model: RobotModel) -> Iterator[Remark]:
+def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
     line_map = world.line_map()
     yield from check_places(line_map, model)
     sound: dict[int, RobotSpec] = {}
@@ -128,23 +128,25 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Remark]:
         try:
             load_model(robot.model)
         except ConfigError as error:
-            yield Remark(level=Level.ERROR, text=f"robot[{index}].model: {error}")
+            yield Finding(level=Severity.ERROR, text=f"robot[{index}].model: {error}")
             continue
         sound[index] = robot
         if robot.start == "home" and not line_map.starts:
             yield warning(f"robot[{index}].start: there is no home and no dock")
     try:
         cleared = replace(world, robots=tuple(sound.values()))
-        crew = populate(cleared, line_map, default_rng(world.seed))
+        spawned = spawn_robots(cleared, line_map, default_rng(world.seed))
     except ConfigError as error:
-        yield Remark(level=Level.ERROR, text=str(error))
+        yield Finding(level=Severity.ERROR, text=str(error))
         return
-    for (index, robot), each in zip(sound.items(), crew, strict=True):
+    for (index, robot), each in zip(sound.items(), spawned, strict=True):
         yield from _robot(f"robot[{index}]", robot, each, line_map)
 
 
-def _robot(place: str, robot: RobotSpec, each: Inhabitant, line_map: LineMap) -> Iterator[Remark]:
-    """Yield what is wrong with a robot and where it begins."""
+def _robot(
+    place: str, robot: RobotSpec, each: SpawnedRobot, line_map: LineMap
+) -> Iterator[Finding]:
+    """Yield the problems of a robot and its start."""
     asked = robot.start
     if isinstance(asked, Pose2):
         problem = room(asked, line_map, each.model) if len(line_map.walls) else ""
@@ -158,8 +160,8 @@ def _robot(place: str, robot: RobotSpec, each: Inhabitant, line_map: LineMap) ->
         yield warning(f"{place}.equipment.table_ir: {each.model.name} has no table sensors")
 
 
-def check_aria(path: Path, text: str) -> Iterator[Remark]:
-    """Yield what is wrong with the text of a map file, line by line."""
+def check_aria(path: Path, text: str) -> Iterator[Finding]:
+    """Yield the problems in the text of an ARIA map, line by line."""
     errors: list[ConfigError] = []
 
     def note(error: ConfigError) -> None:
@@ -169,9 +171,9 @@ def check_aria(path: Path, text: str) -> Iterator[Remark]:
     try:
         file = parse_aria(path, text, note)
     except ConfigError as error:
-        yield as_remark(path, error)
+        yield as_finding(path, error)
         return
-    yield from some((as_remark(path, error) for error in errors), "errors")
+    yield from some((as_finding(path, error) for error in errors), "errors")
     yield from _header(file)
     for section in file.sections:
         if section.kind == "LINES":
@@ -179,16 +181,16 @@ def check_aria(path: Path, text: str) -> Iterator[Remark]:
             yield from some(_doubles(section), "doubled lines")
 
 
-def as_remark(path: Path, error: ConfigError) -> Remark:
-    """Return an error about the file at `path` as a remark, its line taken out of the text."""
+def as_finding(path: Path, error: ConfigError) -> Finding:
+    """Return an error about the file at `path` as a finding, with its line as a number."""
     text = str(error).removeprefix(f"{path}:").strip()
     number, _, rest = text.partition(":")
     line = int(number) if number.isdecimal() else None
-    return Remark(level=Level.ERROR, text=rest.strip() if line else text, line=line)
+    return Finding(level=Severity.ERROR, text=rest.strip() if line else text, line=line)
 
 
-def _header(file: AriaFile) -> Iterator[Remark]:
-    """Yield where counts and boxes in the header disagree with what follows."""
+def _header(file: AriaFile) -> Iterator[Finding]:
+    """Yield the counts and boxes of the header that disagree with the rest of the file."""
     for entry in file.entries:
         for section in file.sections:
             if entry.key == section.source + _COUNTS[section.kind]:
@@ -228,13 +230,13 @@ def _rows(section: Section) -> Iterator[tuple[tuple[float, ...], int]]:
     yield from zip(map(tuple, section.rows.tolist()), section.at.tolist(), strict=True)
 
 
-def _without_length(section: Section) -> Iterator[Remark]:
+def _without_length(section: Section) -> Iterator[Finding]:
     for row, line in _rows(section):
         if row[:2] == row[2:]:
             yield warning(f"a line without length at {row[0]:g} {row[1]:g}", line)
 
 
-def _doubles(section: Section) -> Iterator[Remark]:
+def _doubles(section: Section) -> Iterator[Finding]:
     seen: dict[tuple[float, ...], int] = {}
     for row, line in _rows(section):
         key = min(row, row[2:] + row[:2])
@@ -245,8 +247,8 @@ def _doubles(section: Section) -> Iterator[Remark]:
 
 def check_places(
     line_map: LineMap, model: RobotModel, lines: dict[int, int] | None = None
-) -> Iterator[Remark]:
-    """Yield which homes have no room for the robot, and which goals it cannot get to.
+) -> Iterator[Finding]:
+    """Yield the homes where the robot does not fit, and the goals that it cannot reach.
 
     Args:
         line_map: The map.
@@ -270,7 +272,7 @@ def check_places(
 
 
 def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:
-    """Return why `model` has no room at `pose`, or nothing."""
+    """Return the reason why `model` does not fit at `pose`, or an empty text."""
     walls, bounds = line_map.walls, line_map.bounds
     if not (bounds.x_min <= pose.x <= bounds.x_max and bounds.y_min <= pose.y <= bounds.y_max):
         return "is outside the walls"
@@ -283,7 +285,7 @@ def room(pose: Pose2, line_map: LineMap, model: RobotModel) -> str:
 
 
 def shown(item: MapObject) -> str:
-    """Return what to call an object in a message."""
+    """Return a name of an object for messages."""
     name = "".join(c if c.isprintable() else "?" for c in item.name[:30])
     kind = "".join(c if c.isprintable() else "?" for c in item.kind[:30])
     return f'{kind} "{name}"' if name else f"{kind} at {item.pose.x:.2f} {item.pose.y:.2f}"
@@ -291,8 +293,8 @@ def shown(item: MapObject) -> str:
 
 def _unreachable(
     line_map: LineMap, model: RobotModel, goals: list[tuple[MapObject, int | None]]
-) -> Iterator[Remark]:
-    """Yield the goals that cannot be reached, keeping off walls and what is forbidden."""
+) -> Iterator[Finding]:
+    """Yield the goals that cannot be reached without touching walls or forbidden lines."""
     starts = [(home.x, home.y) for home in line_map.homes]
     origin = "any home"
     if not starts:
@@ -304,7 +306,7 @@ def _unreachable(
         return
     forbidden = [side for o in line_map.objects if o.kind in FORBIDDEN for side in o.sides]
     barriers = np.concatenate([line_map.walls, np.array(forbidden).reshape(-1, 4)])
-    floor = Floor(barriers, _around(line_map, starts, goals), model.width / 2)
+    floor = FreeGrid(barriers, _around(line_map, starts, goals), model.width / 2)
     reached = floor.reached_from(starts)
     for item, line in goals:
         if not floor.is_free(item.pose.x, item.pose.y):

@@ -1,4 +1,4 @@
-"""Reads, checks and converts maps and worlds by their names: what `pioneer3 map` does."""
+"""Reads, checks and converts maps and worlds by their names, for `pioneer3 map`."""
 
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ import numpy as np
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.sim.map_check import Level, Remark, check_world
+from pioneer3.sim.map_check import Finding, Severity, check_world
 from pioneer3.sim.maps import LineMap, write_aria_map, write_map_server
 from pioneer3.sim.maps.text import write_bytes
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
@@ -74,16 +74,16 @@ def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
     return dict(counts) | {kind: count for kind, count in found.items() if count}
 
 
-def check(name_or_path: str, robot: str) -> tuple[tuple[Remark, ...], int]:
+def check(name_or_path: str, robot: str) -> tuple[tuple[Finding, ...], int]:
     """Return what is wrong with a map, and the exit code: 0 nothing, 1 warnings, 2 errors.
 
     Raises:
         ConfigError: There is no such robot model.
     """
-    remarks = check_world(name_or_path, load_model(robot))
-    if any(remark.level is Level.ERROR for remark in remarks):
-        return remarks, 2
-    return remarks, 1 if remarks else 0
+    findings = check_world(name_or_path, load_model(robot))
+    if any(finding.level is Severity.ERROR for finding in findings):
+        return findings, 2
+    return findings, 1 if findings else 0
 
 
 def convert(source: str, target: Path, *, resolution: float, force: bool) -> Converted:

@@ -15,7 +15,7 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, load_world
-from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
+from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.web.access.certificate import digest
 from pioneer3.web.access.names import is_loopback
 from pioneer3.web.access.sessions import free_name
@@ -39,7 +39,7 @@ class Options:
         map_name: Shipped map or file; `None` is the office for a simulator, none for a robot.
         robots: Models and names to simulate; with ports one for all or one for each, to use
             whatever the robots say they are.
-        wishes: What else to change in the simulated world before it begins.
+        overrides: What else to change in the simulated world before it begins.
         ideal: Simulate robots without any error.
         sim_port: TCP port of the first simulated robot; 0 takes free ones.
         web_port: TCP port of the page; 0 takes a free one.
@@ -56,7 +56,7 @@ class Options:
     baud: int | None = None
     map_name: str | None = None
     robots: tuple[RobotSpec, ...] = ()
-    wishes: Wishes = AS_IT_IS
+    overrides: WorldOverrides = NO_OVERRIDES
     ideal: bool = False
     sim_port: int = 8101
     web_port: int = 8080
@@ -122,11 +122,11 @@ def _real(options: Options) -> list[Target]:
 async def _simulation(
     options: Options, stack: AsyncExitStack, tell: Callable[[str], None]
 ) -> RunningSimulation:
-    wishes = replace(options.wishes, robots=options.robots or options.wishes.robots)
+    overrides = replace(options.overrides, robots=options.robots or options.overrides.robots)
     simulation = simulator(
         map_name=options.map_name or "office",
         port=options.sim_port,
-        wishes=wishes,
+        overrides=overrides,
         realism=Realism.ideal() if options.ideal else Realism(),
     )
     try:

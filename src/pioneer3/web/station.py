@@ -6,7 +6,7 @@ from pioneer3.behaviors.action import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.explain import kind_of
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.placement.straight_path import Errand, errand
+from pioneer3.sim.placement.straight_path import PathCheck, check_path
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages, requests
 from pioneer3.web.details import Details
@@ -55,7 +55,7 @@ class Station:
         mode = make(wish, self.robot.info.limits)
         return self.wheel.start(who, mode, wish.seconds)
 
-    def goto(self, who: Somebody, wish: requests.Goto) -> Errand:
+    def goto(self, who: Somebody, wish: requests.Goto) -> PathCheck:
         """Let the robot drive straight to a place of the map, for `who`, who must stay.
 
         Returns:
@@ -63,21 +63,21 @@ class Station:
         """
         snapshot = self.robot.snapshot
         if snapshot is None:
-            return Errand("The robot is not connected.")
+            return PathCheck("The robot is not connected.")
         odom = snapshot.odometry.robot_in_odom
         here, line_map = self.scene.robot_in_map(odom), self.scene.map_now
-        said = Errand()
+        said = PathCheck()
         if line_map is not None:
             model = self.robot.info.model
-            said = errand(line_map, model, (here.x, here.y), (wish.x, wish.y))
-        if said.refused:
+            said = check_path(line_map, model, (here.x, here.y), (wish.x, wish.y))
+        if said.refusal:
             return said
         place = Pose2(wish.x, wish.y, wish.heading or 0.0)
         goal = self.scene.odom_in_map_now(odom).inverse() @ place
         heading = None if wish.heading is None else goal.theta
         mode = Goto(x=goal.x, y=goal.y, heading=heading, speed=wish.speed, seconds=GOTO_TIME)
         refused = self.start_mode(who, mode)
-        return Errand(refused) if refused else said
+        return PathCheck(refused) if refused else said
 
     def seen_from(self, scan: Scan) -> Pose2:
         """Return where the laser was in the map at the time of a sweep [m, rad]."""

@@ -195,9 +195,9 @@ class Visitor:
             case requests.EndMode():
                 return station.wheel.end_mode(self)
         said = station.goto(self, request)
-        if said.doubt:
-            self.tell(said.doubt)
-        return said.refused or None
+        if said.warning:
+            self.tell(said.warning)
+        return said.refusal or None
 
     def _look(self, request: requests.Look) -> None:
         """Show more or less on this page alone."""

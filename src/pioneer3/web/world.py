@@ -60,7 +60,7 @@ class WorldView:
         return {
             "paused": pace.paused,
             "speed": pace.speed,
-            "factor": round(pace.factor, 1),
+            "factor": round(pace.real_time_factor, 1),
             "time": round(self.simulation.world.time, 2) if pace.paused else None,
         }
 

@@ -15,8 +15,8 @@ from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import Fitting, RobotSpec
-from pioneer3.sim.worldfile.arguments import Wishes
+from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec
+from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web import live as live_module
 from pioneer3.web.access import sharing
 from pioneer3.web.access.role import Role
@@ -77,8 +77,10 @@ def test_the_simulated_world_may_be_chosen(monkeypatch: pytest.MonkeyPatch) -> N
     options = given(line, monkeypatch)
     assert options.map_name == "lab"
     assert options.ideal
-    assert options.wishes == Wishes(starts=("random",), equipment=Fitting(compass=True), seed=7)
-    assert given("run", monkeypatch).wishes == Wishes()
+    assert options.overrides == WorldOverrides(
+        starts=("random",), equipment=EquipmentOptions(compass=True), seed=7
+    )
+    assert given("run", monkeypatch).overrides == WorldOverrides()
 
 
 def test_robots_are_given_by_port_or_by_model(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,7 +166,7 @@ async def test_every_robot_of_a_world_is_connected() -> None:
 
 @pytest.mark.realtime
 async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
-    options = Options(wishes=Wishes(starts=(Pose2(0.0, 0.0),)), sim_port=0, web_port=0)
+    options = Options(overrides=WorldOverrides(starts=(Pose2(0.0, 0.0),)), sim_port=0, web_port=0)
     lines = await told_by(options, 3)
     assert lines[0].startswith("WARNING: p3at-sh begins in a wall")
 

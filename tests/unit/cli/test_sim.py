@@ -12,8 +12,8 @@ from pioneer3.cli import sim as sim_module
 from pioneer3.cli.main import execute
 from pioneer3.geometry import Pose2
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.worldfile import Fitting, RobotSpec
-from pioneer3.sim.worldfile.arguments import Wishes
+from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec
+from pioneer3.sim.worldfile.arguments import WorldOverrides
 
 Seen = list[dict[str, Any]]
 
@@ -46,17 +46,17 @@ def given(line: str, seen: Seen) -> dict[str, Any]:
     return seen[-1]
 
 
-def wishes(line: str, seen: Seen) -> Wishes:
+def overrides(line: str, seen: Seen) -> WorldOverrides:
     """Return what a command line wants changed in the world."""
-    asked = given(line, seen)["wishes"]
-    assert isinstance(asked, Wishes)
+    asked = given(line, seen)["overrides"]
+    assert isinstance(asked, WorldOverrides)
     return asked
 
 
 def test_without_options_one_robot_drives_in_the_office_as_a_real_one(simulated: Seen) -> None:
     choices = given("", simulated)
     assert choices["map_name"] == "office"
-    assert choices["wishes"] == Wishes()
+    assert choices["overrides"] == WorldOverrides()
     assert (choices["port"], choices["host"], choices["ptys"]) == (8101, "127.0.0.1", False)
     assert choices["realism"] == Realism()
     assert (choices["pace"].speed, choices["pace"].lock_step) == (1.0, False)
@@ -71,7 +71,7 @@ def test_map_and_port_have_a_long_and_a_short_form(line: str, simulated: Seen) -
 
 @pytest.mark.parametrize("option", ["-r", "--robot"])
 def test_robots_are_given_one_by_one(option: str, simulated: Seen) -> None:
-    asked = wishes(f"{option} p3at {option} p3dx:bob {option} params/mine.p", simulated)
+    asked = overrides(f"{option} p3at {option} p3dx:bob {option} params/mine.p", simulated)
     assert asked.robots == (
         RobotSpec(model="p3at"),
         RobotSpec(model="p3dx", name="bob"),
@@ -80,24 +80,26 @@ def test_robots_are_given_one_by_one(option: str, simulated: Seen) -> None:
 
 
 def test_starts_are_mobilesims_and_may_be_negative(simulated: Seen) -> None:
-    asked = wishes("--start -1000,2000,90 --start=random --start outside --start home", simulated)
+    asked = overrides(
+        "--start -1000,2000,90 --start=random --start outside --start home", simulated
+    )
     assert asked.starts == (Pose2(-1.0, 2.0, pi / 2), "random", "outside", "home")
 
 
 @pytest.mark.parametrize("option", ["-R", "--robot-factory"])
 def test_a_factory_makes_a_model(option: str, simulated: Seen) -> None:
-    assert wishes(f"{option} p3dx", simulated) == Wishes(factory="p3dx")
+    assert overrides(f"{option} p3dx", simulated) == WorldOverrides(factory="p3dx")
 
 
 def test_the_world_may_be_changed(simulated: Seen) -> None:
-    asked = wishes("-m lab --seed 7 --fit gripper,camera=vcc4 --keep-session", simulated)
-    fitted = Fitting(gripper=True, camera="vcc4")
-    assert asked == Wishes(seed=7, equipment=fitted, keep_session=True)
+    asked = overrides("-m lab --seed 7 --fit gripper,camera=vcc4 --keep-session", simulated)
+    fitted = EquipmentOptions(gripper=True, camera="vcc4")
+    assert asked == WorldOverrides(seed=7, equipment=fitted, keep_session=True)
 
 
 def test_a_given_port_wins_over_the_worlds(simulated: Seen) -> None:
-    assert wishes("-m lab", simulated).own_ports
-    assert not wishes("-m lab -p 8101", simulated).own_ports
+    assert overrides("-m lab", simulated).own_ports
+    assert not overrides("-m lab -p 8101", simulated).own_ports
 
 
 def test_no_map_is_an_empty_plane(simulated: Seen) -> None:
@@ -147,7 +149,7 @@ def test_a_script_for_mobilesim_runs_unchanged(
         "-m lab.map -r p3at-sh -r p3dx:bob -p 8201 --no-gui --noninteractive "
         "--start outside --odom-error-mode random_init --bind-to-address 127.0.0.1"
     )
-    assert wishes(line, simulated).starts == ("outside",)
+    assert overrides(line, simulated).starts == ("outside",)
     assert capsys.readouterr().err == ""
 
 

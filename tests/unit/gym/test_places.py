@@ -11,7 +11,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.maps import LineMap, empty_map, shipped_map
 from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.placement.footprint import turning_circle
-from pioneer3.sim.placement.free_space import Ground
+from pioneer3.sim.placement.free_space import Obstructions
 from tests.unit.gym.rooms import ROOM, rooms
 
 MODEL = load_model("p3at-sh")
@@ -28,7 +28,7 @@ def test_there_is_room_to_turn_at_every_place() -> None:
     office = shipped_map("office")
     found = places(office).points
     assert len(found) > 1000
-    ground = Ground.of(office)
+    ground = Obstructions.of(office)
     for x, y in found[::50]:
         assert distances(np.array([x, y]), office.walls).min() >= RADIUS + SPARE
         assert not any(ground.blocks(MODEL, Pose2(x, y, theta)) for theta in np.arange(0, 6, 0.5))

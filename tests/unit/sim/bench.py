@@ -44,12 +44,14 @@ class Bench:
         line_map: LineMap | None = None,
         model: str = "p3at-sh",
         equipment: Equipment | None = None,
-        shelf: ClientMaps | None = None,
+        client_maps: ClientMaps | None = None,
         realism: Realism | None = None,
     ) -> None:
         self.body = Touchy(load_model(model))
         self.world = World(line_map, [self.body], realism=realism)
-        self.firmware = Firmware(self.world, self.body, equipment=equipment, shelf=shelf)
+        self.firmware = Firmware(
+            self.world, self.body, equipment=equipment, client_maps=client_maps
+        )
         self.now = 0.0
         self.reader = PacketReader()
 

@@ -26,9 +26,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_files_right_in_the_folder_are_found_by_name_and_by_path(folder: Path) -> None:
-    shelf = ClientMaps(folder)
+    client_maps = ClientMaps(folder)
     for name in ("lab.map", "./lab.map", "below/../lab.map", str(folder / "lab.map")):
-        assert len(shelf.find(name).walls) == 2
+        assert len(client_maps.find(name).walls) == 2
 
 
 def test_shipped_maps_are_always_there(folder: Path) -> None:
@@ -69,6 +69,6 @@ def test_nothing_else_is(folder: Path, name: str) -> None:
 def test_by_default_it_is_the_working_directory(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shelf = ClientMaps()
+    client_maps = ClientMaps()
     monkeypatch.chdir(folder)
-    assert len(shelf.find("lab.map").walls) == 2
+    assert len(client_maps.find("lab.map").walls) == 2

@@ -25,7 +25,7 @@ TWO_WALLS = "2D-Map\nLINES\n3000 -5000 3000 5000\n4000 -5000 4000 5000\n"
 @pytest.fixture
 def bench(tmp_path: Path) -> Bench:
     (tmp_path / "two.map").write_text(TWO_WALLS)
-    made = Bench(wall_at(2.0), shelf=ClientMaps(tmp_path)).open()
+    made = Bench(wall_at(2.0), client_maps=ClientMaps(tmp_path)).open()
     made.hear()
     return made
 

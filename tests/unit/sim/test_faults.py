@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos.packet import encode
 from pioneer3.errors import ConfigError
-from pioneer3.sim.server.faults import Line, LinkFaults
+from pioneer3.sim.server.faults import Channel, LinkFaults
 
 PULSE = encode(b"\0")
 
@@ -66,43 +66,43 @@ def test_a_good_cable_says_so() -> None:
 
 def test_bytes_travel_as_long_as_the_cable_says_and_do_not_overtake_each_other() -> None:
     faults = LinkFaults(delay=0.2)
-    line = Line(faults, "out")
-    assert line.carry(b"a", 1.0) == b""
+    line = Channel(faults, "out")
+    assert line.transmit(b"a", 1.0) == b""
     faults.delay = 0.0  # a better cable does not bring the new ones before the old
-    assert line.carry(b"b", 1.1) == b""
+    assert line.transmit(b"b", 1.1) == b""
     assert line.due == 1.2
-    assert line.carry(b"", 1.19) == b""
-    assert line.carry(b"", 1.2) == b"ab"
+    assert line.transmit(b"", 1.19) == b""
+    assert line.transmit(b"", 1.2) == b"ab"
     assert line.due == inf
-    assert line.carry(b"c", 1.3) == b"c"
+    assert line.transmit(b"c", 1.3) == b"c"
 
 
 def test_what_is_sent_through_a_frozen_cable_is_lost() -> None:
     faults = LinkFaults(delay=0.1)
-    line = Line(faults, "out")
-    line.carry(b"on its way", 1.0)
+    line = Channel(faults, "out")
+    line.transmit(b"on its way", 1.0)
     faults.frozen = True
-    assert line.carry(b"more", 1.05) == b""
+    assert line.transmit(b"more", 1.05) == b""
     faults.frozen = False
-    assert line.carry(b"", 5.0) == b""
-    assert line.carry(b"heard", 5.0) == b""
-    assert line.carry(b"", 5.1) == b"heard"
+    assert line.transmit(b"", 5.0) == b""
+    assert line.transmit(b"heard", 5.0) == b""
+    assert line.transmit(b"", 5.1) == b"heard"
 
 
 def test_packets_are_lost_whole_and_one_by_one() -> None:
-    line = Line(LinkFaults(drop=0.5, seed=1), "out")
-    arrived = line.carry(b"noise" + PULSE * 200, 0.0)
+    line = Channel(LinkFaults(drop=0.5, seed=1), "out")
+    arrived = line.transmit(b"noise" + PULSE * 200, 0.0)
     assert arrived.count(PULSE) * len(PULSE) + 5 * arrived.startswith(b"noise") == len(arrived)
     assert 70 <= arrived.count(PULSE) <= 130
 
 
 def test_nothing_arrives_where_everything_is_lost() -> None:
-    assert Line(LinkFaults(drop=1.0), "in").carry(PULSE * 9, 0.0) == b""
+    assert Channel(LinkFaults(drop=1.0), "in").transmit(PULSE * 9, 0.0) == b""
 
 
 def test_a_corrupt_byte_is_another_one() -> None:
     data = bytes(range(256))
-    arrived = Line(LinkFaults(corrupt=1.0), "in").carry(data, 0.0)
+    arrived = Channel(LinkFaults(corrupt=1.0), "in").transmit(data, 0.0)
     assert len(arrived) == len(data)
     assert all(a != b for a, b in zip(arrived, data, strict=True))
 
@@ -110,4 +110,4 @@ def test_a_corrupt_byte_is_another_one() -> None:
 def test_the_two_directions_have_chances_of_their_own() -> None:
     faults = LinkFaults(corrupt=0.5)
     data = bytes(100)
-    assert Line(faults, "in").carry(data, 0.0) != Line(faults, "out").carry(data, 0.0)
+    assert Channel(faults, "in").transmit(data, 0.0) != Channel(faults, "out").transmit(data, 0.0)

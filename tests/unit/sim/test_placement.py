@@ -21,8 +21,8 @@ from pioneer3.sim.placement.footprint import (
     stands_in,
     turning_circle,
 )
-from pioneer3.sim.placement.free_space import Floor, Ground
-from pioneer3.sim.placement.placer import GAP, Newcomer, place_all
+from pioneer3.sim.placement.free_space import FreeGrid, Obstructions
+from pioneer3.sim.placement.placer import GAP, PlacementRequest, place_all
 from pioneer3.sim.worldfile import Box, Wall, WorldFile, load_map
 from pioneer3.sim.worldfile.spec import Start
 
@@ -36,17 +36,17 @@ def room(width: float, height: float, *homes: Pose2) -> LineMap:
     return LineMap(name="room", walls=walls, homes=homes)
 
 
-def crowd(count: int, start: Start) -> list[Newcomer]:
+def crowd(count: int, start: Start) -> list[PlacementRequest]:
     """Return `count` robots of two models that all want the same."""
-    return [Newcomer(f"r{i}", (AT, DX)[i % 2], start) for i in range(count)]
+    return [PlacementRequest(f"r{i}", (AT, DX)[i % 2], start) for i in range(count)]
 
 
-def placed(line_map: LineMap, newcomers: list[Newcomer], seed: int = 1) -> list[Pose2]:
-    return place_all(line_map, newcomers, np.random.default_rng(seed))
+def placed(line_map: LineMap, requests: list[PlacementRequest], seed: int = 1) -> list[Pose2]:
+    return place_all(line_map, requests, np.random.default_rng(seed))
 
 
-def assert_apart(newcomers: list[Newcomer], poses: list[Pose2]) -> None:
-    robots = list(zip((n.model for n in newcomers), poses, strict=True))
+def assert_apart(requests: list[PlacementRequest], poses: list[Pose2]) -> None:
+    robots = list(zip((n.model for n in requests), poses, strict=True))
     for i, (model, pose) in enumerate(robots):
         for other, there in robots[:i]:
             assert not overlap(model, pose, other, there)
@@ -91,22 +91,22 @@ def test_robots_share_the_homes_of_a_map_in_turn() -> None:
 @pytest.mark.parametrize("name", ["office", "empty"])
 def test_no_robot_begins_in_another_or_in_a_wall(name: str, start: Start) -> None:
     line_map = load_map("office") if name == "office" else empty_map()
-    newcomers = crowd(30, start)
-    poses = placed(line_map, newcomers)
-    assert_apart(newcomers, poses)
-    for newcomer, pose in zip(newcomers, poses, strict=True):
-        assert not hits(newcomer.model, pose, line_map.walls)
+    requests = crowd(30, start)
+    poses = placed(line_map, requests)
+    assert_apart(requests, poses)
+    for request, pose in zip(requests, poses, strict=True):
+        assert not hits(request.model, pose, line_map.walls)
 
 
 def test_who_finds_home_taken_gets_a_place_where_it_can_turn_in_the_same_room() -> None:
     office = load_map("office")
-    newcomers = crowd(12, "home")
-    poses = placed(office, newcomers)
+    requests = crowd(12, "home")
+    poses = placed(office, requests)
     homes = [(home.x, home.y) for home in office.homes]
-    floor = Floor(office.walls, office.bounds, DX.radius)
+    floor = FreeGrid(office.walls, office.bounds, DX.radius)
     reached = floor.reached_from(homes)
-    for newcomer, pose in list(zip(newcomers, poses, strict=True))[2:]:
-        assert clearance(office, pose) >= turning_circle(newcomer.model)
+    for request, pose in list(zip(requests, poses, strict=True))[2:]:
+        assert clearance(office, pose) >= turning_circle(request.model)
         assert reached[floor.cell_of((pose.x, pose.y))]
 
 
@@ -123,17 +123,20 @@ def test_a_given_pose_is_taken_as_it_is_even_in_a_wall() -> None:
 
 
 def test_given_poses_side_by_side_are_left_alone() -> None:
-    newcomers = [Newcomer("a", DX, Pose2(2.0, 2.0)), Newcomer("b", DX, Pose2(2.0, 2.5))]
-    assert placed(room(6, 6), newcomers) == [Pose2(2.0, 2.0), Pose2(2.0, 2.5)]
+    requests = [
+        PlacementRequest("a", DX, Pose2(2.0, 2.0)),
+        PlacementRequest("b", DX, Pose2(2.0, 2.5)),
+    ]
+    assert placed(room(6, 6), requests) == [Pose2(2.0, 2.0), Pose2(2.0, 2.5)]
 
 
 def test_given_poses_go_first_and_chance_takes_nobodys_place() -> None:
     line_map, mine = room(4, 4), Pose2(2.0, 2.0, 0.0)
     for seed in range(20):
-        newcomers = [Newcomer("a", DX, "random"), Newcomer("b", DX, mine)]
-        poses = placed(line_map, newcomers, seed)
+        requests = [PlacementRequest("a", DX, "random"), PlacementRequest("b", DX, mine)]
+        poses = placed(line_map, requests, seed)
         assert poses[1] == mine
-        assert_apart(newcomers, poses)
+        assert_apart(requests, poses)
 
 
 def test_random_places_are_inside_and_the_seed_repeats_them() -> None:
@@ -167,9 +170,9 @@ def test_without_homes_random_places_are_within_the_walls() -> None:
 
 def test_outside_is_beside_the_map_facing_it() -> None:
     office = load_map("office")
-    newcomers = crowd(40, "outside")
-    for newcomer, pose in zip(newcomers, placed(office, newcomers), strict=True):
-        assert pose.y <= office.bounds.y_min - turning_circle(newcomer.model)
+    requests = crowd(40, "outside")
+    for request, pose in zip(requests, placed(office, requests), strict=True):
+        assert pose.y <= office.bounds.y_min - turning_circle(request.model)
         assert pose.theta == pytest.approx(pi / 2)
 
 
@@ -195,7 +198,7 @@ def test_a_robot_does_not_begin_inside_a_box_that_is_larger_than_it() -> None:
         walls=(Wall(points=((0, 0), (4.5, 0), (4.5, 4.5), (0, 4.5)), closed=True),),
     )
     for seed in range(30):
-        (pose,) = placed(world.line_map(), [Newcomer("a", SMALL, "random")], seed)
+        (pose,) = placed(world.line_map(), [PlacementRequest("a", SMALL, "random")], seed)
         assert not stands_in(SMALL, pose, crate.outline)
 
 
@@ -249,10 +252,10 @@ MAPS += sorted(Path(__file__).parents[4].glob("shared/maps/*.map"))
 def test_every_robot_of_several_can_turn_and_drive_a_metre(name: str | Path, count: int) -> None:
     line_map = empty_map() if name == "empty" else load_map(name)
     models = [AT, DX, SMALL, load_model("peoplebot-sh")]
-    newcomers = [Newcomer(f"r{i}", models[i % 4], "home") for i in range(count)]
-    poses, ground = placed(line_map, newcomers), Ground.of(line_map)
-    assert poses == placed(line_map, newcomers)
-    robots = [(n.model, pose) for n, pose in zip(newcomers, poses, strict=True)]
+    requests = [PlacementRequest(f"r{i}", models[i % 4], "home") for i in range(count)]
+    poses, ground = placed(line_map, requests), Obstructions.of(line_map)
+    assert poses == placed(line_map, requests)
+    robots = [(n.model, pose) for n, pose in zip(requests, poses, strict=True)]
     for model, pose in robots:
         others = [robot for robot in robots if robot[1] != pose]
         way = replace(model, length_front=model.length_front + 1.0)
@@ -270,26 +273,26 @@ def test_every_robot_of_several_can_turn_and_drive_a_metre(name: str | Path, cou
 
 def test_random_robots_can_drive_a_metre_too() -> None:
     office = load_map("office")
-    newcomers = crowd(20, "random")
-    robots = list(zip((n.model for n in newcomers), placed(office, newcomers), strict=True))
+    requests = crowd(20, "random")
+    robots = list(zip((n.model for n in requests), placed(office, requests), strict=True))
     for model, pose in robots:
         way = replace(model, length_front=model.length_front + 1.0)
-        assert not Ground.of(office).blocks(way, pose)
+        assert not Obstructions.of(office).blocks(way, pose)
         assert not any(overlap(way, pose, *other) for other in robots if other[1] != pose)
 
 
 def test_robots_outside_can_drive_a_metre_too() -> None:
-    newcomers = crowd(40, "outside")
-    poses = placed(load_map("office"), newcomers)
-    robots = list(zip((n.model for n in newcomers), poses, strict=True))
+    requests = crowd(40, "outside")
+    poses = placed(load_map("office"), requests)
+    robots = list(zip((n.model for n in requests), poses, strict=True))
     for model, pose in robots:
         way = replace(model, length_front=model.length_front + 1.0)
-        assert not Ground.of(load_map("office")).blocks(way, pose)
+        assert not Obstructions.of(load_map("office")).blocks(way, pose)
         assert not any(overlap(way, pose, *other) for other in robots if other[1] != pose)
 
 
 def test_where_there_is_no_room_to_drive_on_robots_still_begin() -> None:
     narrow = room(1.2, 9.0, Pose2(0.6, 1.0, 0.0))
-    newcomers = crowd(5, "home")
-    poses = placed(narrow, newcomers)
-    assert_apart(newcomers, poses)
+    requests = crowd(5, "home")
+    poses = placed(narrow, requests)
+    assert_apart(requests, poses)

@@ -9,12 +9,12 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.placement.footprint import stands_in
-from pioneer3.sim.placement.spawn import Inhabitant, new_name, outlines, populate
-from pioneer3.sim.worldfile import Box, Fitting, Person, RobotSpec, WorldFile, load_world
+from pioneer3.sim.placement.spawn import SpawnedRobot, obstacle_outlines, spawn_robots, unique_name
+from pioneer3.sim.worldfile import Box, EquipmentOptions, Person, RobotSpec, WorldFile, load_world
 
 
-def born(world: WorldFile) -> tuple[Inhabitant, ...]:
-    return populate(world, world.line_map(), np.random.default_rng(1))
+def born(world: WorldFile) -> tuple[SpawnedRobot, ...]:
+    return spawn_robots(world, world.line_map(), np.random.default_rng(1))
 
 
 def test_the_robots_of_the_lab_are_where_it_says() -> None:
@@ -52,8 +52,10 @@ def test_robots_keep_off_boxes_and_people() -> None:
     person = Person(path=((1.5, 0.0), (9.0, 0.0)))
     world = WorldFile(name="w", robots=(RobotSpec(),), boxes=(crate,), people=(person,))
     (robot,) = born(world)
-    assert [len(outline) for outline in outlines(world)] == [4, 8]
-    assert not any(stands_in(robot.model, robot.pose, outline) for outline in outlines(world))
+    assert [len(outline) for outline in obstacle_outlines(world)] == [4, 8]
+    assert not any(
+        stands_in(robot.model, robot.pose, outline) for outline in obstacle_outlines(world)
+    )
 
 
 def test_a_robot_that_is_put_into_a_wall_is_pointed_out() -> None:
@@ -68,12 +70,12 @@ def test_a_robot_that_is_put_into_a_wall_is_pointed_out() -> None:
 
 
 def test_a_peoplebot_keeps_its_table_sensors() -> None:
-    robots = (RobotSpec(model="peoplebot-sh", equipment=Fitting(gripper=True)),)
+    robots = (RobotSpec(model="peoplebot-sh", equipment=EquipmentOptions(gripper=True)),)
     (robot,) = born(WorldFile(name="w", robots=robots))
     assert robot.equipment.table_ir == "new"
     assert robot.equipment.gripper
 
 
 def test_new_names_are_free() -> None:
-    assert new_name("bob", set()) == "bob"
-    assert new_name("bob", {"bob", "bob-2"}) == "bob-3"
+    assert unique_name("bob", set()) == "bob"
+    assert unique_name("bob", {"bob", "bob-2"}) == "bob-3"

@@ -12,7 +12,7 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server.clients import GRACE, STALE
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.pace import TICK
+from pioneer3.sim.server.pacer import TICK
 from pioneer3.sim.server.port import BURST, BYTES_PER_TICK, MOST_WAITING, RobotPort
 from pioneer3.sim.world import World
 from tests.support import frame
@@ -24,8 +24,8 @@ HELLO = b"".join(encode(bytes([number])) for number in (0, 1, 2)) + frame(comman
 class Host:
     """A host that keeps what it gets."""
 
-    def __init__(self, peer: str = "host", *, standing: bool = False) -> None:
-        self.peer, self.standing = peer, standing
+    def __init__(self, peer: str = "host", *, permanent: bool = False) -> None:
+        self.peer, self.permanent = peer, permanent
         self.got = b""
         self.listened_to = self.closed = False
 
@@ -102,7 +102,7 @@ async def test_the_waiting_host_gets_the_place_when_the_first_leaves() -> None:
     site = Site()
     first, second, _ = site.welcome("first", "second", "third")
     await asyncio.sleep(GRACE / 2)
-    site.port.leave(first)
+    site.port.disconnected(first)
     assert site.port.peer == "second"
     await asyncio.sleep(GRACE)
     assert not second.closed
@@ -111,7 +111,7 @@ async def test_the_waiting_host_gets_the_place_when_the_first_leaves() -> None:
 async def test_a_waiting_host_that_leaves_makes_room_for_another() -> None:
     site = Site()
     _, second = site.welcome("first", "second")
-    site.port.leave(second)
+    site.port.disconnected(second)
     (third,) = site.welcome("third")
     assert not third.closed
     await asyncio.sleep(GRACE * 2)
@@ -123,7 +123,7 @@ async def test_a_silent_host_loses_its_place_to_the_next_only() -> None:
     site = Site()
     (first,) = site.welcome("first")
     await asyncio.sleep(STALE - 0.3)
-    site.port.hear(first, SYNC)
+    site.port.received(first, SYNC)
     site.tick()
     await asyncio.sleep(STALE - 0.3)
     (second,) = site.welcome("second")
@@ -134,8 +134,8 @@ async def test_a_silent_host_loses_its_place_to_the_next_only() -> None:
     (third,) = site.welcome("third")
     assert first.closed
     assert site.port.peer == "third"
-    site.port.hear(first, SYNC)  # its last words come too late
-    site.port.leave(first)
+    site.port.received(first, SYNC)  # its last words come too late
+    site.port.disconnected(first)
     assert site.port.peer == "third"
     assert not site.port.pending
     assert not third.closed
@@ -144,13 +144,13 @@ async def test_a_silent_host_loses_its_place_to_the_next_only() -> None:
 async def test_a_flood_is_taken_at_the_rate_of_a_serial_line_and_then_waits() -> None:
     site = Site()
     (host,) = site.welcome("flood")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(3)
     greeted = site.firmware.device.reader.packets
     flood = frame(commands.Pulse()) * 1000
     sent = 0
     while host.listened_to:
-        site.port.hear(host, flood[sent : sent + 500])
+        site.port.received(host, flood[sent : sent + 500])
         sent += 500
     assert MOST_WAITING <= sent <= MOST_WAITING + 500
     assert site.woken == sent / 500 + 1
@@ -168,12 +168,12 @@ async def test_a_flood_is_taken_at_the_rate_of_a_serial_line_and_then_waits() ->
 async def test_answers_count_as_well_as_questions() -> None:
     site = Site()
     (host,) = site.welcome("flood")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick()
     host.got = b""
     for _ in range(200):
         if host.listened_to:
-            site.port.hear(host, frame(commands.RequestConfig()) * 100)
+            site.port.received(host, frame(commands.RequestConfig()) * 100)
         site.tick()
     answered = host.kinds.count(0x20)
     reports = host.got.count(b"\xfa\xfb") - answered
@@ -185,8 +185,8 @@ async def test_answers_count_as_well_as_questions() -> None:
 async def test_a_host_that_floods_and_leaves_does_not_burden_the_next() -> None:
     site = Site()
     (first,) = site.welcome("first")
-    site.port.hear(first, b"\xfa\xfb\xff" * 1000)
-    site.port.leave(first)
+    site.port.received(first, b"\xfa\xfb\xff" * 1000)
+    site.port.disconnected(first)
     site.welcome("second")
     site.tick()
     assert not site.port.pending
@@ -198,7 +198,7 @@ async def test_a_host_that_floods_for_long_loses_its_place_to_the_next() -> None
     end = asyncio.get_running_loop().time() + STALE + 0.1
     while asyncio.get_running_loop().time() < end:
         while first.listened_to:
-            site.port.hear(first, SYNC * 100)
+            site.port.received(first, SYNC * 100)
         site.tick()
         await asyncio.sleep(TICK)
     site.welcome("second")
@@ -210,11 +210,11 @@ async def test_a_host_that_floods_for_long_loses_its_place_to_the_next() -> None
 async def test_last_words_are_heard() -> None:
     site = Site()
     (host,) = site.welcome("first")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(3)
     assert site.port.is_open
-    site.port.hear(host, frame(commands.Close()))
-    site.port.leave(host)
+    site.port.received(host, frame(commands.Close()))
+    site.port.disconnected(host)
     site.tick()
     assert not site.port.is_open
 
@@ -222,11 +222,11 @@ async def test_last_words_are_heard() -> None:
 async def test_a_host_that_vanishes_has_ended_its_session_before_the_next_is_heard() -> None:
     site = Site()
     first, second = site.welcome("first", "second")
-    site.port.hear(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
+    site.port.received(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
     site.tick(50)
     assert site.body.drive.powered
-    site.port.leave(first)
-    site.port.hear(second, SYNC)
+    site.port.disconnected(first)
+    site.port.received(second, SYNC)
     site.tick()
     assert second.kinds == [0]
     assert not site.port.is_open
@@ -236,10 +236,10 @@ async def test_a_host_that_vanishes_has_ended_its_session_before_the_next_is_hea
 async def test_the_last_words_of_a_host_that_vanishes_are_heard() -> None:
     site = Site()
     (host,) = site.welcome("first")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(3)
-    site.port.hear(host, encode(b"\xee\x2b\x02hi\0"))  # SIM_MESSAGE
-    site.port.leave(host)
+    site.port.received(host, encode(b"\xee\x2b\x02hi\0"))  # SIM_MESSAGE
+    site.port.disconnected(host)
     site.tick()
     assert list(site.firmware.messages) == ["hi"]
     assert not site.port.is_open
@@ -248,10 +248,10 @@ async def test_the_last_words_of_a_host_that_vanishes_are_heard() -> None:
 async def test_a_host_that_has_said_goodbye_is_not_hung_up_on() -> None:
     site = Site()
     (host,) = site.welcome("first")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(3)
-    site.port.hear(host, frame(commands.Close()))
-    site.port.leave(host)
+    site.port.received(host, frame(commands.Close()))
+    site.port.disconnected(host)
     site.tick()
     assert not site.port.is_open
     assert site.firmware.device.reader.packets == 5  # it goes on counting
@@ -260,12 +260,12 @@ async def test_a_host_that_has_said_goodbye_is_not_hung_up_on() -> None:
 async def test_a_host_that_gives_way_leaves_no_session_to_the_next() -> None:
     site = Site()
     (first,) = site.welcome("first")
-    site.port.hear(first, HELLO)
+    site.port.received(first, HELLO)
     site.tick(3)
     await asyncio.sleep(STALE)
     (second,) = site.welcome("second")
     assert first.closed
-    site.port.hear(second, SYNC)
+    site.port.received(second, SYNC)
     site.tick()
     assert second.kinds == [0]
 
@@ -273,10 +273,10 @@ async def test_a_host_that_gives_way_leaves_no_session_to_the_next() -> None:
 async def test_a_session_that_is_kept_is_there_for_the_next_host() -> None:
     site = Site(keep_session=True)
     first, second = site.welcome("first", "second")
-    site.port.hear(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
+    site.port.received(first, HELLO + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
     site.tick(50)
-    site.port.leave(first)
-    site.port.hear(second, SYNC)
+    site.port.disconnected(first)
+    site.port.received(second, SYNC)
     site.tick(10)
     assert set(second.kinds) == {0x33}  # it streams reports, and SYNC0 was a PULSE
     assert site.body.drive.linear.velocity > 0.2
@@ -285,9 +285,9 @@ async def test_a_session_that_is_kept_is_there_for_the_next_host() -> None:
 async def test_a_session_left_over_ends_after_the_watchdogs_time() -> None:
     site = Site(keep_session=True)
     (host,) = site.welcome("first")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(3)
-    site.port.leave(host)
+    site.port.disconnected(host)
     site.tick(round((STALE - 0.1) / TICK))
     assert site.port.is_open
     site.tick(round(0.2 / TICK))
@@ -298,13 +298,13 @@ async def test_a_session_left_over_ends_after_the_watchdogs_time() -> None:
 async def test_reports_go_out_when_they_are_due_and_at_no_other_time() -> None:
     site = Site()
     (host,) = site.welcome("host")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick()
     assert host.kinds == [0, 1, 2, 0x32]
     site.tick(4)
     for _ in range(10):
         before = len(host.got)
-        site.port.hear(host, frame(commands.Pulse()))
+        site.port.received(host, frame(commands.Pulse()))
         site.tick(4)
         assert len(host.got) == before
         site.tick()
@@ -313,14 +313,14 @@ async def test_reports_go_out_when_they_are_due_and_at_no_other_time() -> None:
 
 async def test_a_standing_line_takes_the_place_by_its_first_word() -> None:
     site = Site()
-    line = Host("/dev/pts/7", standing=True)
+    line = Host("/dev/pts/7", permanent=True)
     (host,) = site.welcome("tcp")
-    site.port.hear(line, SYNC)
+    site.port.received(line, SYNC)
     assert site.port.peer == "tcp"
     assert not site.port.pending
-    site.port.leave(host)
+    site.port.disconnected(host)
     assert not site.port.connected
-    site.port.hear(line, HELLO)
+    site.port.received(line, HELLO)
     assert site.port.peer == "/dev/pts/7"
     site.tick()
     assert line.kinds == [0, 1, 2, 0x32]
@@ -328,22 +328,22 @@ async def test_a_standing_line_takes_the_place_by_its_first_word() -> None:
 
 async def test_a_standing_line_gives_the_place_back_with_close() -> None:
     site = Site()
-    line = Host("/dev/pts/7", standing=True)
-    site.port.hear(line, HELLO)
+    line = Host("/dev/pts/7", permanent=True)
+    site.port.received(line, HELLO)
     site.tick(2)
-    site.port.hear(line, frame(commands.Close()))
+    site.port.received(line, frame(commands.Close()))
     site.tick(2)
     assert not site.port.connected
     (host,) = site.welcome("tcp")
     assert site.port.peer == "tcp"
-    site.port.hear(line, SYNC)
+    site.port.received(line, SYNC)
     assert not site.port.pending
     assert not host.closed
 
 
 async def test_noise_on_a_standing_line_keeps_nobody_away() -> None:
     site = Site()
-    site.port.hear(Host("/dev/pts/7", standing=True), b"AT+RESET\r")
+    site.port.received(Host("/dev/pts/7", permanent=True), b"AT+RESET\r")
     site.tick()
     site.welcome("tcp")
     assert site.port.peer == "tcp"
@@ -352,7 +352,7 @@ async def test_noise_on_a_standing_line_keeps_nobody_away() -> None:
 async def test_a_cable_that_is_pulled_out_parts_and_full_until_it_is_in_again() -> None:
     site = Site()
     (host,) = site.welcome("host")
-    site.port.hear(host, SYNC)
+    site.port.received(host, SYNC)
     site.port.faults.unplug()
     site.port.check_cable()
     assert host.closed
@@ -370,7 +370,7 @@ async def test_a_slow_cable_delays_both_ways_and_keeps_its_robot_awake() -> None
     site = Site()
     site.port.faults = LinkFaults(delay=0.2)
     (host,) = site.welcome("host")
-    site.port.hear(host, SYNC)
+    site.port.received(host, SYNC)
     site.tick(19)
     assert host.got == b""
     site.tick(3)
@@ -382,11 +382,11 @@ async def test_a_slow_cable_delays_both_ways_and_keeps_its_robot_awake() -> None
 async def test_a_frozen_cable_keeps_its_host_and_passes_nothing() -> None:
     site = Site()
     (host,) = site.welcome("host")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick()
     site.port.faults.frozen = True
     host.got = b""
-    site.port.hear(host, frame(commands.Enable(on=True)))
+    site.port.received(host, frame(commands.Enable(on=True)))
     site.tick(50)
     assert host.got == b""
     assert not host.closed
@@ -400,25 +400,25 @@ async def test_a_host_in_session_is_awaited_until_it_has_said_something_valid() 
     site = Site()
     (host,) = site.welcome("host")
     assert not site.port.awaited
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick()
     assert site.port.awaited
-    site.port.hear(host, b"noise")
+    site.port.received(host, b"noise")
     site.tick()
     assert site.port.awaited
-    site.port.hear(host, frame(commands.Pulse()))
+    site.port.received(host, frame(commands.Pulse()))
     site.tick()
     assert not site.port.awaited
-    site.port.ask()
+    site.port.expect_packet()
     assert site.port.awaited
-    site.port.leave(host)
+    site.port.disconnected(host)
     assert not site.port.awaited
 
 
 async def test_a_host_whose_watchdog_has_bitten_is_not_awaited() -> None:
     site = Site()
     (host,) = site.welcome("host")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(round(2.2 / TICK))
     assert site.port.connected
     assert not site.port.awaited
@@ -426,17 +426,17 @@ async def test_a_host_whose_watchdog_has_bitten_is_not_awaited() -> None:
 
 async def test_the_watchdog_is_stretched_and_a_resting_one_rests() -> None:
     site = Site()
-    site.port.stretch(10)
+    site.port.scale_watchdog(10)
     (host,) = site.welcome("host")
-    site.port.hear(host, HELLO)
+    site.port.received(host, HELLO)
     site.tick(round(19 / TICK))
     assert not site.body.drive.held
     site.tick(round(2 / TICK))
     assert site.body.drive.held
-    site.port.hear(host, SYNC)
-    site.port.stretch(inf)
+    site.port.received(host, SYNC)
+    site.port.scale_watchdog(inf)
     site.tick(5000)
     assert not site.body.drive.held
     never = Firmware(site.world, site.body, watchdog=0)
-    RobotPort(never).stretch(inf)
+    RobotPort(never).scale_watchdog(inf)
     assert never.watchdog == 0

@@ -24,15 +24,15 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.urls import open_link, split_host
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, machine_address, url_of
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import Box, Fitting, Person, RobotSpec
-from pioneer3.sim.worldfile.arguments import Wishes
+from pioneer3.sim.worldfile import Box, EquipmentOptions, Person, RobotSpec
+from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web.scene import Scene
 from tests.support import SYNCS, frame, until
 
-BUMPERS = Fitting(bumpers=5)
+BUMPERS = EquipmentOptions(bumpers=5)
 MAP = """2D-Map
 NumLines: 1
 LineMinPos: 5000 -1000
@@ -132,7 +132,7 @@ async def test_a_wrong_option_is_refused_before_anything_runs(
 
 async def test_a_factory_of_nothing_is_refused_at_once() -> None:
     with pytest.raises(ConfigError, match="r2d2"):
-        async with simulator(port=0, wishes=Wishes(factory="r2d2")):
+        async with simulator(port=0, overrides=WorldOverrides(factory="r2d2")):
             pass
 
 
@@ -218,7 +218,9 @@ async def test_the_only_robot_may_be_given_in_place_of_the_worlds(two: Path) -> 
 async def test_ports_follow_each_other_around_those_that_are_given() -> None:
     first, own = await free_run(3), await free_run(1)
     robots = (RobotSpec(), RobotSpec(port=own), RobotSpec())
-    async with simulator(map_name="empty", port=first, wishes=Wishes(robots=robots)) as running:
+    async with simulator(
+        map_name="empty", port=first, overrides=WorldOverrides(robots=robots)
+    ) as running:
         ports = [int(robot.url.rpartition(":")[2]) for robot in running.robots]
         assert ports == [first, own, first + 1]
 
@@ -251,8 +253,8 @@ async def test_each_robot_may_have_a_serial_port_besides() -> None:
 @pytest.mark.realtime
 async def test_the_seed_repeats_random_places() -> None:
     async def places(seed: int | None) -> list[Pose2]:
-        wishes = Wishes(robots=(RobotSpec(start="random"),) * 3, seed=seed)
-        async with simulator(port=0, wishes=wishes) as running:
+        overrides = WorldOverrides(robots=(RobotSpec(start="random"),) * 3, seed=seed)
+        async with simulator(port=0, overrides=overrides) as running:
             return [robot.body.robot_in_world for robot in running.robots]
 
     assert await places(3) == await places(3)
@@ -280,7 +282,7 @@ async def test_every_cable_has_the_same_faults_and_chances_of_its_own(two: Path)
 
 @pytest.mark.realtime
 async def test_time_passes_at_the_pace_that_is_given() -> None:
-    async with simulator(port=0, pace=Pace(paused=True)) as running:
+    async with simulator(port=0, pace=Pacer(paused=True)) as running:
         running.pace.step(5.0)
         await until(lambda: running.world.time >= 5.0 - 1e-6)
         assert running.world.time == pytest.approx(5.0)
@@ -351,8 +353,8 @@ async def test_robots_are_moved_to_free_places_only(two: Path) -> None:
 
 @pytest.mark.realtime
 async def test_a_factory_gives_every_host_a_robot_while_it_stays() -> None:
-    wishes = Wishes(factory="p3dx", equipment=Fitting(compass=True))
-    async with simulator(port=0, wishes=wishes) as running:
+    overrides = WorldOverrides(factory="p3dx", equipment=EquipmentOptions(compass=True))
+    async with simulator(port=0, overrides=overrides) as running:
         assert running.robots == []
         assert running.url == running.factory_url
         async with connect_async(running.url) as one, connect_async(running.url) as two:
@@ -369,7 +371,7 @@ async def test_a_factory_gives_every_host_a_robot_while_it_stays() -> None:
 
 @pytest.mark.realtime
 async def test_a_factory_that_closes_parts_from_its_hosts() -> None:
-    async with simulator(port=0, wishes=Wishes(factory="p3dx")) as running:
+    async with simulator(port=0, overrides=WorldOverrides(factory="p3dx")) as running:
         host, port = running.url.removeprefix("tcp://").split(":")
         reader, writer = await asyncio.open_connection(host, port)
         await until(lambda: running.robots)
@@ -384,8 +386,8 @@ async def test_a_factory_that_closes_parts_from_its_hosts() -> None:
 async def test_a_factory_without_room_turns_the_host_away(tmp_path: Path) -> None:
     text = "[world]\n[[wall]]\npoints = [[0, 0], [1.5, 0], [1.5, 1.5], [0, 1.5]]\nclosed = true\n"
     (tmp_path / "cell.toml").write_text(text + "[[home]]\nx = 0.75\ny = 0.75\n")
-    wishes = Wishes(factory="p3dx")
-    async with simulator(map_name=tmp_path / "cell.toml", port=0, wishes=wishes) as running:
+    overrides = WorldOverrides(factory="p3dx")
+    async with simulator(map_name=tmp_path / "cell.toml", port=0, overrides=overrides) as running:
         host, port = running.url.removeprefix("tcp://").split(":")
         _, first = await asyncio.open_connection(host, port)
         await until(lambda: running.robots)
@@ -439,8 +441,8 @@ def test_who_listens_everywhere_is_reached_at_the_machines_address() -> None:
 
 @pytest.mark.realtime
 async def test_fitted_bumpers_are_told_to_the_host_and_feel() -> None:
-    wishes = Wishes(robots=(RobotSpec(model="p3dx-sh"),), equipment=BUMPERS)
-    async with simulator(map_name="empty", port=0, wishes=wishes) as running:
+    overrides = WorldOverrides(robots=(RobotSpec(model="p3dx-sh"),), equipment=BUMPERS)
+    async with simulator(map_name="empty", port=0, overrides=overrides) as running:
         added = await running.add_robot(RobotSpec(model="p3dx-sh", port=0, equipment=BUMPERS))
         for robot in (running.robots[0], added):
             async with connect_async(robot.url) as driver:

@@ -7,10 +7,12 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.worldfile import Fitting, RobotSpec, Start, WorldFile
-from pioneer3.sim.worldfile.arguments import Wishes, parse_robot, parse_start
+from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec, Start, WorldFile
+from pioneer3.sim.worldfile.arguments import WorldOverrides, parse_robot, parse_start
 
-ALICE = RobotSpec(model="p3dx-sh", name="alice", port=9000, equipment=Fitting(gripper=True))
+ALICE = RobotSpec(
+    model="p3dx-sh", name="alice", port=9000, equipment=EquipmentOptions(gripper=True)
+)
 BOB = RobotSpec(model="p3at-sh", name="bob", start=Pose2(1.0, 2.0))
 LAB = WorldFile(name="lab", seed=3, robots=(ALICE, BOB))
 
@@ -68,16 +70,16 @@ def test_a_start_off_the_earth_is_refused(text: str) -> None:
 
 
 def test_without_wishes_a_world_stays_as_it_is() -> None:
-    assert Wishes().laid_over(LAB) == LAB
+    assert WorldOverrides().applied_to(LAB) == LAB
 
 
 def test_a_world_without_robots_gets_one() -> None:
-    assert Wishes().laid_over(WorldFile(name="w")).robots == (RobotSpec(),)
+    assert WorldOverrides().applied_to(WorldFile(name="w")).robots == (RobotSpec(),)
 
 
 def test_robots_of_the_command_line_replace_the_worlds() -> None:
     eve = RobotSpec(model="p3at", name="eve")
-    world = Wishes(robots=(eve,)).laid_over(LAB)
+    world = WorldOverrides(robots=(eve,)).applied_to(LAB)
     assert world.robots == (eve,)
     assert world.seed == 3
 
@@ -91,40 +93,42 @@ def test_robots_of_the_command_line_replace_the_worlds() -> None:
     ],
 )
 def test_starts_are_for_all_or_for_each(starts: tuple[Start, ...], expected: list[Start]) -> None:
-    assert [r.start for r in Wishes(starts=starts).laid_over(LAB).robots] == expected
+    assert [r.start for r in WorldOverrides(starts=starts).applied_to(LAB).robots] == expected
 
 
 def test_a_number_of_starts_that_does_not_fit_is_refused() -> None:
     with pytest.raises(ConfigError, match="--start: 3 given, but robots: 2; give one for all, or"):
-        Wishes(starts=("home", "home", "home")).laid_over(LAB)
+        WorldOverrides(starts=("home", "home", "home")).applied_to(LAB)
 
 
 def test_fittings_are_added_to_what_robots_have() -> None:
-    world = Wishes(equipment=Fitting(compass=True)).laid_over(LAB)
+    world = WorldOverrides(equipment=EquipmentOptions(compass=True)).applied_to(LAB)
     assert [robot.equipment for robot in world.robots] == [
-        Fitting(gripper=True, compass=True),
-        Fitting(compass=True),
+        EquipmentOptions(gripper=True, compass=True),
+        EquipmentOptions(compass=True),
     ]
 
 
 @pytest.mark.parametrize("asked", [False, True])
 @pytest.mark.parametrize("said", [False, True])
 def test_sessions_are_kept_where_either_says_so(*, asked: bool, said: bool) -> None:
-    world = Wishes(keep_session=asked).laid_over(replace(LAB, keep_session=said))
+    world = WorldOverrides(keep_session=asked).applied_to(replace(LAB, keep_session=said))
     assert world.keep_session == (asked or said)
 
 
 def test_seed_and_ports_of_the_command_line_win() -> None:
-    world = Wishes(seed=0, own_ports=False).laid_over(LAB)
+    world = WorldOverrides(seed=0, own_ports=False).applied_to(LAB)
     assert world.seed == 0
     assert [robot.port for robot in world.robots] == [None, None]
 
 
 def test_a_factory_needs_no_robot_and_keeps_those_there_are() -> None:
-    wishes = Wishes(factory="p3dx", starts=("random",), equipment=Fitting(compass=True))
-    assert wishes.laid_over(WorldFile(name="w")).robots == ()
-    assert len(wishes.laid_over(LAB).robots) == 2
-    assert wishes.product == RobotSpec(
-        model="p3dx", start="random", port=0, equipment=Fitting(compass=True)
+    overrides = WorldOverrides(
+        factory="p3dx", starts=("random",), equipment=EquipmentOptions(compass=True)
     )
-    assert Wishes().product is None
+    assert overrides.applied_to(WorldFile(name="w")).robots == ()
+    assert len(overrides.applied_to(LAB).robots) == 2
+    assert overrides.factory_robot == RobotSpec(
+        model="p3dx", start="random", port=0, equipment=EquipmentOptions(compass=True)
+    )
+    assert WorldOverrides().factory_robot is None

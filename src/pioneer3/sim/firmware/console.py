@@ -47,7 +47,7 @@ class Console:
         world: What is simulated.
         body: The robot.
         equipment: What SIMINFO names besides drive, sonar and laser.
-        shelf: The maps that the host may load.
+        client_maps: The maps that the host may load.
         tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.
         step_times: What SIMSTAT tells; for the server to set.
         messages: Texts for people, the last hundred.
@@ -56,7 +56,7 @@ class Console:
     world: World
     body: Body
     equipment: Equipment
-    shelf: ClientMaps
+    client_maps: ClientMaps
     tell: Callable[[MapChanged], None]
     step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
     messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
@@ -117,7 +117,7 @@ class Console:
 
     def _load(self, name: str) -> None:
         try:
-            self.world.change_map(self.shelf.find(name))
+            self.world.change_map(self.client_maps.find(name))
         except ConfigError as error:
             log.info("%s: asks for another map: %s", self.body.model.name, error)
             reloaded = 0

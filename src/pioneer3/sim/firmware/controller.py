@@ -71,9 +71,9 @@ class Firmware:
         watchdog: float = 2.0,
         *,
         equipment: Equipment | None = None,
-        shelf: ClientMaps | None = None,
+        client_maps: ClientMaps | None = None,
     ) -> None:
-        """`shelf` has the maps that hosts may load; by default the shipped ones and those here."""
+        """`client_maps` are the maps that hosts may load; by default shipped ones and those here."""
         self.body = body
         self._world = world
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
@@ -87,7 +87,7 @@ class Firmware:
             world=world,
             body=body,
             equipment=self.accessories.equipment,
-            shelf=shelf or ClientMaps(),
+            client_maps=client_maps or ClientMaps(),
             tell=self._map_changed,
         )
         self._next_report = 0.0

@@ -1,1 +1,1 @@
-"""Who begins where: robots, their names, and free places for them."""
+"""Places for robots: footprints, free space, starts, and straight paths."""

@@ -1,4 +1,4 @@
-"""The ground a robot covers: its rectangle, and the circle it sweeps."""
+"""The footprint of a robot: its rectangle, and the circle it needs to turn."""
 
 from math import cos, hypot, sin
 
@@ -62,7 +62,7 @@ def which_inside(polygon: Float, x: Float, y: Float) -> NDArray[np.bool_]:
 
 
 def _lines(model: RobotModel, pose: Pose2) -> Float:
-    """Return the outline and what is inside: of two robots in one pose, no side is in the other."""
+    """Return the outline and the middle line: two robots in one pose have no side in the other."""
     tail, nose = pose @ Pose2(-model.length_rear), pose @ Pose2(model.length_front)
     return np.concatenate([outline(model, pose), [[tail.x, tail.y, nose.x, nose.y]]])
 

@@ -1,4 +1,4 @@
-"""Free space: the cells that a disc can stand on, and places for robots of one size in them."""
+"""Free space: the cells where a disc fits, and the places for robots of one size among them."""
 
 from collections.abc import Iterable, Sequence
 from math import ceil, floor, sqrt
@@ -21,18 +21,18 @@ CELL = 0.1
 """Side of a cell [m]; larger in huge maps."""
 MOST_CELLS = 400_000
 MARGIN = 1.0
-"""Width of the free floor around the map [m]: robots may drive around a map without outer walls."""
+"""Width of the free space around the map [m]: robots may drive around a map without outer walls."""
 
 
-class Floor:
-    """The cells of a map that a disc can stand on.
+class FreeGrid:
+    """The cells of a map where a disc fits.
 
     Args:
         walls: Segments [m], shape (W, 4).
-        bounds: Of all places to ask for [m].
-        radius: Of the disc [m]. It counts as half a cell less, so that no gap is missed by
-            rounding, but never so little that it slips through walls.
-        solids: Convex polygons that are no floor: the sides of each [m], shape (S, 4).
+        bounds: Of the grid [m].
+        radius: Of the disc [m]. Half a cell is subtracted, so that no gap is missed by rounding,
+            but so much remains that the disc does not pass through walls.
+        solids: Convex polygons that are not free: the sides of each [m], shape (S, 4).
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Floor:
 
     @property
     def free(self) -> Bool:
-        """The cells that the disc can stand on, reachable or not, shape (H, W)."""
+        """The cells where the disc fits, reachable or not, shape (H, W)."""
         return self._free
 
     def centres(self, cells: Bool) -> Float:
@@ -76,11 +76,11 @@ class Floor:
         return middles
 
     def is_free(self, x: float, y: float) -> bool:
-        """Whether the disc can stand at (`x`, `y`) [m]."""
+        """Whether the disc fits at (`x`, `y`) [m]."""
         return bool(self._free[self.cell_of((x, y))])
 
     def are_free(self, points: Float) -> Bool:
-        """Return whether the disc can stand at each of `points` [m], shape (N, 2)."""
+        """Return whether the disc fits at each of `points` [m], shape (N, 2)."""
         columns, rows = np.floor((points - self._low) / self.cell).astype(np.int64).T
         height, width = self._shape
         free: Bool = self._free[rows.clip(0, height - 1), columns.clip(0, width - 1)]
@@ -122,15 +122,15 @@ class Floor:
 
 
 class Circle(NamedTuple):
-    """The floor that a robot needs [m]."""
+    """The space that a robot needs to turn [m]."""
 
     x: float
     y: float
     radius: float
 
 
-class Ground(NamedTuple):
-    """What robots cannot stand on.
+class Obstructions(NamedTuple):
+    """Walls and solid obstacles, where robots cannot stand.
 
     Attributes:
         barriers: Walls and sides: segments [m], shape (S, 4).
@@ -142,7 +142,7 @@ class Ground(NamedTuple):
 
     @classmethod
     def of(cls, line_map: LineMap, obstacles: Sequence[Float] = ()) -> Self:
-        """Return the walls and boxes of a map, and `obstacles` that are solid."""
+        """Return the walls and boxes of a map, together with solid `obstacles`."""
         boxes = [np.array(o.sides) for o in line_map.objects if o.solid and len(o.sides) > 2]
         return cls(np.concatenate([line_map.walls, *obstacles]), [*obstacles, *boxes])
 
@@ -160,20 +160,20 @@ class Ground(NamedTuple):
         return float(away.min(initial=np.inf)) >= radius
 
 
-class Room:
+class FreePlaces:
     """Places for robots that need a circle of one radius.
 
     Attributes:
         centres: Of the places [m], shape (N, 2).
         cell: Their distance [m].
-        open: Which ones are left, shape (N,).
+        open: Whether each place is still free, shape (N,).
     """
 
-    def __init__(self, floor: Floor, cells: Bool) -> None:
-        self.centres = floor.centres(cells)
-        self.cell = floor.cell
+    def __init__(self, grid: FreeGrid, cells: Bool) -> None:
+        self.centres = grid.centres(cells)
+        self.cell = grid.cell
         self.open = np.ones(len(self.centres), dtype=np.bool_)
-        self._floor = floor
+        self._grid = grid
         self._ways: dict[tuple[float, float], Bool] = {}
 
     def close(self, circles: Iterable[Circle]) -> None:
@@ -181,69 +181,73 @@ class Room:
         for x, y, radius in circles:
             self.open &= np.hypot(self.centres[:, 0] - x, self.centres[:, 1] - y) >= radius
 
-    def leads_on(self, heading: float, distance: float) -> Bool:
-        """Return from which places the robot gets `distance` [m] on at `heading`, shape (N,)."""
+    def has_way_ahead(self, heading: float, distance: float) -> Bool:
+        """Return the places with a free way of `distance` [m] at `heading`, shape (N,)."""
         if (heading, distance) not in self._ways:
             way = np.ones(len(self.centres), dtype=np.bool_)
             along = np.array([np.cos(heading), np.sin(heading)])
             for gone in np.append(np.arange(self.cell, distance, self.cell), distance):
-                way &= self._floor.are_free(self.centres + gone * along)
+                way &= self._grid.are_free(self.centres + gone * along)
             self._ways[heading, distance] = way
         return self._ways[heading, distance]
 
     def nearest_first(self, x: float, y: float, among: Bool | None = None) -> list[int]:
-        """Return the open places, those `among` which to look, the nearest to (x, y) [m] first."""
+        """Return the indices of the open places `among` these, the nearest to (x, y) [m] first."""
         there = np.flatnonzero(self.open if among is None else self.open & among)
         away = np.hypot(self.centres[there, 0] - x, self.centres[there, 1] - y)
         order: list[int] = there[np.argsort(away, kind="stable")].tolist()
         return order
 
 
-def room_around(line_map: LineMap, ground: Ground, radius: float, origin: Pose2) -> Room:
+def places_around(
+    line_map: LineMap, obstructions: Obstructions, radius: float, origin: Pose2
+) -> FreePlaces:
     """Return the places in reach of `origin`, or of the free place nearest to it.
 
     Args:
         line_map: For its bounds.
-        ground: All that stands there.
+        obstructions: Walls and obstacles.
         radius: Of the circle that a robot needs [m].
-        origin: From where.
+        origin: Where a robot is.
     """
     b = line_map.bounds
     x, y = origin.x, origin.y
     bounds = Bounds(min(b.x_min, x), min(b.y_min, y), max(b.x_max, x), max(b.y_max, y))
-    floor = Floor(ground.barriers, bounds, radius, ground.solids)
-    free = floor.centres(floor.free)
+    grid = FreeGrid(obstructions.barriers, bounds, radius, obstructions.solids)
+    free = grid.centres(grid.free)
     if not len(free):
-        return Room(floor, floor.free)
+        return FreePlaces(grid, grid.free)
     nearest = np.hypot(free[:, 0] - x, free[:, 1] - y).argmin()
-    return Room(floor, floor.reached_from([(free[nearest, 0], free[nearest, 1])]))
+    return FreePlaces(grid, grid.reached_from([(free[nearest, 0], free[nearest, 1])]))
 
 
-def room_inside(line_map: LineMap, ground: Ground, radius: float) -> Room:
-    """Return the places that robots are meant for: within the walls, in reach of a home.
+def places_inside(line_map: LineMap, obstructions: Obstructions, radius: float) -> FreePlaces:
+    """Return the places within the walls that can be reached from a home.
 
-    Where the map has no homes, other places say what is in reach; without any, what the walls
-    enclose is, unless that is little. Arguments as for :func:`room_around`.
+    On a map without homes, from other places; without any, the places that walls enclose, unless
+    these are few. Arguments as for :func:`places_around`.
     """
     bounds = line_map.bounds
-    floor = Floor(ground.barriers, bounds, radius, ground.solids)
-    within = np.zeros_like(floor.free)
-    low, high = floor.cell_of(bounds[:2]), floor.cell_of(bounds[2:])
+    grid = FreeGrid(obstructions.barriers, bounds, radius, obstructions.solids)
+    within = np.zeros_like(grid.free)
+    low, high = grid.cell_of(bounds[:2]), grid.cell_of(bounds[2:])
     within[low[0] : high[0] + 1, low[1] : high[1] + 1] = True
-    within &= floor.free
+    within &= grid.free
     homes = [(home.x, home.y) for home in line_map.starts]
     places = [(item.pose.x, item.pose.y) for item in line_map.objects if not item.outline]
-    meant = floor.reached_from(homes or places) & within
+    meant = grid.reached_from(homes or places) & within
     if meant.any():
-        return Room(floor, meant)
-    outside = floor.reached_from([(bounds.x_min - MARGIN, bounds.y_min - MARGIN)])
+        return FreePlaces(grid, meant)
+    outside = grid.reached_from([(bounds.x_min - MARGIN, bounds.y_min - MARGIN)])
     enclosed = within & ~outside
-    return Room(floor, enclosed if 2 * enclosed.sum() > within.sum() else within)
+    return FreePlaces(grid, enclosed if 2 * enclosed.sum() > within.sum() else within)
 
 
-def room_on_a_plane(ground: Ground, radius: float, origin: Pose2, far: float) -> Room:
-    """Return the places up to `far` [m] from `origin` where there are no walls."""
+def places_on_plane(
+    obstructions: Obstructions, radius: float, origin: Pose2, far: float
+) -> FreePlaces:
+    """Return the places up to `far` [m] from `origin` on a map without walls."""
     x, y = origin.x, origin.y
     bounds = Bounds(x - far, y - far, x + far, y + far)
-    floor = Floor(ground.barriers, bounds, radius, ground.solids)
-    return Room(floor, floor.free)
+    grid = FreeGrid(obstructions.barriers, bounds, radius, obstructions.solids)
+    return FreePlaces(grid, grid.free)

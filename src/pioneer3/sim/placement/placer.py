@@ -1,4 +1,4 @@
-"""Where robots begin: at a home, at a given pose, beside the map, anywhere; never in each other."""
+"""Finds starts for robots: a home, a given pose, beside the map or anywhere; never in another."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,11 +16,11 @@ from pioneer3.sim.maps import LineMap
 from pioneer3.sim.placement.footprint import overlap, turning_circle
 from pioneer3.sim.placement.free_space import (
     Circle,
-    Ground,
-    Room,
-    room_around,
-    room_inside,
-    room_on_a_plane,
+    FreePlaces,
+    Obstructions,
+    places_around,
+    places_inside,
+    places_on_plane,
 )
 from pioneer3.sim.worldfile.spec import Start
 
@@ -32,19 +32,19 @@ GAP = 0.1
 APART = 0.5
 """The same where there is enough [m]."""
 AHEAD = 1.2
-"""So far every robot can drive forward before it comes to a wall or a robot that stands [m]."""
+"""Free way in front of every robot, up to a wall or another robot [m]."""
 TURNS = tuple(radians(angle) for angle in (0, 90, -90, 180))
-"""Away from the heading that is wanted, where that leads nowhere."""
+"""Turns away from the wanted heading, for headings without a free way."""
 BESIDE = 0.5
 """Between robots that start outside the map [m]."""
 CHUNK = 256
-"""Places that are looked at together."""
+"""Number of places that are checked together."""
 ROW = 8
 """Robots in a row beside a map without walls."""
 
 
-class Newcomer(NamedTuple):
-    """A robot that looks for a place to begin."""
+class PlacementRequest(NamedTuple):
+    """A robot that needs a place to start."""
 
     name: str
     model: RobotModel
@@ -58,40 +58,40 @@ class _Standing(NamedTuple):
 
 def place_all(
     line_map: LineMap,
-    newcomers: Sequence[Newcomer],
+    requests: Sequence[PlacementRequest],
     rng: Generator,
     obstacles: Sequence[Float] = (),
 ) -> list[Pose2]:
-    """Return where each of `newcomers` begins, in their order.
+    """Return the start of each of `requests`, in their order.
 
-    Given poses go first and random ones last, so that chance takes nobody's place.
+    Given poses are served first and random ones last, so that no random start takes a given one.
 
     Args:
         line_map: Walls and homes.
-        newcomers: Who begins.
+        requests: The robots.
         rng: Of the random places.
-        obstacles: What else stands there: the sides of convex polygons [m], shape (S, 4) each.
+        obstacles: Sides of the convex polygons that stand there [m], shape (S, 4) each.
 
     Raises:
         ConfigError: There is no room left for one of them.
     """
-    berths = Berths(line_map, rng, obstacles, expected=len(newcomers))
+    placer = Placer(line_map, rng, obstacles, expected=len(requests))
     order = ("home", "outside", "random")
-    ranks = [order.index(n.start) + 1 if isinstance(n.start, str) else 0 for n in newcomers]
+    ranks = [order.index(n.start) + 1 if isinstance(n.start, str) else 0 for n in requests]
     found: dict[int, Pose2] = {}
-    for index in sorted(range(len(newcomers)), key=ranks.__getitem__):
-        found[index] = berths.find(newcomers[index])
-    return [found[index] for index in range(len(newcomers))]
+    for index in sorted(range(len(requests)), key=ranks.__getitem__):
+        found[index] = placer.place(requests[index])
+    return [found[index] for index in range(len(requests))]
 
 
-class Berths:
-    """Gives places to one robot after another.
+class Placer:
+    """Finds a place for one robot after another.
 
     Args:
         line_map: Walls and homes.
         rng: Of the random places.
-        obstacles: What else stands there: the sides of convex polygons [m], shape (S, 4) each.
-        expected: How many robots there will be; without walls that says how far they spread.
+        obstacles: Sides of the convex polygons that stand there [m], shape (S, 4) each.
+        expected: Number of robots in the end; decides how far they spread on a map without walls.
     """
 
     def __init__(
@@ -103,26 +103,26 @@ class Berths:
     ) -> None:
         self._map = line_map
         self._rng = rng
-        self._ground = Ground.of(line_map, obstacles)
+        self._obstructions = Obstructions.of(line_map, obstacles)
         self._expected = expected
         self._standing: list[_Standing] = []
-        self._went_home = 0
-        self._rooms: dict[tuple[float, Pose2 | None], tuple[Room, int]] = {}
+        self._homes_used = 0
+        self._places_for: dict[tuple[float, Pose2 | None], tuple[FreePlaces, int]] = {}
 
-    def take(self, model: RobotModel, pose: Pose2) -> None:
+    def occupy(self, model: RobotModel, pose: Pose2) -> None:
         """Note that a robot stands at `pose`."""
         self._standing.append(_Standing(model, pose))
 
-    def find(self, newcomer: Newcomer) -> Pose2:
-        """Return where `newcomer` begins; it stands there from now on.
+    def place(self, request: PlacementRequest) -> Pose2:
+        """Return the start of a robot, which occupies it from now on.
 
-        A given pose is taken as it is, even in a wall; only if another robot is there, the next
-        free place is. The others get places where they can turn.
+        A given pose is taken as it is, even in a wall; only if another robot stands there, the
+        next free place is taken. The other starts are places where the robot can turn.
 
         Raises:
             ConfigError: There is no room left.
         """
-        model, start = newcomer.model, newcomer.start
+        model, start = request.model, request.start
         match start:
             case "random":
                 pose = self._anywhere(model)
@@ -130,53 +130,53 @@ class Berths:
                 pose = self._beside(model)
             case "home":
                 homes = self._map.starts or (ORIGIN,)
-                home = homes[self._went_home % len(homes)]
-                self._went_home += 1
+                home = homes[self._homes_used % len(homes)]
+                self._homes_used += 1
                 free = self._fits(model, home) and self._keeps_clear(model, home)
                 pose = home if free else self._near(model, home)
             case Pose2():
                 pose = start if self._misses_robots(model, start) else self._near(model, start)
         if pose is None:
             raise ConfigError(
-                f"{newcomer.name}: no room left for a {model.name} with start "
+                f"{request.name}: no room left for a {model.name} with start "
                 f"{_shown(start)}; take fewer robots, a larger map or another start"
             )
-        self.take(model, pose)
+        self.occupy(model, pose)
         return pose
 
     def _near(self, model: RobotModel, wanted: Pose2) -> Pose2 | None:
         """Return the nearest place in reach of `wanted` where `model` can turn, else in the map.
 
-        From there it can drive on, and it keeps clear of others, as far as there is room for that.
+        If there is room, it can also drive on from there, and keeps clear of others.
         """
-        room = self._room(model, wanted)
-        within = self._within_map(room.centres)
+        free = self._free_places(model, wanted)
+        within = self._within_map(free.centres)
         for apart in (APART, GAP):
             for turn in TURNS:
                 heading = wrap(wanted.theta + turn)
-                roomy = within & room.leads_on(heading, AHEAD)
-                order = room.nearest_first(wanted.x, wanted.y, roomy)
-                for x, y in self._apart(model, room.centres[order], heading, apart):
-                    if self._leads_on(model, pose := Pose2(x, y, heading)):
+                roomy = within & free.has_way_ahead(heading, AHEAD)
+                order = free.nearest_first(wanted.x, wanted.y, roomy)
+                for x, y in self._apart(model, free.centres[order], heading, apart):
+                    if self._has_way_ahead(model, pose := Pose2(x, y, heading)):
                         return pose
         for origin in (wanted, None):
-            room = self._room(model, origin)
-            for index in room.nearest_first(wanted.x, wanted.y):
-                x, y = room.centres[index].tolist()
+            free = self._free_places(model, origin)
+            for index in free.nearest_first(wanted.x, wanted.y):
+                x, y = free.centres[index].tolist()
                 if self._is_clear(model, x, y):
                     return Pose2(x, y, wanted.theta)
-                room.open[index] = False
+                free.open[index] = False
         return wanted if not self._standing else None
 
     def _anywhere(self, model: RobotModel) -> Pose2 | None:
-        """Return a random place inside the map, looking anywhere."""
-        room = self._room(model, None)
+        """Return a random pose inside the map."""
+        free = self._free_places(model, None)
         heading = float(self._rng.uniform(-pi, pi))
-        places = room.centres + self._rng.uniform(-0.5, 0.5, room.centres.shape) * room.cell
-        order = self._rng.permutation(np.flatnonzero(room.open))
-        roomy = order[room.leads_on(heading, AHEAD)[order]]
+        places = free.centres + self._rng.uniform(-0.5, 0.5, free.centres.shape) * free.cell
+        order = self._rng.permutation(np.flatnonzero(free.open))
+        roomy = order[free.has_way_ahead(heading, AHEAD)[order]]
         for x, y in self._apart(model, places[roomy], heading, APART):
-            if self._leads_on(model, pose := Pose2(x, y, heading)):
+            if self._has_way_ahead(model, pose := Pose2(x, y, heading)):
                 return pose
         for x, y in places[order].tolist():
             if self._is_clear(model, x, y):
@@ -199,7 +199,7 @@ class Berths:
             place += 1
 
     def _fits(self, model: RobotModel, pose: Pose2) -> bool:
-        return self._misses_robots(model, pose) and not self._ground.blocks(model, pose)
+        return self._misses_robots(model, pose) and not self._obstructions.blocks(model, pose)
 
     def _misses_robots(self, model: RobotModel, pose: Pose2) -> bool:
         return not any(overlap(model, pose, other, there) for other, there in self._standing)
@@ -212,7 +212,7 @@ class Berths:
             for other, there in self._standing
         ):
             return False
-        return self._ground.clears(x, y, reach)
+        return self._obstructions.clears(x, y, reach)
 
     def _within_map(self, places: Float) -> Bool:
         """Return which places are not beside the map, where it has walls, shape (N,)."""
@@ -223,20 +223,20 @@ class Berths:
         within: Bool = x & y
         return within
 
-    def _leads_on(self, model: RobotModel, pose: Pose2) -> bool:
+    def _has_way_ahead(self, model: RobotModel, pose: Pose2) -> bool:
         """Whether `model` can turn at `pose`, and drive on from there."""
-        return self._is_clear(model, pose.x, pose.y) and not self._ground.blocks(
+        return self._is_clear(model, pose.x, pose.y) and not self._obstructions.blocks(
             replace(model, length_front=model.length_front + AHEAD), pose
         )
 
     def _keeps_clear(self, model: RobotModel, pose: Pose2) -> bool:
-        """Whether neither `model` at `pose` nor those that stand are in each other's way."""
+        """Whether neither `model` at `pose` nor a robot that stands is in the other's way."""
         return bool(self._clear_of_others(model, np.array([[pose.x, pose.y]]), pose.theta, 0.0)[0])
 
     def _apart(
         self, model: RobotModel, places: Float, heading: float, apart: float
     ) -> Iterator[list[float]]:
-        """Yield those of `places` [m], shape (N, 2), that are `apart` from who stands, in order."""
+        """Yield those of `places` [m], shape (N, 2), that are `apart` from all robots, in order."""
         for first in range(0, len(places), CHUNK):
             some = places[first : first + CHUNK]
             yield from some[self._clear_of_others(model, some, heading, apart)].tolist()
@@ -244,7 +244,7 @@ class Berths:
     def _clear_of_others(
         self, model: RobotModel, places: Float, heading: float, apart: float
     ) -> Bool:
-        """Return where nobody is before `model`, nor it before anybody, shape (N,)."""
+        """Return the places where no robot has another one in its way, shape (N,)."""
         clear = np.ones(len(places), dtype=np.bool_)
         for other, there in self._standing:
             near = turning_circle(model) + turning_circle(other)
@@ -254,28 +254,28 @@ class Berths:
             clear &= _from_way(-offset, heading) >= near
         return clear
 
-    def _room(self, model: RobotModel, origin: Pose2 | None) -> Room:
-        """Return the floor left around `origin`, or inside the map."""
+    def _free_places(self, model: RobotModel, origin: Pose2 | None) -> FreePlaces:
+        """Return the free places around `origin`, or inside the map."""
         reach = turning_circle(model)
-        room, done = self._rooms.get((reach, origin)) or (self._new_room(reach, origin), 0)
-        room.close(
+        free, done = self._places_for.get((reach, origin)) or (self._new_places(reach, origin), 0)
+        free.close(
             Circle(there.x, there.y, reach + turning_circle(other) + GAP)
             for other, there in self._standing[done:]
         )
-        self._rooms[reach, origin] = room, len(self._standing)
-        return room
+        self._places_for[reach, origin] = free, len(self._standing)
+        return free
 
-    def _new_room(self, reach: float, origin: Pose2 | None) -> Room:
+    def _new_places(self, reach: float, origin: Pose2 | None) -> FreePlaces:
         if not self._map.walls.size:
             far = (2 * reach + GAP) * ceil(sqrt(self._expected)) + 2 * reach
-            return room_on_a_plane(self._ground, reach, origin or ORIGIN, far)
+            return places_on_plane(self._obstructions, reach, origin or ORIGIN, far)
         if origin:
-            return room_around(self._map, self._ground, reach, origin)
-        return room_inside(self._map, self._ground, reach)
+            return places_around(self._map, self._obstructions, reach, origin)
+        return places_inside(self._map, self._obstructions, reach)
 
 
 def _from_way(offset: Float, heading: float) -> Float:
-    """Return how far points are from the way ahead, given from where it begins [m], shape (N,)."""
+    """Return the distance of points from the way ahead, which begins at (0, 0) [m], shape (N,)."""
     along = np.array([cos(heading), sin(heading)])
     gone = (offset @ along).clip(0.0, AHEAD)
     away: Float = np.hypot(*(offset - gone[:, None] * along).T)

@@ -1,4 +1,4 @@
-"""Whether a robot can be sent straight to a place of a map."""
+"""Checks whether a robot can drive straight to a place of a map."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,27 +15,26 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
-    """What a map says against a drive.
+class PathCheck:
+    """Objections of a map to a drive.
 
     Attributes:
-        refused: Why it must not be, in a sentence; empty where nothing forbids it.
-        doubt: Why it may not get there, in a sentence; empty where nothing is in the way.
+        refusal: The reason to refuse it, in a sentence; empty if it is allowed.
+        warning: The reason why it may not arrive, in a sentence; empty if nothing is in the way.
     """
 
-    refused: str = ""
-    doubt: str = ""
+    refusal: str = ""
+    warning: str = ""
 
 
-def errand(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> Errand:
-    """Return what the map says against driving straight from `start` to `end` [m].
+def check_path(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> PathCheck:
+    """Return the objections of the map to driving straight from `start` to `end` [m].
 
     A robot that already stands in a forbidden area may leave it.
     """
-    refused = next(_refusals(line_map, model, start, end), "")
-    return (
-        Errand(refused) if refused else Errand(doubt=next(_doubts(line_map, model, start, end), ""))
-    )
+    if refusal := next(_refusals(line_map, model, start, end), ""):
+        return PathCheck(refusal)
+    return PathCheck(warning=next(_warnings(line_map, model, start, end), ""))
 
 
 def _refusals(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> Iterator[str]:
@@ -57,7 +56,7 @@ def _refusals(line_map: LineMap, model: RobotModel, start: Point, end: Point) ->
             yield f"The straight way there crosses {_called(item)}."
 
 
-def _doubts(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> Iterator[str]:
+def _warnings(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> Iterator[str]:
     if not len(line_map.walls):
         return
     if crossed(line_map.walls, start, end).any():
@@ -68,7 +67,7 @@ def _doubts(line_map: LineMap, model: RobotModel, start: Point, end: Point) -> I
 
 
 def crossed(walls: Float, start: Point, end: Point) -> NDArray[np.bool_]:
-    """Return which `walls` (W, 4) the straight way crosses or ends at, shape (W,).
+    """Return the `walls` (W, 4) that the straight way crosses or ends at, shape (W,).
 
     Walls along the way itself are not among them.
     """
@@ -90,6 +89,6 @@ def _nearest(line_map: LineMap, point: Point) -> float:
 
 
 def _called(item: MapObject) -> str:
-    what = f"a forbidden {item.role}"
+    kind = f"a forbidden {item.role}"
     name = "".join(c if c.isprintable() else "?" for c in item.name[:30])
-    return f'{what}, "{name}"' if name else what
+    return f'{kind}, "{name}"' if name else kind

@@ -9,7 +9,7 @@ from typing import Literal
 
 from pioneer3.sim.kernels import Kernels, load_kernels
 from pioneer3.sim.kernels.cache import is_ready
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pacer import Pacer
 
 KernelChoice = Literal["auto", "numba", "numpy"]
 """`auto`: numba where it pays and is compiled already."""
@@ -21,7 +21,7 @@ MANY = 50
 MOST_THREADS = 4
 
 
-async def chosen_kernels(choice: KernelChoice, robots: int, pace: Pace | None) -> Kernels:
+async def chosen_kernels(choice: KernelChoice, robots: int, pace: Pacer | None) -> Kernels:
     """Return the kernels for so many robots; the event loop runs on while numba is loaded.
 
     What is not compiled yet is compiled by another process, for the next time: nobody waits for it.

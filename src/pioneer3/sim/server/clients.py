@@ -25,57 +25,57 @@ CHUNK = 2048
 MOST_UNSENT = 256 * 1024
 """Most that waits for a client to take it [bytes]: 2 s of the longest laser sweeps."""
 STUCK = 0.5
-"""A client that takes nothing for this long [s, real], its buffers full, is cut off."""
+"""A client that takes nothing for this long [s, real], with full buffers, is disconnected."""
 
 
 class Client(Protocol):
-    """One host.
+    """The connection of one host.
 
     Attributes:
-        peer: Who that is, for people.
-        standing: The line is there whether somebody uses it or not, as a serial one.
+        peer: The name of the host for people.
+        permanent: The line exists whether a host uses it or not, as a serial line does.
     """
 
     peer: str
-    standing: bool
+    permanent: bool
 
     def resume(self) -> None:
-        """Let its bytes come; in the beginning they do not."""
+        """Begin to read; a new client is not read."""
 
     def pause(self) -> None:
-        """Leave its bytes where they are."""
+        """Stop reading."""
 
     def send(self, data: bytes) -> None:
-        """Hand over `data`, at once or later; a client that is stuck is closed instead."""
+        """Send `data`, at once or later; a client that takes nothing is closed instead."""
 
     def close(self) -> None:
-        """Part from it without a word to the place; a standing line stays."""
+        """Close the connection without telling the handler; a permanent line stays."""
 
 
-class Place(Protocol):
-    """Where a client belongs."""
+class ClientHandler(Protocol):
+    """Takes what clients send, and learns when they are gone."""
 
-    def hear(self, client: Client, data: bytes) -> None:
+    def received(self, client: Client, data: bytes) -> None:
         """Take bytes from `client`."""
 
-    def leave(self, client: Client) -> None:
-        """Take note that `client` has gone."""
+    def disconnected(self, client: Client) -> None:
+        """Note that `client` has gone."""
 
 
-class Connection:
+class SocketClient:
     """A host at the far end of a socket.
 
     Args:
-        place: Where it wants to be.
+        handler: Takes its bytes.
         file: Reads and writes without blocking; is closed in the end.
         peer: Its address.
     """
 
-    standing = False
+    permanent = False
 
-    def __init__(self, place: Place, file: FileIO | SocketIO, peer: str) -> None:
+    def __init__(self, handler: ClientHandler, file: FileIO | SocketIO, peer: str) -> None:
         self.peer = peer
-        self._place = place
+        self._handler = handler
         self._file = file
         self._loop = asyncio.get_running_loop()
         self._listens = False
@@ -83,13 +83,13 @@ class Connection:
         self._stuck_since = 0.0
 
     def resume(self) -> None:
-        """Let its bytes come."""
+        """Begin to read."""
         if not self._listens and not self._file.closed:
             self._listens = True
             self._loop.add_reader(self._file.fileno(), self._read)
 
     def pause(self) -> None:
-        """Leave its bytes in the buffers of the operating system, which tell the host to wait."""
+        """Stop reading; the full buffers of the operating system make the host wait."""
         if self._listens and not self._file.closed:
             self._listens = False
             self._loop.remove_reader(self._file.fileno())
@@ -101,7 +101,7 @@ class Connection:
         if self._unsent:
             self._unsent += data
             if len(self._unsent) > MOST_UNSENT or self._loop.time() - self._stuck_since > STUCK:
-                self._end()
+                self._disconnect()
             return
         written = self._write(data)
         if written < len(data) and not self._file.closed:
@@ -110,7 +110,7 @@ class Connection:
             self._loop.add_writer(self._file.fileno(), self._write_rest)
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the socket."""
         if not self._file.closed:
             self._loop.remove_reader(self._file.fileno())
             self._loop.remove_writer(self._file.fileno())
@@ -123,15 +123,15 @@ class Connection:
         except OSError:
             data = b""
         if data:
-            self._place.hear(self, data)
+            self._handler.received(self, data)
         elif data is not None:
-            self._end()
+            self._disconnect()
 
     def _write(self, data: bytes | bytearray) -> int:
         try:
             return self._file.write(data) or 0
         except OSError:
-            self._end()
+            self._disconnect()
             return 0
 
     def _write_rest(self) -> None:
@@ -141,53 +141,53 @@ class Connection:
         if not self._unsent and not self._file.closed:
             self._loop.remove_writer(self._file.fileno())
 
-    def _end(self) -> None:
+    def _disconnect(self) -> None:
         self.close()
-        self._place.leave(self)
+        self._handler.disconnected(self)
 
 
-class Terminal(Connection):
-    """Whoever opens a pseudo terminal. What nobody reads is lost, as on a serial line."""
+class PtyClient(SocketClient):
+    """A host that opens a pseudo terminal. Unread bytes are lost, as on a serial line."""
 
-    standing = True
+    permanent = True
 
     def send(self, data: bytes) -> None:
-        """Send what the terminal takes."""
+        """Send as much as the terminal takes."""
         if not self._file.closed:
             self._write(data)
 
     def close(self) -> None:
-        """Let go; the terminal stays, and is listened to."""
+        """Go on reading: the terminal stays for the next host."""
         self.resume()
 
-    def shut(self) -> None:
-        """Take the terminal away."""
+    def remove(self) -> None:
+        """Remove the terminal."""
         super().close()
 
-    def _end(self) -> None:
-        self.shut()
-        self._place.leave(self)
+    def _disconnect(self) -> None:
+        self.remove()
+        self._handler.disconnected(self)
 
 
 class LinkClient:
-    """A host at the far end of a link of ours; :meth:`live` does its reading and writing."""
+    """A host at the far end of a :class:`Link`; :meth:`live` reads and writes."""
 
-    standing = False
+    permanent = False
 
-    def __init__(self, place: Place, link: Link) -> None:
+    def __init__(self, handler: ClientHandler, link: Link) -> None:
         self.peer = link.url
-        self._place = place
+        self._handler = handler
         self._link = link
         self._listening, self._closed = asyncio.Event(), asyncio.Event()
         self._unsent: list[bytes] = []
         self._has_unsent = asyncio.Event()
 
     def resume(self) -> None:
-        """Let its bytes come."""
+        """Begin to read."""
         self._listening.set()
 
     def pause(self) -> None:
-        """Leave its bytes in the link."""
+        """Stop reading."""
         self._listening.clear()
 
     def send(self, data: bytes) -> None:
@@ -198,11 +198,11 @@ class LinkClient:
             self.close()
 
     def close(self) -> None:
-        """Hang up, soon."""
+        """Close the link, soon."""
         self._closed.set()
 
     async def live(self) -> None:
-        """Read and write until either side has had enough."""
+        """Read and write until either side closes the connection."""
         tasks = [
             asyncio.ensure_future(work)
             for work in (self._read(), self._write(), self._closed.wait())
@@ -213,13 +213,13 @@ class LinkClient:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
-            self._place.leave(self)
+            self._handler.disconnected(self)
             await self._link.close()
 
     async def _read(self) -> None:
         with suppress(LinkError):
             while await self._listening.wait() and (data := await self._link.read()):
-                self._place.hear(self, data)
+                self._handler.received(self, data)
 
     async def _write(self) -> None:
         with suppress(LinkError, TimeoutError):
@@ -234,21 +234,21 @@ class LinkClient:
 log = logging.getLogger(__name__)
 
 STALE = 2.0
-"""A host that has been silent for this long [s] loses its place to the next one."""
+"""A host that has been silent for this long [s] loses its slot to the next one."""
 GRACE = 0.1
-"""A host that has just left may not have been noticed when the next one is here [s, real]."""
+"""The end of a connection may be noticed this much after the next host connects [s, real]."""
 
 
-class Seat:
-    """Where one host sits.
+class ClientSlot:
+    """The slot for one host.
 
     Args:
-        on_change: Called when another host sits down, before it is listened to.
-        robot: Returns what to call the robot in the log.
+        on_change: Called when another host takes the slot, before it is read.
+        robot: Returns the name of the robot for the log.
 
     Attributes:
-        host: Who sits here.
-        closed: Everybody is turned away.
+        host: The host that has the slot.
+        closed: Every host is turned away.
     """
 
     def __init__(
@@ -268,32 +268,32 @@ class Seat:
         return self.closed or (self._waiting is not None and not self._is_free())
 
     def admit(self, client: Client) -> None:
-        """Give `client` the place, now or soon, or turn it away."""
+        """Give `client` the slot, now or soon, or turn it away."""
         if self.closed:
             client.close()
         elif self._is_free():
-            self._sit_down(client)
+            self._connect(client)
         elif self._waiting is None:
             self._waiting = client
-            asyncio.get_running_loop().call_later(GRACE, self._decide, client)
+            asyncio.get_running_loop().call_later(GRACE, self._settle, client)
         else:
-            self._turn_away(client)
+            self._refuse(client)
 
-    def speaks(self, client: Client) -> bool:
-        """Take note that `client` has said something; return whether it is heard here."""
+    def heard_from(self, client: Client) -> bool:
+        """Note that `client` has sent bytes; return whether the robot takes them."""
         if client is not self.host:
-            if not client.standing or self.closed or not self._is_free():
+            if not client.permanent or self.closed or not self._is_free():
                 return False
-            self._sit_down(client)
+            self._connect(client)
         self._heard_at = _now()
         return True
 
-    def flooded(self, *, flooded: bool) -> None:
-        """Take note whether the host has sent more than can be taken."""
+    def set_flooded(self, *, flooded: bool) -> None:
+        """Note whether the host has sent more than can be taken."""
         self._flooded_at = min(self._flooded_at, _now()) if flooded else inf
 
-    def leave(self, client: Client) -> bool:
-        """Take note that `client` has gone; return whether it was the host."""
+    def disconnected(self, client: Client) -> bool:
+        """Note that `client` has gone; return whether it was the host."""
         if client is self._waiting:
             self._waiting = None
         if client is not self.host:
@@ -302,22 +302,22 @@ class Seat:
         self.host = None
         if self._waiting is not None:
             waiting, self._waiting = self._waiting, None
-            self._sit_down(waiting)
+            self._connect(waiting)
         return True
 
-    def clear(self) -> None:
-        """Part from everybody."""
+    def disconnect_all(self) -> None:
+        """Disconnect the host and the client that waits."""
         waiting, self._waiting = self._waiting, None
         for client in (waiting, self.host):
             if client is not None:
                 client.close()
-                self.leave(client)
+                self.disconnected(client)
 
     def _is_free(self) -> bool:
         since = min(self._heard_at, self._flooded_at)
         return self.host is None or _now() - since >= STALE
 
-    def _sit_down(self, client: Client) -> None:
+    def _connect(self, client: Client) -> None:
         last, self.host = self.host, client
         if last is not None:
             log.info("%s: silent or flooding, gives way at %s", last.peer, self._robot())
@@ -327,16 +327,16 @@ class Seat:
         self._on_change()
         client.resume()
 
-    def _decide(self, client: Client) -> None:
+    def _settle(self, client: Client) -> None:
         if client is not self._waiting:
             return
         self._waiting = None
         if self._is_free():
-            self._sit_down(client)
+            self._connect(client)
         else:
-            self._turn_away(client)
+            self._refuse(client)
 
-    def _turn_away(self, client: Client) -> None:
+    def _refuse(self, client: Client) -> None:
         log.info("%s: turned away from %s, another host is there", client.peer, self._robot())
         client.close()
 

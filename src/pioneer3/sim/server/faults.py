@@ -1,4 +1,4 @@
-"""What can be wrong with the cable between a host and its robot, on demand and repeatably."""
+"""Faults of the cable between a host and its robot, on demand and repeatable."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -19,14 +19,14 @@ FORM = "such as drop=0.01,corrupt=0.001,delay=0.2"
 class LinkFaults:
     """Faults of one robot's cable, in both directions; may be changed at any time.
 
-    Time is simulated and chance comes from the seed, so the same bytes at the same ticks meet the
-    same faults.
+    Time is simulated and the random numbers are seeded, so the same bytes at the same ticks have
+    the same faults.
 
     Attributes:
-        frozen: Nothing passes either way and what is sent is lost, as out of a radio's reach; the
-            connection stays.
-        unplugged: Nobody is connected, and who comes is turned away.
-        seed: Where chance begins; each direction has its own.
+        frozen: Nothing passes either way and all that is sent is lost, as out of a radio's range;
+            the connection stays.
+        unplugged: No host is connected, and new ones are turned away.
+        seed: Of the random generators; each direction has its own.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class LinkFaults:
         Args:
             text: Any of `drop=SHARE`, `corrupt=SHARE`, `delay=SECONDS`, `seed=NUMBER`, `frozen`
                 and `unplugged`, separated by commas; empty for a good cable.
-            seed: Where chance begins if the text does not say.
+            seed: Of the random generators if the text does not say.
 
         Raises:
             ConfigError: it names the word that is wrong.
@@ -56,7 +56,7 @@ class LinkFaults:
 
     @property
     def drop(self) -> float:
-        """Share of the packets that are lost; of what is no packet, what comes in one tick is."""
+        """Share of the packets that are lost; bytes outside packets are lost by the tick."""
         return self._drop
 
     @drop.setter
@@ -65,7 +65,7 @@ class LinkFaults:
 
     @property
     def corrupt(self) -> float:
-        """Share of the bytes that arrive as others."""
+        """Share of the bytes that arrive changed."""
         return self._corrupt
 
     @corrupt.setter
@@ -84,7 +84,7 @@ class LinkFaults:
         self._delay = delay
 
     def unplug(self) -> None:
-        """Pull the cable out: the host is parted from, and everybody turned away."""
+        """Pull the cable out: the host is disconnected, and new ones are turned away."""
         self.unplugged = True
 
     def plug_in(self) -> None:
@@ -93,7 +93,7 @@ class LinkFaults:
 
     @property
     def any(self) -> bool:
-        """Whether bytes have anything to fear."""
+        """Whether there is any fault."""
         return bool(self._drop or self._corrupt or self._delay or self.frozen)
 
     def __str__(self) -> str:
@@ -120,8 +120,8 @@ class LinkFaults:
             raise ConfigError(f"link faults: {name!r} is none; {hint}")
 
 
-class Line:
-    """One direction of a cable: bytes go in, and come out as its faults let them."""
+class Channel:
+    """One direction of a cable, which delays, loses and changes bytes as its faults say."""
 
     def __init__(self, faults: LinkFaults, direction: str) -> None:
         self._faults = faults
@@ -130,14 +130,14 @@ class Line:
 
     @property
     def due(self) -> float:
-        """When the next bytes arrive [s]; `inf`: none are on their way."""
+        """When the next bytes arrive [s]; `inf` while none are on their way."""
         return self._travelling[0][0] if self._travelling else inf
 
-    def carry(self, data: bytes, now: float) -> bytes:
-        """Send `data` at `now` [s]; return what arrives now."""
+    def transmit(self, data: bytes, now: float) -> bytes:
+        """Send `data` at `now` [s]; return the bytes that arrive now."""
         faults, travelling = self._faults, self._travelling
         if faults.frozen:
-            self.lose()
+            self.clear()
             return b""
         spoiled = self._spoil(data) if faults.drop or faults.corrupt else data
         if not (faults.delay or travelling):
@@ -149,8 +149,8 @@ class Line:
             arrived += travelling.popleft()[1]
         return bytes(arrived)
 
-    def lose(self) -> None:
-        """Lose what is on its way."""
+    def clear(self) -> None:
+        """Drop the bytes that are on their way."""
         self._travelling.clear()
 
     @property
@@ -171,7 +171,7 @@ class Line:
 
 
 def _frames(data: bytes) -> Iterator[bytes]:
-    """Cut `data` into packets; what lies between them comes in one piece."""
+    """Yield the packets in `data`; the bytes between two packets are one piece."""
     start = 0
     while start < len(data):
         if data.startswith(HEADER, start) and start + 2 < len(data):

@@ -1,4 +1,4 @@
-"""Where hosts come in: listening sockets and pseudo terminals."""
+"""Listening sockets and pseudo terminals, through which hosts connect."""
 
 import asyncio
 import errno
@@ -12,7 +12,7 @@ from typing import Any
 from pioneer3.errors import LinkError, PortBusyError
 from pioneer3.links.serial import make_pty
 from pioneer3.links.stream import tune
-from pioneer3.sim.server.clients import Connection, Terminal
+from pioneer3.sim.server.clients import PtyClient, SocketClient
 from pioneer3.sim.server.port import RobotPort
 
 log = logging.getLogger(__name__)
@@ -22,14 +22,14 @@ BACKLOG = 128
 OUT_OF_FILES = 1.0
 """Pause before the next try when this process may open no more files [s, real]."""
 SEND_BUFFER = 64 * 1024
-"""Of the operating system [bytes]; its own choice would hide a host that takes nothing."""
+"""Of the operating system [bytes]; its own size would hide a host that takes nothing."""
 
 
 SOCKETS_ARE_FILES = os.name == "posix"
 
 
 def as_file(connection: socket.socket) -> FileIO | socket.SocketIO:
-    """Return what reads and writes `connection` and closes it; a descriptor takes least time."""
+    """Return a file that reads, writes and closes `connection`; a descriptor is fastest."""
     if SOCKETS_ARE_FILES:
         return FileIO(connection.detach(), "r+")
     file = connection.makefile("rwb", buffering=0)
@@ -37,7 +37,7 @@ def as_file(connection: socket.socket) -> FileIO | socket.SocketIO:
     return file
 
 
-class TcpDoor:
+class TcpListener:
     """A listening socket in front of one robot's port."""
 
     def __init__(self, port: RobotPort, listener: socket.socket) -> None:
@@ -46,8 +46,8 @@ class TcpDoor:
         self._loop = asyncio.get_running_loop()
         self._open()
 
-    def shut(self) -> None:
-        """Listen no more."""
+    def close(self) -> None:
+        """Stop listening."""
         if self._listener.fileno() >= 0:
             self._loop.remove_reader(self._listener)
             self._listener.close()
@@ -57,7 +57,7 @@ class TcpDoor:
             self._loop.add_reader(self._listener, self._accept)
 
     def _accept(self) -> None:
-        """Let one in: the next has its turn in the next round of the loop."""
+        """Accept one host; the next one is accepted in the next round of the loop."""
         try:
             connection, address = self._listener.accept()
         except OSError as error:
@@ -70,15 +70,15 @@ class TcpDoor:
             connection.close()
             return
         connection.setblocking(False)
-        with suppress(OSError):  # it has gone already, which reading it will tell
+        with suppress(OSError):  # it has gone already; reading it reports that
             tune(connection)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         self._port.admit(
-            Connection(self._port, as_file(connection), f"tcp://{address[0]}:{address[1]}")
+            SocketClient(self._port, as_file(connection), f"tcp://{address[0]}:{address[1]}")
         )
 
 
-class PtyDoor:
+class PtyListener:
     """A pseudo terminal in front of one robot's port.
 
     Attributes:
@@ -90,12 +90,12 @@ class PtyDoor:
         os.set_blocking(pair.master, False)
         self.path = pair.path
         self._slave = pair.slave
-        self._terminal = Terminal(port, FileIO(pair.master, "r+"), pair.path)
-        self._terminal.resume()
+        self._client = PtyClient(port, FileIO(pair.master, "r+"), pair.path)
+        self._client.resume()
 
-    def shut(self) -> None:
-        """Take it away."""
-        self._terminal.shut()
+    def close(self) -> None:
+        """Remove the terminal."""
+        self._client.remove()
         if self._slave >= 0:
             os.close(self._slave)
             self._slave = -1
@@ -105,7 +105,7 @@ async def listening(host: str, number: int) -> socket.socket:
     """Return a socket that listens at `host`:`number`; 0 takes a free port.
 
     Raises:
-        PortBusyError: somebody else listens there.
+        PortBusyError: another program listens there.
         LinkError: this machine has no such address, or the port is not allowed.
     """
     if not 0 <= number < 65536:

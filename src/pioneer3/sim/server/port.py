@@ -1,14 +1,14 @@
-"""Where hosts meet one simulated robot: one at a time, any number one after the other.
+"""The port of one simulated robot: hosts connect to it, one at a time.
 
 Rules, besides those of :mod:`pioneer3.sim.server.clients`:
 
-1. What hosts send waits in a small buffer for the next tick; when that is full the host waits.
-   Each tick a robot takes as much as a fast serial line would bring, answers included, so a flood
-   costs the other robots nothing that a busy serial line would not.
+1. Bytes of hosts wait in a small buffer for the next tick; when it is full the host waits. Each
+   tick a robot takes as much as a fast serial line would bring, answers included, so a flood costs
+   the other robots no more than a busy serial line would.
 2. A host that leaves the network without CLOSE has ended its session, as with MobileSim: the robot
    stops, and the next host finds it waiting. On a serial line, or with `keep_session`, the robot
-   cannot know: it goes on, and :data:`STALE` simulated seconds after the last word the session is
-   ended as the firmware's watchdog would, unless the next host has come before.
+   cannot know: it goes on, and :data:`STALE` simulated seconds after the last byte the session
+   ends, unless the next host has connected before.
 """
 
 from collections.abc import Callable
@@ -18,39 +18,39 @@ from typing import Protocol
 from pioneer3.arcos.device import Phase
 from pioneer3.links import Link
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.server.clients import STALE, Client, LinkClient, Seat
-from pioneer3.sim.server.faults import Line, LinkFaults
+from pioneer3.sim.server.clients import STALE, Client, ClientSlot, LinkClient
+from pioneer3.sim.server.faults import Channel, LinkFaults
 
 BYTES_PER_TICK = 256
 """Taken from a host and answered to it in each tick, on average: 115 200 baud are 230."""
 BURST = 2 * BYTES_PER_TICK
 """The most in one tick."""
 MOST_WAITING = 4096
-"""What may wait for the coming ticks [bytes]; beyond that the host waits."""
+"""Most that waits for the coming ticks [bytes]; then the host waits."""
 
 
-class Door(Protocol):
-    """Where hosts come in: a listening socket, a terminal."""
+class Listener(Protocol):
+    """A listening socket or a terminal, through which hosts connect."""
 
-    def shut(self) -> None:
-        """Let nobody in any more."""
+    def close(self) -> None:
+        """Stop listening."""
 
 
 class RobotPort:
-    """The place of one robot's host, and the cable between the two.
+    """Connects one robot to its host, over a cable that may have faults.
 
     Args:
         firmware: The robot.
-        wake: Called whenever a host has said something.
+        wake: Called whenever a host has sent bytes.
         keep_session: Whether hosts on the network leave as on a serial line.
 
     Attributes:
         firmware: The robot.
         address: Host and number of its TCP port, `None` without.
-        doors: What is to be shut in the end.
+        listeners: Closed with the port.
         pending: Whether there is something for :meth:`take`.
         due: When to call :meth:`tick` next [s, simulated].
-        slot: In which tick of the cycle this session's reports come.
+        report_tick: The tick of the cycle in which this session's reports are sent.
     """
 
     def __init__(
@@ -62,52 +62,52 @@ class RobotPort:
     ) -> None:
         self.firmware = firmware
         self.address: tuple[str, int] | None = None
-        self.doors: list[Door] = []
+        self.listeners: list[Listener] = []
         self.pending = False
         self.due = inf
-        self.slot = 0
+        self.report_tick = 0
         self._wake = wake
         self._keep_session = keep_session
-        self._last_words: bytes | None = None
+        self._final_bytes: bytes | None = None
         self._served: Client | None = None
-        self._seat = Seat(self._welcome, lambda: self.label)
+        self._slot = ClientSlot(self._reset_for_host, lambda: self.label)
         self._rated_watchdog = firmware.watchdog
-        self._spoke_at = -inf
+        self._heard_at = -inf
         self._inbox, self._outbox = bytearray(), b""
-        self._credit, self._turn = BURST, 0
-        self._asked_at = 0
+        self._budget, self._turn = BURST, 0
+        self._packets_before = 0
         self.faults = LinkFaults()
 
     @property
     def faults(self) -> LinkFaults:
-        """What is wrong with the cable; may be changed, and replaced, at any time."""
+        """Faults of the cable; may be changed, and replaced, at any time."""
         return self._faults
 
     @faults.setter
     def faults(self, faults: LinkFaults) -> None:
         self._faults = faults
-        self._to_robot, self._to_host = Line(faults, "to robot"), Line(faults, "to host")
+        self._to_robot, self._to_host = Channel(faults, "to robot"), Channel(faults, "to host")
 
     @property
     def label(self) -> str:
-        """What people tell it by: its model and its TCP port, where it has one."""
+        """A name for people: its model and its TCP port, if it has one."""
         model = self.firmware.body.model.name
         return f"{model} at port {self.address[1]}" if self.address else model
 
     @property
     def connected(self) -> bool:
-        """Whether a host is here."""
-        return self._seat.host is not None
+        """Whether a host is connected."""
+        return self._slot.host is not None
 
     @property
     def peer(self) -> str | None:
         """The host's address, or the terminal it uses; `None` without a host."""
-        return self._seat.host.peer if self._seat.host else None
+        return self._slot.host.peer if self._slot.host else None
 
     @property
     def full(self) -> bool:
         """Whether one more host would be turned away at once."""
-        return self._seat.full
+        return self._slot.full
 
     @property
     def is_open(self) -> bool:
@@ -116,25 +116,25 @@ class RobotPort:
 
     @property
     def opens_next(self) -> bool:
-        """Whether the host's next word opens a session."""
+        """Whether the host's next packet opens a session."""
         return self.firmware.device.phase is Phase.READY
 
     @property
     def awaited(self) -> bool:
-        """Whether a host in session has not sent a valid packet since :meth:`ask`."""
+        """Whether a host in session has not sent a valid packet since :meth:`expect_packet`."""
         return (
             self.connected
             and self.is_open
             and not self.firmware.body.drive.held
-            and self.firmware.device.reader.packets <= self._asked_at
+            and self.firmware.device.reader.packets <= self._packets_before
         )
 
-    def ask(self) -> None:
-        """From now on the host is awaited."""
-        self._asked_at = self.firmware.device.reader.packets
+    def expect_packet(self) -> None:
+        """Await a packet of the host from now on."""
+        self._packets_before = self.firmware.device.reader.packets
 
-    def stretch(self, factor: float) -> None:
-        """Let the watchdog wait by `factor` longer than the robot's own."""
+    def scale_watchdog(self, factor: float) -> None:
+        """Let the watchdog wait `factor` times as long as the robot's own."""
         if self._rated_watchdog:
             self.firmware.watchdog = self._rated_watchdog * factor
             self.due = -inf
@@ -146,141 +146,141 @@ class RobotPort:
         await client.live()
 
     def admit(self, client: Client) -> None:
-        """Give `client` the place, now or soon, or turn it away."""
-        self._seat.admit(client)
+        """Give `client` the slot, now or soon, or turn it away."""
+        self._slot.admit(client)
 
-    def hear(self, client: Client, data: bytes) -> None:
-        """Keep what `client` says for the next tick."""
-        if not self._seat.speaks(client):
+    def received(self, client: Client, data: bytes) -> None:
+        """Keep the bytes of `client` for the next tick."""
+        if not self._slot.heard_from(client):
             return
         self._inbox += data
         self.pending = True
         if len(self._inbox) >= MOST_WAITING:
             client.pause()
-            self._seat.flooded(flooded=True)
+            self._slot.set_flooded(flooded=True)
         self._wake()
 
-    def leave(self, client: Client) -> None:
-        """Take note that `client` has gone."""
-        if client is self._seat.host and not client.standing:
+    def disconnected(self, client: Client) -> None:
+        """Note that `client` has gone."""
+        if client is self._slot.host and not client.permanent:
             self._end_session()
-        if self._seat.leave(client):
+        if self._slot.disconnected(client):
             self.due = -inf
 
     def check_cable(self) -> None:
-        """Do what follows when the cable has been pulled out, or put in again."""
-        if self._faults.unplugged != self._seat.closed:
-            self._seat.closed = self._faults.unplugged
-            if self._seat.closed:
-                self._part()
+        """Disconnect every host while the cable is pulled out."""
+        if self._faults.unplugged != self._slot.closed:
+            self._slot.closed = self._faults.unplugged
+            if self._slot.closed:
+                self._disconnect()
 
     def take(self, now: float, turn: int, *, listen: bool = True) -> None:
-        """Give the robot what its host has said.
+        """Give the robot the bytes of its host.
 
         Args:
             now: [s, simulated].
             turn: Counts the ticks; each brings :data:`BYTES_PER_TICK`.
-            listen: Whether the host is listened to, or only what is on its way arrives.
+            listen: Whether to take new bytes, or only those that are on their way.
         """
-        if self._last_words is not None:
-            self._tell(self._last_words, now)
-            self._last_words = None
+        if self._final_bytes is not None:
+            self._deliver(self._final_bytes, now)
+            self._final_bytes = None
             if self.firmware.device.phase is not Phase.WAITING:
                 self.firmware.hang_up(now)
-        self._credit = min(BURST, self._credit + BYTES_PER_TICK * (turn - self._turn))
+        self._budget = min(BURST, self._budget + BYTES_PER_TICK * (turn - self._turn))
         self._turn = turn
-        data = self._from_inbox(max(0, self._credit)) if listen else b""
-        self._credit -= len(data)
+        data = self._from_inbox(max(0, self._budget)) if listen else b""
+        self._budget -= len(data)
         if self._faults.any or self._to_robot.due < inf:
-            data = self._to_robot.carry(data, now)
+            data = self._to_robot.transmit(data, now)
         self.pending = bool(self._inbox) or self._to_robot.due < inf
         if data:
-            self._tell(data, now)
+            self._deliver(data, now)
 
     def tick(self, now: float) -> None:
-        """Let the robot look at the clock, and send what it has to say at `now` [s, simulated]."""
+        """Let time pass for the robot until `now` [s, simulated], and send its reports."""
         self.firmware.tick(now)
-        if self._is_left_over() and now - self._spoke_at > STALE:
+        if self._has_orphan_session() and now - self._heard_at > STALE:
             self.firmware.hang_up(now)
         self.flush(now)
 
     def flush(self, now: float) -> None:
-        """Send what the robot has said."""
+        """Send the robot's bytes."""
         data, self._outbox = self._outbox + self.firmware.device.outgoing(), b""
         if self._faults.any or self._to_host.due < inf:
-            data = self._to_host.carry(data, now)
-        host = self._seat.host
+            data = self._to_host.transmit(data, now)
+        host = self._slot.host
         if data and host is not None:
             host.send(data)
-        if host is not None and host.standing and self.firmware.device.phase is Phase.WAITING:
-            host.close()  # it has said CLOSE: the place is free
-            self._seat.leave(host)
+        if host is not None and host.permanent and self.firmware.device.phase is Phase.WAITING:
+            host.close()  # it has sent CLOSE: the slot is free
+            self._slot.disconnected(host)
         self.due = min(self.firmware.due, self._to_host.due)
-        if self._is_left_over():
-            self.due = min(self.due, self._spoke_at + STALE)
+        if self._has_orphan_session():
+            self.due = min(self.due, self._heard_at + STALE)
 
-    def break_down(self) -> None:
-        """Cut the host off and forget the session: this robot has failed."""
+    def fail(self) -> None:
+        """Disconnect the host and end the session of a robot that has failed."""
         self._outbox = b""
-        self._part()
+        self._disconnect()
         self.firmware.device.hang_up()
         self.firmware.body.session_ended()
-        self.due = inf  # until a host speaks to it again
+        self.due = inf  # until a host sends bytes again
 
     def close(self) -> None:
-        """Part from the host, and let nobody in any more."""
-        for door in self.doors:
-            door.shut()
-        self.doors.clear()
+        """Disconnect the host and stop listening."""
+        for listener in self.listeners:
+            listener.close()
+        self.listeners.clear()
         self.address = None
-        self._part()
+        self._disconnect()
 
     def _from_inbox(self, most: int) -> bytes:
         data = bytes(self._inbox[:most])
         del self._inbox[:most]
-        if self._seat.host is not None and len(self._inbox) < MOST_WAITING:
-            self._seat.host.resume()
+        if self._slot.host is not None and len(self._inbox) < MOST_WAITING:
+            self._slot.host.resume()
         if not self._inbox:
-            self._seat.flooded(flooded=False)
+            self._slot.set_flooded(flooded=False)
         return data
 
-    def _tell(self, data: bytes, now: float) -> None:
+    def _deliver(self, data: bytes, now: float) -> None:
         was_open = self.is_open
         self.firmware.receive(data, now)
-        self._spoke_at = now
+        self._heard_at = now
         if self.is_open and not was_open:
-            self.ask()
+            self.expect_packet()
         self._outbox = self.firmware.device.outgoing()
-        self._credit -= len(self._outbox)
+        self._budget -= len(self._outbox)
 
     def _end_session(self) -> None:
-        """Let the robot hear the last words of its host, and then that it is gone."""
+        """Give the robot the last bytes of its host, and then end the session."""
         if not self._keep_session:
-            self._last_words = ((self._last_words or b"") + self._inbox)[:BURST]
-            self._forget()
+            self._final_bytes = ((self._final_bytes or b"") + self._inbox)[:BURST]
+            self._discard()
             self.pending = True
             self._wake()
 
-    def _welcome(self) -> None:
-        """Make ready for another host."""
-        last, self._served = self._served, self._seat.host
-        if last is not None and not last.standing and self.is_open:
-            self._end_session()  # it was silent, and gave way
+    def _reset_for_host(self) -> None:
+        """Prepare for another host."""
+        last, self._served = self._served, self._slot.host
+        if last is not None and not last.permanent and self.is_open:
+            self._end_session()  # it was silent and lost the slot
         self.firmware.device.reader.discard()
-        self._to_host.lose()  # that was for the last one
-        if len(self._inbox) > BURST:  # it has flooded us; less may be its farewell
-            self._forget()
+        self._to_host.clear()  # bytes for the last one
+        if len(self._inbox) > BURST:  # a flood; fewer bytes may be the last packets of a session
+            self._discard()
 
-    def _part(self) -> None:
-        self._forget()
-        self._seat.clear()
+    def _disconnect(self) -> None:
+        self._discard()
+        self._slot.disconnect_all()
         self.due = -inf
 
-    def _forget(self) -> None:
-        """Lose what hosts have said and the robot has not heard."""
+    def _discard(self) -> None:
+        """Drop the bytes that the robot has not taken."""
         self._inbox.clear()
-        self._to_robot.lose()
+        self._to_robot.clear()
         self.pending = False
 
-    def _is_left_over(self) -> bool:
+    def _has_orphan_session(self) -> bool:
         return not self.connected and self.is_open

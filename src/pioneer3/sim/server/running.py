@@ -18,11 +18,11 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.placement.footprint import hits, overlap, stands_in
-from pioneer3.sim.placement.placer import Berths, Newcomer
-from pioneer3.sim.placement.spawn import new_name
+from pioneer3.sim.placement.placer import PlacementRequest, Placer
+from pioneer3.sim.placement.spawn import unique_name
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec
@@ -109,17 +109,17 @@ class RunningSimulation:
         simulation: Simulation,
         robots: Iterable[SimulatedRobot],
         rng: Generator,
-        shelf: ClientMaps,
+        client_maps: ClientMaps,
     ) -> None:
         self.world: World = simulation.world
         self.robots = list(robots)
-        self.pace: Pace = simulation.pace
+        self.pace: Pacer = simulation.pace
         self.factory_url: str | None = None
         self.acts_urls: list[str] = []
         self.notes: list[str] = []
         self._simulation = simulation
         self._rng = rng
-        self._shelf = shelf
+        self._client_maps = client_maps
         self._faults = LinkFaults()
         self._adding = asyncio.Lock()
         for robot in self.robots:
@@ -168,13 +168,15 @@ class RunningSimulation:
             ConfigError: Its model or name is wrong, or there is no room for it.
             LinkError: Its port cannot be listened on.
         """
-        model = spec.equipment.to(load_model(spec.model))
-        equipment = spec.equipment.on(model)
+        model = spec.equipment.model_with(load_model(spec.model))
+        equipment = spec.equipment.equipment_of(model)
         async with self._adding:
-            name = new_name(spec.name or model.name, {robot.name for robot in self.robots})
-            body = Body(model, self._place_for(Newcomer(name, model, spec.start)))
+            name = unique_name(spec.name or model.name, {robot.name for robot in self.robots})
+            body = Body(model, self._place_for(PlacementRequest(name, model, spec.start)))
             self.world.add(body)
-            firmware = Firmware(self.world, body, equipment=equipment, shelf=self._shelf)
+            firmware = Firmware(
+                self.world, body, equipment=equipment, client_maps=self._client_maps
+            )
             try:
                 await self._simulation.add(firmware, spec.port)
             except LinkError:
@@ -250,13 +252,13 @@ class RunningSimulation:
                     f"{robot.name} stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
                 )
 
-    def _place_for(self, newcomer: Newcomer) -> Pose2:
+    def _place_for(self, request: PlacementRequest) -> Pose2:
         standing = self.world.robots
         obstacles = [_outline(obstacle, obstacle.pose) for obstacle in self.world.obstacles]
-        berths = Berths(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
+        placer = Placer(self.world.map, self._rng, obstacles, expected=len(standing) + 1)
         for body in standing:
-            berths.take(body.model, body.robot_in_world)
-        return berths.find(newcomer)
+            placer.occupy(body.model, body.robot_in_world)
+        return placer.place(request)
 
     def _tell_all(self, change: MapChanged) -> None:
         """Let every host know that there is another map."""

@@ -1,9 +1,9 @@
-"""The simulator on the network: each robot has a TCP port, and one loop lets the time pass.
+"""The simulator on the network: each robot has a TCP port, and one loop advances the time.
 
 A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
-Robots live in the world's time, never in the machine's, and hear their hosts only between steps, so
-the same bytes at the same ticks give the same simulation to the last bit, at any :class:`Pace`.
-Only SIMSTAT, for who asks, tells real time.
+Robots know the world's time, never the machine's, and take bytes only between steps, so the same
+bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
+SIMSTAT tells real time.
 """
 
 import asyncio
@@ -17,15 +17,15 @@ from pioneer3.clock import Clock
 from pioneer3.errors import LinkError
 from pioneer3.sim.firmware import CYCLE, Firmware
 from pioneer3.sim.firmware.console import StepTimes
-from pioneer3.sim.server.listeners import PtyDoor, TcpDoor, listening
-from pioneer3.sim.server.pace import LATELY, TICK, Pace
+from pioneer3.sim.server.listeners import PtyListener, TcpListener, listening
+from pioneer3.sim.server.pacer import LATELY, TICK, Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
 
 log = logging.getLogger(__name__)
 
 LONGEST_TURN = 0.02
-"""Hosts are listened to at least this often, however slowly time passes [s, real]."""
+"""Hosts are read at least this often, however slowly time passes [s, real]."""
 TICKS_PER_CYCLE = round(CYCLE / TICK)
 SLACK = 1e-6
 """Times are sums of ticks, and rounded [s]."""
@@ -52,20 +52,20 @@ class Simulation:
         world: World,
         firmwares: Sequence[Firmware],
         *,
-        pace: Pace | None = None,
+        pace: Pacer | None = None,
         keep_session: bool = False,
     ) -> None:
         self.world = world
-        self.pace = pace or Pace()
+        self.pace = pace or Pacer()
         self.ports: list[RobotPort] = []
         self._keep_session = keep_session
         self._heard = asyncio.Event()
         self._host: str | None = None
         self._next_number = 0
         self._ticks = self._turns = 0
-        self._stretch = 1.0
-        self._told_at = -inf
-        self._asking_since: float | None = None
+        self._watchdog_factor = 1.0
+        self._reported_at = -inf
+        self._waiting_since: float | None = None
         for firmware in firmwares:
             self.attach(firmware)
 
@@ -85,8 +85,8 @@ class Simulation:
             ports: A robot's own number, or `None` for the next; may be shorter than the robots.
 
         Raises:
-            PortBusyError: somebody else listens there.
-            LinkError: this machine has no such address, or the port is not allowed.
+            PortBusyError: Another program listens there.
+            LinkError: This machine has no such address, or the port is not allowed.
         """
         self._host, self._next_number = host, first_port
         own = [*ports, *[None] * len(self.ports)]
@@ -101,18 +101,18 @@ class Simulation:
         """Make a pseudo terminal for each robot, as a serial port besides TCP; return their names.
 
         Raises:
-            LinkError: this machine has no more of them.
+            LinkError: This machine has no more of them.
         """
-        doors = []
+        listeners = []
         for port in self.ports:
-            doors.append(PtyDoor(port))
-            port.doors.append(doors[-1])
-        return [door.path for door in doors]
+            listeners.append(PtyListener(port))
+            port.listeners.append(listeners[-1])
+        return [listener.path for listener in listeners]
 
     def attach(self, firmware: Firmware) -> RobotPort:
-        """Let one more robot live; return where to :meth:`RobotPort.serve` its hosts."""
+        """Add a robot; return its port, which can :meth:`RobotPort.serve` hosts."""
         port = RobotPort(firmware, self._heard.set, keep_session=self._keep_session)
-        port.stretch(self._stretch)
+        port.scale_watchdog(self._watchdog_factor)
         self.ports.append(port)
         return port
 
@@ -120,8 +120,8 @@ class Simulation:
         """Let hosts connect to one more robot; return its TCP port, the next one if not given.
 
         Raises:
-            PortBusyError: somebody else listens there.
-            LinkError: the port is not allowed, or :meth:`listen` has not been called.
+            PortBusyError: Another program listens there.
+            LinkError: The port is not allowed, or :meth:`listen` has not been called.
         """
         added = self.attach(firmware)
         try:
@@ -131,10 +131,10 @@ class Simulation:
             raise
 
     async def remove(self, firmware: Firmware) -> None:
-        """Part from a robot's host and close its port; the robot's session ends.
+        """Disconnect a robot's host and close its port; the robot's session ends.
 
         Raises:
-            ValueError: it has no port here.
+            ValueError: It has no port here.
         """
         port = next((port for port in self.ports if port.firmware is firmware), None)
         if port is None:
@@ -144,23 +144,23 @@ class Simulation:
         firmware.hang_up(self.world.time)
 
     async def run(self) -> None:
-        """Let time pass until cancelled; then every port is closed."""
+        """Advance the time until cancelled; then close every port."""
         clock = asyncio.get_running_loop().time
         try:
             while True:
                 rest = self._turn(clock)
-                if self._asking_since is None:
+                if self._waiting_since is None:
                     await asyncio.sleep(rest)
                 else:
-                    await self._rest_until_heard(rest)
+                    await self._sleep_until_heard(rest)
         finally:
             self._close()
 
     def _turn(self, clock: Clock) -> float:
-        """Hear the hosts, and let a tick pass if it is time; return how long to rest [s, real]."""
+        """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
         now = clock()
-        self._tell_pace(now)
-        self._take_in()
+        self._report_pace(now)
+        self._receive()
         wait = self.pace.wait(now)
         if wait == 0 and self._all_have_answered(now):
             self._tick()
@@ -168,52 +168,52 @@ class Simulation:
             return min(LONGEST_TURN, self.pace.wait(clock()))
         if self.pace.paused:
             self._turns += 1
-            self._asking_since = None
+            self._waiting_since = None
         return min(LONGEST_TURN, wait or LONGEST_TURN)
 
-    def _tell_pace(self, now: float) -> None:
-        """Let the robots know how fast time passes."""
-        if self._stretch != self.pace.stretch:
-            self._stretch = self.pace.stretch
+    def _report_pace(self, now: float) -> None:
+        """Tell the robots how fast time passes."""
+        if self._watchdog_factor != self.pace.watchdog_factor:
+            self._watchdog_factor = self.pace.watchdog_factor
             for port in self.ports:
-                port.stretch(self._stretch)
-        if now - self._told_at < LATELY or not self.pace.factor:
+                port.scale_watchdog(self._watchdog_factor)
+        if now - self._reported_at < LATELY or not self.pace.real_time_factor:
             return
-        self._told_at = now
-        wanted, measured = CYCLE / self.pace.speed, CYCLE / self.pace.factor
+        self._reported_at = now
+        wanted, measured = CYCLE / self.pace.speed, CYCLE / self.pace.real_time_factor
         times = StepTimes(simulated=CYCLE, wanted=wanted, measured=measured)
         for port in self.ports:
             port.firmware.step_times = times
 
-    def _take_in(self) -> None:
-        """Give every robot what its host has said, and send its answers."""
+    def _receive(self) -> None:
+        """Give every robot the bytes of its host, and send its answers."""
         now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
         hold = self.pace.lock_step and in_cycle > 0
         spread = self.pace.speed >= 1 and not self.pace.paused  # else it may last
-        room: int | None = None
+        openings: int | None = None
         for port in self.ports:
             port.check_cable()
             if not port.pending:
                 continue
             if port.opens_next and spread:
-                room = self._room(in_cycle) if room is None else room
-                if room <= 0:
+                openings = self._openings_left(in_cycle) if openings is None else openings
+                if openings <= 0:
                     continue
             was_open = port.is_open
-            with self._alone(port):
+            with self._isolated(port):
                 port.take(now, self._turns, listen=not (hold and was_open))
                 port.flush(now)
             if port.is_open and not was_open:
-                port.slot = in_cycle
-                room = room and room - 1
+                port.report_tick = in_cycle
+                openings = openings and openings - 1
 
-    def _room(self, slot: int) -> int:
+    def _openings_left(self, slot: int) -> int:
         """Return how many sessions may still open in this tick of the cycle.
 
         A session's reports come in the tick of the cycle that it was opened in. Were they all in
         the same one, that would be late and the others idle.
         """
-        open_in = Counter(port.slot for port in self.ports if port.is_open)
+        open_in = Counter(port.report_tick for port in self.ports if port.is_open)
         return ceil(len(self.ports) / TICKS_PER_CYCLE) - open_in[slot]
 
     def _tick(self) -> None:
@@ -224,35 +224,35 @@ class Simulation:
         due = [port for port in self.ports if port.due <= now + SLACK]
         self.world.expect(port.firmware.body for port in due)
         for port in due:
-            with self._alone(port):
+            with self._isolated(port):
                 port.tick(now)
 
     @contextmanager
-    def _alone(self, port: RobotPort) -> Iterator[None]:
-        """Keep what goes wrong with one robot from the others."""
+    def _isolated(self, port: RobotPort) -> Iterator[None]:
+        """Keep an error of one robot from the others."""
         try:
             yield
         except Exception:
             log.exception("%s: the simulated robot failed, its host is cut off", port.label)
-            port.break_down()
+            port.fail()
 
     def _all_have_answered(self, now: float) -> bool:
         """Whether time may pass; in lock step it waits for the hosts at the end of each cycle."""
         if not self.pace.lock_step or self._ticks % TICKS_PER_CYCLE:
-            self._asking_since = None
+            self._waiting_since = None
             return True
         if any(port.awaited for port in self.ports):
-            if self._asking_since is None:
-                self._asking_since = now
-            if now - self._asking_since < self.pace.patience:
-                self.pace.hold(now)
+            if self._waiting_since is None:
+                self._waiting_since = now
+            if now - self._waiting_since < self.pace.patience:
+                self.pace.postpone(now)
                 return False
-        self._asking_since = None
+        self._waiting_since = None
         for port in self.ports:
-            port.ask()
+            port.expect_packet()
         return True
 
-    async def _rest_until_heard(self, seconds: float) -> None:
+    async def _sleep_until_heard(self, seconds: float) -> None:
         self._heard.clear()
         try:
             async with asyncio.timeout(seconds):
@@ -273,7 +273,7 @@ class Simulation:
         listener = await listening(self._host, number)
         address = listener.getsockname()
         port.address = address[0], address[1]
-        port.doors.append(TcpDoor(port, listener))
+        port.listeners.append(TcpListener(port, listener))
         return port.address[1]
 
     def _close(self) -> None:

@@ -14,18 +14,18 @@ from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.placement.spawn import Inhabitant, populate
+from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.choice import KernelChoice, chosen_kernels
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.listeners import listening
-from pioneer3.sim.server.pace import Pace
+from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot, url_of
 from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
-from pioneer3.sim.worldfile.arguments import AS_IT_IS, Wishes
+from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
@@ -33,13 +33,13 @@ log = logging.getLogger(__name__)
 
 @asynccontextmanager
 async def robot_factory(
-    running: RunningSimulation, product: RobotSpec, port: int, host: str
+    running: RunningSimulation, factory_robot: RobotSpec, port: int, host: str
 ) -> AsyncIterator[str]:
     """Listen while the block runs; yield the URL.
 
     Args:
         running: Where the robots come into the world.
-        product: What every host gets; a free port of its own besides.
+        factory_robot: What every host gets; a free port of its own besides.
         port: TCP port; 0 takes a free one.
         host: Address of this machine to listen at.
 
@@ -49,7 +49,7 @@ async def robot_factory(
     serving: set[asyncio.Task[None]] = set()
 
     def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        task = asyncio.ensure_future(_serve(running, product, reader, writer))
+        task = asyncio.ensure_future(_serve(running, factory_robot, reader, writer))
         serving.add(task)
         task.add_done_callback(serving.discard)
 
@@ -67,14 +67,14 @@ async def robot_factory(
 
 async def _serve(
     running: RunningSimulation,
-    product: RobotSpec,
+    factory_robot: RobotSpec,
     reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> None:
     peer = writer.get_extra_info("peername") or ("?", 0)
     link = accepted(f"tcp://{peer[0]}:{peer[1]}", reader, writer)
     try:
-        robot = await running.add_robot(product)
+        robot = await running.add_robot(factory_robot)
     except PioneerError as error:
         log.warning("%s: gets no robot: %s", link.url, error)
         await link.close()
@@ -99,9 +99,9 @@ async def simulator(
     robot: str | None = None,
     port: int = FIRST_PORT,
     host: str = LOOPBACK,
-    wishes: Wishes = AS_IT_IS,
+    overrides: WorldOverrides = NO_OVERRIDES,
     realism: Realism | None = None,
-    pace: Pace | None = None,
+    pace: Pacer | None = None,
     faults: LinkFaults | None = None,
     ptys: bool = False,
     acts: int | None = None,
@@ -111,12 +111,12 @@ async def simulator(
 
     Args:
         map_name: A shipped map or world, a map or world file, or a world.
-        robot: Model of the only robot, by name or file; `None` for those of `wishes` or of the
+        robot: Model of the only robot, by name or file; `None` for those of `overrides` or of the
             world, or a P3-AT where there is none.
         port: TCP port of the first robot, the others have the next ones; 0 takes free ones. A
             factory comes before the robots.
         host: Address of this machine to listen at.
-        wishes: What to change in the world before it begins.
+        overrides: What to change in the world before it begins.
         realism: How like a real robot; `None` is ideal: no noise, no slip, thin rays.
         pace: How time passes; in real time if not given.
         faults: What is wrong with every robot's cable.
@@ -131,37 +131,39 @@ async def simulator(
         LinkError: A port cannot be listened on.
     """
     if robot is not None:
-        wishes = replace(wishes, robots=(RobotSpec(model=robot),))
+        overrides = replace(overrides, robots=(RobotSpec(model=robot),))
     asked = map_name if isinstance(map_name, WorldFile) else load_world(map_name)
-    world_file = wishes.laid_over(asked)
+    world_file = overrides.applied_to(asked)
     line_map, rng = world_file.line_map(), default_rng(world_file.seed)
-    crew, shelf = populate(world_file, line_map, rng), _shelf(world_file)
-    bodies = [Body(each.model, each.pose) for each in crew]
+    spawned, client_maps = spawn_robots(world_file, line_map, rng), _client_maps(world_file)
+    bodies = [Body(each.model, each.pose) for each in spawned]
     world = World(line_map, bodies, seed=world_file.seed, realism=realism)
     firmwares = [
-        Firmware(world, body, equipment=each.equipment, shelf=shelf)
-        for each, body in zip(crew, bodies, strict=True)
+        Firmware(world, body, equipment=each.equipment, client_maps=client_maps)
+        for each, body in zip(spawned, bodies, strict=True)
     ]
     things: tuple[Box | Person, ...] = world_file.movable + world_file.people
     for thing in things:
         world.add_obstacle(thing)
     simulation = Simulation(world, firmwares, pace=pace, keep_session=world_file.keep_session)
-    product = wishes.product
-    if product:
-        load_model(product.model)  # better now than when the first client comes
-    first_port = port + 1 if product and port else port
-    await simulation.listen(first_port, host, ports=[each.port for each in crew])
+    factory_robot = overrides.factory_robot
+    if factory_robot:
+        load_model(factory_robot.model)  # better now than when the first client comes
+    first_port = port + 1 if factory_robot and port else port
+    await simulation.listen(first_port, host, ports=[each.port for each in spawned])
     # connections are accepted from now on; time begins when the kernels are there
     world.kernels = await chosen_kernels(kernels, len(bodies), pace)
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(running(simulation.run()))
-        here = RunningSimulation(simulation, _robots(crew, simulation, ptys=ptys), rng, shelf)
-        here.notes = [f"{each.name} {IN_THE_WAY}" for each in crew if each.in_the_way]
+        here = RunningSimulation(
+            simulation, _robots(spawned, simulation, ptys=ptys), rng, client_maps
+        )
+        here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
         if faults is not None:
             here.set_faults(faults)
-        if product:
-            door = robot_factory(here, product, port, host)
-            here.factory_url = await stack.enter_async_context(door)
+        if factory_robot:
+            listener = robot_factory(here, factory_robot, port, host)
+            here.factory_url = await stack.enter_async_context(listener)
         if acts is not None:
             _refuse_robots_ports(acts, here)
             trackers = colour_trackers(world, here.robots[:], acts, host)
@@ -183,13 +185,13 @@ def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
 
 
 def _robots(
-    crew: Sequence[Inhabitant], simulation: Simulation, *, ptys: bool
+    spawned: Sequence[SpawnedRobot], simulation: Simulation, *, ptys: bool
 ) -> Iterator[SimulatedRobot]:
-    names = simulation.open_ptys() if ptys else [None] * len(crew)
-    for each, port, pty in zip(crew, simulation.ports, names, strict=True):
+    names = simulation.open_ptys() if ptys else [None] * len(spawned)
+    for each, port, pty in zip(spawned, simulation.ports, names, strict=True):
         yield SimulatedRobot.at(port, each.name, pty)
 
 
-def _shelf(world: WorldFile) -> ClientMaps:
+def _client_maps(world: WorldFile) -> ClientMaps:
     """Return the maps that clients may load: those beside the one in use, and those here."""
     return ClientMaps(world.map.parent, Path()) if isinstance(world.map, Path) else ClientMaps()

@@ -2,9 +2,17 @@
 
 from pioneer3.sim.worldfile.load import ClientMaps, load_map, load_world, shipped_worlds
 from pioneer3.sim.worldfile.person import Person, outlines_at
-from pioneer3.sim.worldfile.spec import Box, Fitting, Place, RobotSpec, Start, Wall, WorldFile
+from pioneer3.sim.worldfile.spec import (
+    Box,
+    EquipmentOptions,
+    Place,
+    RobotSpec,
+    Start,
+    Wall,
+    WorldFile,
+)
 from pioneer3.sim.worldfile.toml import (
-    parse_fitting,
+    parse_equipment,
     parse_world,
     read_world,
     to_toml,
@@ -14,7 +22,7 @@ from pioneer3.sim.worldfile.toml import (
 __all__ = [
     "Box",
     "ClientMaps",
-    "Fitting",
+    "EquipmentOptions",
     "Person",
     "Place",
     "RobotSpec",
@@ -24,7 +32,7 @@ __all__ = [
     "load_map",
     "load_world",
     "outlines_at",
-    "parse_fitting",
+    "parse_equipment",
     "parse_world",
     "read_world",
     "shipped_worlds",

@@ -1,4 +1,4 @@
-"""Reads what a command line says of robots and starts, and lays it over a world."""
+"""Options of a command line about robots and starts, which override a world file."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,9 +8,9 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.maps.text import shown
 from pioneer3.sim.worldfile.spec import (
-    AS_DELIVERED,
     FARTHEST,
-    Fitting,
+    NO_OPTIONS,
+    EquipmentOptions,
     RobotSpec,
     Start,
     WorldFile,
@@ -22,29 +22,29 @@ LONGEST_NAME = 40
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wishes:
-    """What a command line asks for; it wins over the world file.
+class WorldOverrides:
+    """Options of a command line; they override the world file.
 
     Attributes:
         robots: In place of the world's.
         starts: One for all robots, or one for each.
-        equipment: Fitted to all robots, besides what they have.
-        seed: Of everything random.
-        keep_session: Whether sessions outlive their programs, whatever the world says.
-        own_ports: Whether robots keep the ports that the world file gives them.
-        factory: A model of which every client of one port gets a robot; empty for none.
+        equipment: Of all robots, in addition to their own.
+        seed: Of all random numbers.
+        keep_session: Sessions outlive their programs, whatever the world says.
+        own_ports: Robots keep the ports that the world file gives them.
+        factory: The model of the robot that every client of one port gets; empty for none.
     """
 
     robots: tuple[RobotSpec, ...] = ()
     starts: tuple[Start, ...] = ()
-    equipment: Fitting = AS_DELIVERED
+    equipment: EquipmentOptions = NO_OPTIONS
     seed: int | None = None
     keep_session: bool = False
     own_ports: bool = True
     factory: str = ""
 
-    def laid_over(self, world: WorldFile) -> WorldFile:
-        """Return `world` with these wishes; without robots and factory it gets a robot.
+    def applied_to(self, world: WorldFile) -> WorldFile:
+        """Return `world` with these options; without robots and factory it gets a robot.
 
         Raises:
             ConfigError: There are several starts, but not one for each robot.
@@ -62,15 +62,15 @@ class Wishes:
                     robot,
                     start=start,
                     port=robot.port if self.own_ports else None,
-                    equipment=robot.equipment.but(self.equipment),
+                    equipment=robot.equipment.overridden_by(self.equipment),
                 )
                 for robot, start in zip(robots, starts, strict=True)
             ),
         )
 
     @property
-    def product(self) -> RobotSpec | None:
-        """What the factory makes, or `None` without one."""
+    def factory_robot(self) -> RobotSpec | None:
+        """The robot that every client of the factory gets, or `None` without a factory."""
         if not self.factory:
             return None
         start = self.starts[0] if self.starts else "home"
@@ -89,7 +89,7 @@ class Wishes:
         )
 
 
-AS_IT_IS = Wishes()
+NO_OVERRIDES = WorldOverrides()
 
 
 def parse_robot(text: str) -> RobotSpec:

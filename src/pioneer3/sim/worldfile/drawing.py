@@ -27,11 +27,11 @@ MARGIN = 0.5
 LONG_SIDE = 1600
 """Of a PNG picture [pixels]."""
 DOT = 0.12
-"""Radius of a mark [m]."""
+"""Radius of a marker [m]."""
 
 
-class Ink(StrEnum):
-    """What a line or a mark stands for; later ones are drawn over earlier ones."""
+class Layer(StrEnum):
+    """A layer of a drawing; later ones are drawn over earlier ones."""
 
     WALL = "wall"
     FORBIDDEN = "forbidden"
@@ -42,34 +42,34 @@ class Ink(StrEnum):
     HOME = "home"
 
 
-COLOURS: Mapping[Ink, tuple[int, int, int]] = MappingProxyType(
+COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
     {
-        Ink.WALL: (32, 32, 32),
-        Ink.FORBIDDEN: (214, 39, 40),
-        Ink.PERSON: (148, 103, 189),
-        Ink.BOX: (188, 120, 0),
-        Ink.DOCK: (140, 86, 75),
-        Ink.GOAL: (31, 119, 180),
-        Ink.HOME: (44, 160, 44),
+        Layer.WALL: (32, 32, 32),
+        Layer.FORBIDDEN: (214, 39, 40),
+        Layer.PERSON: (148, 103, 189),
+        Layer.BOX: (188, 120, 0),
+        Layer.DOCK: (140, 86, 75),
+        Layer.GOAL: (31, 119, 180),
+        Layer.HOME: (44, 160, 44),
     }
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class Marker:
     """A named place.
 
     Attributes:
-        ink: What it is.
-        pose: Where [m, rad].
+        layer: Its layer.
+        pose: In the map [m, rad].
         name: Its label.
-        heads: Whether the heading means anything.
+        has_heading: Whether the heading is drawn.
     """
 
-    ink: Ink
+    layer: Layer
     pose: Pose2
     name: str
-    heads: bool
+    has_heading: bool
 
     @property
     def stroke(self) -> Float:
@@ -80,31 +80,33 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawing:
-    """Lines and marks in the map frame.
+    """Lines and markers in the map frame.
 
     Attributes:
         name: Of the world.
-        bounds: Of all lines and marks [m].
-        lines: Segments [m] of each ink, shape (N, 4).
-        marks: Named places.
+        bounds: Of all lines and markers [m].
+        lines: Segments [m] of each layer, shape (N, 4).
+        markers: Named places.
     """
 
     name: str
     bounds: Bounds
-    lines: dict[Ink, Float]
-    marks: tuple[Mark, ...]
+    lines: dict[Layer, Float]
+    markers: tuple[Marker, ...]
 
 
 def draw(world: WorldFile, line_map: LineMap) -> Drawing:
-    """Return what there is to draw of `world`, whose :meth:`WorldFile.line_map` is given."""
-    lines = {Ink.WALL: line_map.walls}
+    """Return the drawing of `world`, whose :meth:`WorldFile.line_map` is given."""
+    lines = {Layer.WALL: line_map.walls}
     forbidden = [o for o in line_map.objects if o.kind.startswith("Forbidden")]
-    lines[Ink.FORBIDDEN] = _sides(forbidden)
+    lines[Layer.FORBIDDEN] = _sides(forbidden)
     movable = [box.as_object() for box in world.movable]
-    lines[Ink.BOX] = _sides([o for o in line_map.objects if o.solid] + movable)
-    lines[Ink.PERSON] = np.concatenate([np.empty((0, 4)), *map(_walk, world.people)])
-    marks = tuple(_marks(world, line_map))
-    return Drawing(name=world.name, bounds=_bounds(lines.values(), marks), lines=lines, marks=marks)
+    lines[Layer.BOX] = _sides([o for o in line_map.objects if o.solid] + movable)
+    lines[Layer.PERSON] = np.concatenate([np.empty((0, 4)), *map(_walk, world.people)])
+    markers = tuple(_markers(world, line_map))
+    return Drawing(
+        name=world.name, bounds=_bounds(lines.values(), markers), lines=lines, markers=markers
+    )
 
 
 def _sides(objects: Iterable[MapObject]) -> Float:
@@ -118,21 +120,23 @@ def _walk(person: Person) -> Float:
     return np.concatenate([np.array(legs).reshape(-1, 4), person.outline_at(0.0)])
 
 
-def _marks(world: WorldFile, line_map: LineMap) -> Iterator[Mark]:
+def _markers(world: WorldFile, line_map: LineMap) -> Iterator[Marker]:
     for item in line_map.objects:
         if item.kind.startswith("Dock"):
-            yield Mark(Ink.DOCK, item.pose, item.name, heads=True)
+            yield Marker(Layer.DOCK, item.pose, item.name, has_heading=True)
         elif item.kind.startswith("Goal"):
-            yield Mark(Ink.GOAL, item.pose, item.name, heads=item.kind == "GoalWithHeading")
+            yield Marker(
+                Layer.GOAL, item.pose, item.name, has_heading=item.kind == "GoalWithHeading"
+            )
         elif item.kind == "RobotHome":
-            yield Mark(Ink.HOME, item.pose, item.name, heads=True)
+            yield Marker(Layer.HOME, item.pose, item.name, has_heading=True)
     for robot in world.robots:
         if isinstance(robot.start, Pose2):
-            yield Mark(Ink.HOME, robot.start, robot.name or robot.model, heads=True)
+            yield Marker(Layer.HOME, robot.start, robot.name or robot.model, has_heading=True)
 
 
-def _bounds(lines: Iterable[Float], marks: Iterable[Mark]) -> Bounds:
-    points = [(mark.pose.x, mark.pose.y) for mark in marks]
+def _bounds(lines: Iterable[Float], markers: Iterable[Marker]) -> Bounds:
+    points = [(marker.pose.x, marker.pose.y) for marker in markers]
     ends = [part.reshape(-1, 2) for part in lines]
     everything = np.concatenate([np.array(points).reshape(-1, 2), *ends])
     if not len(everything):
@@ -150,33 +154,33 @@ def to_svg(drawing: Drawing) -> str:
         f"<title>{_clean(drawing.name)}</title>",
         f'<rect x="{x0:.3f}" y="{-y1:.3f}" width="100%" height="100%" fill="white"/>',
         *_svg_lines(drawing),
-        *(_svg_mark(mark, (y1 - y0) / 60) for mark in drawing.marks),
+        *(_svg_marker(marker, (y1 - y0) / 60) for marker in drawing.markers),
         "</svg>",
     ]
     return "\n".join(parts) + "\n"
 
 
 def _svg_lines(drawing: Drawing) -> Iterator[str]:
-    for ink in Ink:
-        segments = drawing.lines.get(ink)
+    for layer in Layer:
+        segments = drawing.lines.get(layer)
         if segments is not None and len(segments):
             path = "".join(
                 f"M{a:.3f} {-b:.3f}L{c:.3f} {-d:.3f}" for a, b, c, d in segments.tolist()
             )
-            style = f'stroke="{_hex(ink)}" stroke-width="0.05" stroke-linecap="round" fill="none"'
-            yield f'<path class="{ink}" {style} d="{path}"/>'
+            style = f'stroke="{_hex(layer)}" stroke-width="0.05" stroke-linecap="round" fill="none"'
+            yield f'<path class="{layer}" {style} d="{path}"/>'
 
 
-def _svg_mark(mark: Mark, size: float) -> str:
-    x, y, colour = mark.pose.x, -mark.pose.y, _hex(mark.ink)
-    dot = f'<circle class="{mark.ink}" cx="{x:.3f}" cy="{y:.3f}" r="{DOT}" fill="{colour}"/>'
-    if mark.heads:
-        a, b, c, d = mark.stroke[0].tolist()
+def _svg_marker(marker: Marker, size: float) -> str:
+    x, y, colour = marker.pose.x, -marker.pose.y, _hex(marker.layer)
+    dot = f'<circle class="{marker.layer}" cx="{x:.3f}" cy="{y:.3f}" r="{DOT}" fill="{colour}"/>'
+    if marker.has_heading:
+        a, b, c, d = marker.stroke[0].tolist()
         ends = f'x1="{a:.3f}" y1="{-b:.3f}" x2="{c:.3f}" y2="{-d:.3f}"'
         dot += f'<line {ends} stroke="{colour}" stroke-width="0.05"/>'
     style = f'font-family="sans-serif" font-size="{size:.3f}" fill="{colour}"'
-    text = f'<text x="{x + 2 * DOT:.3f}" y="{y:.3f}" {style}>{_clean(mark.name)}</text>'
-    return dot + (text if mark.name else "")
+    text = f'<text x="{x + 2 * DOT:.3f}" y="{y:.3f}" {style}>{_clean(marker.name)}</text>'
+    return dot + (text if marker.name else "")
 
 
 def to_picture(drawing: Drawing) -> bytes:
@@ -184,18 +188,18 @@ def to_picture(drawing: Drawing) -> bytes:
     bounds = _framed(drawing.bounds)
     cell = max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min) / LONG_SIDE
     pixels = np.full((*shape_of(bounds, cell), 3), 255, dtype=np.uint8)
-    for ink in Ink:
-        segments = [drawing.lines.get(ink, np.empty((0, 4)))]
-        marks = [mark for mark in drawing.marks if mark.ink is ink]
-        segments += [mark.stroke for mark in marks if mark.heads]
-        segments += [_cross(mark) for mark in marks]
+    for layer in Layer:
+        segments = [drawing.lines.get(layer, np.empty((0, 4)))]
+        markers = [marker for marker in drawing.markers if marker.layer is layer]
+        segments += [marker.stroke for marker in markers if marker.has_heading]
+        segments += [_cross(marker) for marker in markers]
         painted = _thick(touched(np.concatenate(segments), bounds, cell))
-        pixels[painted] = COLOURS[ink]
+        pixels[painted] = COLOURS[layer]
     return to_png(pixels[::-1])
 
 
-def _cross(mark: Mark) -> NDArray[np.float64]:
-    x, y = mark.pose.x, mark.pose.y
+def _cross(marker: Marker) -> NDArray[np.float64]:
+    x, y = marker.pose.x, marker.pose.y
     return np.array([[x - DOT, y, x + DOT, y], [x, y - DOT, x, y + DOT]])
 
 
@@ -212,8 +216,8 @@ def _framed(bounds: Bounds) -> Bounds:
     return Bounds(x0 - MARGIN, y0 - MARGIN, x1 + MARGIN, y1 + MARGIN)
 
 
-def _hex(ink: Ink) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*COLOURS[ink])
+def _hex(layer: Layer) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*COLOURS[layer])
 
 
 def _clean(text: str) -> str:

@@ -1,4 +1,4 @@
-"""People who walk: where one is, is a function of time alone."""
+"""People who walk: their position is a function of time alone."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -15,14 +15,14 @@ Float = NDArray[np.float64]
 Point = tuple[float, float]
 
 RADIUS = 0.25
-"""Of a standing person, arms at the sides [m]."""
+"""Of a standing person with arms at the sides [m]."""
 SPEED = 1.0
-"""Unhurried [m/s]."""
+"""A slow walk [m/s]."""
 CORNERS = 8
 
 
 class _Leg(NamedTuple):
-    """Standing for the pause, then walking straight; times since the round began [s]."""
+    """A pause, then a straight walk; times since the round began [s]."""
 
     start: Pose2
     leaves: float
@@ -31,15 +31,15 @@ class _Leg(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Person:
-    """Somebody who walks along a path at constant speed, for ever, through everything.
+    """A person who walks along a path at constant speed, for ever, through everything.
 
     Attributes:
-        path: Points `(x, y)` [m]; one is enough for somebody who stands.
+        path: Points `(x, y)` [m]; a person with one point stands still.
         speed: [m/s].
         radius: Of the circle that the outline is drawn around [m].
-        loop: From the last point straight to the first; else back the way they came.
-        pause: Standing at each point before going on [s].
-        name: What to call them on screen.
+        loop: From the last point straight to the first; else back along the path.
+        pause: Time at each point before walking on [s].
+        name: On screen.
     """
 
     path: tuple[Point, ...]
@@ -51,13 +51,13 @@ class Person:
     _legs: tuple[_Leg, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Work out the timetable of a round."""
+        """Compute the timetable of a round."""
         object.__setattr__(self, "_legs", tuple(self._timetable()))
 
     def pose_at(self, time: float) -> Pose2:
-        """Return where they are `time` [s] after the beginning, facing where they walk.
+        """Return the pose `time` [s] after the beginning, facing the direction of the walk.
 
-        Who pauses already looks where they go next; they turn on the spot, at once.
+        During a pause it already faces the next point; people turn at once.
         """
         if not self._legs:
             return Pose2(*self.path[0])

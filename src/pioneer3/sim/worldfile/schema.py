@@ -17,7 +17,7 @@ from pioneer3.sim.worldfile.spec import (
     FARTHEST,
     Box,
     Camera,
-    Fitting,
+    EquipmentOptions,
     Place,
     RobotSpec,
     TableIr,
@@ -82,17 +82,17 @@ class EquipmentTable(Table, rename={"gyro_type": "gyro", **_ANGLES}):
     gyro_bias: Annotated[float, Meta(ge=-100, le=100)] | None = None
     gyro_noise: Annotated[float, Meta(ge=0, le=100)] | None = None
 
-    def fitting(self) -> Fitting:
+    def options(self) -> EquipmentOptions:
         """Return the choices in SI."""
         chosen = {name: value for name, value in asdict(self).items() if value is not None}
         angles = {name: chosen[name] * DEGREE for name in _ANGLES if name in chosen}
-        return Fitting(**chosen | angles)
+        return EquipmentOptions(**chosen | angles)
 
     @classmethod
-    def of(cls, fitting: Fitting) -> Self:
+    def of(cls, options: EquipmentOptions) -> Self:
         """Return the table of some choices."""
-        angles = {name: getattr(fitting, name) for name in _ANGLES}
-        return cls.like(fitting, **{n: a if a is None else _degrees(a) for n, a in angles.items()})
+        angles = {name: getattr(options, name) for name in _ANGLES}
+        return cls.like(options, **{n: a if a is None else _degrees(a) for n, a in angles.items()})
 
 
 class RobotTable(Table):
@@ -113,7 +113,7 @@ class RobotTable(Table):
             name=self.name,
             start=pose,
             port=self.port,
-            equipment=self.equipment.fitting(),
+            equipment=self.equipment.options(),
         )
 
     @classmethod

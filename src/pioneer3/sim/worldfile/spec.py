@@ -30,12 +30,12 @@ BOX_KIND = "Sim.BoxObstacle"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fitting:
-    """Choices of :class:`pioneer3.sim.equipment.Equipment`; `None` is as the model comes.
+class EquipmentOptions:
+    """Choices of :class:`pioneer3.sim.equipment.Equipment`; `None` keeps the model's own.
 
     Attributes:
         gripper: Whether there is one.
-        bumpers: Segments in front, and as many behind; part of the model that :meth:`to` returns.
+        bumpers: Segments in front, and as many behind; they belong to the model.
         compass: Whether there is a TCM2.
         gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
         joystick: Whether there is one at the robot.
@@ -61,30 +61,30 @@ class Fitting:
     gyro_bias: float | None = None
     gyro_noise: float | None = None
 
-    def on(self, model: RobotModel) -> Equipment:
+    def equipment_of(self, model: RobotModel) -> Equipment:
         """Return the equipment of a robot of this model."""
         chosen: dict[str, Any] = {
-            key: None if value == NONE else value for key, value in self._said().items()
+            key: None if value == NONE else value for key, value in self._chosen().items()
         }
         chosen.pop("bumpers", None)
         return replace(Equipment.of(model), **chosen)
 
-    def to(self, model: RobotModel) -> RobotModel:
-        """Return `model` with the bumpers that are chosen: they belong to a robot's outline."""
+    def model_with(self, model: RobotModel) -> RobotModel:
+        """Return `model` with the chosen bumpers, which are part of a robot's outline."""
         if self.bumpers is None:
             return model
         return replace(model, front_bumpers=self.bumpers, rear_bumpers=self.bumpers)
 
-    def but(self, other: "Fitting") -> "Fitting":
-        """Return this, but as `other` says wherever it says anything."""
-        return replace(self, **other._said())
+    def overridden_by(self, other: "EquipmentOptions") -> "EquipmentOptions":
+        """Return these choices, replaced by those of `other` that are not `None`."""
+        return replace(self, **other._chosen())
 
-    def _said(self) -> "dict[str, Any]":
-        said = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value for name, value in said.items() if value is not None}
+    def _chosen(self) -> "dict[str, Any]":
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
 
 
-AS_DELIVERED = Fitting()
+NO_OPTIONS = EquipmentOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,18 +93,18 @@ class RobotSpec:
 
     Attributes:
         model: A model's name, or the path of its file.
-        name: What people call it; empty for its model's name. On the wire every simulated robot
-            is `MobileSim`: by that ARIA knows a simulator (arcos.md 2.6).
-        start: Where it stands at the beginning.
+        name: For people; empty for its model's name. On the wire every simulated robot is
+            `MobileSim`: ARIA knows a simulator by this name (arcos.md 2.6).
+        start: Its place at the beginning.
         port: TCP port; `None` for the next one, 0 for a free one.
-        equipment: What is fitted to it.
+        equipment: Its accessories.
     """
 
     model: str = "p3at-sh"
     name: str = ""
     start: Start = "home"
     port: int | None = None
-    equipment: Fitting = AS_DELIVERED
+    equipment: EquipmentOptions = NO_OPTIONS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,8 +114,8 @@ class Box:
     Attributes:
         pose: Its middle.
         size: Length along its x axis, width along its y axis [m].
-        movable: May be pushed around by people and programs, so it is no wall of the map.
-        name: What to call it on screen.
+        movable: People and programs may move it, so it is not a wall of the map.
+        name: On screen.
     """
 
     pose: Pose2
@@ -145,7 +145,7 @@ class Box:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wall:
-    """A wall along points `(x, y)` [m]; `closed` leads back to the first."""
+    """A wall along points `(x, y)` [m]; if `closed`, back to the first."""
 
     points: tuple[Point, ...]
     closed: bool = False
@@ -168,12 +168,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldFile:
-    """A map and what stands, drives and walks in it.
+    """A map with robots, boxes, walls, places and people.
 
     Attributes:
-        name: What to call it on screen.
+        name: On screen.
         map: A shipped map's name, `empty`, or the path of a map file.
-        seed: Of everything random; `None` for another one each time.
+        seed: Of all random numbers; `None` for another one each time.
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
             on a serial line.
         robots: In file order.
@@ -204,7 +204,7 @@ class WorldFile:
         return read_map(self.map) if isinstance(self.map, Path) else shipped_map(self.map)
 
     def line_map(self) -> LineMap:
-        """Return all that stands still: the map, walls, fixed boxes, homes and places.
+        """Return all fixed parts: the map, walls, boxes, homes and places.
 
         Movable boxes and people are left out: they are :attr:`boxes` and :attr:`people`.
 
@@ -227,5 +227,5 @@ class WorldFile:
 
     @property
     def movable(self) -> tuple[Box, ...]:
-        """The boxes that are no walls."""
+        """The boxes that can be moved."""
         return tuple(box for box in self.boxes if box.movable)

@@ -15,7 +15,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.models.toml import load_toml
 from pioneer3.sim.maps import shipped_maps
 from pioneer3.sim.maps.text import decoded, one_line, read_bytes, shown, write_bytes, wrong
-from pioneer3.sim.worldfile.spec import Fitting, Place, RobotSpec, WorldFile
+from pioneer3.sim.worldfile.spec import EquipmentOptions, Place, RobotSpec, WorldFile
 
 Table = TypeVar("Table")
 
@@ -88,7 +88,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
     )
 
 
-def parse_fitting(text: str) -> Fitting:
+def parse_equipment(text: str) -> EquipmentOptions:
     """Read the value of `--fit`, such as `gripper,gyro=2,camera=vcc4,table-ir=new`.
 
     Raises:
@@ -105,7 +105,7 @@ def parse_fitting(text: str) -> Fitting:
             example = "camera=vcc4" if key == "camera" else f"{key.replace('_', '-')}=1"
             raise source.wrong(key, f"needs a value, such as {example}")
         said[key] = _scalar(value if equals else _ALONE.get(key, "true"))
-    return _converted(source, said, EquipmentTable).fitting()
+    return _converted(source, said, EquipmentTable).options()
 
 
 def write_world(world: WorldFile, path: Path) -> None:

@@ -270,5 +270,5 @@ def test_the_document_names_every_operation_once() -> None:
 
 
 def test_modes_are_called_as_everywhere() -> None:
-    wishes = (Wander, Follow, Goto)
-    assert {wish.__struct_config__.tag for wish in wishes} <= set(MODES)
+    overrides = (Wander, Follow, Goto)
+    assert {wish.__struct_config__.tag for wish in overrides} <= set(MODES)

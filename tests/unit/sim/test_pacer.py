@@ -5,10 +5,10 @@ from math import inf, nan
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.server.pace import LATE, TICK, Pace
+from pioneer3.sim.server.pacer import LATE, TICK, Pacer
 
 
-def ticks(pace: Pace, seconds: float, *, work: float = 0.0, start: float = 100.0) -> int:
+def ticks(pace: Pacer, seconds: float, *, work: float = 0.0, start: float = 100.0) -> int:
     """Return how many ticks happen within `seconds`, each of which takes `work` [s]."""
     now, count, end = start, 0, start + seconds
     while now < end - 1e-9:
@@ -27,20 +27,20 @@ def ticks(pace: Pace, seconds: float, *, work: float = 0.0, start: float = 100.0
 
 @pytest.mark.parametrize(("speed", "expected"), [(1, 50), (10, 500), (0.1, 5), (2.5, 125)])
 def test_ticks_come_at_the_speed_that_is_asked_for(speed: float, expected: int) -> None:
-    pace = Pace(speed)
+    pace = Pacer(speed)
     assert ticks(pace, 1.0) == pytest.approx(expected, abs=1)
     assert ticks(pace, 1.0, start=101.0) == pytest.approx(expected, abs=1)
-    assert pace.factor == pytest.approx(speed, rel=0.05)
+    assert pace.real_time_factor == pytest.approx(speed, rel=0.05)
 
 
 def test_as_fast_as_possible_waits_for_nothing() -> None:
-    pace = Pace(inf)
+    pace = Pacer(inf)
     assert ticks(pace, 1.0, work=0.001) == 1000
-    assert pace.factor == pytest.approx(20, rel=0.01)
+    assert pace.real_time_factor == pytest.approx(20, rel=0.01)
 
 
 def test_timers_that_fire_a_little_early_are_taken_for_due() -> None:
-    pace = Pace()
+    pace = Pacer()
     assert pace.wait(5.0) == 0
     pace.passed(5.0)
     assert pace.wait(5.0 + TICK - 1e-4) == 0
@@ -48,40 +48,40 @@ def test_timers_that_fire_a_little_early_are_taken_for_due() -> None:
 
 
 def test_a_short_delay_is_made_up_for_and_a_long_one_is_not() -> None:
-    pace = Pace()
+    pace = Pacer()
     assert ticks(pace, 1.0, start=0.0) == 50
     assert ticks(pace, 0.02, start=1.2) == pytest.approx(11, abs=1)  # 0.2 s late
     assert ticks(pace, 0.02, start=100.0) == pytest.approx(LATE / TICK, abs=2)
 
 
 def test_a_machine_that_is_too_slow_falls_behind_steadily() -> None:
-    pace = Pace(10)
+    pace = Pacer(10)
     assert ticks(pace, 10.0, work=0.005) == 2000
-    assert pace.factor == pytest.approx(4, rel=0.02)
+    assert pace.real_time_factor == pytest.approx(4, rel=0.02)
 
 
 def test_a_new_speed_begins_now() -> None:
-    pace = Pace(inf)
+    pace = Pacer(inf)
     ticks(pace, 1.0, work=0.001)
     pace.speed = 1
     assert ticks(pace, 1.0, start=101.0) == pytest.approx(50, abs=1)
 
 
 def test_no_time_passes_in_a_pause_and_none_is_made_up_for() -> None:
-    pace = Pace()
+    pace = Pacer()
     ticks(pace, 1.0)
     pace.pause()
     assert pace.paused
     assert ticks(pace, 1.0, start=101.0) == 0
     pace.wait(103.0)
-    assert pace.factor == 0
+    assert pace.real_time_factor == 0
     pace.resume()
     assert ticks(pace, 1.0, start=160.0) == pytest.approx(50, abs=1)
 
 
 @pytest.mark.parametrize(("seconds", "expected"), [(0.02, 1), (0.1, 5), (0.001, 1), (10.0, 500)])
 def test_a_step_passes_at_once_and_then_time_stands_still(seconds: float, expected: int) -> None:
-    pace = Pace(paused=True)
+    pace = Pacer(paused=True)
     pace.step(seconds)
     assert ticks(pace, 0.5) == expected
     pace.step(seconds)
@@ -90,7 +90,7 @@ def test_a_step_passes_at_once_and_then_time_stands_still(seconds: float, expect
 
 
 def test_a_step_of_a_running_simulation_pauses_it() -> None:
-    pace = Pace()
+    pace = Pacer()
     ticks(pace, 1.0)
     pace.step()
     assert pace.paused
@@ -98,7 +98,7 @@ def test_a_step_of_a_running_simulation_pauses_it() -> None:
 
 
 def test_what_was_left_of_a_step_is_forgotten_when_time_runs_again() -> None:
-    pace = Pace(paused=True)
+    pace = Pacer(paused=True)
     pace.step(10)
     pace.resume()
     pace.pause()
@@ -107,9 +107,9 @@ def test_what_was_left_of_a_step_is_forgotten_when_time_runs_again() -> None:
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, nan, -inf])
 def test_a_speed_is_above_zero(speed: float) -> None:
-    pace = Pace(3)
+    pace = Pacer(3)
     with pytest.raises(ConfigError, match="not above 0"):
-        Pace(speed)
+        Pacer(speed)
     with pytest.raises(ConfigError, match="not above 0"):
         pace.speed = speed
     assert pace.speed == 3
@@ -118,16 +118,16 @@ def test_a_speed_is_above_zero(speed: float) -> None:
 @pytest.mark.parametrize("seconds", [0.0, -1.0, nan, inf])
 def test_a_step_is_a_time(seconds: float) -> None:
     with pytest.raises(ConfigError, match="not a time"):
-        Pace().step(seconds)
+        Pacer().step(seconds)
 
 
 def test_hosts_keep_their_seconds_above_real_time() -> None:
-    assert [Pace(speed).stretch for speed in (0.1, 1, 10, inf)] == [1, 1, 10, inf]
-    assert Pace(10, lock_step=True).stretch == 1
+    assert [Pacer(speed).watchdog_factor for speed in (0.1, 1, 10, inf)] == [1, 1, 10, inf]
+    assert Pacer(10, lock_step=True).watchdog_factor == 1
 
 
 def test_a_tick_that_was_held_back_is_not_made_up_for() -> None:
-    pace = Pace()
+    pace = Pacer()
     ticks(pace, 1.0, start=0.0)
-    pace.hold(1.3)
+    pace.postpone(1.3)
     assert ticks(pace, 0.1, start=1.3) == pytest.approx(5, abs=1)

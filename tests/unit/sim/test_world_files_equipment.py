@@ -9,14 +9,15 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.worldfile import Fitting, parse_fitting, parse_world, to_toml
+from pioneer3.sim.worldfile import EquipmentOptions as Options
+from pioneer3.sim.worldfile import parse_equipment, parse_world, to_toml
 from pioneer3.sim.worldfile.schema import EquipmentTable
 
 AT, PEOPLEBOT = load_model("p3at-sh"), load_model("peoplebot-sh")
 ALL = """{ gripper = true, compass = true, gyro = 2, bumpers = 4, joystick = true, camera = "sony",
 camera_port = 3, table_ir = "old", north_deg = 45, compass_noise_deg = 1.5,
 gyro_bias_deg_s = -0.5, gyro_noise_deg_s = 0.25 }""".replace("\n", " ")
-READ = Fitting(
+READ = Options(
     gripper=True,
     compass=True,
     gyro_type=2,
@@ -34,51 +35,53 @@ READ = Fitting(
 
 def test_every_choice_of_the_equipment_can_be_made() -> None:
     on_the_model = {"bumpers"}
-    choices = {field.name for field in fields(Fitting)} - on_the_model
+    choices = {field.name for field in fields(Options)} - on_the_model
     assert choices == {field.name for field in fields(Equipment)}
-    assert {*EquipmentTable.__struct_fields__} == {field.name for field in fields(Fitting)}
+    assert {*EquipmentTable.__struct_fields__} == {field.name for field in fields(Options)}
 
 
 def test_a_world_file_says_what_is_fitted(tmp_path: Path) -> None:
     world = parse_world(tmp_path / "w.toml", f"[world]\n[[robot]]\nequipment = {ALL}\n[[robot]]")
     assert world.robots[0].equipment == READ
-    assert world.robots[1].equipment == Fitting()
+    assert world.robots[1].equipment == Options()
     assert parse_world(tmp_path / "w.toml", to_toml(world, tmp_path)) == world
 
 
 def test_what_is_not_said_is_as_the_model_comes() -> None:
-    assert Fitting().on(AT) == Equipment.of(AT) == Equipment()
-    assert Fitting(gripper=True).on(PEOPLEBOT) == Equipment(gripper=True, table_ir="new")
-    assert Fitting(table_ir="none").on(PEOPLEBOT).table_ir is None
-    assert Fitting(table_ir="old").on(PEOPLEBOT).table_ir == "old"
-    assert Fitting(camera="vcc4").but(Fitting(camera="none")).on(AT).camera is None
+    assert Options().equipment_of(AT) == Equipment.of(AT) == Equipment()
+    assert Options(gripper=True).equipment_of(PEOPLEBOT) == Equipment(gripper=True, table_ir="new")
+    assert Options(table_ir="none").equipment_of(PEOPLEBOT).table_ir is None
+    assert Options(table_ir="old").equipment_of(PEOPLEBOT).table_ir == "old"
+    assert (
+        Options(camera="vcc4").overridden_by(Options(camera="none")).equipment_of(AT).camera is None
+    )
 
 
 def test_all_of_it_reaches_the_robot() -> None:
-    fitted = READ.on(AT)
+    fitted = READ.equipment_of(AT)
     for field in fields(Equipment):
         assert getattr(fitted, field.name) == getattr(READ, field.name)
-    model = READ.to(AT)
+    model = READ.model_with(AT)
     assert (model.front_bumpers, model.rear_bumpers) == (4, 4)
-    assert Fitting().to(AT) == AT
-    assert Fitting(bumpers=0).to(PEOPLEBOT).front_bumpers == 0
+    assert Options().model_with(AT) == AT
+    assert Options(bumpers=0).model_with(PEOPLEBOT).front_bumpers == 0
 
 
 @pytest.mark.parametrize(
-    ("text", "fitting"),
+    ("text", "options"),
     [
-        ("", Fitting()),
-        ("gripper", Fitting(gripper=True)),
-        ("gripper=false", Fitting(gripper=False)),
-        ("gyro", Fitting(gyro_type=1)),
-        ("bumpers", Fitting(bumpers=5)),
-        ("bumpers=7", Fitting(bumpers=7)),
-        ("gyro=2", Fitting(gyro_type=2)),
-        ("table-ir", Fitting(table_ir="new")),
-        (" compass , joystick,", Fitting(compass=True, joystick=True)),
+        ("", Options()),
+        ("gripper", Options(gripper=True)),
+        ("gripper=false", Options(gripper=False)),
+        ("gyro", Options(gyro_type=1)),
+        ("bumpers", Options(bumpers=5)),
+        ("bumpers=7", Options(bumpers=7)),
+        ("gyro=2", Options(gyro_type=2)),
+        ("table-ir", Options(table_ir="new")),
+        (" compass , joystick,", Options(compass=True, joystick=True)),
         (
             "gripper,compass,gyro,joystick,camera=vcc4,table-ir=new",
-            Fitting(
+            Options(
                 gripper=True,
                 compass=True,
                 gyro_type=1,
@@ -87,12 +90,15 @@ def test_all_of_it_reaches_the_robot() -> None:
                 table_ir="new",
             ),
         ),
-        ("camera=sony,camera-port=2", Fitting(camera="sony", camera_port=2)),
-        ("north-deg=90,gyro_noise_deg_s=0.1", Fitting(north=radians(90), gyro_noise=radians(0.1))),
+        ("camera=sony,camera-port=2", Options(camera="sony", camera_port=2)),
+        (
+            "north-deg=90,gyro_noise_deg_s=0.1",
+            Options(north=radians(90), gyro_noise=radians(0.1)),
+        ),
     ],
 )
-def test_the_command_line_fits_with_the_same_words(text: str, fitting: Fitting) -> None:
-    assert parse_fitting(text) == fitting
+def test_the_command_line_fits_with_the_same_words(text: str, options: Options) -> None:
+    assert parse_equipment(text) == options
 
 
 @pytest.mark.parametrize(
@@ -114,7 +120,7 @@ def test_the_command_line_fits_with_the_same_words(text: str, fitting: Fitting) 
 )
 def test_a_wrong_word_is_named(text: str, complaint: str) -> None:
     with pytest.raises(ConfigError) as caught:
-        parse_fitting(text)
+        parse_equipment(text)
     assert str(caught.value).startswith(complaint)
     assert str(caught.value).isprintable()
 

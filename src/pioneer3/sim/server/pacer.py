@@ -1,4 +1,4 @@
-"""How fast simulated time passes: real time, faster, slower, step by step, in step with hosts."""
+"""The speed of simulated time: real time, faster, slower, single steps, in step with hosts."""
 
 from collections import deque
 from math import inf, isfinite, isnan
@@ -6,28 +6,28 @@ from math import inf, isfinite, isnan
 from pioneer3.errors import ConfigError
 
 TICK = 0.02
-"""Simulated time between two looks at the world [s]."""
+"""Simulated time of one step of the world [s]."""
 PATIENCE = 1.0
-"""How long lock step waits for silent hosts [s, real] before it goes on without them."""
+"""Lock step waits this long for silent hosts [s, real] before it goes on without them."""
 LATE = 0.5
 """When the machine could not keep up for this long [s, real], simulated time falls behind."""
 EARLY = 5e-4
 """Timers may fire this early [s, real]."""
 LATELY = 1.0
-"""What :attr:`Pace.factor` looks back on [s, real]."""
+"""Period over which :attr:`Pacer.real_time_factor` is measured [s, real]."""
 
 
-class Pace:
-    """When the next tick is due; every attribute may be changed while the simulation runs.
+class Pacer:
+    """Decides when the next tick is due; every attribute may be changed while the simulation runs.
 
-    The same bytes at the same ticks give the same simulation, whatever the pace: it decides only
-    when in real time a tick happens.
+    The same bytes at the same ticks give the same simulation at any speed: a pacer decides only
+    at which real time a tick happens.
 
     Attributes:
         lock_step: A cycle of 100 ms begins only when every host has sent a valid packet since its
-            last report, or has been waited for in vain for :attr:`patience`. A host whose watchdog
-            has bitten is not waited for, and without hosts time runs at :attr:`speed`. What hosts
-            send during a cycle is heard at its end, so one packet, or one write, per report makes
+            last report, or :attr:`patience` has passed. A host whose watchdog has expired is not
+            waited for, and without hosts time runs at :attr:`speed`. What hosts
+            send during a cycle is taken at its end, so one packet, or one write, per report makes
             a run repeatable.
         patience: [s, real].
     """
@@ -53,7 +53,7 @@ class Pace:
         """Simulated seconds per real one: 1 is real time, `inf` as fast as possible.
 
         Raises:
-            ConfigError: when set to what is not above 0.
+            ConfigError: When set to a number that is not above 0.
         """
         return self._speed
 
@@ -66,7 +66,7 @@ class Pace:
 
     @property
     def paused(self) -> bool:
-        """Whether time stands still. Hosts may still connect and are answered."""
+        """Whether time stands still. Hosts may still connect and get answers."""
         return self._paused
 
     @paused.setter
@@ -78,14 +78,14 @@ class Pace:
         self.paused = True
 
     def resume(self) -> None:
-        """Let time pass again; nothing is made up for."""
+        """Let time pass again; the pause is not caught up."""
         self.paused = False
 
     def step(self, seconds: float = TICK) -> None:
         """Let `seconds` of simulated time pass at once, in whole ticks, then stand still.
 
         Raises:
-            ConfigError: that is not a time.
+            ConfigError: `seconds` is not a time.
         """
         if not isfinite(seconds) or seconds <= 0:
             raise ConfigError(f"step: {seconds:g} is not a time above 0 s")
@@ -93,7 +93,7 @@ class Pace:
         self._granted += max(1, round(seconds / TICK))
 
     @property
-    def factor(self) -> float:
+    def real_time_factor(self) -> float:
         """Simulated seconds per real one, measured over the last second; 0 at the beginning."""
         if len(self._marks) < 2:
             return 0.0
@@ -101,19 +101,18 @@ class Pace:
         return (last - first) * TICK / (now - since)
 
     @property
-    def stretch(self) -> float:
-        """By how much longer a host may be silent than the robot's watchdog says.
+    def watchdog_factor(self) -> float:
+        """Factor by which the robot's watchdog waits longer for a silent host.
 
-        Hosts live in real time and repeat their commands by its clock, ARIA's twice a second. At
-        10 times the speed that is every 5 s of the robot's 2 s, and it would never keep moving. So
-        above real time the watchdog counts the host's seconds, and as fast as possible, where
-        there is no telling what those are, it rests. Below real time, and in lock step, where
-        nobody can be silent unnoticed, it counts simulated ones, as the robot does.
+        Hosts repeat their commands in real time, ARIA's twice a second. At 10 times the speed that
+        is every 5 s of simulated time, the watchdog waits 2 s, and a robot would never keep moving.
+        So above real time the watchdog counts real seconds, and at unlimited speed it is off. Below
+        real time and in lock step it counts simulated seconds, as the robot does.
         """
         return 1.0 if self.lock_step else max(1.0, self.speed)
 
     def wait(self, now: float) -> float:
-        """Return how long after `now` [s, real] the next tick is due; `inf`: not until told."""
+        """Return how long after `now` [s, real] the next tick is due; `inf` while paused."""
         self._mark(now)
         if self._paused:
             return 0.0 if self._granted else inf
@@ -122,13 +121,13 @@ class Pace:
         wait = self._due - now
         return wait if wait > EARLY else 0.0
 
-    def hold(self, now: float) -> None:
-        """Take note that the due tick could not happen: it is not made up for."""
+    def postpone(self, now: float) -> None:
+        """Note that the due tick could not happen; it is not caught up."""
         if self._due is not None:
             self._due = max(self._due, now)
 
     def passed(self, now: float) -> None:
-        """Take note that a tick has happened."""
+        """Note that a tick has happened."""
         self._ticks += 1
         if self._paused:
             self._granted = max(0, self._granted - 1)
