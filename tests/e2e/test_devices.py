@@ -18,7 +18,7 @@ from pioneer3.robot.devices import Presence
 from pioneer3.robot.devices.gripper import Paddles
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.accessories import Thing
+from pioneer3.sim.accessories import HeldObject
 from pioneer3.sim.equipment import Equipment
 from tests.support import First, SimulatedRobot, frame, lost, until, wall_at
 
@@ -174,7 +174,7 @@ class TestGripper:
             assert (await gripper.reading()).paddles is Paddles.OPEN
             simulated = robot.firmware.accessories.gripper
             assert simulated is not None
-            simulated.put(Thing(width=0.05))
+            simulated.put(HeldObject(width=0.05))
             gripper.close()
             with gripper.wanted():
                 await until(lambda: gripper.latest and gripper.latest.paddles is Paddles.CLOSED)
@@ -374,9 +374,9 @@ class TestCamera:
             camera.zoom(0.5)
             await asyncio.sleep(4)
             assert robot.firmware.accessories.camera is not None
-            gaze = robot.firmware.accessories.camera.gaze(now())
-            assert (degrees(gaze.pan), degrees(gaze.tilt)) == pytest.approx((40, 20), abs=0.2)
-            assert gaze.zoom == pytest.approx(0.5, abs=0.01)
+            at = robot.firmware.accessories.camera.position(now())
+            assert (degrees(at.pan), degrees(at.tilt)) == pytest.approx((40, 20), abs=0.2)
+            assert at.zoom == pytest.approx(0.5, abs=0.01)
             where = await camera.where()
             assert (degrees(where.pan), degrees(where.tilt)) == pytest.approx((40, 20), abs=0.2)
 
@@ -390,8 +390,8 @@ class TestCamera:
             camera.look(radians(10), radians(20))
             await asyncio.sleep(2)
             assert robot.firmware.accessories.camera is not None
-            gaze = robot.firmware.accessories.camera.gaze(now())
-            assert (degrees(gaze.pan), degrees(gaze.tilt)) == pytest.approx((-10, -20), abs=0.2)
+            at = robot.firmware.accessories.camera.position(now())
+            assert (degrees(at.pan), degrees(at.tilt)) == pytest.approx((-10, -20), abs=0.2)
             assert degrees((await camera.where()).tilt) == pytest.approx(20, abs=0.2)
 
     async def test_on_the_wrong_port_it_is_silent_in_words(self) -> None:
@@ -418,8 +418,8 @@ class TestCamera:
                 await asyncio.sleep(6.9)
                 simulated = robot.firmware.accessories.camera
                 assert simulated is not None
-                gaze = simulated.gaze(now())
-                places.append((round(degrees(gaze.pan)), round(degrees(gaze.tilt)), gaze.zoom))
+                at = simulated.position(now())
+                places.append((round(degrees(at.pan)), round(degrees(at.tilt)), at.zoom))
                 await asyncio.sleep(0.1)
             exercise.cancel()
             assert places[:5] == [

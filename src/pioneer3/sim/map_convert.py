@@ -20,15 +20,15 @@ FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapInfo:
-    """A map or world, and what is in it.
+    """A map or world, and its contents.
 
     Attributes:
-        name: What to call it.
-        drawing: What there is to draw.
+        name: On screen.
+        drawing: Its drawing.
         size: Along x and y [m], of the walls.
-        walls: How many.
+        walls: Their number.
         wall_length: All together [m].
-        counts: How many objects there are of each kind, robots, boxes and people among them.
+        counts: Number of objects of each kind, with robots, boxes and people.
     """
 
     name: str
@@ -41,7 +41,7 @@ class MapInfo:
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """What a conversion has written, and what the new format has no room for."""
+    """The files that a conversion has written, and the contents that the new format cannot hold."""
 
     files: tuple[Path, ...]
     left_out: tuple[str, ...] = ()
@@ -75,7 +75,7 @@ def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
 
 
 def check(name_or_path: str, robot: str) -> tuple[tuple[Finding, ...], int]:
-    """Return what is wrong with a map, and the exit code: 0 nothing, 1 warnings, 2 errors.
+    """Return the problems of a map, and the exit code: 0 none, 1 warnings, 2 errors.
 
     Raises:
         ConfigError: There is no such robot model.
@@ -91,7 +91,7 @@ def convert(source: str, target: Path, *, resolution: float, force: bool) -> Con
 
     Args:
         source: A shipped map, a map file or a world.
-        target: Where to; `.map`, `.yaml`, `.toml`, `.svg` or `.png`.
+        target: The new file; `.map`, `.yaml`, `.toml`, `.svg` or `.png`.
         resolution: Side of a pixel of a map_server picture [m].
         force: Write over files that are there.
 
@@ -122,7 +122,7 @@ def convert(source: str, target: Path, *, resolution: float, force: bool) -> Con
 
 
 def _make_room(source: str, world: WorldFile, targets: tuple[Path, ...], *, force: bool) -> None:
-    """Refuse to write over what is read, and without `force` over anything."""
+    """Refuse to write over the source, and without `force` over any file."""
     read = {Path(source), world.map} if isinstance(world.map, Path) else {Path(source)}
     for target in targets:
         try:
@@ -137,7 +137,7 @@ def _make_room(source: str, world: WorldFile, targets: tuple[Path, ...], *, forc
 
 
 def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ...]:
-    """Return what a format cannot hold, in words."""
+    """Return the contents that a format cannot hold, in words."""
     counts = {"robots": len(world.robots), "people": len(world.people)}
     if ending == ".yaml":
         counts |= {"movable boxes": len(world.movable), "objects": len(line_map.objects)}

@@ -16,20 +16,20 @@ canon, sony    pan-tilt-zoom cameras for these ports; pan_tilt_zoom has their ax
 =============  =============================================================================
 """
 
-from pioneer3.sim.accessories.base import Carrier, Inputs
+from pioneer3.sim.accessories.base import CarryingRobot, Inputs
+from pioneer3.sim.accessories.collection import Accessories
 from pioneer3.sim.accessories.digital_io import Table, TableSensor
-from pioneer3.sim.accessories.fitted import Accessories
-from pioneer3.sim.accessories.gauges import Stick
-from pioneer3.sim.accessories.gripper import Thing
+from pioneer3.sim.accessories.gauges import StickPosition
+from pioneer3.sim.accessories.gripper import HeldObject
 from pioneer3.sim.equipment import Equipment
 
 __all__ = [
     "Accessories",
-    "Carrier",
+    "CarryingRobot",
     "Equipment",
+    "HeldObject",
     "Inputs",
-    "Stick",
+    "StickPosition",
     "Table",
     "TableSensor",
-    "Thing",
 ]

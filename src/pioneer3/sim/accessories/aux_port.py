@@ -1,4 +1,4 @@
-"""Auxiliary serial ports of the controller, and what may hang on them (arcos.md 3.2, 5.5)."""
+"""Auxiliary serial ports of the controller, for serial devices (arcos.md 3.2, 5.5)."""
 
 from collections.abc import Sequence
 from math import inf
@@ -16,21 +16,21 @@ NUMBERS = (0xB0, 0xB8, 0xC8)
 MOST_ASKED = 200
 """Bytes that GETAUX may ask for (arcos.md 3.2)."""
 BUFFER = 256
-"""Bytes that wait for GETAUX; what comes after them is lost. Unverified."""
+"""Bytes that wait for GETAUX; later ones are lost. Unverified."""
 
 
 class SerialDevice(Protocol):
-    """Something with a serial port, without the port."""
+    """A device on a serial port."""
 
     @property
     def due(self) -> float:
-        """When it says something next [s]; `inf` when it is going to be silent."""
+        """Time of the next bytes [s]; `inf` if there are none."""
 
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the robot."""
 
     def transmit(self, now: float) -> bytes:
-        """Return what it has said since the last call."""
+        """Return the bytes since the last call."""
 
 
 class AuxPort:
@@ -39,7 +39,7 @@ class AuxPort:
     A request takes the place of one that still waits.
 
     Attributes:
-        device: What is connected, or `None`: bytes sent are then lost.
+        device: The connected device, or `None`: bytes to it are then lost.
     """
 
     def __init__(self, port: int, device: SerialDevice | None = None) -> None:
@@ -53,7 +53,7 @@ class AuxPort:
 
     @property
     def due(self) -> float:
-        """When what was asked for may be there [s]; `inf` when nobody waits for anything."""
+        """Time when the requested bytes may be there [s]; `inf` without a request."""
         if self._ready or 0 < self._wanted <= len(self._came_in):
             return -inf
         return self.device.due if self.device and self._wanted else inf
@@ -92,17 +92,17 @@ class AuxPort:
             self._ready.append(SerialAux(self._number, data))
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return what was asked for, as soon as it is there."""
+        """Return the requested bytes as soon as they are there."""
         self._serve(now)
         ready, self._ready = self._ready, []
         return ready
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Nothing of this is in the standard report."""
+        """Return `sip` unchanged."""
         return sip
 
     def hang_up(self) -> None:
-        """Forget what was asked for and what came in; the device goes on."""
+        """Drop requests and received bytes; the device goes on."""
         self._came_in.clear()
         self._ready.clear()
         self._wanted = 0

@@ -1,4 +1,4 @@
-"""What every accessory is: obeys commands, reports, and puts its bits into the standard report.
+"""The interface of an accessory: it obeys commands, reports, and adds to the standard report.
 
 An accessory has no clock and no framing: time is an argument, commands and reports are typed.
 """
@@ -15,24 +15,24 @@ from pioneer3.models import RobotModel
 NO_FLAGS = SipFlag(0)
 
 
-class Moving(Protocol):
+class AxisState(Protocol):
     """One velocity of the drive [m/s or rad/s]."""
 
     @property
     def velocity(self) -> float: ...
 
 
-class Wheels(Protocol):
-    """How the wheels turn."""
+class DriveState(Protocol):
+    """The velocities of the robot."""
 
     @property
-    def linear(self) -> Moving: ...
+    def linear(self) -> AxisState: ...
     @property
-    def angular(self) -> Moving: ...
+    def angular(self) -> AxisState: ...
 
 
-class Cells(Protocol):
-    """What feeds the robot."""
+class BatteryState(Protocol):
+    """The state of the battery."""
 
     @property
     def voltage(self) -> float: ...
@@ -42,24 +42,24 @@ class Cells(Protocol):
     def fixed(self) -> float | None: ...
 
 
-class Carrier(Protocol):
-    """As much of a robot as its accessories feel; `sim.body.Body` is one."""
+class CarryingRobot(Protocol):
+    """The part of a robot that its accessories use; `sim.body.Body` is one."""
 
     @property
     def model(self) -> RobotModel: ...
     @property
     def robot_in_world(self) -> Pose2: ...
     @property
-    def drive(self) -> Wheels: ...
+    def drive(self) -> DriveState: ...
     @property
-    def battery(self) -> Cells: ...
+    def battery(self) -> BatteryState: ...
     @property
     def wheel_travel(self) -> tuple[float, float]: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """What accessories put into the standard report; the fields are those of `reports.Sip`."""
+    """The fields of the standard report, `reports.Sip`, that accessories fill in."""
 
     analog_port: int = 0
     gripper_state: int = 0
@@ -74,34 +74,34 @@ NOTHING = Inputs()
 
 
 class Accessory(Protocol):
-    """One thing that is connected to the controller."""
+    """One device that is connected to the controller."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Carry out `command` at `now` [s]; return whether it was meant for this accessory."""
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return what is due: answers always, streams once per `cycle` of standard reports."""
+        """Return the reports that are due: answers always, streams with each report of a `cycle`."""
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
         """Return `sip` with this accessory's bits."""
 
     def hang_up(self) -> None:
-        """Stop what the host of the ended session has asked for."""
+        """Stop the streams and motions of the ended session."""
 
 
 @dataclass(slots=True)
-class Asked:
-    """How often a report is wanted: never, once, or with every cycle."""
+class ReportRequest:
+    """The host's request for a report: never, once, or with every cycle."""
 
     once: bool = False
     stream: bool = False
 
-    def ask(self, how: Request) -> None:
-        """Take a request; a later one takes the place of an earlier one."""
+    def set(self, how: Request) -> None:
+        """Set the request; it replaces an earlier one."""
         self.once, self.stream = how is Request.ONCE, how is Request.STREAM
 
     def due(self, *, cycle: bool) -> bool:
-        """Whether a report is to be sent now; what was wanted once is then no longer."""
+        """Whether a report is to be sent now; this fulfils a request for one."""
         due = self.once or (cycle and self.stream)
         self.once = False
         return due

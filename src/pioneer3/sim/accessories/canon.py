@@ -10,7 +10,7 @@ the place of an old one without BUSY.
 from collections.abc import Callable, Mapping
 from math import inf, radians
 
-from pioneer3.sim.accessories.pan_tilt_zoom import Gaze, PanTiltZoom, Slew
+from pioneer3.sim.accessories.pan_tilt_zoom import PtzAxes, PtzAxis, PtzPosition
 
 HEADER, ANSWER, FOOTER = 0xFF, 0xFE, 0xEF
 LONGEST = 32
@@ -37,13 +37,13 @@ Handler = Callable[[bytes, float], Answer]
 
 
 class CanonVcc4:
-    """The camera, switched off at first; its pan counts to the right, :meth:`gaze` to the left."""
+    """The camera, off at first; its own pan counts to the right, that of :meth:`position` left."""
 
     def __init__(self) -> None:
-        self._axes = PanTiltZoom(
-            Slew(-PAN, PAN, PAN_RATE),
-            Slew(TILT_DOWN, TILT_UP_AT_FIRST, TILT_RATE),
-            Slew(0.0, 1.0, 1 / ZOOM_TIME),
+        self._axes = PtzAxes(
+            PtzAxis(-PAN, PAN, PAN_RATE),
+            PtzAxis(TILT_DOWN, TILT_UP_AT_FIRST, TILT_RATE),
+            PtzAxis(0.0, 1.0, 1 / ZOOM_TIME),
         )
         self._powered = self._controlled = False
         self._received = bytearray()
@@ -62,13 +62,13 @@ class CanonVcc4:
             0xB4: self._zoom_position,
         }
 
-    def gaze(self, now: float) -> Gaze:
-        """Return where the camera looks."""
-        return self._axes.gaze(now)
+    def position(self, now: float) -> PtzPosition:
+        """Return where the camera points."""
+        return self._axes.position(now)
 
     @property
     def due(self) -> float:
-        """When it says something next [s]: at once, or never."""
+        """Time of the next bytes [s]: at once, or never."""
         return -inf if self._said else inf
 
     def receive(self, data: bytes, now: float) -> None:
@@ -149,10 +149,11 @@ class CanonVcc4:
         return (OK, b"")
 
     def _position(self, parameters: bytes, now: float) -> Answer:
-        gaze = self.gaze(now)
+        position = self.position(now)
         return (
             OK,
-            _hex4(CENTRE + round(-gaze.pan / STEP)) + _hex4(CENTRE + round(gaze.tilt / STEP)),
+            _hex4(CENTRE + round(-position.pan / STEP))
+            + _hex4(CENTRE + round(position.tilt / STEP)),
         )
 
     def _zoom(self, parameters: bytes, now: float) -> Answer:
@@ -163,7 +164,7 @@ class CanonVcc4:
         return (OK, b"")
 
     def _zoom_position(self, parameters: bytes, now: float) -> Answer:
-        return (OK, _hex4(round(self.gaze(now).zoom * ZOOM_STEPS)))
+        return (OK, _hex4(round(self.position(now).zoom * ZOOM_STEPS)))
 
 
 def _number(digits: bytes, count: int) -> int:
@@ -181,7 +182,7 @@ def _hex4(value: int) -> bytes:
     return b"%04X" % value
 
 
-def _set_rate(axis: Slew, parameters: bytes, now: float) -> Answer:
+def _set_rate(axis: PtzAxis, parameters: bytes, now: float) -> Answer:
     steps = _number(parameters, 3)
     if steps not in SLEWS:
         raise ValueError

@@ -10,7 +10,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, Tcm2Mode
 from pioneer3.arcos.reports import Compass as CompassReport
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.accessories.base import Asked, Carrier, Inputs
+from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
 from pioneer3.units import degrees
 
 FIELD_LEVEL, FIELD_DOWN = 20.0, 45.0
@@ -29,13 +29,13 @@ class Compass:
     """
 
     def __init__(
-        self, body: Carrier, rng: Generator, *, north: float = pi / 2, noise: float = 0.0
+        self, body: CarryingRobot, rng: Generator, *, north: float = pi / 2, noise: float = 0.0
     ) -> None:
         """`north` is counter-clockwise from the world's x axis, `noise` a deviation [rad]."""
         self._body = body
         self._rng = rng
         self._north, self._noise = north, noise
-        self._asked = Asked()
+        self._request = ReportRequest()
         self._on = True
         self._calibrating = self._calibrated = False
 
@@ -56,13 +56,13 @@ class Compass:
                 self._calibrating = False
             case _:
                 self._on = mode is not Tcm2Mode.OFF
-                self._asked = Asked(mode is Tcm2Mode.ONCE, mode is Tcm2Mode.STREAM)
+                self._request = ReportRequest(mode is Tcm2Mode.ONCE, mode is Tcm2Mode.STREAM)
                 if mode is Tcm2Mode.SOFT_RESET:
                     self._calibrating = self._calibrated = False
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the compass report when it is due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         heading = self._heading()
         score = GOOD_SCORE if self._calibrated else 0
@@ -90,7 +90,7 @@ class Compass:
 
     def hang_up(self) -> None:
         """Send no more reports; the heading stays in the standard report."""
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def _heading(self) -> float:
         heading = self._north - self._body.robot_in_world.theta

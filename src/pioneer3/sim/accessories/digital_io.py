@@ -10,11 +10,11 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.accessories.base import Asked, Carrier, Inputs
+from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
 from pioneer3.sim.equipment import TableWiring
 
 BYTES_IN = 4
-"""What a P3 has (arcos.md 5.3)."""
+"""Input bytes of a P3 (arcos.md 5.3)."""
 LINES = 8 * BYTES_IN
 PORTS = 8
 FULL_SCALE = 5.0
@@ -26,7 +26,7 @@ ALL_HIGH = (1 << LINES) - 1
 
 
 def nothing_low() -> int:
-    """Return the lines that sensors hold low where there are none."""
+    """Return the input lines that are held low without sensors: none."""
     return 0
 
 
@@ -47,7 +47,7 @@ class DigitalIo:
         self._inputs = ALL_HIGH
         self._volts = [0.0] * PORTS
         self._held_low = held_low
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def set_input(self, line: int, *, high: bool) -> None:
         """Put a level on input `line`, 0..31; line 8 is the first of the second byte."""
@@ -73,14 +73,14 @@ class DigitalIo:
             case commands.SetPbioPort(port, on):
                 (self.ports_on.add if on else self.ports_on.discard)(port)
             case commands.IoRequest(how):
-                self._asked.ask(how)
+                self._request.set(how)
             case _:
                 return False
         return True
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the IO report when it is due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         return (
             Io(
@@ -105,7 +105,7 @@ class DigitalIo:
 
     def hang_up(self) -> None:
         """Send no more reports; the outputs stay as they are."""
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def _levels(self) -> int:
         return self._inputs & ~self._held_low() & ALL_HIGH
@@ -143,7 +143,7 @@ NONE = TableSensor(0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A rectangular table top, or whatever else hangs above the robot.
+    """A rectangular table top, or another surface above the robot.
 
     Attributes:
         center: In the world [m, rad].
@@ -167,21 +167,21 @@ class Table:
 
 
 class TableIr:
-    """Holds input lines low where something is above a sensor.
+    """Holds an input line low while a surface is above its sensor.
 
     Attributes:
-        tables: What there is in the world.
-        covered: Sensors that somebody holds a hand over.
+        tables: The surfaces in the world.
+        covered: Sensors that are covered by hand.
     """
 
-    def __init__(self, body: Carrier, wiring: TableWiring = "new") -> None:
+    def __init__(self, body: CarryingRobot, wiring: TableWiring = "new") -> None:
         self.tables: tuple[Table, ...] = ()
         self.covered = NONE
         self._body = body
         self._lines = OLD_LINES if wiring == "old" else NEW_LINES
 
     def triggered(self) -> TableSensor:
-        """Return the sensors that see something."""
+        """Return the sensors below a surface."""
         seen = self.covered
         if not self.tables:
             return seen
@@ -192,6 +192,6 @@ class TableIr:
         return seen
 
     def held_low(self) -> int:
-        """Return the digital inputs that are low because of this, as bits."""
+        """Return the digital inputs that the sensors hold low, as bits."""
         seen = self.triggered()
         return sum(1 << line for sensor, line in self._lines.items() if sensor in seen)

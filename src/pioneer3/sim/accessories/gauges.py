@@ -10,38 +10,38 @@ from pioneer3.arcos.reports import BatteryInfo, Report, SipFlag, SmartBattery
 from pioneer3.arcos.reports import Encoders as EncoderReport
 from pioneer3.arcos.reports import Joystick as JoystickReport
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import Asked, Carrier, Cells, Inputs
+from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, Inputs, ReportRequest
 from pioneer3.sim.body import EMPTY, FULL
 
 LOW = 11.5
-"""The firmware complains from here on [V]; CONFIG tells it (arcos.md 5.1)."""
+"""The firmware reports a low battery below it [V]; CONFIG has it (arcos.md 5.1)."""
 
 
-def charge_percent(cells: Cells) -> int:
-    """Return what is left, 0 to 100; a voltage that a test has set decides, where there is one."""
-    fixed = cells.fixed
-    share = cells.charge if fixed is None else (fixed - EMPTY) / (FULL - EMPTY)
+def charge_percent(battery: BatteryState) -> int:
+    """Return the charge, 0 to 100; a voltage that a test has set replaces the real one."""
+    fixed = battery.fixed
+    share = battery.charge if fixed is None else (fixed - EMPTY) / (FULL - EMPTY)
     return max(0, min(100, round(100 * share)))
 
 
 class BatteryGauge:
     """One battery with a gauge; its flags are all clear."""
 
-    def __init__(self, body: Carrier) -> None:
+    def __init__(self, body: CarryingRobot) -> None:
         self._body = body
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
         match command:
             case commands.RequestBatteryInfo(how):
-                self._asked.ask(how)
+                self._request.set(how)
                 return True
         return False
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the charge when it is due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         percent = charge_percent(self._body.battery)
         battery = SmartBattery(
@@ -54,12 +54,12 @@ class BatteryGauge:
         return (BatteryInfo((battery,)),)
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """The voltage in the standard report is the firmware's."""
+        """Return `sip` unchanged; the firmware adds the voltage."""
         return sip
 
     def hang_up(self) -> None:
         """Send no more reports."""
-        self._asked = Asked()
+        self._request = ReportRequest()
 
 
 TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
@@ -69,37 +69,37 @@ TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
 class Encoders:
     """Two counters of 32 bits that run from power-on; SETO does not reset them."""
 
-    def __init__(self, body: Carrier) -> None:
+    def __init__(self, body: CarryingRobot) -> None:
         self._body = body
         self._ticks = TICKS_PER_METRE[body.model.drive]
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
         match command:
             case commands.RequestEncoders(how):
-                self._asked.ask(how)
+                self._request.set(how)
                 return True
         return False
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the counts when they are due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
         return (EncoderReport(left_counts=left, right_counts=right),)
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Nothing of this is in the standard report."""
+        """Return `sip` unchanged."""
         return sip
 
     def hang_up(self) -> None:
         """Send no more reports; the counters run on."""
-        self._asked = Asked()
+        self._request = ReportRequest()
 
 
 def _s32(count: float) -> int:
-    """Return what a signed counter of 32 bits shows."""
+    """Return `count` as a signed counter of 32 bits has it."""
     return (round(count) + (1 << 31)) % (1 << 32) - (1 << 31)
 
 
@@ -107,8 +107,8 @@ CENTRE, TOP = 512, 1023
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stick:
-    """How somebody holds the stick.
+class StickPosition:
+    """The position of the stick.
 
     Attributes:
         forward: -1 backward to 1 forward.
@@ -128,29 +128,29 @@ class Stick:
     button2: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse NaN and infinity; what is too large stops at the end of the stick."""
+        """Refuse NaN and infinity; larger numbers count as the end of the stick."""
         if not all(map(isfinite, (self.forward, self.left, self.throttle))):
             raise ConfigError(f"{self!r}: not finite")
 
 
 class Joystick:
-    """Reports how :attr:`stick` is held; it does not drive the simulated robot."""
+    """Reports the position of :attr:`stick`; it does not drive the simulated robot."""
 
     def __init__(self) -> None:
-        self.stick = Stick()
-        self._asked = Asked()
+        self.stick = StickPosition()
+        self._request = ReportRequest()
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
         match command:
             case commands.JoyInfo(how):
-                self._asked.ask(how)
+                self._request.set(how)
                 return True
         return False
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the stick's position when it is due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         stick = self.stick
         return (
@@ -171,7 +171,7 @@ class Joystick:
 
     def hang_up(self) -> None:
         """Send no more reports."""
-        self._asked = Asked()
+        self._request = ReportRequest()
 
 
 def _raw(value: float) -> int:

@@ -12,7 +12,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperAction, Request
 from pioneer3.arcos.reports import GripperState, GripperSwitch, Report
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories.base import Asked, Inputs
+from pioneer3.sim.accessories.base import Inputs, ReportRequest
 
 OPENING = 0.215
 """Between the open paddles [m]; unverified, like the next two."""
@@ -27,8 +27,8 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Thing:
-    """Something between the paddles.
+class HeldObject:
+    """An object between the paddles.
 
     Attributes:
         width: Across the gripper, from paddle to paddle [m].
@@ -41,9 +41,9 @@ class Thing:
     inner: bool = True
 
     def __post_init__(self) -> None:
-        """Refuse what no gripper holds."""
+        """Refuse an object that no gripper can hold."""
         if not 0 < self.width <= OPENING:
-            raise ConfigError(f"thing of {self.width} m: a gripper opens to {OPENING} m")
+            raise ConfigError(f"object of {self.width} m: a gripper opens to {OPENING} m")
 
 
 class Paddles:
@@ -51,7 +51,7 @@ class Paddles:
 
     Attributes:
         opening: Between them [m].
-        squeeze: How long they go on pressing after they have met resistance [s].
+        squeeze: Time for which they press after they have met resistance [s].
     """
 
     def __init__(self) -> None:
@@ -87,7 +87,7 @@ class Paddles:
 
 
 class Lift:
-    """Where the gripper hangs.
+    """The lift that carries the gripper.
 
     Attributes:
         height: 0 at the lower end to 1 at the upper.
@@ -133,9 +133,9 @@ IDLE = (
     | GripperSwitch.LEFT_PADDLE_LOW
     | GripperSwitch.RIGHT_PADDLE_LOW
 )
-"""What the active-low switches show where nothing presses them."""
+"""The active-low switches while none is pressed."""
 GRASP_TIME = 0.2
-"""How long the paddles press after they have met resistance, until PRESSURE sets it [s]."""
+"""Time for which the paddles press after they have met resistance, until PRESSURE sets it [s]."""
 TWENTY_MS = 0.02
 VALUED = (GripperAction.PRESSURE, GripperAction.LIFT_CARRY)
 
@@ -150,15 +150,15 @@ class Gripper:
     def __init__(self) -> None:
         self._paddles, self._lift = Paddles(), Lift()
         self._paddles.squeeze = GRASP_TIME
-        self._thing: Thing | None = None
+        self._held: HeldObject | None = None
         self._valued: GripperAction | None = None
-        self._asked = Asked()
+        self._request = ReportRequest()
         self._time: float | None = None
 
     @property
-    def thing(self) -> Thing | None:
-        """What is between the paddles."""
-        return self._thing
+    def held(self) -> HeldObject | None:
+        """The object between the paddles."""
+        return self._held
 
     @property
     def opening(self) -> float:
@@ -175,20 +175,20 @@ class Gripper:
         """Whether the next command 36 is GRIPPERVAL, not the old simulator's laser start."""
         return self._valued is not None
 
-    def put(self, thing: Thing | None) -> None:
-        """Put something between the paddles, or take it away (`None`).
+    def put(self, held: HeldObject | None) -> None:
+        """Put an object between the paddles, or remove it (`None`).
 
         Raises:
             ConfigError: It is wider than the paddles are open.
         """
-        if thing is not None and thing.width > self.opening:
+        if held is not None and held.width > self.opening:
             raise ConfigError(
-                f"{thing.width} m do not fit between paddles {self.opening:.3f} m apart"
+                f"{held.width} m do not fit between paddles {self.opening:.3f} m apart"
             )
-        self._thing = thing
+        self._held = held
 
     def switches(self, now: float) -> GripperSwitch:
-        """Return what its sensors see."""
+        """Return the states of its switches and beams."""
         self._advance(now)
         seen = GripperSwitch(0)
         if self.opening < OPENING:
@@ -197,9 +197,9 @@ class Gripper:
             seen |= GripperSwitch.LIFT_LIMIT_LOW
         if self.opening > self._closest() + CONTACT:
             seen |= GripperSwitch.LEFT_PADDLE_LOW | GripperSwitch.RIGHT_PADDLE_LOW
-        if self._thing is not None and self._thing.outer:
+        if self._held is not None and self._held.outer:
             seen |= GripperSwitch.OUTER_BEAM_BROKEN
-        if self._thing is not None and self._thing.inner:
+        if self._held is not None and self._held.inner:
             seen |= GripperSwitch.INNER_BEAM_BROKEN
         if self._lift.moving:
             seen |= GripperSwitch.LIFT_MOVING
@@ -217,7 +217,7 @@ class Gripper:
                 self._advance(now)
                 self._value(duration)
             case commands.GripperPacRequest(how):
-                self._asked.ask(how)
+                self._request.set(how)
             case _:
                 return False
         return True
@@ -257,7 +257,7 @@ class Gripper:
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
         """Return the gripper's state when it is due."""
-        if not self._asked.due(cycle=cycle):
+        if not self._request.due(cycle=cycle):
             return ()
         grasp_time = min(0xFF, round(self._paddles.squeeze / TWENTY_MS))
         return (GripperState(GENERAL_IO, self.switches(now), grasp_time),)
@@ -267,9 +267,9 @@ class Gripper:
         return replace(sip, gripper_state=int(self.switches(now)))
 
     def hang_up(self) -> None:
-        """Stand still and send no more reports; what is held stays held."""
+        """Stand still and send no more reports; a held object stays held."""
         self._act(GripperAction.HALT)
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def _advance(self, now: float) -> None:
         if self._time is not None and now > self._time:
@@ -278,20 +278,20 @@ class Gripper:
         self._time = now
 
     def _closest(self) -> float:
-        return self._thing.width if self._thing else 0.0
+        return self._held.width if self._held else 0.0
 
 
 class NoGripper:
-    """The place where none is connected: asked, it says so, and ARIA's gripper asks no more."""
+    """No gripper: it answers requests with "none", and ARIA's gripper stops asking."""
 
     def __init__(self) -> None:
-        self._asked = Asked()
+        self._request = ReportRequest()
 
     def obey(self, command: Command, now: float) -> bool:
-        """Take requests for reports; there is nothing to move."""
+        """Take requests for reports; ignore commands to move."""
         match command:
             case commands.GripperPacRequest(how):
-                self._asked.ask(how)
+                self._request.set(how)
             case commands.Gripper() | commands.GripperVal():
                 pass
             case _:
@@ -299,13 +299,13 @@ class NoGripper:
         return True
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return that there is none when it is due."""
-        return (GripperState(NO_GRIPPER, IDLE, 0),) if self._asked.due(cycle=cycle) else ()
+        """Return the report "none" when it is due."""
+        return (GripperState(NO_GRIPPER, IDLE, 0),) if self._request.due(cycle=cycle) else ()
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """The second I/O byte stays as it is."""
+        """Return `sip` unchanged."""
         return sip
 
     def hang_up(self) -> None:
         """Send no more reports."""
-        self._asked.ask(Request.STOP)
+        self._request.set(Request.STOP)

@@ -10,23 +10,23 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GyroMode
 from pioneer3.arcos.reports import GyroRates, GyroSample, Report
 from pioneer3.geometry import wrap
-from pioneer3.sim.accessories.base import Carrier, Inputs
+from pioneer3.sim.accessories.base import CarryingRobot, Inputs
 
 PERIOD = 0.025
 """Between two samples [s]."""
 STILL = 512
 TOP = 1023
 STEP = radians(5 / 1023 * 300 / 2.5)
-"""What ARIA takes one count for, before its GyroScaler [rad/s]."""
+"""Rate of one count in ARIA, before its GyroScaler [rad/s]."""
 MOST = 8
 """Samples that are kept for the next report."""
 TEMPERATURE_RAW = 128
 TELEPORT = 2.0
-"""Faster than this times the model's top rate nothing turns: somebody has put the robot there."""
+"""A rate above this times the model's top rate is not a turn: the robot was put elsewhere."""
 
 
 class Gyro:
-    """Feels how the robot really turns, wheel slip included; says so when the host wants it.
+    """Measures the true turn rate, wheel slip included, and reports samples on request.
 
     With `packets` off it is one whose readings the controller uses itself (GyroType 2): GYRO is
     taken, and nothing is sent.
@@ -34,7 +34,7 @@ class Gyro:
 
     def __init__(
         self,
-        body: Carrier,
+        body: CarryingRobot,
         rng: Generator,
         *,
         packets: bool = True,
@@ -56,11 +56,11 @@ class Gyro:
 
     @property
     def due(self) -> float:
-        """When the next sample is [s]; `inf` while nobody wants any."""
+        """Time of the next sample [s]; `inf` without a request."""
         return self._time + self._left if self._on and self._time is not None else inf
 
     def tick(self, now: float) -> None:
-        """Feel how far the robot has turned since the last call; sample every 25 ms."""
+        """Measure the turn since the last call; take a sample every 25 ms."""
         heading = self._body.robot_in_world.theta
         if self._time is not None and now > self._time:
             dt = now - self._time
@@ -108,7 +108,7 @@ class Gyro:
         return (GyroRates(samples),) if samples else ()
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Nothing of this is in the standard report."""
+        """Return `sip` unchanged."""
         return sip
 
     def hang_up(self) -> None:

@@ -1,18 +1,18 @@
-"""Where a pan-tilt-zoom camera looks: three axes that move at constant speed."""
+"""The three axes of a pan-tilt-zoom camera, which move at constant speed."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Gaze:
-    """Where a camera looks: `pan` to the left and `tilt` up [rad], `zoom` 0 wide to 1 tele."""
+class PtzPosition:
+    """The direction of a camera: `pan` to the left, `tilt` up [rad], `zoom` 0 wide to 1 tele."""
 
     pan: float
     tilt: float
     zoom: float
 
 
-class Slew:
+class PtzAxis:
     """One axis between two ends.
 
     Attributes:
@@ -35,7 +35,7 @@ class Slew:
 
     @property
     def target(self) -> float:
-        """Where it moves to."""
+        """The position it moves to."""
         return self._to
 
     def go(self, target: float, now: float) -> None:
@@ -44,7 +44,7 @@ class Slew:
         self._to = max(self.low, min(self.high, target))
 
     def stop(self, now: float) -> None:
-        """Stand."""
+        """Stop."""
         self.go(self.at(now), now)
 
     def arrival(self, now: float) -> float:
@@ -52,15 +52,15 @@ class Slew:
         return now + abs(self._to - self.at(now)) / self.rate
 
 
-class PanTiltZoom:
+class PtzAxes:
     """The three axes of one camera."""
 
-    def __init__(self, pan: Slew, tilt: Slew, zoom: Slew) -> None:
+    def __init__(self, pan: PtzAxis, tilt: PtzAxis, zoom: PtzAxis) -> None:
         self.pan, self.tilt, self.zoom = pan, tilt, zoom
 
-    def gaze(self, now: float) -> Gaze:
-        """Return where the camera looks."""
-        return Gaze(self.pan.at(now), self.tilt.at(now), self.zoom.at(now))
+    def position(self, now: float) -> PtzPosition:
+        """Return where the camera points."""
+        return PtzPosition(self.pan.at(now), self.tilt.at(now), self.zoom.at(now))
 
     def look(self, pan: float, tilt: float, now: float) -> None:
         """Turn to `pan`, `tilt` [rad]."""

@@ -1,4 +1,4 @@
-"""Sony EVI-D30 in VISCA: what ARIA's `ArSonyPTZ` and libvisca send of it, and the answers.
+"""Sony EVI-D30 in VISCA: the commands of ARIA's `ArSonyPTZ` and of libvisca, and the answers.
 
 Packets are address, message, FF. A command is answered with 90 41 FF at once and with 90 51 FF
 when it is done, an inquiry with 90 50 data FF, nonsense with 90 60 02 FF. Sources: `ArSonyPTZ.cpp`
@@ -10,7 +10,7 @@ on their D30 mode: 0370 is 100 degrees to the right and 012C is 25 up, speed 1 t
 from collections import deque
 from math import inf, radians
 
-from pioneer3.sim.accessories.pan_tilt_zoom import Gaze, PanTiltZoom, Slew
+from pioneer3.sim.accessories.pan_tilt_zoom import PtzAxes, PtzAxis, PtzPosition
 
 END = 0xFF
 LONGEST = 16
@@ -32,30 +32,30 @@ SETTINGS, MOTION = 0x04, 0x06
 
 
 class SonyEvi:
-    """The camera, switched on at first; its pan counts to the right, :meth:`gaze` to the left."""
+    """The camera, on at first; its own pan counts to the right, that of :meth:`position` left."""
 
     def __init__(self) -> None:
         pan, tilt = PAN_STEPS * PAN_STEP, TILT_STEPS * TILT_STEP
-        self._axes = PanTiltZoom(
-            Slew(-pan, pan, FASTEST_PAN * PAN_SPEED),
-            Slew(-tilt, tilt, FASTEST_TILT * TILT_SPEED),
-            Slew(0.0, 1.0, 1 / ZOOM_TIME),
+        self._axes = PtzAxes(
+            PtzAxis(-pan, pan, FASTEST_PAN * PAN_SPEED),
+            PtzAxis(-tilt, tilt, FASTEST_TILT * TILT_SPEED),
+            PtzAxis(0.0, 1.0, 1 / ZOOM_TIME),
         )
         self._powered = True
         self._received = bytearray()
         self._said: deque[tuple[float, bytes]] = deque()
 
-    def gaze(self, now: float) -> Gaze:
-        """Return where the camera looks."""
-        return self._axes.gaze(now)
+    def position(self, now: float) -> PtzPosition:
+        """Return where the camera points."""
+        return self._axes.position(now)
 
     @property
     def due(self) -> float:
-        """When it says something next [s]; `inf` when it has said all."""
+        """Time of the next bytes [s]; `inf` if there are none."""
         return min((when for when, _ in self._said), default=inf)
 
     def receive(self, data: bytes, now: float) -> None:
-        """Take bytes; what is too long for a packet is forgotten."""
+        """Take bytes; drop those beyond the longest packet."""
         for byte in data:
             if byte == END:
                 self._answer(bytes(self._received), now)
@@ -101,15 +101,15 @@ class SonyEvi:
             self._say(DONE, done)
 
     def _inquire(self, what: bytes, now: float) -> bytes | None:
-        gaze = self.gaze(now)
+        position = self.position(now)
         match what:
             case b"\x04\x00":
                 return b"\x02" if self._powered else b"\x03"
             case b"\x04\x47":
-                return _nibbles(round(gaze.zoom * ZOOM_STEPS))
+                return _nibbles(round(position.zoom * ZOOM_STEPS))
             case b"\x06\x12":
-                return _nibbles(round(-gaze.pan / PAN_STEP)) + _nibbles(
-                    round(gaze.tilt / TILT_STEP)
+                return _nibbles(round(-position.pan / PAN_STEP)) + _nibbles(
+                    round(position.tilt / TILT_STEP)
                 )
         return None
 
@@ -145,7 +145,7 @@ class SonyEvi:
         pan_speed, tilt_speed = arguments[:2]
         if not (0 < pan_speed <= FASTEST_PAN and 0 < tilt_speed <= FASTEST_TILT):
             return None
-        base = self.gaze(now) if relative else Gaze(0.0, 0.0, 0.0)
+        base = self.position(now) if relative else PtzPosition(0.0, 0.0, 0.0)
         self._axes.stop(now)
         self._axes.pan.rate = pan_speed * PAN_SPEED
         self._axes.tilt.rate = tilt_speed * TILT_SPEED

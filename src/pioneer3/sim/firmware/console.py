@@ -1,4 +1,4 @@
-"""What a client may ask of the simulator itself (arcos.md 3.3, 5.13)."""
+"""Commands of a client to the simulator itself (arcos.md 3.3, 5.13)."""
 
 import logging
 from collections import deque
@@ -11,7 +11,7 @@ from pioneer3.arcos.commands import Command, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report, SimDevice, SimFlag, SimInfo, SimStat
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.accessories.base import Asked
+from pioneer3.sim.accessories.base import ReportRequest
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.kernels.drives import V_OF_V, W_OF_W
@@ -32,7 +32,7 @@ LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepTimes:
-    """How time passes: what a step simulates, should take and does take [s]."""
+    """Durations of a step: simulated, wanted and measured [s]."""
 
     simulated: float
     wanted: float
@@ -44,12 +44,12 @@ class Console:
     """Obeys the SIM commands of one robot's host.
 
     Attributes:
-        world: What is simulated.
+        world: The simulated world.
         body: The robot.
-        equipment: What SIMINFO names besides drive, sonar and laser.
+        equipment: The accessories that SIMINFO names besides drive, sonar and laser.
         client_maps: The maps that the host may load.
         tell: Takes MAP_CHANGED when the host has loaded, or failed to load, a map.
-        step_times: What SIMSTAT tells; for the server to set.
+        step_times: The times in SIMSTAT; for the server to set.
         messages: Texts for people, the last hundred.
     """
 
@@ -60,7 +60,7 @@ class Console:
     tell: Callable[[MapChanged], None]
     step_times: StepTimes = StepTimes(simulated=0.1, wanted=0.1, measured=0.1)
     messages: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
-    _asked: Asked = field(default_factory=Asked)
+    _stat_request: ReportRequest = field(default_factory=ReportRequest)
     _wants_info: bool = False
 
     def obey(self, command: Command) -> bool:
@@ -71,7 +71,7 @@ class Console:
             case commands.SimReset():
                 self.body.reset()
             case commands.RequestSimStat(how):
-                self._asked.ask(how)
+                self._stat_request.set(how)
             case commands.SimCtrl(operation, text):
                 self._control(operation, (text or "").rstrip("\0"))
             case commands.SimMessage(text):
@@ -87,7 +87,7 @@ class Console:
         return True
 
     def reports(self, *, cycle: bool) -> Sequence[Report]:
-        """Return what was asked for: once, or before every standard report of a `cycle`."""
+        """Return the requested reports: once, or before every standard report of a `cycle`."""
         due: list[Report] = []
         if self._wants_info:
             self._wants_info = False
@@ -95,13 +95,13 @@ class Console:
             # an addition of ours: which map is in use, as if a person had just left it as it is
             name = _text(self.world.map.name)
             due.append(MapChanged(by_user=True, reloaded=0, file_name=name))
-        if self._asked.due(cycle=cycle):
+        if self._stat_request.due(cycle=cycle):
             due.append(self._stat())
         return due
 
     def hang_up(self) -> None:
-        """Send no more reports; a ghost becomes a robot again."""
-        self._asked, self._wants_info = Asked(), False
+        """Send no more reports; make a ghost a robot again."""
+        self._stat_request, self._wants_info = ReportRequest(), False
         self.body.ghost = False
 
     def _control(self, operation: SimOperation, text: str) -> None:

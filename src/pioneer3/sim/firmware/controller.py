@@ -9,8 +9,8 @@ part         purpose
 steering     commands that drive
 instruments  the standard report
 laser        the laser in the robot's own stream
-accessories  whatever else is connected
-console      what is asked of the simulator itself
+accessories  all other devices
+console      commands to the simulator itself
 ===========  ======================================================
 """
 
@@ -36,7 +36,7 @@ from pioneer3.sim.body import EMPTY, Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware.console import Console, StepTimes
 from pioneer3.sim.firmware.instruments import Instruments
-from pioneer3.sim.firmware.laser import Scanner
+from pioneer3.sim.firmware.laser import InBandLaser
 from pioneer3.sim.firmware.steering import steer
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import ClientMaps
@@ -46,7 +46,7 @@ from pioneer3.units import DECIVOLT, MM, MS, degrees
 CYCLE = 0.1
 """Pause between information packets [s]."""
 SONAR_CYCLE = 0.04
-"""What a robot says of sonars that fire all at once [s]; the usual value."""
+"""CONFIG's value for sonars that fire all at once [s]; the usual one."""
 NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (arcos.md 2.6)."""
 
@@ -56,11 +56,11 @@ class Firmware:
 
     Attributes:
         body: The robot.
-        identity: What it calls itself.
+        identity: The names in its answer to SYNC2.
         device: Its end of the session with a host.
-        accessories: What is connected to it.
-        on_map_changed: Called when a host has loaded another map, or could not. By itself this
-            tells only that host; who knows all robots calls :meth:`tell` of each.
+        accessories: The devices connected to it.
+        on_map_changed: Called when a host has loaded another map, or failed to. By default this
+            tells only that host; a server with several robots calls :meth:`tell` of each.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Firmware:
         equipment: Equipment | None = None,
         client_maps: ClientMaps | None = None,
     ) -> None:
-        """`client_maps` are the maps that hosts may load; by default shipped ones and those here."""
+        """`client_maps` are the maps for hosts; by default shipped ones and those here."""
         self.body = body
         self._world = world
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
@@ -81,7 +81,7 @@ class Firmware:
         self.accessories = Accessories(body, equipment)
         self.on_map_changed: Callable[[reports.MapChanged], None] = self.tell
         self._nominal_watchdog = watchdog
-        self._scanner = Scanner(world, body)
+        self._laser = InBandLaser(world, body)
         self._instruments = Instruments(world, body)
         self._console = Console(
             world=world,
@@ -116,12 +116,12 @@ class Firmware:
 
     @property
     def messages(self) -> deque[str]:
-        """What hosts have said to the people at the simulator (SIM_MESSAGE), the newest last."""
+        """Messages of hosts to the people at the simulator (SIM_MESSAGE), the newest last."""
         return self._console.messages
 
     @property
     def step_times(self) -> StepTimes:
-        """How time passes, as SIMSTAT tells it; may be set at any time."""
+        """The durations of a step for SIMSTAT; may be set at any time."""
         return self._console.step_times
 
     @step_times.setter
@@ -138,12 +138,12 @@ class Firmware:
         self.device.send(report)
 
     def hang_up(self, now: float) -> None:
-        """Take note that the host's link is gone for good."""
+        """End the session: the host's link is gone for good."""
         for event in self.device.hang_up():
             self._handle(event, now)
 
     def tick(self, now: float) -> None:
-        """Look at the clock: the watchdog, and the reports that are due."""
+        """Check the watchdog, and send the reports that are due."""
         for event in self.device.tick(now):
             self._handle(event, now)
         if not self.device.is_open:
@@ -164,11 +164,11 @@ class Firmware:
         self.on_map_changed(change)
 
     def _report(self, now: float) -> None:
-        """Send what every cycle brings: the standard report with the streams around it."""
+        """Send the standard report of a cycle with the streams around it."""
         self._instruments.feel()
         self._answer(now, cycle=True)
         self.device.send(self.information(now))
-        self.device.send_frames(self._scanner.frames())
+        self.device.send_frames(self._laser.frames())
 
     def _answer(self, now: float, *, cycle: bool = False) -> None:
         for report in self.accessories.reports(now, cycle=cycle):
@@ -185,7 +185,7 @@ class Firmware:
                 self.tick(now)
             case SessionClosed():
                 self.body.session_ended()
-                self._scanner.off()
+                self._laser.off()
                 self._instruments.hang_up()
                 self._console.hang_up()
                 self.accessories.hang_up()
@@ -197,8 +197,8 @@ class Firmware:
                 self.body.drive.held = False
 
     def _obey(self, command: Command, now: float) -> None:
-        """Carry out one command; what this robot does not have is ignored, as by the real one."""
-        if not self.accessories.claims(command) and self._scanner.obey(command):
+        """Carry out one command; ignore commands for missing devices, as a real robot does."""
+        if not self.accessories.claims(command) and self._laser.obey(command):
             return
         if steer(self.body, command) or self._instruments.obey(command):
             return

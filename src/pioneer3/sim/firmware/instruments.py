@@ -30,12 +30,12 @@ LONGEST = 16
 """Transducers in the order of an array."""
 
 
-class Rings:
-    """The arrays of a robot with `count` transducers, each as delivered and off at first.
+class SonarArrays:
+    """The sonar arrays of a robot with `count` transducers, in the default order and off at first.
 
     Attributes:
-        firing: What fires.
-        flags: Which arrays are on.
+        firing: The transducers that fire, in order.
+        flags: The arrays that are on.
     """
 
     def __init__(self, count: int) -> None:
@@ -43,7 +43,7 @@ class Rings:
         self.reset(on=False)
 
     def reset(self, *, on: bool) -> None:
-        """Go back to the order as delivered."""
+        """Return to the default order."""
         self._orders = [*in_order(self._count)]
         self._on = [on] * len(FLAGS)
         self._tell()
@@ -90,32 +90,32 @@ class Instruments:
 
     def __init__(self, world: World, body: Body) -> None:
         self._world, self._body = world, body
-        self._rings = Rings(len(body.model.sonars))
+        self._sonar_arrays = SonarArrays(len(body.model.sonars))
         self._fake_heat = False
         self._fake_temperature: int | None = None
         self._bumped = False
         self.hang_up()
 
     def hang_up(self) -> None:
-        """Go back to what a robot does when it is switched on: bumps of both ends are stalls."""
+        """Return to the state after power-on: bumps at both ends are stalls."""
         # the user manual of the Pioneer 3; older firmware began with none
         self._front_stalls = self._rear_stalls = True
-        self._rings.reset(on=False)
+        self._sonar_arrays.reset(on=False)
         self._fire()
 
     def begin(self) -> None:
-        """A session has begun: sonars fire from now on."""
-        self._rings.reset(on=True)
+        """Begin a session: sonars fire from now on."""
+        self._sonar_arrays.reset(on=True)
         self._fire()
 
     def obey(self, command: Command) -> bool:
         """Switch or fake a sensor; return whether `command` was for this."""
         match command:
             case commands.Sonar(on, array):
-                self._rings.switch(on, array)
+                self._sonar_arrays.switch(on, array)
                 self._fire()
             case commands.Polling(numbers):
-                self._rings.poll(numbers)
+                self._sonar_arrays.poll(numbers)
                 self._fire()
             case commands.BumpStall(front, rear):
                 self._front_stalls, self._rear_stalls = front, rear
@@ -130,7 +130,7 @@ class Instruments:
         return True
 
     def feel(self) -> None:
-        """Stop where a bumper touches on the side it drives to, if that is to be a stall."""
+        """Stop if a bumper touches on the side the robot drives to, if that counts as a stall."""
         body, drive = self._body, self._body.drive
         ahead = drive.linear.velocity or drive.linear.target or drive.linear.remaining or 0.0
         bumpers = body.front_bumpers if ahead > 0 else body.rear_bumpers
@@ -141,7 +141,7 @@ class Instruments:
             drive.halt()
 
     def read(self, inputs: Inputs) -> Sip:
-        """Return the standard report for this moment; `inputs` are what accessories add to it."""
+        """Return the standard report for this moment; accessories have filled in `inputs`."""
         body, model = self._body, self._body.model
         odom, linear, angular = body.robot_in_odom, body.drive.linear, body.drive.angular
         v, w = linear.velocity, angular.velocity
@@ -186,7 +186,7 @@ class Instruments:
 
     def _flags(self, *, hot: bool) -> SipFlag:
         body = self._body
-        flags = self._rings.flags
+        flags = self._sonar_arrays.flags
         if body.drive.powered:
             flags |= SipFlag.MOTORS_ENABLED
         if body.stop_button:
@@ -196,7 +196,7 @@ class Instruments:
         return flags | SipFlag.HIGH_TEMPERATURE if hot else flags
 
     def _fire(self) -> None:
-        self._world.fire(self._body, self._rings.firing)
+        self._world.fire(self._body, self._sonar_arrays.firing)
 
     def _sonar(self) -> tuple[SonarReading, ...]:
         numbers, ranges = self._world.fresh_sonar(self._body)

@@ -128,7 +128,7 @@ FIRST_LASER = (None, 0)
 """How commands name the only laser that a simulated robot has."""
 
 
-class Scanner:
+class InBandLaser:
     """The in-band laser of one robot: its settings, and the packets of a sweep."""
 
     def __init__(self, world: World, body: Body) -> None:

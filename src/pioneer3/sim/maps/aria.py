@@ -24,7 +24,7 @@ Refuse = Callable[[ConfigError], None]
 HEADERS = ("2D-Map", "2D-Map-Ex", "2D-Map-Ex2")
 DEFAULT_RESOLUTION_MM = 20.0
 RESOLUTIONS_MM = (1.0, 10_000.0)
-"""Smallest and largest side of a cell that is believed."""
+"""Smallest and largest side of a cell that is accepted [mm]."""
 
 _SECTION = re.compile(r"(?:(\S+)_)?(LINES|DATA)")
 _ENTRY = re.compile(r"([A-Za-z][\w.-]*)\s*:\s*(.*)")
@@ -127,7 +127,7 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class AriaFile:
-    """A map file as it stands, with its line numbers."""
+    """A map file with its line numbers."""
 
     path: Path
     entries: tuple[Entry, ...]
@@ -177,7 +177,7 @@ class AriaFile:
 
 
 def _joined(parts: list[Float]) -> Float:
-    """Return all segments in one array that nobody may change, shape (W, 4)."""
+    """Return all segments in one read-only array, shape (W, 4)."""
     there = [part for part in parts if len(part)]
     joined = there[0] if len(there) == 1 else np.concatenate(parts)
     joined.setflags(write=False)
@@ -238,9 +238,9 @@ def _parse(path: Path, text: str, header: int, refuse: Refuse) -> tuple[list[Ent
 
 
 def _blocks(text: str) -> Iterator[str]:
-    """Yield `text` in pieces of whole lines: those that begin with a letter, and what is between.
+    """Yield `text` in pieces of whole lines: single ones that begin with a letter, and rows.
 
-    What is between may be a million rows; it comes in pieces that are quick to read.
+    There may be a million rows between; they come in blocks that are quick to read.
     """
     at = 0
     while at < len(text):

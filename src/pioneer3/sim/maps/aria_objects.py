@@ -1,6 +1,6 @@
 """The `Cairn:` and `MapInfo:` lines of an ARIA map (arcos.md 10.2, 10.3).
 
-What the simulator makes of them, after MobileSim and AMRISim (their README, `MapLoader`):
+Their walls in the simulator, after MobileSim and AMRISim (their README, `MapLoader`):
 
 * `Sim.BoxObstacle`, and areas of a type whose MapInfo says `Sim.Obstacle=yes`: four walls.
 * `Reflector`, `Sim.Reflector`, types that end in `.Reflect`, and lines of a type whose MapInfo
@@ -26,7 +26,7 @@ from pioneer3.units import MM
 STANDARD_LINES = frozenset({"ForbiddenLine", "Reflector", "Sim.Reflector"})
 """Types whose four numbers are the ends of a line, whether a MapInfo declares them or not."""
 STANDARD_SOLIDS = frozenset({"Sim.BoxObstacle", "Reflector", "Sim.Reflector"})
-"""Types that become walls, unless their MapInfo says that they are no obstacles."""
+"""Types that become walls, unless their MapInfo says `Sim.Obstacle=no`."""
 
 _WORD = re.compile(r'"([^"]*)"|(\S+)')
 _YES, _NO = ("yes", "true"), ("no", "false", "0")
@@ -34,7 +34,7 @@ _YES, _NO = ("yes", "true"), ("no", "false", "0")
 
 @dataclass(frozen=True, slots=True)
 class ObjectTypes:
-    """What the MapInfo lines of a map say about its object types.
+    """The object types that the MapInfo lines of a map declare.
 
     Attributes:
         lines: Types whose four numbers are the ends of a line; all others are areas.
@@ -55,7 +55,7 @@ def words(text: str) -> list[str]:
 
 
 def object_types(infos: Iterable[str]) -> ObjectTypes:
-    """Return what the values of the MapInfo lines declare."""
+    """Return the types that the values of MapInfo lines declare."""
     lines, solids = set(STANDARD_LINES), set(STANDARD_SOLIDS)
     declared: dict[str, str] = {}
     turned_to: set[str] = set()
@@ -91,9 +91,9 @@ def parse_object(line: Line, value: str, types: ObjectTypes) -> MapObject:
     """Return the object that a `Cairn:` line describes.
 
     Args:
-        line: Where it stands, for errors.
-        value: What follows `Cairn:`.
-        types: What the map declares.
+        line: The line, for errors.
+        value: The text after `Cairn:`.
+        types: The types that the map declares.
 
     Raises:
         ConfigError: Fields are missing, left over or not numbers.

@@ -37,8 +37,8 @@ class MapObject:
         outline: Points `(x, y)` [m] in the map frame: none for a place, the two ends of a line,
             the four corners of an area in order.
         solid: Its outline is among the walls of the map: a box, a reflector.
-        declared: What a MapInfo says of its type: `GoalType`, `DockType`, `LocationType`...; empty
-            for a type that needs none.
+        declared: The class of its type in a MapInfo: `GoalType`, `DockType`, `LocationType`...;
+            empty for a type that needs none.
         turned_to: A MapInfo says that robots turn to its heading.
     """
 
@@ -52,7 +52,7 @@ class MapObject:
 
     @property
     def role(self) -> Role:
-        """What it is to people."""
+        """Its purpose for people."""
         if self.outline:
             return "line" if len(self.outline) == 2 else "area"
         if self.kind in ("Goal", "GoalWithHeading") or self.declared == "GoalType":
@@ -124,7 +124,7 @@ class LineMap:
     """Walls and places; compares by identity.
 
     Attributes:
-        name: What to call it on screen.
+        name: On screen.
         walls: Segments `x0, y0, x1, y1` [m], shape (W, 4), float64; a read-only copy is kept. The
             sides of solid objects are among them.
         homes: Poses a robot may start at, in file order.
@@ -141,7 +141,7 @@ class LineMap:
     lines: Float = field(default_factory=lambda: np.empty((0, 4)))
 
     def __post_init__(self) -> None:
-        """Keep copies of the segments that nobody can change."""
+        """Keep read-only copies of the segments."""
         object.__setattr__(self, "walls", _frozen(self.walls))
         object.__setattr__(self, "lines", _frozen(self.lines) if self.grids else self.walls)
 
@@ -169,7 +169,7 @@ def _frozen(segments: Float) -> Float:
 
 
 def empty_map() -> LineMap:
-    """Return a plane without walls; what `--nomap` stands for."""
+    """Return a plane without walls, for `--nomap`."""
     return LineMap(name="empty", walls=np.empty((0, 4)))
 
 

@@ -38,7 +38,7 @@ MODES = ("trinary", "scale", "raw")
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 REQUIRED = KEYS[:3]
 RESOLUTIONS = (0.001, 10.0)
-"""Smallest and largest side of a pixel that is believed [m]."""
+"""Smallest and largest side of a pixel that is accepted [m]."""
 FARTHEST = 1e5
 """Of an origin [m]."""
 LARGEST_YAML = 1 << 16
@@ -52,7 +52,7 @@ class Field:
     """A key of a YAML file, its value as text, and its line.
 
     Attributes:
-        line: Where the key stands.
+        line: The line of the key.
         key: The key.
         text: The scalar as written, without quotes; empty for lists and tables.
         items: The scalars of a list; empty for everything else.

@@ -1,4 +1,4 @@
-"""The lines and numbers of a map file, and where in it something is wrong."""
+"""Lines and numbers of a map file, with the line numbers of errors."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ class Line:
     text: str
 
     def wrong(self, field: str, problem: str) -> ConfigError:
-        """Return the error that says what is wrong with `field` on this line."""
+        """Return the error about `field` on this line."""
         return wrong(self.path, f"{self.number}: {field}: {problem}")
 
     def numbers(self, field: str, words: Sequence[str]) -> tuple[float, ...]:
@@ -62,7 +62,7 @@ def one_line(problem: object) -> str:
 
 
 def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
-    """Yield the lines of `text` that say something; `path` is for messages.
+    """Yield the lines of `text` that are neither blank nor comments; `path` is for messages.
 
     The first line has the number `first`.
     """
@@ -73,13 +73,13 @@ def lines_of(path: Path, text: str, first: int = 1) -> Iterator[Line]:
 
 
 def numbered(text: str, first: int = 1) -> Iterator[tuple[int, str]]:
-    """Yield every line with its number from `first`, whatever its line end."""
+    """Yield every line with its number from `first`; any line end counts."""
     for number, line in enumerate(_LINE.finditer(text), first):
         yield number, line[1]
 
 
 def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
-    """Return what is in a file of at most `largest` bytes.
+    """Return the contents of a file of at most `largest` bytes.
 
     Raises:
         ConfigError: The file is missing, not a regular file, unreadable or too large.

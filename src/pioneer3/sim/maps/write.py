@@ -16,9 +16,9 @@ from pioneer3.sim.maps.text import write_bytes
 from pioneer3.units import MM
 
 RESOLUTION = 0.05
-"""Of pictures unless told [m]: what ROS's own map saver usually gets."""
+"""Default side of a pixel [m], as usual with ROS's own map saver."""
 OCCUPIED, FREE = 0, 254
-"""Shades that map_saver writes."""
+"""Shades of map_saver."""
 KNOWN = frozenset(
     {"Goal", "GoalWithHeading", "Dock", "RobotHome", "ForbiddenLine", "ForbiddenArea"}
 )
@@ -57,7 +57,7 @@ def _aria_lines(line_map: LineMap) -> Iterator[str]:
 
 
 def _drawn(line_map: LineMap) -> NDArray[np.float64]:
-    """Return the walls that are not those of a solid object, which stands for itself."""
+    """Return the walls that are not sides of a solid object."""
     solid = {tuple(side) for side in solid_walls(line_map.objects).tolist()}
     kept = [tuple(wall) not in solid for wall in line_map.walls.tolist()]
     drawn: NDArray[np.float64] = line_map.walls[np.array(kept, dtype=np.bool_)]
@@ -65,7 +65,7 @@ def _drawn(line_map: LineMap) -> NDArray[np.float64]:
 
 
 def _info(item: MapObject) -> str:
-    """Return the MapInfo that an object's type needs to be read as it is, or nothing."""
+    """Return the MapInfo line that an object's type needs, or an empty text."""
     name = _quoted(f"Name={item.kind}")
     if len(item.outline) == 2:
         if item.kind in STANDARD_LINES:

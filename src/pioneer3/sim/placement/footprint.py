@@ -42,7 +42,7 @@ def stands_in(model: RobotModel, pose: Pose2, polygon: Float) -> bool:
 
     Args:
         model: The robot.
-        pose: Where it stands.
+        pose: Its pose.
         polygon: Its sides in order [m], shape (S, 4).
     """
     return inside(polygon, pose.x, pose.y) or hits(model, pose, polygon)

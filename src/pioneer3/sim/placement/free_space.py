@@ -208,7 +208,7 @@ def places_around(
         line_map: For its bounds.
         obstructions: Walls and obstacles.
         radius: Of the circle that a robot needs [m].
-        origin: Where a robot is.
+        origin: A pose of a robot.
     """
     b = line_map.bounds
     x, y = origin.x, origin.y

@@ -82,7 +82,7 @@ class PtyListener:
     """A pseudo terminal in front of one robot's port.
 
     Attributes:
-        path: What a host opens, such as `/dev/pts/3`.
+        path: The name that a host opens, such as `/dev/pts/3`.
     """
 
     def __init__(self, port: RobotPort) -> None:

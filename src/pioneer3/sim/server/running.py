@@ -1,4 +1,4 @@
-"""A simulator that runs: its robots, and what may be changed in it."""
+"""A running simulator: its robots, and the methods that change its world."""
 
 import asyncio
 import socket
@@ -57,11 +57,11 @@ class SimulatedRobot:
     """One robot of a running simulation.
 
     Attributes:
-        name: What people call it; on the wire every simulated robot is `MobileSim`.
+        name: For people; on the wire every simulated robot is `MobileSim`.
         body: The robot in the world.
         firmware: Its controller.
-        port: Where its host is, and what is wrong with the cable.
-        url: What a host connects to.
+        port: Connects its host, over a cable that may have faults.
+        url: For hosts.
         pty: Its serial port, or `None`.
     """
 
@@ -96,12 +96,12 @@ class RunningSimulation:
     """A simulator that listens; made by :func:`pioneer3.sim.server.start.simulator`.
 
     Attributes:
-        world: What is simulated.
+        world: The simulated world.
         robots: In the order of their ports; those of a factory come and go.
-        pace: How time passes; may be changed at any time.
-        factory_url: Where every client gets a robot of its own, or `None`.
-        acts_urls: Where each of the first robots' colour trackers is; empty without.
-        notes: What the person who started it should know, a line each.
+        pace: The speed of time; may be changed at any time.
+        factory_url: Of the port where every client gets a robot of its own, or `None`.
+        acts_urls: Of the colour trackers of the first robots; empty without.
+        notes: Hints for the person who started it, one per line.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class RunningSimulation:
 
     @property
     def url(self) -> str:
-        """What a host of the factory, or without one of the first robot, connects to."""
+        """The URL of the factory, or without one of the first robot."""
         return self.factory_url or self.robots[0].url
 
     @property
@@ -189,7 +189,7 @@ class RunningSimulation:
         return added
 
     async def remove_robot(self, robot: SimulatedRobot) -> None:
-        """Part from a robot's host, close its port and take it out of the world.
+        """Disconnect a robot's host, close its port and take it out of the world.
 
         Raises:
             ValueError: It is not here.
@@ -199,7 +199,7 @@ class RunningSimulation:
         self.world.remove(robot.body)
 
     def add_box(self, box: Box) -> Obstacle:
-        """Put a box into the world; it can be moved, whatever :attr:`Box.movable` says.
+        """Put a box into the world; it can always be moved.
 
         Raises:
             CommandError: A robot stands there.
@@ -208,7 +208,7 @@ class RunningSimulation:
         return self.world.add_obstacle(box)
 
     def add_person(self, person: Person) -> Obstacle:
-        """Let one more person walk.
+        """Add a person who walks.
 
         Raises:
             CommandError: A robot stands where they begin.
@@ -221,7 +221,7 @@ class RunningSimulation:
         self.world.remove_obstacle(obstacle)
 
     def move(self, what: SimulatedRobot | Obstacle, pose: Pose2) -> None:
-        """Put a robot, a box or a person elsewhere; a robot's odometry does not notice.
+        """Put a robot, a box or a person elsewhere; a robot's odometry does not change.
 
         Raises:
             CommandError: A robot would stand in something there, or something on a robot.
@@ -237,7 +237,7 @@ class RunningSimulation:
             )
 
     def has_room(self, model: RobotModel, pose: Pose2, but: SimulatedRobot | None = None) -> bool:
-        """Whether a robot can be put at `pose`: on no wall and in nothing; `but` is not there."""
+        """Whether a robot fits at `pose`: on no wall and in no obstacle or robot except `but`."""
         bodies = [robot.body for robot in self.robots if robot is not but]
         return not (
             hits(model, pose, self.world.map.walls)
@@ -261,7 +261,7 @@ class RunningSimulation:
         return placer.place(request)
 
     def _tell_all(self, change: MapChanged) -> None:
-        """Let every host know that there is another map."""
+        """Tell every host about another map."""
         for robot in self.robots:
             robot.firmware.tell(change)
 

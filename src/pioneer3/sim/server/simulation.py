@@ -35,9 +35,9 @@ class Simulation:
     """A world with its robots' ports, in time.
 
     Args:
-        world: What is simulated.
+        world: The simulated world.
         firmwares: One for each robot that can be connected to.
-        pace: How fast; in real time if not given.
+        pace: The speed of time; real time if not given.
         keep_session: Whether a host that vanishes from the network leaves its session behind, as
             on a serial line.
 

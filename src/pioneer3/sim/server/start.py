@@ -38,8 +38,8 @@ async def robot_factory(
     """Listen while the block runs; yield the URL.
 
     Args:
-        running: Where the robots come into the world.
-        factory_robot: What every host gets; a free port of its own besides.
+        running: The simulation that gets the robots.
+        factory_robot: The robot that every host gets; it also has a free port of its own.
         port: TCP port; 0 takes a free one.
         host: Address of this machine to listen at.
 
@@ -116,10 +116,10 @@ async def simulator(
         port: TCP port of the first robot, the others have the next ones; 0 takes free ones. A
             factory comes before the robots.
         host: Address of this machine to listen at.
-        overrides: What to change in the world before it begins.
-        realism: How like a real robot; `None` is ideal: no noise, no slip, thin rays.
-        pace: How time passes; in real time if not given.
-        faults: What is wrong with every robot's cable.
+        overrides: Changes of the world before it begins.
+        realism: Noise, slip and wide sonar beams; `None` is ideal: without them.
+        pace: The speed of time; real time if not given.
+        faults: Of every robot's cable.
         ptys: Whether each robot has a pseudo terminal besides.
         acts: TCP port of the first robot's ACTS server, the others have the next ones; 0 takes
             free ones, `None` has no such servers.

@@ -31,7 +31,7 @@ async def colour_trackers(
     """Serve pictures while the block runs; yield a URL for each of `robots`.
 
     Args:
-        world: Where they are.
+        world: Of the robots.
         robots: Each has an eye above its front, and looks where its PTZ camera looks.
         port: TCP port of the first, the others have the next ones; 0 takes free ones.
         host: Address of this machine to listen at.
@@ -55,10 +55,10 @@ class ColourTracker:
         self._serving: set[asyncio.Task[None]] = set()
 
     def picture(self) -> bytes:
-        """Return what the robot sees now, as ACTS tells it."""
+        """Return the picture of the robot's camera in the protocol of ACTS."""
         camera = self._robot.firmware.accessories.camera
-        gaze = camera.gaze(self._world.time) if camera else None
-        pan, tilt = (gaze.pan, gaze.tilt) if gaze else (0.0, 0.0)
+        position = camera.position(self._world.time) if camera else None
+        pan, tilt = (position.pan, position.tilt) if position else (0.0, 0.0)
         blobs: dict[int, list[Blob]] = defaultdict(list)
         for patch in look(self._world, self._robot.body, EYE, pan, tilt):
             blobs[CHANNELS[patch.kind]].append(

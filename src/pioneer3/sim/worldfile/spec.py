@@ -41,10 +41,10 @@ class EquipmentOptions:
         joystick: Whether there is one at the robot.
         camera: Canon VC-C4 or Sony EVI-D30.
         camera_port: The AUX port it is connected to.
-        table_ir: How the table sensors are wired.
-        north: Where magnetic north lies, counter-clockwise from the x axis [rad].
+        table_ir: The wiring of the table sensors.
+        north: Direction of magnetic north, counter-clockwise from the x axis [rad].
         compass_noise: Standard deviation [rad].
-        gyro_bias: What the gyro adds to every rate [rad/s].
+        gyro_bias: Added to every rate [rad/s].
         gyro_noise: Standard deviation [rad/s].
     """
 

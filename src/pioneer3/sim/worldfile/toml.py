@@ -301,7 +301,7 @@ def _complaint(
 
 
 def _misfit(place: str, value: object, hint: object, problem: str) -> str:
-    """Return what is wrong with a value, and what is expected in its place."""
+    """Return the problem of a value, and the expected ones."""
     if place.endswith(".start"):
         return 'expected {x, y, theta_deg} or "random" or "outside" or "home"'
     if problem.startswith("Invalid enum value"):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.sim.accessories.canon import CanonVcc4
-from pioneer3.sim.accessories.pan_tilt_zoom import Gaze
+from pioneer3.sim.accessories.pan_tilt_zoom import PtzPosition
 
 
 def frame(command: int, parameters: bytes = b"") -> bytes:
@@ -46,23 +46,23 @@ def test_it_turns_to_a_position_and_says_where_it_is(camera: CanonVcc4) -> None:
     pan, tilt = round(45 / 0.1125) + 0x8000, round(-20 / 0.1125) + 0x8000
     assert say(camera, frame(0x62, b"%04X%04X" % (pan, tilt)), 1.0) == OK
     assert say(camera, frame(0x63), 10.0) == answer(data=b"%04X%04X" % (pan, tilt))
-    gaze = camera.gaze(10.0)
-    assert gaze.pan == pytest.approx(radians(-45), abs=1e-3)
-    assert gaze.tilt == pytest.approx(radians(-20), abs=1e-3)
+    position = camera.position(10.0)
+    assert position.pan == pytest.approx(radians(-45), abs=1e-3)
+    assert position.tilt == pytest.approx(radians(-20), abs=1e-3)
 
 
 def test_it_takes_the_time_of_its_slew_rate(camera: CanonVcc4) -> None:
     say(camera, frame(0x62, b"%04X8000" % (0x8000 + 800)), 1.0)
-    assert camera.gaze(1.5).pan == pytest.approx(radians(-45))
+    assert camera.position(1.5).pan == pytest.approx(radians(-45))
     assert say(camera, frame(0x50, b"0C8"), 1.5) == OK
-    assert camera.gaze(2.5).pan == pytest.approx(radians(-67.5))
+    assert camera.position(2.5).pan == pytest.approx(radians(-67.5))
     assert say(camera, frame(0x53, b"0"), 2.5) == OK
-    assert camera.gaze(9.0).pan == pytest.approx(radians(-67.5))
+    assert camera.position(9.0).pan == pytest.approx(radians(-67.5))
 
 
 def test_it_zooms_and_stops_zooming(camera: CanonVcc4) -> None:
     assert say(camera, frame(0xB3, b"07A8"), 0.0) == OK
-    assert camera.gaze(1.5).zoom == pytest.approx(0.5)
+    assert camera.position(1.5).zoom == pytest.approx(0.5)
     assert say(camera, frame(0xA2, b"0"), 1.5) == OK
     assert say(camera, frame(0xB4, b"0"), 5.0) == answer(data=b"03D4")
 
@@ -82,7 +82,7 @@ def test_it_zooms_and_stops_zooming(camera: CanonVcc4) -> None:
 )
 def test_nonsense_is_refused_and_moves_nothing(camera: CanonVcc4, bad: bytes) -> None:
     assert say(camera, bad, 1.0) == BAD
-    assert camera.gaze(9.0) == Gaze(0.0, 0.0, 0.0)
+    assert camera.position(9.0) == PtzPosition(0.0, 0.0, 0.0)
 
 
 def test_until_the_range_is_set_it_tilts_to_30_degrees() -> None:
@@ -133,6 +133,6 @@ def test_it_takes_anything(said: list[tuple[bytes, float]]) -> None:
         if data:
             made.receive(frame(data[0], data[1:].replace(b"\xff", b"").replace(b"\xef", b"")), now)
         assert made.transmit(now).count(b"\xef") >= 2
-        gaze = made.gaze(now)
-        assert abs(gaze.pan) <= radians(99)
-        assert 0 <= gaze.zoom <= 1
+        position = made.position(now)
+        assert abs(position.pan) <= radians(99)
+        assert 0 <= position.zoom <= 1

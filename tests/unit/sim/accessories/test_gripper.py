@@ -7,7 +7,7 @@ from pioneer3.arcos.commands import GripperAction, Request
 from pioneer3.arcos.reports import GripperSwitch
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories.base import NOTHING
-from pioneer3.sim.accessories.gripper import IDLE, OPENING, Gripper, NoGripper, Thing
+from pioneer3.sim.accessories.gripper import IDLE, OPENING, Gripper, HeldObject, NoGripper
 from tests.unit.sim.accessories.carrier import answers
 
 S = GripperSwitch
@@ -93,24 +93,24 @@ def test_store_lifts_and_closes_deploy_undoes_it(hand: Hand) -> None:
 
 
 @pytest.mark.parametrize(
-    ("thing", "beams"),
+    ("held", "beams"),
     [
-        (Thing(), BEAMS),
-        (Thing(outer=False), S.INNER_BEAM_BROKEN),
-        (Thing(inner=False), S.OUTER_BEAM_BROKEN),
-        (Thing(outer=False, inner=False), S(0)),
+        (HeldObject(), BEAMS),
+        (HeldObject(outer=False), S.INNER_BEAM_BROKEN),
+        (HeldObject(inner=False), S.OUTER_BEAM_BROKEN),
+        (HeldObject(outer=False, inner=False), S(0)),
     ],
 )
-def test_a_thing_breaks_its_beams(hand: Hand, thing: Thing, beams: GripperSwitch) -> None:
-    hand.gripper.put(thing)
-    assert hand.gripper.thing == thing
+def test_a_thing_breaks_its_beams(hand: Hand, held: HeldObject, beams: GripperSwitch) -> None:
+    hand.gripper.put(held)
+    assert hand.gripper.held == held
     assert hand.wait(0.1) == OPEN_DOWN | beams
     hand.gripper.put(None)
     assert hand.wait(0.1) == OPEN_DOWN
 
 
 def test_paddles_close_on_a_thing_and_lift_it(hand: Hand) -> None:
-    hand.gripper.put(Thing(width=OPENING / 2))
+    hand.gripper.put(HeldObject(width=OPENING / 2))
     hand.do(GripperAction.CLOSE)
     assert hand.wait(1.1) == S.OPEN_LOW | BEAMS | S.GRIP_MOVING
     assert hand.wait(0.3) == S.OPEN_LOW | BEAMS
@@ -125,11 +125,11 @@ def test_a_thing_must_fit(hand: Hand) -> None:
     hand.do(GripperAction.CLOSE)
     hand.wait(3.0)
     with pytest.raises(ConfigError, match="do not fit"):
-        hand.gripper.put(Thing())
+        hand.gripper.put(HeldObject())
     with pytest.raises(ConfigError, match="a gripper opens to"):
-        Thing(width=1.0)
+        HeldObject(width=1.0)
     with pytest.raises(ConfigError, match="a gripper opens to"):
-        Thing(width=float("nan"))
+        HeldObject(width=float("nan"))
 
 
 def test_pressure_sets_how_long_it_grasps(hand: Hand) -> None:
@@ -166,7 +166,7 @@ def test_a_value_out_of_the_blue_changes_nothing(hand: Hand) -> None:
 
 
 def test_the_standard_report_shows_the_same_switches(hand: Hand) -> None:
-    hand.gripper.put(Thing(outer=False))
+    hand.gripper.put(HeldObject(outer=False))
     assert hand.gripper.inputs(NOTHING, hand.now).gripper_state == OPEN_DOWN | S.INNER_BEAM_BROKEN
 
 

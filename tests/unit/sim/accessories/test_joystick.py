@@ -4,13 +4,13 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request
 from pioneer3.arcos.reports import SipFlag
 from pioneer3.errors import ConfigError
-from pioneer3.sim.accessories import Stick
+from pioneer3.sim.accessories import StickPosition
 from pioneer3.sim.accessories.base import NOTHING
 from pioneer3.sim.accessories.gauges import Joystick
 from tests.unit.sim.accessories.carrier import answers
 
 
-def packet(stick: Stick) -> reports.Joystick:
+def packet(stick: StickPosition) -> reports.Joystick:
     joystick = Joystick()
     joystick.stick = stick
     joystick.obey(commands.JoyInfo(Request.ONCE), 0.0)
@@ -20,7 +20,7 @@ def packet(stick: Stick) -> reports.Joystick:
 
 
 def test_let_go_it_stands_in_the_middle() -> None:
-    assert packet(Stick()) == reports.Joystick(
+    assert packet(StickPosition()) == reports.Joystick(
         button1=0, button2=0, x_raw=512, y_raw=512, throttle_raw=0
     )
 
@@ -28,32 +28,32 @@ def test_let_go_it_stands_in_the_middle() -> None:
 @pytest.mark.parametrize(
     ("stick", "x", "y"),
     [
-        (Stick(forward=1.0), 512, 1023),
-        (Stick(forward=-1.0), 512, 0),
-        (Stick(left=1.0), 1023, 512),
-        (Stick(left=-1.0), 0, 512),
-        (Stick(left=-9.0, forward=9.0), 0, 1023),
-        (Stick(left=0.5, forward=-0.5), 768, 256),
+        (StickPosition(forward=1.0), 512, 1023),
+        (StickPosition(forward=-1.0), 512, 0),
+        (StickPosition(left=1.0), 1023, 512),
+        (StickPosition(left=-1.0), 0, 512),
+        (StickPosition(left=-9.0, forward=9.0), 0, 1023),
+        (StickPosition(left=0.5, forward=-0.5), 768, 256),
     ],
 )
-def test_pushed_it_goes_to_the_ends(stick: Stick, x: int, y: int) -> None:
+def test_pushed_it_goes_to_the_ends(stick: StickPosition, x: int, y: int) -> None:
     report = packet(stick)
     assert (report.x_raw, report.y_raw) == (x, y)
 
 
 @pytest.mark.parametrize(("throttle", "raw"), [(0.5, 512), (1.0, 1023), (-1.0, 0)])
 def test_the_throttle_has_1024_steps(throttle: float, raw: int) -> None:
-    assert packet(Stick(throttle=throttle)).throttle_raw == raw
+    assert packet(StickPosition(throttle=throttle)).throttle_raw == raw
 
 
 def test_the_first_button_is_a_flag_too() -> None:
     joystick = Joystick()
     assert joystick.inputs(NOTHING, 0.0).flags == SipFlag(0)
-    joystick.stick = Stick(button1=True, button2=True)
+    joystick.stick = StickPosition(button1=True, button2=True)
     assert joystick.inputs(NOTHING, 0.0).flags == SipFlag.JOYSTICK_BUTTON
     assert packet(joystick.stick).button2 == 1
 
 
 def test_a_stick_is_somewhere() -> None:
     with pytest.raises(ConfigError, match="not finite"):
-        Stick(forward=float("nan"))
+        StickPosition(forward=float("nan"))

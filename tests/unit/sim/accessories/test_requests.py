@@ -8,7 +8,7 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, Request, Tcm2Mode
 from pioneer3.arcos.reports import Report
-from pioneer3.sim.accessories.base import Accessory, Asked
+from pioneer3.sim.accessories.base import Accessory, ReportRequest
 from pioneer3.sim.accessories.compass import Compass
 from pioneer3.sim.accessories.digital_io import DigitalIo
 from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
@@ -72,7 +72,7 @@ class TestRequests:
 
 
 def test_once_ends_a_stream() -> None:
-    asked = Asked()
-    asked.ask(Request.STREAM)
-    asked.ask(Request.ONCE)
+    asked = ReportRequest()
+    asked.set(Request.STREAM)
+    asked.set(Request.ONCE)
     assert [asked.due(cycle=True) for _ in range(3)] == [True, False, False]

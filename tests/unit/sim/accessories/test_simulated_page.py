@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from pioneer3.arcos import commands, reports
-from pioneer3.sim.accessories.fitted import TAKEN
+from pioneer3.sim.accessories.collection import IGNORED
 
 PAGE = Path(__file__).parents[4] / "docs" / "reference" / "simulated.md"
 ROW = re.compile(r"^\| (0x[0-9A-F]+|\d+) \| [^|]+ \| (simulated|answers|ignored) \|", re.MULTILINE)
@@ -30,7 +30,7 @@ def test_every_report_is_listed_once() -> None:
 
 def test_what_is_taken_silently_is_called_ignored() -> None:
     words = dict(rows("Commands"))
-    assert {words[number] for number in TAKEN} == {"ignored"}
+    assert {words[number] for number in IGNORED} == {"ignored"}
 
 
 def test_every_operation_of_the_simulator_is_listed() -> None:

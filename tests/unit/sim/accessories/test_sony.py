@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pioneer3.sim.accessories.pan_tilt_zoom import Gaze
+from pioneer3.sim.accessories.pan_tilt_zoom import PtzPosition
 from pioneer3.sim.accessories.sony import SonyEvi
 
 ACK, DONE, SYNTAX = b"\x90\x41\xff", b"\x90\x51\xff", b"\x90\x60\x02\xff"
@@ -33,46 +33,46 @@ def test_a_position_is_acknowledged_at_once_and_done_later(camera: SonyEvi) -> N
     assert say(camera, "81 01 06 02 18 14 00010b08 00000906 ff") == ACK
     assert camera.transmit(0.6) == b""
     assert camera.transmit(0.63) == DONE
-    gaze = camera.gaze(0.63)
-    assert gaze.pan == pytest.approx(radians(-50))
-    assert gaze.tilt == pytest.approx(radians(12.5))
+    position = camera.position(0.63)
+    assert position.pan == pytest.approx(radians(-50))
+    assert position.tilt == pytest.approx(radians(12.5))
     assert say(camera, "81 09 06 12 ff", 1.0) == bytes.fromhex("9050 00010b08 00000906 ff")
 
 
 def test_left_and_down_are_negative(camera: SonyEvi) -> None:
     camera.receive(bytes.fromhex("81 01 06 02 18 14 0f0c0900 0f0e0d04 ff"), 0.0)
-    gaze = camera.gaze(9.0)
-    assert gaze.pan == pytest.approx(radians(100))
-    assert gaze.tilt == pytest.approx(radians(-25))
+    position = camera.position(9.0)
+    assert position.pan == pytest.approx(radians(100))
+    assert position.tilt == pytest.approx(radians(-25))
     assert camera.transmit(9.0) == ACK + DONE
     assert say(camera, "81 09 06 12 ff", 9.0) == bytes.fromhex("9050 0f0c0900 0f0e0d04 ff")
 
 
 def test_beyond_the_end_it_stops_at_the_end(camera: SonyEvi) -> None:
     say(camera, "81 01 06 02 18 14 070f0f0f 070f0f0f ff")
-    assert camera.gaze(9.0).pan == pytest.approx(radians(-100))
+    assert camera.position(9.0).pan == pytest.approx(radians(-100))
 
 
 def test_the_speed_counts(camera: SonyEvi) -> None:
     say(camera, "81 01 06 02 03 14 00030700 00000000 ff")
-    assert camera.gaze(1.0).pan == pytest.approx(radians(-10))
+    assert camera.position(1.0).pan == pytest.approx(radians(-10))
 
 
 def test_relative_home_and_stop(camera: SonyEvi) -> None:
     turn = "81 01 06 03 18 14 00000508 00000000 ff"
     for second in (0.0, 1.0):
         say(camera, turn, second)
-    assert camera.gaze(2.0).pan == pytest.approx(radians(-20))
+    assert camera.position(2.0).pan == pytest.approx(radians(-20))
     say(camera, "81 01 06 04 ff", 2.0)
     assert say(camera, "81 01 06 01 00 00 03 03 ff", 2.125) == ACK + DONE
-    assert camera.gaze(9.0).pan == pytest.approx(radians(-10))
+    assert camera.position(9.0).pan == pytest.approx(radians(-10))
     say(camera, "81 01 06 05 ff", 9.0)
-    assert camera.gaze(20.0) == Gaze(0.0, 0.0, 0.0)
+    assert camera.position(20.0) == PtzPosition(0.0, 0.0, 0.0)
 
 
 def test_it_zooms(camera: SonyEvi) -> None:
     assert say(camera, "81 01 04 47 00030f0f ff") == ACK
-    assert camera.gaze(1.5).zoom == pytest.approx(0.5)
+    assert camera.position(1.5).zoom == pytest.approx(0.5)
     assert say(camera, "81 09 04 47 ff", 9.0) == DONE + bytes.fromhex("9050 00030f0f ff")
 
 
@@ -126,9 +126,9 @@ def test_it_takes_anything(said: list[tuple[bytes, float]]) -> None:
         now += pause
         made.receive(data + b"\xff\x81\x01" + data + b"\xff\x81\x09" + data + b"\xff", now)
         made.transmit(now)
-        gaze = made.gaze(now)
-        assert abs(gaze.pan) <= radians(100.1)
-        assert abs(gaze.tilt) <= radians(25.1)
-        assert 0 <= gaze.zoom <= 1
+        position = made.position(now)
+        assert abs(position.pan) <= radians(100.1)
+        assert abs(position.tilt) <= radians(25.1)
+        assert 0 <= position.zoom <= 1
     assert isinstance(made.transmit(now + 1000), bytes)
     assert made.transmit(now + 2000) == b""

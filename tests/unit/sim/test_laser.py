@@ -11,7 +11,7 @@ from pioneer3.arcos.reports import SimLaser, SimLaserExtended, from_payload
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.firmware.laser import Scanner
+from pioneer3.sim.firmware.laser import InBandLaser
 from pioneer3.sim.world import World
 from tests.support import wall_at
 
@@ -22,18 +22,18 @@ OLD = (
 )
 
 
-def scanner(wall: float = 3.0, home: Pose2 | None = None) -> Scanner:
+def scanner(wall: float = 3.0, home: Pose2 | None = None) -> InBandLaser:
     body = Body(load_model("p3at-sh"), home or Pose2())
-    return Scanner(World(wall_at(wall), [body]), body)
+    return InBandLaser(World(wall_at(wall), [body]), body)
 
 
-def packets(laser: Scanner) -> list[SimLaser | SimLaserExtended]:
+def packets(laser: InBandLaser) -> list[SimLaser | SimLaserExtended]:
     """Return one sweep as a host reads it."""
     sweep = [from_payload(payload) for payload in PacketReader().feed(laser.frames())]
     return [part for part in sweep if isinstance(part, SimLaser | SimLaserExtended)]
 
 
-def ranges_of(laser: Scanner) -> list[int]:
+def ranges_of(laser: InBandLaser) -> list[int]:
     """Return the readings of one sweep [mm], whichever packets bring them."""
     ranges: list[int] = []
     for packet in packets(laser):
@@ -50,7 +50,7 @@ def received(command: commands.Command) -> commands.Command:
     return commands.from_payload(commands.to_payload(command))
 
 
-def set_up(laser: Scanner, mode: SimLaserMode) -> None:
+def set_up(laser: InBandLaser, mode: SimLaserMode) -> None:
     for command in (*OLD, commands.OldLaser(mode)):
         assert laser.obey(received(command))
 
@@ -128,7 +128,7 @@ def test_what_is_for_a_laser_that_it_does_not_have_changes_nothing(laser_number:
 
 def test_the_robot_s_pose_is_in_the_packets_that_have_room_for_it() -> None:
     body = Body(load_model("p3at-sh"))
-    laser = Scanner(World(None, [body]), body)
+    laser = InBandLaser(World(None, [body]), body)
     body.reset_odometry(Pose2(-1.25, 40.0, radians(-90)))
     set_up(laser, SimLaserMode.RANGES)
     for packet in packets(laser):

@@ -10,7 +10,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, GripperVal
 from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.aux_port import AuxPort
-from pioneer3.sim.accessories.base import NOTHING, Accessory, Carrier, Inputs
+from pioneer3.sim.accessories.base import NOTHING, Accessory, CarryingRobot, Inputs
 from pioneer3.sim.accessories.canon import CanonVcc4
 from pioneer3.sim.accessories.compass import Compass
 from pioneer3.sim.accessories.digital_io import DigitalIo, TableIr, nothing_low
@@ -20,7 +20,7 @@ from pioneer3.sim.accessories.gyro import Gyro
 from pioneer3.sim.accessories.sony import SonyEvi
 from pioneer3.sim.equipment import PORTS, Camera, Equipment
 
-TAKEN: Final = frozenset(
+IGNORED: Final = frozenset(
     commands.NUMBERS[name]
     for name in (
         "AUX1BAUD",
@@ -45,36 +45,36 @@ TAKEN: Final = frozenset(
 ) | {commands.Say.ID}
 
 
-class Courtesy:
-    """Takes commands that have no effect on anything that is simulated, and says nothing."""
+class IgnoredCommands:
+    """Takes commands that have no effect in the simulator, without an answer."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Return whether `command` is one of them."""
-        return command.ID in TAKEN
+        return command.ID in IGNORED
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """There are none."""
+        """Return no reports."""
         return ()
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Nothing of this is in the standard report."""
+        """Return `sip` unchanged."""
         return sip
 
     def hang_up(self) -> None:
-        """There is nothing to stop."""
+        """Do nothing."""
 
 
 class Accessories:
-    """What is connected to one robot's controller; `None` for what this one does not have.
+    """The accessories of one robot; `None` for those it does not have.
 
     Call :meth:`tick` whenever time passes, :meth:`obey` for commands, :meth:`reports` after both,
     and :meth:`inputs` for each standard report.
     """
 
     def __init__(
-        self, body: Carrier, equipment: Equipment | None = None, rng: Generator | None = None
+        self, body: CarryingRobot, equipment: Equipment | None = None, rng: Generator | None = None
     ) -> None:
-        """Without `equipment` the robot has what its model comes with; `rng` makes the noise."""
+        """Without `equipment` the robot has that of its model; `rng` makes the noise."""
         self.equipment = fitted = equipment or Equipment.of(body.model)
         noise = rng or default_rng(0)
         self.table_ir = TableIr(body, fitted.table_ir) if fitted.table_ir else None
@@ -89,7 +89,13 @@ class Accessories:
         self.camera = _camera(fitted.camera)
         self.aux[fitted.camera_port - 1].device = self.camera
         fixed: tuple[Accessory, ...] = (self.digital, self.encoders, self.battery, *self.aux)
-        chosen = (self.gripper or NoGripper(), self.compass, self.gyro, self.joystick, Courtesy())
+        chosen = (
+            self.gripper or NoGripper(),
+            self.compass,
+            self.gyro,
+            self.joystick,
+            IgnoredCommands(),
+        )
         self._all: tuple[Accessory, ...] = (*fixed, *(each for each in chosen if each))
         shown = (self.gripper, self.compass, self.joystick)
         self._shown: tuple[Accessory, ...] = (self.digital, *(each for each in shown if each))
@@ -100,12 +106,12 @@ class Accessories:
         return min(self.gyro.due if self.gyro else inf, *(port.due for port in self.aux))
 
     def tick(self, now: float) -> None:
-        """Look at the robot at `now` [s], the oftener the better the gyro's samples."""
+        """Measure at `now` [s]; the oftener, the better are the gyro's samples."""
         if self.gyro:
             self.gyro.tick(now)
 
     def obey(self, command: Command, now: float) -> bool:
-        """Give `command` to whom it is for; return whether there was anybody."""
+        """Give `command` to its accessory; return whether there is one."""
         return any(accessory.obey(command, now) for accessory in self._all)
 
     def claims(self, command: Command) -> bool:
@@ -113,7 +119,7 @@ class Accessories:
         return bool(self.gripper and self.gripper.awaits_value and isinstance(command, GripperVal))
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return what is due at `now`.
+        """Return the reports that are due at `now`.
 
         Args:
             now: [s].
@@ -123,22 +129,22 @@ class Accessories:
         return [report for accessory in self._all for report in accessory.reports(now, cycle=cycle)]
 
     def inputs(self, now: float) -> Inputs:
-        """Return what belongs into the standard report."""
+        """Return the part of the standard report that accessories fill in."""
         sip = NOTHING
         for accessory in self._shown:
             sip = accessory.inputs(sip, now)
         return sip
 
     def hang_up(self) -> None:
-        """Stop what the host of the ended session has asked for; states stay as they are."""
+        """Stop the streams and motions of the ended session; keep all other states."""
         for accessory in self._all:
             accessory.hang_up()
 
-    def _compass(self, body: Carrier, rng: Generator) -> Compass:
+    def _compass(self, body: CarryingRobot, rng: Generator) -> Compass:
         fitted = self.equipment
         return Compass(body, rng, north=fitted.north, noise=fitted.compass_noise)
 
-    def _gyro(self, body: Carrier, rng: Generator) -> Gyro:
+    def _gyro(self, body: CarryingRobot, rng: Generator) -> Gyro:
         fitted = self.equipment
         return Gyro(
             body,

@@ -13,13 +13,13 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.accessories import (
     Accessories,
-    Carrier,
+    CarryingRobot,
     Equipment,
     Inputs,
-    Stick,
+    StickPosition,
     TableSensor,
 )
-from pioneer3.sim.accessories.fitted import TAKEN
+from pioneer3.sim.accessories.collection import IGNORED
 from pioneer3.sim.accessories.sony import SonyEvi
 from pioneer3.sim.body import Body
 from tests.property.test_codecs import messages
@@ -35,11 +35,11 @@ EVERYTHING = Equipment(
     gyro_noise=0.01,
     compass_noise=0.01,
 )
-POLITE = [cls for cls in commands.every_command() if cls.ID in TAKEN]
+POLITE = [cls for cls in commands.every_command() if cls.ID in IGNORED]
 
 
 def test_a_body_carries_accessories() -> None:
-    carrier: Carrier = Body(load_model("p3at-sh"))
+    carrier: CarryingRobot = Body(load_model("p3at-sh"))
     rack = Accessories(carrier)
     rack.tick(0.0)
     assert rack.inputs(0.0) == Inputs()
@@ -113,7 +113,7 @@ def test_the_standard_report_shows_all_of_them() -> None:
     assert rack.table_ir
     assert rack.joystick
     rack.table_ir.covered = TableSensor.LEFT
-    rack.joystick.stick = Stick(button1=True)
+    rack.joystick.stick = StickPosition(button1=True)
     rack.digital.set_analog(2, 5.0)
     rack.obey(commands.AdSel(2), 0.0)
     rack.obey(commands.DigOut(mask=0xFF, values=1), 0.0)
