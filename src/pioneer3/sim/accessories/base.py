@@ -80,7 +80,7 @@ class Accessory(Protocol):
         """Carry out `command` at `now` [s]; return whether it was meant for this accessory."""
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the reports that are due: answers always, streams with each report of a `cycle`."""
+        """Return the reports that are due: answers always, streams only if `cycle` is true."""
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
         """Return `sip` with this accessory's bits."""
