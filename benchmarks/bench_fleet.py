@@ -45,7 +45,7 @@ SWEEPS = (0x60, 0x61)
 LASER_ON = [encode(bytes([number, kind, value, 0])) for number, kind, value in (
     (36, 0x1B, 90), (37, 0x3B, 90), (38, 0x3B, 100), (35, 0x3B, 2)
 )]  # fmt: skip
-"""ARIA's own set-up of 181 beams (arcos.md 3.3)."""
+"""ARIA's own set-up of 181 beams (protocol.md 3.3)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from pioneer3.geometry import ORIGIN, Pose2, Twist2
 
 
 class Charging(StrEnum):
-    """What the charger does (arcos.md 4.2)."""
+    """What the charger does (protocol.md 4.2)."""
 
     UNKNOWN = "unknown"
     NONE = "not charging"
@@ -116,7 +116,7 @@ class Motors:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bumpers:
-    """Contact by segment; front from left to right, rear from right to left (arcos.md 4.7)."""
+    """Contact by segment; front from left to right, rear from right to left (protocol.md 4.7)."""
 
     front: tuple[bool, ...] = ()
     rear: tuple[bool, ...] = ()
@@ -145,7 +145,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Words:
-    """The bit fields as they are on the wire, for people who look for single bits (arcos.md 4.4).
+    """The bit fields as on the wire, for people who look for single bits (protocol.md 4.4).
 
     Attributes:
         flags: 16 bits.

@@ -19,7 +19,7 @@ DEGREE = pi / 180
 """One degree [rad]."""
 
 HEADING_UNITS = 4096
-"""ARCOS heading units in a full turn (arcos.md 4.2)."""
+"""ARCOS heading units in a full turn (protocol.md 4.2)."""
 
 HEADING_UNIT = 2 * pi / HEADING_UNITS
 """One ARCOS heading unit [rad]."""

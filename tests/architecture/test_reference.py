@@ -1,5 +1,8 @@
-"""The reference pages have what the package has."""
+"""The reference pages have what the package has, and whatever cites them finds its section."""
 
+import re
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -7,7 +10,25 @@ import pytest
 from docs.reference.protocol_tables import PAGES, filled
 from pioneer3.arcos import commands, reports
 
+ROOT = Path(__file__).parents[2]
 PROTOCOL = PAGES[0].read_text(encoding="utf-8")
+TEXTS = {".py", ".md", ".toml", ".js", ".html", ".css", ""}
+NOTE = r"(?:,? (?:row|rule|field) \d+)?"
+SECTION = rf"\d+(?:\.\d+)*{NOTE}"
+CITATION = re.compile(
+    rf"(protocol|facts)\.md\s+(?:# )?({SECTION}(?:(?:,| to| and|;)\s+{SECTION})*)"
+)
+HEADING = re.compile(r"^#{2,3} (\d+(?:\.\d+)?)\.? ", re.MULTILINE)
+PAGE = re.compile(r"[\w./-]*\w\.md\b")
+ELSEWHERE = re.compile(r"user-needs|\.\./shared/|\bshared/(?!maps|captures)\w")
+
+
+def texts() -> Iterator[tuple[str, str]]:
+    """Return names and contents of all files that may cite a page."""
+    folders = ("src", "tests", "benchmarks", "docs", "examples", "scripts")
+    for path in chain(*((ROOT / folder).rglob("*") for folder in folders), ROOT.glob("*.md")):
+        if path.is_file() and path.suffix in TEXTS and path != Path(__file__):
+            yield str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -28,3 +49,22 @@ def test_every_report_is_on_the_page_with_its_layout() -> None:
     for cls in reports.ALL:
         assert f"| `{cls.__name__}` | " in PROTOCOL
         assert f"**{cls.__name__}**, " in PROTOCOL
+
+
+def test_every_cited_section_exists() -> None:
+    sections = {page.stem: set(HEADING.findall(page.read_text(encoding="utf-8"))) for page in PAGES}
+    cited = 0
+    for name, text in texts():
+        for page, numbers in CITATION.findall(text):
+            found = set(re.findall(r"(?<!row )(?<!rule )(?<!field )\b\d+(?:\.\d+)*", numbers))
+            assert found <= sections[page], f"{name} cites {page}.md {numbers}"
+            cited += len(found)
+    assert cited > 100
+
+
+def test_no_page_is_cited_that_is_not_here() -> None:
+    pages = {path.name for path in chain(ROOT.glob("*.md"), (ROOT / "docs").rglob("*.md"))}
+    for name, text in texts():
+        for page in PAGE.findall(text):
+            assert Path(page).name in pages, f"{name} cites {page}"
+        assert not ELSEWHERE.search(text), name

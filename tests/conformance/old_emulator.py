@@ -1,6 +1,6 @@
 """What the old emulator does otherwise than a robot, in numbers: why its tracks differ from ours.
 
-Facts: arcos.md 9.3, 9.4, 4.9; the times of its reaction are measured in the captures.
+Facts: facts.md 9.3, 9.4, protocol.md 4.9; the times of its reaction are measured in the captures.
 """
 
 from math import radians

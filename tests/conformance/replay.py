@@ -1,7 +1,7 @@
 """Captured sessions of real ARIA programs, played to our simulated robot.
 
 A capture holds both sides of a session between an ARIA program and the old emulator (AMRISim;
-facts in arcos.md 9). :func:`played` gives the program's bytes to our firmware, in virtual time, at
+facts in facts.md 9). :func:`played` gives the program's bytes to our firmware, in virtual time, at
 the same place of the same map. What either robot answered is a :class:`Session`.
 
 The old emulator's own time advances by one cycle per standard report (9.2), whatever the machine

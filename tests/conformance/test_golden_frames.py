@@ -1,4 +1,4 @@
-"""Byte-exact frames: rows of arcos.md 1.5, 2.1 and 4.3, each checked in both directions."""
+"""Byte-exact frames: rows of protocol.md 1.5, 2.1 and 4.3, each checked in both directions."""
 
 from math import radians
 

@@ -1,7 +1,7 @@
 """Our simulated robot moves as the old emulator did, but for the latter's faults.
 
 Distances, speeds, headings and places agree within 5 % of what has been travelled or turned so
-far, all along. Where they do not, the test says which fault of the old emulator (arcos.md 9) is
+far, all along. Where they do not, the test says which fault of the old emulator (facts.md 9) is
 the reason, and how much of the difference it makes:
 
 1. Its reaction takes two cycles or three. Ours is compared :data:`LATENCY` late, give or take what

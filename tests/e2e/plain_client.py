@@ -45,7 +45,7 @@ class PlainClient:
     async def open(self) -> reports.SyncIdentity:
         """Shake hands, open a session, and return who answered.
 
-        As ARIA does (arcos.md 2.2), a SYNC without an answer is said again after a second, and a
+        As ARIA does (protocol.md 2.2), a SYNC without an answer is said again after a second, and a
         robot that is still in somebody's session is sent CLOSE.
 
         Raises:

@@ -1,4 +1,4 @@
-"""What breaks the old emulator (arcos.md 9) does not break `pioneer3 sim`, started as people do."""
+"""What breaks the old emulator (facts.md 9) does not break `pioneer3 sim`, started as people do."""
 
 import asyncio
 import signal

@@ -23,7 +23,7 @@ ANSWERS_AFTER = [0.0, 0.03, 0.16]
 
 
 class OldEmulator(SimulatedRobot):
-    """A robot that shakes hands as the old emulator does (arcos.md 2.7, 9.1).
+    """A robot that shakes hands as the old emulator does (protocol.md 2.7, facts.md 9.1).
 
     The first packet counts as a SYNC, whatever its number: it is echoed, and the next number is
     awaited. Beyond 2 every packet is a command, of a session that never began: there is no answer

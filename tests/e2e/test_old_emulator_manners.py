@@ -1,4 +1,4 @@
-"""What the old emulator does wrongly (arcos.md 9), our firmware does right. Virtual time."""
+"""What the old emulator does wrongly (facts.md 9), our firmware does right. Virtual time."""
 
 from itertools import pairwise
 from math import degrees, radians

@@ -51,7 +51,7 @@ TOPICS: Mapping[str, tuple[str, str, str, str | None]] = {
     "/aio": ("std_msgs/Float32MultiArray", "6a40e0ffa6a17a503ac3f8616991b1f6", "0", None),
     **RANGES,
 }
-"""Type, md5sum, latching and frame; `user-needs` 6.1."""
+"""Type, md5sum, latching and frame; facts.md 14.6."""
 SLOW = {"/battery_state", "/diagnostics"}
 """Once a second."""
 ON_CHANGE = {"/motors_state"}

@@ -1,4 +1,4 @@
-"""Wheel counters that wrap around, turned into totals that do not (arcos.md 4.8)."""
+"""Wheel counters that wrap around, turned into totals that do not (protocol.md 4.8)."""
 
 POSITION_MODULUS = 1 << 15
 """X and Y count in 15 bits; servers that count in 16 agree with that."""

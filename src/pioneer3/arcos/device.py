@@ -13,7 +13,7 @@ Rules:
    robot; when packets come again it goes on with the old motion, as real robots do.
 4. Before OPEN nothing but the answers is sent.
 
-Facts: arcos.md 1.3, 2.1, 2.4, 2.5, 2.7, 12.
+Facts: protocol.md 1.3, 2.1, 2.4, 2.5, 2.7, facts.md 12.
 """
 
 from dataclasses import dataclass

@@ -15,14 +15,14 @@ Rules:
    spoilt one, come from a robot at another speed: nothing is sent until all speeds have been
    listened to. Where anything was heard, each SYNC0 follows a STOP.
 2. A robot that is silent gets SYNC0 first. AMRISim takes any first packet for a SYNC: after a STOP
-   it never shakes hands any more (arcos.md 2.7). A SYNC0 without an answer may have reached a robot
-   whose reports are lost, and the next ones follow a STOP.
+   it never shakes hands any more (protocol.md 2.7). A SYNC0 without an answer may have reached a
+   robot whose reports are lost, and the next ones follow a STOP.
 3. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
 4. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
    itself: the caller opens a new one. Time in which nobody listened is no silence: `held_up`.
 5. A report that is not the awaited answer belongs to an earlier session and is ignored.
 
-Facts: arcos.md 2.1 to 2.7.
+Facts: protocol.md 2.1 to 2.7.
 """
 
 from collections.abc import Sequence
@@ -279,7 +279,7 @@ class Host:
     def _consider_doubtful_config(self, now: float) -> list[Event]:
         """Accept a CONFIG whose checksum is wrong once it has come twice alike.
 
-        Some P3-DX-SH always get it wrong (user-needs finding 3); noise does not repeat itself.
+        Some P3-DX-SH always get it wrong (facts.md 14.1); noise does not repeat itself.
         """
         assert self.identity is not None
         for payload in self.reader.rejected:

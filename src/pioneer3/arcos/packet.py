@@ -1,4 +1,4 @@
-"""ARCOS packets: framing and checksum, both directions, no I/O (arcos.md 1.2, 1.4, 1.6).
+"""ARCOS packets: framing and checksum, both directions, no I/O (protocol.md 1.2, 1.4, 1.6).
 
 Layout::
 

@@ -1,7 +1,7 @@
 """Kinds of single values on the wire, with which the fields of messages are annotated.
 
 Reading raises EOFError or ValueError, and the caller decides what to do. Writing raises
-CommandError, which names the value and the range. All numbers are little-endian (arcos.md 1.2).
+CommandError, which names the value and the range. All numbers are little-endian (protocol.md 1.2).
 """
 
 from collections.abc import Callable

@@ -29,7 +29,7 @@ Channel = float | Weighted | None
 """A value with its strength, a number with strength 1, or nothing."""
 
 NO_STRENGTH = 1e-6
-"""Weaker desires are none (arcos.md 7.3)."""
+"""Weaker desires are none (facts.md 7.3)."""
 MOTION = ("v", "turn", "w")
 """Channels that are mixed by strength."""
 LOWEST = (

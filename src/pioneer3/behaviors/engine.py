@@ -84,7 +84,7 @@ def _contribution(proposal: Proposal, channel: str, counted: Weighted) -> Contri
 
 
 def _decided_otherwise(above: Combined, channel: str) -> bool:
-    """Return whether higher priorities have chosen the other way to turn (arcos.md 7.4, rule 4)."""
+    """Return whether higher priorities have chosen the other way to turn (facts.md 7.4, rule 4)."""
     other = {"turn": "w", "w": "turn"}.get(channel)
     return other in above.motion and channel not in above.motion
 
@@ -117,7 +117,7 @@ def _safest(channel: str, known: float | None, value: float) -> float:
 
 
 TURNED = radians(0.5)
-"""A turn smaller than this is done (arcos.md 7.5: it rounds to no degree)."""
+"""A turn smaller than this is done (facts.md 7.5: it rounds to no degree)."""
 
 
 class ActionError(Exception):

@@ -1,4 +1,4 @@
-"""Remembers points that range sensors saw, in odometry's frame (arcos.md 7.2)."""
+"""Remembers points that range sensors saw, in odometry's frame (facts.md 7.2)."""
 
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -112,7 +112,7 @@ SILENT = 1.0
 CREEP = 0.02
 """Slower than this [m/s] says nothing of where the robot goes."""
 BUMPER_ARC = radians(135)
-"""The angle over which the segments of one end are spread (arcos.md 4.7)."""
+"""The angle over which the segments of one end are spread (protocol.md 4.7)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +190,7 @@ class RangeMemory:
         if snapshot.link.sessions != self._session:
             self._session, self._pose = snapshot.link.sessions, here
             self._forget_all()
-        # readings were made on the way here: the pose before is as near (arcos.md 7.2)
+        # readings were made on the way here: the pose before is as near (facts.md 7.2)
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
         self._push(snapshot, here, now)

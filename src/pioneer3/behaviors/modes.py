@@ -1,4 +1,4 @@
-"""Named stacks of actions (arcos.md 7.7). Each factory makes fresh actions: they have memories."""
+"""Named stacks of actions (facts.md 7.7). Each factory makes fresh actions: they have memories."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

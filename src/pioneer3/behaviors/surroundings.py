@@ -39,7 +39,7 @@ _POINT = Point._make
 
 
 class Buffer(Enum):
-    """The points that a query looks at (arcos.md 7.2).
+    """The points that a query looks at (facts.md 7.2).
 
     Sonars fire in turn and miss echoes, and new points push older ones out of the current buffer:
     a limiter, which has to be sure of an obstacle, asks for the window.
@@ -97,7 +97,7 @@ class Surroundings:
     def nearest(self, start: float, end: float, buffer: Buffer = Buffer.CURRENT) -> Echo:
         """Return the nearest point between two bearings [rad], counter-clockwise from `start`.
 
-        (-70 degrees, 70 degrees) is the front, (120, -120) the back (arcos.md 7.2).
+        (-70 degrees, 70 degrees) is the front, (120, -120) the back (facts.md 7.2).
         """
         span = min(end - start, TURN) if end > start else (end - start) % TURN
         best = NO_ECHO

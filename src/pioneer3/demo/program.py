@@ -134,7 +134,7 @@ class Program:
             self._face.say(f"Stopped: {why}.")
 
     def help(self) -> list[str]:
-        """Return which keys there are, a line each (arcos.md 8.1)."""
+        """Return which keys there are, a line each (facts.md 8.1)."""
         return [
             "quit: escape",
             "help: 'h', 'H', '?' or '/'",

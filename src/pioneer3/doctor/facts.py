@@ -10,7 +10,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
 
 FAILED, UNREACHABLE, FORBIDDEN = 1, 3, 4
-"""Exit codes of the command line (user-needs 5)."""
+"""Exit codes of the command line (facts.md 14.4)."""
 
 
 class Level(StrEnum):

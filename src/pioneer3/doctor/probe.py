@@ -21,7 +21,7 @@ from pioneer3.robot.identity import is_simulator
 from pioneer3.robot.supervisor import RobotInfo
 
 NOT_REACHABLE: Final = 3
-"""Exit code of the command line (user-needs 5)."""
+"""Exit code of the command line (facts.md 14.4)."""
 SIMULATOR_URL: Final = "tcp://localhost:8101"
 
 

@@ -36,7 +36,7 @@ QUICK: Final = Timing(retry=0.25, give_up=3.5)
 THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
 SCIP_SPEEDS: Final = (19200, 115200)
-"""What Hokuyo lasers with a serial port are set to [baud] (arcos.md 11.3)."""
+"""What Hokuyo lasers with a serial port are set to [baud] (facts.md 11.3)."""
 SCIP_PATIENCE: Final = 0.5
 FAREWELL_PATIENCE: Final = 0.5
 CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}

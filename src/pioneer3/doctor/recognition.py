@@ -1,6 +1,6 @@
 """Who speaks on a line that is not a Pioneer robot: pure recognition of what was heard.
 
-Sources: SCIP, arcos.md 11. SICK LMS 2xx telegrams: STX (02), address (80 from the laser), length of
+Sources: SCIP, facts.md 11. SICK LMS 2xx telegrams: STX (02), address (80 from the laser), length of
 what follows up to the checksum (2 bytes, low first), data, CRC (2 bytes, low first).
 """
 

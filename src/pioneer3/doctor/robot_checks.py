@@ -11,7 +11,7 @@ from pioneer3.units import DECIVOLT, MS
 
 START_SPEED: Final = SPEEDS[0]
 USUAL_CYCLE: Final = 0.1
-"""Between information packets, where CONFIG does not say [s] (arcos.md 4.1)."""
+"""Between information packets, where CONFIG does not say [s] (protocol.md 4.1)."""
 SLOW, VERY_SLOW = 0.85, 0.5
 """Shares of the reports expected below which it is a warning or a failure."""
 NOISY, VERY_NOISY = 0.001, 0.05

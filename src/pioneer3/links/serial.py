@@ -21,7 +21,7 @@ except ImportError:  # Windows
     TerminalError = OSError  # type: ignore[misc, assignment]
 
 SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
-"""Speeds of ARCOS robots [baud] (arcos.md 1.1)."""
+"""Speeds of ARCOS robots [baud] (protocol.md 1.1)."""
 
 
 async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
@@ -87,7 +87,7 @@ def state_file(environment: Mapping[str, str] = os.environ) -> Path:
 def remembered_speed(path: str) -> int | None:
     """Return the speed [baud] that last worked on `path`, if any.
 
-    A robot whose host died keeps the speed it was switched to (user-needs finding 6).
+    A robot whose host died keeps the speed it was switched to (facts.md 14.1).
     """
     try:
         lines = state_file().read_text("utf-8").splitlines()

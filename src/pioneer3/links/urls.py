@@ -9,7 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.links.base import Link, Opener
 
 TCP_PORT = 8101
-"""Where ARCOS simulators and ARIA expect each other (arcos.md 1.1)."""
+"""Where ARCOS simulators and ARIA expect each other (protocol.md 1.1)."""
 FORMS = "/dev/ttyUSB0, COM3, localhost:8101, tcp://host:8101, replay:FILE"
 HOST_AND_PORT = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[\w.-]+):\d+")
 COM_PORT = re.compile(r"COM\d+", re.IGNORECASE)

@@ -1,4 +1,4 @@
-"""Reads ARIA's `.p` robot parameter files (arcos.md 6.1)."""
+"""Reads ARIA's `.p` robot parameter files (facts.md 6.1)."""
 
 from dataclasses import replace
 from math import tau
@@ -131,7 +131,7 @@ def _wheel_base(given: Parameters) -> float:
 def _heading_factor(given: Parameters) -> float:
     """Return the exact factor where the file rounds it: 0.00153 is meant as a 4096th of a turn.
 
-    As it stands it would be 0.47 degrees off at the far side of a turn (arcos.md 4.8).
+    As it stands it would be 0.47 degrees off at the far side of a turn (protocol.md 4.8).
     """
     factor = given.number("AngleConvFactor", BOUNDS["heading_factor"])
     near = (tau / n for n in _HEADING_UNITS if abs(factor * n / tau - 1) < 0.005)
@@ -161,6 +161,6 @@ def _laser(source: str, lines: tuple[Line, ...]) -> LaserMount | None:
 def _laser_in(given: Parameters) -> LaserMount | None:
     kind = given.word("LaserType")
     x, y, theta = given.pose("Laser")
-    # "auto-connect" is the only key that says whether the laser exists (arcos.md 6.3)
+    # "auto-connect" is the only key that says whether the laser exists (facts.md 6.3)
     mounted = given.flag("LaserAutoConnect", default=True)
     return LaserMount(kind=kind, x=x, y=y, theta=theta) if kind and mounted else None

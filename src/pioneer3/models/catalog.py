@@ -35,7 +35,7 @@ _LASERS: Mapping[str, LaserMount] = MappingProxyType(
         "amigo-sh-tim3xx": LaserMount(kind="tim5XX", x=0.11, y=0.0, theta=0.0),
     }
 )
-"""All that these parameter files change in the model they are named after (arcos.md 6.3)."""
+"""All that these parameter files change in the model they are named after (facts.md 6.3)."""
 
 _SPEED = 0.75
 _TURN_RATE = radians(100)
@@ -98,7 +98,7 @@ def generic_model(
 
     Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
     is known. It never fails: a value of 0 (CONFIG has none) or NaN becomes that of a real P3-AT
-    (arcos.md 5.1), a value out of range the nearest allowed.
+    (protocol.md 5.1), a value out of range the nearest allowed.
 
     Args:
         name: As the robot reports it.

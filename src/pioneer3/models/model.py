@@ -16,29 +16,29 @@ from pioneer3.units import HEADING_UNIT, MM
 Drive = Literal["skid", "differential"]
 
 START_ACCELERATION = 0.3
-"""Both ways, of a real P3-AT (arcos.md 5.1) [m/s^2]."""
+"""Both ways, of a real P3-AT (protocol.md 5.1) [m/s^2]."""
 
 START_TURN_ACCELERATION = radians(100)
-"""Both ways, of a real P3-AT (arcos.md 5.1) [rad/s^2]."""
+"""Both ways, of a real P3-AT (protocol.md 5.1) [rad/s^2]."""
 
 BRAKING = 1.5
 """The deceleration that the driver asks of a low robot: from 0.3 m/s it stands after 3 cm. Robots
-take up to 2 m/s^2 (arcos.md 5.1) [m/s^2]."""
+take up to 2 m/s^2 (protocol.md 5.1) [m/s^2]."""
 
 TURN_BRAKING = radians(300)
-"""The same of a turning robot; robots take up to this (arcos.md 5.1) [rad/s^2]."""
+"""The same of a turning robot; robots take up to this (protocol.md 5.1) [rad/s^2]."""
 
 CAREFUL_BRAKING, CAREFUL_TURN_BRAKING = 0.5, radians(100)
 """The same for robots that are tall, or not known."""
 
 VEL2_UNIT = 20 * MM
-"""Of every Pioneer 2 and 3 (arcos.md 6.3) [m/s]."""
+"""Of every Pioneer 2 and 3 (facts.md 6.3) [m/s]."""
 
 GYRO_SCALER = 1.626
-"""Of every parameter file (arcos.md 6.2)."""
+"""Of every parameter file (facts.md 6.2)."""
 
 SWITCH_SPEED = 38400
-"""Of every Pioneer 2 and 3 (arcos.md 6.3) [baud]."""
+"""Of every Pioneer 2 and 3 (facts.md 6.3) [baud]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,10 +102,10 @@ HEADING = Bounds(-pi, pi)
 """Of a sensor's direction in a model [rad]."""
 
 BUMPERS = Bounds(0, 7)
-"""Segments on one side: a stall byte has bits 1 to 7 for them (arcos.md 4.7)."""
+"""Segments on one side: a stall byte has bits 1 to 7 for them (protocol.md 4.7)."""
 
 SWITCH_SPEEDS = (0, 9600, 19200, 38400, 57600, 115200)
-"""Line speeds that HOSTBAUD can name [baud] (arcos.md 1.1); 0 means never switch."""
+"""Line speeds that HOSTBAUD can name [baud] (protocol.md 1.1); 0 means never switch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +149,7 @@ class IrMount(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotModel:
-    """Sizes, limits, conversion factors and equipment of one robot type (arcos.md 6).
+    """Sizes, limits, conversion factors and equipment of one robot type (facts.md 6).
 
     Attributes:
         name: Parameter-file name in lower case, such as `p3at-sh`.

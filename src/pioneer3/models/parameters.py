@@ -169,7 +169,7 @@ class Parameters:
 
         Args:
             kind: `Sonar` or `IR`. `{kind}Num` of them exist: further lines are left out, and
-                there may be fewer lines, since `powerbot` lists one less (arcos.md 6.3).
+                there may be fewer lines, since `powerbot` lists one less (facts.md 6.3).
             first: Index of the word that holds x.
             axes: `x y`, or `x y th` where the lines say a direction.
         """

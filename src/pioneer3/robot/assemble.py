@@ -23,10 +23,10 @@ from pioneer3.state import (
 from pioneer3.units import DECIVOLT, DEGREE
 
 SONAR_MAX = 5.0
-"""Farther echoes are none [m] (arcos.md 7.2)."""
+"""Farther echoes are none [m] (facts.md 7.2)."""
 SONAR_FLAGS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
 NO_TEMPERATURE = (-128, -127)
-"""ARIA tests for the first, AMRISim sends the second (arcos.md 4.9)."""
+"""ARIA tests for the first, AMRISim sends the second (protocol.md 4.9)."""
 ANALOG_VOLT = 5.0 / 255
 RATE_WINDOW = 1.0
 CHARGING = (

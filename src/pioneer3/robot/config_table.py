@@ -1,6 +1,6 @@
 """What each field of CONFIG means and where it belongs: the one source for tables of it.
 
-Sources: arcos.md 5.1 and :class:`pioneer3.arcos.reports.Config`.
+Sources: protocol.md 5.1 and :class:`pioneer3.arcos.reports.Config`.
 """
 
 from collections.abc import Mapping

@@ -7,7 +7,7 @@ SIMULATOR_SERIAL = "SIM"
 
 
 def is_simulator(info: RobotInfo | None) -> bool:
-    """Whether the robot says of itself that it is simulated (arcos.md 2.6; 13, row 12)."""
+    """Whether the robot says that it is simulated (protocol.md 2.6; facts.md 13, row 12)."""
     if info is None:
         return False
     serial = info.config.serial_number if info.config else ""

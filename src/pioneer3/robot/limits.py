@@ -12,7 +12,7 @@ from pioneer3.units import DEGREE, MM
 
 
 def limits_for(model: RobotModel, config: Config | None) -> Limits:
-    """Return the model's limits, cut to what the robot's own CONFIG allows (arcos.md 5.1).
+    """Return the model's limits, cut to what the robot's own CONFIG allows (protocol.md 5.1).
 
     Decelerations are the model's `braking`, which is harder than what firmware comes with; speeding
     up is as CONFIG has it. A field of CONFIG that is 0 or missing says nothing.

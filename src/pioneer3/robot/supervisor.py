@@ -31,7 +31,7 @@ BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 
 MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
 """What moves the robot or lets it move: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL, DCHEAD, VEL2
-and LATVEL (arcos.md 3.1)."""
+and LATVEL (protocol.md 3.1)."""
 
 
 class Connection(StrEnum):

@@ -1,4 +1,4 @@
-"""Priorities of inputs: the higher number drives (the order of twist_mux, user-needs 6.6)."""
+"""Priorities of inputs: the higher number drives (the order of twist_mux, facts.md 14.6)."""
 
 from pioneer3.behaviors.action import MODE
 

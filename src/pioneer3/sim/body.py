@@ -34,7 +34,7 @@ from pioneer3.units import DEGREE
 FULL = 13.0
 """Voltage of three charged lead-acid batteries at rest [V]."""
 EMPTY = 11.0
-"""Where the firmware shuts down [V] (user-needs 1.9)."""
+"""Where the firmware shuts down [V] (facts.md 14.2)."""
 RESISTANCE = 0.1
 """Of the batteries and their wires [ohm]: driving costs some voltage."""
 NOMINAL = 12.0
@@ -42,10 +42,10 @@ NOMINAL = 12.0
 AMBIENT = 22.0
 """In the lab [degC]."""
 USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
-"""Current limits of a robot as delivered (arcos.md 5.1) [m/s, rad/s]; a host may raise them."""
+"""Current limits of a robot as delivered (protocol.md 5.1) [m/s, rad/s]; a host may raise them."""
 
 Bumpers = tuple[int, int]
-"""Pressed segments in front and behind, as bits (arcos.md 4.7)."""
+"""Pressed segments in front and behind, as bits (protocol.md 4.7)."""
 
 
 class Battery:
@@ -155,12 +155,12 @@ class Body:
 
     @property
     def front_bumpers(self) -> int:
-        """The pressed ones, bit 1 is the left-most segment (arcos.md 4.7)."""
+        """The pressed ones, bit 1 is the left-most segment (protocol.md 4.7)."""
         return self._bumpers()[0]
 
     @property
     def rear_bumpers(self) -> int:
-        """The pressed ones, bit 1 is the right-most segment (arcos.md 4.7)."""
+        """The pressed ones, bit 1 is the right-most segment (protocol.md 4.7)."""
         return self._bumpers()[1]
 
     @property

@@ -1,4 +1,4 @@
-"""Which bumper segments something touches (arcos.md 4.7)."""
+"""Which bumper segments something touches (protocol.md 4.7)."""
 
 from math import pi
 

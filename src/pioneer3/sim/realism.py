@@ -24,7 +24,7 @@ OdometryMode = Literal["none", "constant", "random_init", "random_each_update", 
 
 `none`: it is right. `constant`: the wheels are as wrong as configured. `random_init`: each robot is
 wrong in its own way, drawn once. `random_each_update`: nothing is systematic, not even slip; every
-step adds a random error. `all`: the last two together. The names are MobileSim's (user-needs 6).
+step adds a random error. `all`: the last two together. The names are MobileSim's (facts.md 14.5).
 """
 
 MODES: tuple[str, ...] = get_args(OdometryMode)

@@ -1,7 +1,7 @@
 """A gamepad: which button does what, how fast it drives, and what it asks for. Pure.
 
 Buttons and axes have the numbers of the W3C's "standard gamepad", which browsers use as well; the
-speeds and the dead zone are Clearpath's (user-needs.md 3.2, rule 12).
+speeds and the dead zone are Clearpath's (facts.md 14.3).
 """
 
 from dataclasses import dataclass, field, replace

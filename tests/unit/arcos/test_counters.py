@@ -9,7 +9,7 @@ from pioneer3.arcos.counters import POSITION_MODULUS, Counter, difference
     ("new", "old", "way"),
     [
         (4102, 3, 4099),
-        (2, 32765, 5),  # forward over the top (arcos.md 4.8)
+        (2, 32765, 5),  # forward over the top (protocol.md 4.8)
         (32767, 0, -1),
         (0, 4097, -4097),  # ARIA makes +28671 of it
         (100, 5000, -4900),

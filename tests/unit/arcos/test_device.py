@@ -1,4 +1,4 @@
-"""The robot's side of a session, packet by packet (arcos.md 2, 2.7)."""
+"""The robot's side of a session, packet by packet (protocol.md 2, 2.7)."""
 
 import pytest
 

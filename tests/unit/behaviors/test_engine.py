@@ -1,4 +1,4 @@
-"""Who drives when several want to: the rules of arcos.md 7.4."""
+"""Who drives when several want to: the rules of facts.md 7.4."""
 
 from dataclasses import dataclass
 from math import inf, nan, pi, radians

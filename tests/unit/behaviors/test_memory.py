@@ -1,4 +1,4 @@
-"""What is remembered of sonar, bumpers and laser, by the numbers of arcos.md 7.2."""
+"""What is remembered of sonar, bumpers and laser, by the numbers of facts.md 7.2."""
 
 from dataclasses import replace
 from math import cos, inf, pi, radians, sin

@@ -16,7 +16,7 @@ def places(stack: Stack) -> list[tuple[int, str]]:
 
 
 def test_the_lab_wanders_as_its_seed_has_it() -> None:
-    # arcos.md 7.7; the limiter of the sweep and the way out are ours
+    # facts.md 7.7; the limiter of the sweep and the way out are ours
     assert places(wander()) == [
         (100, "stall recover"),
         (95, "near limiter"),

@@ -1,4 +1,4 @@
-"""The columns of each mode against arcos.md, section 8: names, widths, numbers."""
+"""The columns of each mode against facts.md 8: names, widths, numbers."""
 
 from dataclasses import replace
 from math import inf, nan, radians

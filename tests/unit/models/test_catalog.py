@@ -1,4 +1,4 @@
-"""Shipped models against arcos.md 6.2 and 6.4, and the ways to ask for one."""
+"""Shipped models against facts.md 6.2 and 6.4, and the ways to ask for one."""
 
 import os
 from dataclasses import FrozenInstanceError

@@ -32,7 +32,7 @@ STANDARD = {
     "aio": "std_msgs/Float32MultiArray",
     **{f"sonar/range_{number}": "sensor_msgs/Range" for number in range(16)},
 }
-"""user-needs 6.1; `scan`, `imu/data_raw` and `/diagnostics` do not come from readings."""
+"""facts.md 14.6; `scan`, `imu/data_raw` and `/diagnostics` do not come from readings."""
 LATCHED = {
     "~battery_recharge_state",
     "~motors_state",

@@ -1,4 +1,4 @@
-"""What real ARIA needs of a simulated robot, point by point (arcos.md 12; 13 where it is silent).
+"""What real ARIA needs of a simulated robot, point by point (facts.md 12; 13 where it is silent).
 
 That robots listen from port 8101 on, which point 1 begins with, is tested with the server.
 """

@@ -1,4 +1,4 @@
-"""What a client asks of the simulator itself (arcos.md 3.3, 5.13)."""
+"""What a client asks of the simulator itself (protocol.md 3.3, 5.13)."""
 
 import logging
 from math import radians

@@ -24,12 +24,12 @@ POST = 0.01
 
 
 def bit(segment: int) -> int:
-    """Return the bit of a segment, counted from 0 (arcos.md 4.7)."""
+    """Return the bit of a segment, counted from 0 (protocol.md 4.7)."""
     return 2 << segment
 
 
 def bearing_of(segment: int, count: int = SEGMENTS) -> float:
-    """Return where the middle of a front segment lies [rad] (arcos.md 4.7)."""
+    """Return where the middle of a front segment lies [rad] (protocol.md 4.7)."""
     return radians(67.5 - (segment + 0.5) * 135 / count)
 
 

@@ -1,4 +1,4 @@
-"""The controller: commands become motion, the world becomes reports (arcos.md 2.7, 3, 12)."""
+"""Commands become motion, the world becomes reports (protocol.md 2.7, 3, facts.md 12)."""
 
 from math import degrees, radians
 

@@ -1,4 +1,4 @@
-"""The standard report's fields, and the commands that switch or fake what it tells (arcos.md 4)."""
+"""The standard report's fields, and the commands that switch or fake them (protocol.md 4)."""
 
 from dataclasses import replace
 from math import radians

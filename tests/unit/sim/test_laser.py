@@ -1,4 +1,4 @@
-"""The laser in the robot's own stream, set up the old way and the new (arcos.md 2.3, 5.13)."""
+"""The laser in the robot's own stream, set up the old way and the new (protocol.md 2.3, 5.13)."""
 
 from math import radians
 

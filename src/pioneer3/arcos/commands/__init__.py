@@ -1,4 +1,4 @@
-"""Every command of a host to a robot (arcos.md 3).
+"""Every command of a host to a robot (protocol.md 3).
 
 A class has the ARCOS name in CamelCase (`VEL` is :class:`Vel`), SI units, and its number as `ID`.
 Where a report has the same name, the command is called `Request...` (`CONFIG` is

@@ -1,4 +1,4 @@
-"""Arguments of commands on the wire, and their units (arcos.md 1.3).
+"""Arguments of commands on the wire, and their units (protocol.md 1.3).
 
 ====  ====================  ========================================
 type  meaning               followed by
@@ -43,7 +43,7 @@ NON_NEGATIVE, NEGATIVE, STRING = 0x3B, 0x1B, 0x2B
 SIGNS = {NON_NEGATIVE: 1, NEGATIVE: -1}
 ARGUMENT_SIZE = 3
 MAX_STRING = 199
-"""Longest string that ARIA sends [bytes] (arcos.md 1.2)."""
+"""Longest string that ARIA sends [bytes] (protocol.md 1.2)."""
 
 
 def take_argument(reader: Reader) -> int:
@@ -182,7 +182,7 @@ class Request(IntEnum):
 
 
 class Baud(IntEnum):
-    """Baud codes of HOSTBAUD, AUX1BAUD, AUX2BAUD and CONFIG (arcos.md 1.1)."""
+    """Baud codes of HOSTBAUD, AUX1BAUD, AUX2BAUD and CONFIG (protocol.md 1.1)."""
 
     B9600 = 0
     B19200 = 1
@@ -206,7 +206,7 @@ CENTIDEGREES = Unit(lambda raw: radians(raw / 100), lambda si: degrees(si) * 100
 HUNDREDTHS_OR_DEGREES = Unit(
     lambda raw: radians(raw if raw <= 5 else raw / 100), CENTIDEGREES.to_raw
 )
-"""For SIM_LRF_SET_RES, where sources disagree (arcos.md 13, row 15)."""
+"""For SIM_LRF_SET_RES, where sources disagree (facts.md 13, row 15)."""
 
 POSITIVE = Argument(0, 0x7FFF)
 SIGNED = Argument(-0x8000, 0x7FFF)

@@ -1,4 +1,4 @@
-"""Sensors, inputs and outputs, gripper, serial ports, sounds and batteries (arcos.md 3.2)."""
+"""Sensors, inputs and outputs, gripper, serial ports, sounds and batteries (protocol.md 3.2)."""
 
 from dataclasses import dataclass
 from enum import IntEnum

@@ -1,4 +1,4 @@
-"""Session, motion and limits (arcos.md 3.1): forward and counter-clockwise are positive."""
+"""Session, motion and limits (protocol.md 3.1): forward and counter-clockwise are positive."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar

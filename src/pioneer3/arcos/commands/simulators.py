@@ -1,4 +1,4 @@
-"""Commands that only simulators know, new and old (arcos.md 3.3).
+"""Commands that only simulators know, new and old (protocol.md 3.3).
 
 The numbers of the old ones, :data:`OLD`, mean something else to a robot. ARIA 2.9.1 still sets up
 simulated lasers with 35 to 38.

@@ -1,4 +1,4 @@
-"""Commands that this package neither sends nor acts on: one line each, by number (arcos.md 3).
+"""Commands that this package neither sends nor acts on: one line each, by number (protocol.md 3).
 
 A line has the number, the name in manuals, the arguments with their kinds, the meaning, and the
 source if it is not ARIA's list of commands. 94, 116, 119, 255 and 66 to 69 have no name there;

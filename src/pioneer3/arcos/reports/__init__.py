@@ -1,4 +1,4 @@
-"""Every report of a robot to its host (arcos.md 4, 5), each a frozen dataclass.
+"""Every report of a robot to its host (protocol.md 4, 5), each a frozen dataclass.
 
 Fields hold the numbers on the wire; their names end in the unit, or in `_raw` where the robot
 model decides it. Bytes that belong to no field are kept in `extra`.

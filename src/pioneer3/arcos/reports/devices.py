@@ -1,4 +1,4 @@
-"""Sensors, gripper, serial ports, batteries, arm, safety and texts (arcos.md 5.2 to 5.12)."""
+"""Sensors, gripper, serial ports, batteries, arm, safety and texts (protocol.md 5.2 to 5.12)."""
 
 from dataclasses import dataclass
 from enum import IntFlag

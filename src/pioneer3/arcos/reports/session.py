@@ -1,4 +1,4 @@
-"""Handshake, configuration and the end of a session (arcos.md 2.1, 2.4, 5.1)."""
+"""Handshake, configuration and the end of a session (protocol.md 2.1, 2.4, 5.1)."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar

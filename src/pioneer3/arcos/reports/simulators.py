@@ -1,4 +1,4 @@
-"""Reports that only simulators send (arcos.md 5.13)."""
+"""Reports that only simulators send (protocol.md 5.13)."""
 
 from dataclasses import dataclass
 from enum import IntFlag
@@ -79,7 +79,7 @@ class SimLaserExtended:
 
 
 class SimFlag(IntFlag):
-    """Abilities of the simulation in a SIMSTAT report (arcos.md 5.13)."""
+    """Abilities of the simulation in a SIMSTAT report (protocol.md 5.13)."""
 
     HAS_MAP = 1 << 0
     HAS_GEO_REFERENCE = 1 << 1

@@ -1,4 +1,4 @@
-"""The standard information packet, once per cycle (arcos.md 4), in the robot's own units.
+"""The standard information packet, once per cycle (protocol.md 4), in the robot's own units.
 
 Multiply `x_raw` by the model's DistConvFactor, wheel speeds by VelConvFactor and sonar ranges by
 RangeConvFactor. Bytes are read and written by hand here: a simulator writes thousands of reports
@@ -35,7 +35,7 @@ NO_TEMPERATURE: Final = -128
 
 
 class SipFlag(IntFlag):
-    """The robot's own state (arcos.md 4.4)."""
+    """The robot's own state (protocol.md 4.4)."""
 
     MOTORS_ENABLED = 1 << 0
     SONAR_1 = 1 << 1
@@ -51,7 +51,7 @@ class SipFlag(IntFlag):
 
 
 class Fault(IntFlag):
-    """Faults of the robot (arcos.md 4.5)."""
+    """Faults of the robot (protocol.md 4.5)."""
 
     PDB_LASER_STATUS_ERROR = 1 << 0
     HIGH_TEMPERATURE = 1 << 1
@@ -72,7 +72,7 @@ class Fault(IntFlag):
 
 
 class SipFlag3(IntFlag):
-    """More state of MTX robots (arcos.md 4.6)."""
+    """More state of MTX robots (protocol.md 4.6)."""
 
     JOYSTICK_OVERRIDE = 1 << 0
     AMPLIFIER_COMMUNICATION_ERROR = 1 << 1
@@ -199,7 +199,7 @@ TAIL: Final = (
     ("timestamp_us", "I"),
     ("flags3", "I"),
 )
-"""Names and :mod:`struct` letters in wire order (arcos.md 4.2)."""
+"""Names and :mod:`struct` letters in wire order (protocol.md 4.2)."""
 
 
 def _struct(fields: tuple[tuple[str, str], ...]) -> Struct:

@@ -13,7 +13,7 @@ FROM, TO = radians(60), radians(120)
 
 @dataclass(slots=True)
 class AvoidSide:
-    """Stands and turns away from what is near beside the robot (arcos.md 7.6).
+    """Stands and turns away from what is near beside the robot (facts.md 7.6).
 
     When that is done it wants straight ahead once, as :class:`AvoidFront` does. ARIA's goes on
     wanting it for ever, and nothing of lower priority steers any more.
@@ -49,7 +49,7 @@ LOOK = 3.0
 
 @dataclass(slots=True)
 class TurnAway:
-    """Turns the more, the slower the robot has become (ARIA's Turn, arcos.md 7.6).
+    """Turns the more, the slower the robot has become (ARIA's Turn, facts.md 7.6).
 
     Below limiters of the speed it steers around what made them slow down. The side stays until the
     robot is fast again.
@@ -84,7 +84,7 @@ class TurnAway:
 
 @dataclass(slots=True)
 class Input:
-    """Passes on what a program has set until it sets something else (arcos.md 7.6).
+    """Passes on what a program has set until it sets something else (facts.md 7.6).
 
     Unlike :class:`Hold` it does not expire by itself: a program that ends must end its stack.
     """

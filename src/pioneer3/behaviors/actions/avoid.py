@@ -15,7 +15,7 @@ FRONT = radians(70)
 
 @dataclass(slots=True)
 class AvoidFront:
-    """Turns on, always the same way, until nothing is near in front (arcos.md 7.6).
+    """Turns on, always the same way, until nothing is near in front (facts.md 7.6).
 
     When it has looked into all four quadrants and found no way out, it goes on in half the steps;
     once they are too small to be carried out, in whole ones again.
@@ -95,7 +95,7 @@ ARRIVED = radians(3)
 
 @dataclass(slots=True)
 class Bumpers:
-    """Backs off and turns away when a bumper is hit (arcos.md 7.6).
+    """Backs off and turns away when a bumper is hit (facts.md 7.6).
 
     ARIA's asks for a robot that still moves while the bumper is pressed. Ours has been stopped by
     then, by what it hit and by the last limits before the wire; so it counts which way it moved a

@@ -19,7 +19,7 @@ BEARINGS = {
     6: radians(-40),
 }
 """Where the lab takes an echo to be, by transducer [rad]. Numbers begin with 0 at the front left:
-1 and 2, at 50 and 30 degrees, look to the left (arcos.md 6.4)."""
+1 and 2, at 50 and 30 degrees, look to the left (facts.md 6.4)."""
 LAB_REACH = 1.0
 """Farther echoes are nobody [m]."""
 SECONDS = 1.2

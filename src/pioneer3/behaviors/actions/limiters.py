@@ -14,7 +14,7 @@ from pioneer3.models import RobotModel
 
 @dataclass(slots=True)
 class LimiterForwards:
-    """Limits the speed forwards by what is ahead within the robot's width (arcos.md 7.6).
+    """Limits the speed forwards by what is ahead within the robot's width (facts.md 7.6).
 
     Attributes:
         stop_distance: Nearer than this to the robot's front it may not go [m].
@@ -46,7 +46,7 @@ class LimiterForwards:
 
 @dataclass(slots=True)
 class LimiterBackwards:
-    """Limits the speed backwards by what is behind within one and a half widths (arcos.md 7.6).
+    """Limits the speed backwards by what is behind within one and a half widths (facts.md 7.6).
 
     Distances are positive here. It looks as far as `slow_distance`; ARIA's box ends at
     `stop_distance` behind the robot, so that it slows down for nothing farther away.
@@ -81,7 +81,7 @@ class LimiterBackwards:
 
 @dataclass(slots=True)
 class LimiterTableSensor:
-    """Lets nobody drive on under a table (arcos.md 7.6)."""
+    """Lets nobody drive on under a table (facts.md 7.6)."""
 
     name: str = "limiter table sensor"
 
@@ -229,12 +229,12 @@ OTHER_WAY = 0.1
 INSIDE = 0.001
 ROLLING, FAST = 0.005, 0.1
 TOP = 2.0
-"""Harder brakes no Pioneer (arcos.md 5.1) [m/s^2]."""
+"""Harder brakes no Pioneer (protocol.md 5.1) [m/s^2]."""
 
 
 @dataclass(slots=True, kw_only=True)
 class DeceleratingLimiter:
-    """Limits the speed one way so that the robot can stop before what is there (arcos.md 7.6).
+    """Limits the speed one way so that the robot can stop before what is there (facts.md 7.6).
 
     The room it keeps grows with the speed. Outside of it the speed may be as high as
     `preferred_decel` can end in time, `reaction` after it was seen. ARIA says speed 0 at that

@@ -10,7 +10,7 @@ from pioneer3.geometry import Pose2, wrap
 
 @dataclass(slots=True)
 class ConstantVelocity:
-    """Wants straight ahead at `velocity` [m/s], negative is backwards (arcos.md 7.6)."""
+    """Wants straight ahead at `velocity` [m/s], negative is backwards (facts.md 7.6)."""
 
     velocity: float = 0.4
     name: str = "constant velocity"
@@ -22,7 +22,7 @@ class ConstantVelocity:
 
 @dataclass(slots=True)
 class Stop:
-    """Wants to stand still, whatever lower priorities want (arcos.md 7.6)."""
+    """Wants to stand still, whatever lower priorities want (facts.md 7.6)."""
 
     name: str = "stop"
 
@@ -123,7 +123,7 @@ STANDING, ALIGNED, TURNING = 0.005, radians(3), radians(2)
 
 @dataclass(slots=True)
 class Goto:
-    """Drives straight to a point of odometry's frame, around what slows it (arcos.md 7.6).
+    """Drives straight to a point of odometry's frame, around what slows it (facts.md 7.6).
 
     While a higher priority limits the speed below `speed_to_turn_at`, it turns away from the goal;
     then it passes by, `turn_amount` off. Differences from ARIA's, whose figures these are: it can

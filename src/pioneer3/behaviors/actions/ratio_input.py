@@ -30,7 +30,7 @@ class Ratios:
 
 @dataclass(slots=True)
 class RatioInput:
-    """Drives by shares of full speed (arcos.md 7.6, 8.3). A pushed stick comes before keys.
+    """Drives by shares of full speed (facts.md 7.6, 8.3). A pushed stick comes before keys.
 
     Keys: :meth:`up` and :meth:`down` change the speed by a twentieth, :meth:`left` and
     :meth:`right` turn in full for one reading, :meth:`space` stops. A gamepad or a program

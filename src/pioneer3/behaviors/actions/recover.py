@@ -37,12 +37,12 @@ WAYS = (
     Way("forward and left", 1, 1),
     Way("forward and right", 1, -1),
 )
-"""In this order (arcos.md 7.6)."""
+"""In this order (facts.md 7.6)."""
 
 
 @dataclass(slots=True)
 class StallRecover:
-    """Tries ten ways out of a stall, one after the other (arcos.md 7.6).
+    """Tries ten ways out of a stall, one after the other (facts.md 7.6).
 
     What it wants is the answer to the stall, which ends every other motion. It leaves the robot
     alone as soon as a higher priority has taken a channel of motion. It turns more slowly than

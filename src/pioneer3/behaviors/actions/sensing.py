@@ -7,7 +7,7 @@ from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.surroundings import Echo
 
 LEFT, RIGHT = 1 << 0, 1 << 1
-"""Of the digital inputs, low when triggered (arcos.md 4.7, old wiring)."""
+"""Of the digital inputs, low when triggered (protocol.md 4.7, old wiring)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The lab's thirteen modes and ARIA's two, in the order in which ARIA lists them (arcos.md 8.2)."""
+"""The lab's thirteen modes and ARIA's two, in the order in which ARIA lists them (facts.md 8.2)."""
 
 from pioneer3.demo.modes.acts import acts
 from pioneer3.demo.modes.bumps import bumps

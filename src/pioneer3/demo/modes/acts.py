@@ -1,4 +1,4 @@
-"""Driving after a colour that ACTS sees (arcos.md 8.12)."""
+"""Driving after a colour that ACTS sees (facts.md 8.12)."""
 
 import asyncio
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Which bumpers touch something (arcos.md 8.8)."""
+"""Which bumpers touch something (facts.md 8.8)."""
 
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode

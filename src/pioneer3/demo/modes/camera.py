@@ -1,4 +1,4 @@
-"""A pan-tilt-zoom camera by hand: its make, its port, then its keys (arcos.md 8.6)."""
+"""A pan-tilt-zoom camera by hand: its make, its port, then its keys (facts.md 8.6)."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

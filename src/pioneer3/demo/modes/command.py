@@ -1,4 +1,4 @@
-"""Any command by its number (arcos.md 8.13)."""
+"""Any command by its number (facts.md 8.13)."""
 
 from collections import deque
 

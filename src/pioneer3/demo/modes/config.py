@@ -1,4 +1,4 @@
-"""The robot's configuration, asked for anew (arcos.md 8.15)."""
+"""The robot's configuration, asked for anew (facts.md 8.15)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

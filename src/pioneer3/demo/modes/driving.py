@@ -1,4 +1,4 @@
-"""Columns and gauges that the driving modes share (arcos.md 8.3, 8.4)."""
+"""Columns and gauges that the driving modes share (facts.md 8.3, 8.4)."""
 
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Gauge

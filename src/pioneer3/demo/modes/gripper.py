@@ -1,4 +1,4 @@
-"""The gripper by hand (arcos.md 8.5)."""
+"""The gripper by hand (facts.md 8.5)."""
 
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode

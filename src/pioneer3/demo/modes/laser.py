@@ -1,4 +1,4 @@
-"""What the laser sees nearest and farthest (arcos.md 8.11)."""
+"""What the laser sees nearest and farthest (facts.md 8.11)."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager

@@ -1,4 +1,4 @@
-"""Digital and analog lines, bit by bit (arcos.md 8.10)."""
+"""Digital and analog lines, bit by bit (facts.md 8.10)."""
 
 from pioneer3.demo.modes.cockpit import Cockpit
 from pioneer3.demo.modes.mode import Mode

@@ -31,7 +31,7 @@ class Gauge:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """One of the demo's modes (arcos.md 8).
+    """One of the demo's modes (facts.md 8).
 
     Attributes:
         key: Activates it, in lower or upper case.

@@ -1,4 +1,4 @@
-"""Driving distances and turning right angles, and where that leads (arcos.md 8.9)."""
+"""Driving distances and turning right angles, and where that leads (facts.md 8.9)."""
 
 from contextlib import AbstractContextManager, nullcontext
 from math import pi

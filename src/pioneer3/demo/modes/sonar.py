@@ -1,4 +1,4 @@
-"""What the sonars say (arcos.md 8.7)."""
+"""What the sonars say (facts.md 8.7)."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, isnan

@@ -1,4 +1,4 @@
-"""Status and error flags in detail (arcos.md 8.16)."""
+"""Status and error flags in detail (facts.md 8.16)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""The TCM2 compass (arcos.md 8.14)."""
+"""The TCM2 compass (facts.md 8.14)."""
 
 from pioneer3.arcos.commands import Tcm2Mode
 from pioneer3.demo.modes.cockpit import Cockpit

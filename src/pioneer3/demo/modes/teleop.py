@@ -1,4 +1,4 @@
-"""Driving with keys, guarded and not (arcos.md 8.3)."""
+"""Driving with keys, guarded and not (facts.md 8.3)."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""ARIA's wander group at work (arcos.md 8.4)."""
+"""ARIA's wander group at work (facts.md 8.4)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""ACTS, the colour tracker that runs beside a program (arcos.md 8.12); it knows no robot."""
+"""ACTS, the colour tracker that runs beside a program (facts.md 8.12); it knows no robot."""
 
 import asyncio
 from collections.abc import AsyncGenerator

@@ -1,4 +1,4 @@
-"""A serial port of the robot's controller: bytes out with TTY, back with GETAUX (arcos.md 5.5)."""
+"""A serial port of the robot's controller: out with TTY, back with GETAUX (protocol.md 5.5)."""
 
 import asyncio
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""A pan-tilt-zoom camera on one of the robot's serial ports (arcos.md 8.6)."""
+"""A pan-tilt-zoom camera on one of the robot's serial ports (facts.md 8.6)."""
 
 import asyncio
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ UNDOCUMENTED = ("dpptu", "amptu")
 PAUSE = 0.1
 """Between the packets that begin [s]: a camera answers one before it takes the next."""
 CORNER = 7.0
-"""How long the exercise looks into each corner [s] (arcos.md 8.6)."""
+"""How long the exercise looks into each corner [s] (facts.md 8.6)."""
 
 
 def kind_of(name: str) -> CameraKind:

@@ -1,4 +1,4 @@
-"""The TCM2 compass (arcos.md 5.7, 8.14)."""
+"""The TCM2 compass (protocol.md 5.7, facts.md 8.14)."""
 
 from dataclasses import dataclass
 from typing import Final

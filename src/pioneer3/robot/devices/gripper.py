@@ -1,4 +1,4 @@
-"""The gripper: paddles, lift and beams (arcos.md 5.6, 8.5)."""
+"""The gripper: paddles, lift and beams (protocol.md 5.6, facts.md 8.5)."""
 
 import asyncio
 from dataclasses import dataclass, replace
@@ -16,13 +16,13 @@ from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
 
 USER_IO, GENERAL_IO = 1, 2
-"""How a gripper is wired, as GRIPPER packets tell it (arcos.md 5.6)."""
+"""How a gripper is wired, as GRIPPER packets tell it (protocol.md 5.6)."""
 SENSORS = 0x3F
 LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
-"""Bits of the SIP's byte that user-IO grippers have besides the digital inputs (arcos.md 4.7)."""
+"""Bits of the SIP's byte for user-IO grippers, besides the digital inputs (protocol.md 4.7)."""
 
 LIFT_LEAST, LIFT_PATIENCE, GRIP_PATIENCE = 3.0, 30.0, 10.0
-"""Of the exercise [s] (arcos.md 8.5)."""
+"""Of the exercise [s] (facts.md 8.5)."""
 FOLLOWS = {
     GripperAction.LIFT_UP: GripperAction.CLOSE,
     GripperAction.CLOSE: GripperAction.LIFT_DOWN,
@@ -68,7 +68,7 @@ class GripperReading:
 
 
 def read_switches(seen: GripperSwitch, stamp: float) -> GripperReading:
-    """Return what the switches mean, as ARIA reads them (arcos.md 4.7)."""
+    """Return what the switches mean, as ARIA reads them (protocol.md 4.7)."""
     left = GripperSwitch.LEFT_PADDLE_LOW not in seen
     right = GripperSwitch.RIGHT_PADDLE_LOW not in seen
     is_open = GripperSwitch.OPEN_LOW not in seen
@@ -97,7 +97,7 @@ def switches_in(sip: Sip, wiring: int) -> GripperSwitch | None:
 
 
 class Exercise:
-    """ARIA's: up and open, close, down, open, up, and so on (arcos.md 8.5)."""
+    """ARIA's: up and open, close, down, open, up, and so on (facts.md 8.5)."""
 
     FIRST = (GripperAction.LIFT_UP, GripperAction.OPEN)
 
@@ -163,7 +163,7 @@ class Gripper(Sensor[GripperReading]):
 
     @property
     def presence(self) -> Presence:
-        """Whether there is one: its own answer counts, then CONFIG (arcos.md 5.1, field 14)."""
+        """Whether there is one: its own answer counts, then CONFIG (protocol.md 5.1, field 14)."""
         if self._wiring is not None:
             if self._wiring in WIRINGS:
                 return Presence(True, f"The gripper answers: on the {WIRINGS[self._wiring]} I/O.")

@@ -1,4 +1,4 @@
-"""The gyro that the host corrects the heading with (arcos.md 5.4)."""
+"""The gyro that the host corrects the heading with (protocol.md 5.4)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -103,7 +103,7 @@ class Gyro(Sensor[GyroReading]):
 
     @property
     def presence(self) -> Presence:
-        """Whether there is one whose samples come: CONFIG's GyroType (arcos.md 5.1, field 42)."""
+        """Whether one sends samples: CONFIG's GyroType (protocol.md 5.1, field 42)."""
         config = self._supervisor.info.config if self._supervisor.info else None
         kind = config.gyro_type if config else None
         if self.latest is not None or kind == 1:

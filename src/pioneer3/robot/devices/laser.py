@@ -1,4 +1,4 @@
-"""The laser range finder that simulators answer with in the robot's own stream (arcos.md 5.13)."""
+"""The laser range finder of simulators, in the robot's own stream (protocol.md 5.13)."""
 
 from collections.abc import AsyncGenerator, Callable
 from contextlib import AbstractContextManager

@@ -1,4 +1,4 @@
-"""Digital and analog inputs and outputs of the controller (arcos.md 5.3, 8.10)."""
+"""Digital and analog inputs and outputs of the controller (protocol.md 5.3, facts.md 8.10)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -14,10 +14,10 @@ from pioneer3.robot.requests import Request
 from pioneer3.robot.supervisor import Supervisor
 
 ANALOG_BITS, ANALOG_STEP = 0xFFF, 0.0048828
-"""Of an analog reading, and what one unit is worth [V] (arcos.md 5.3)."""
+"""Of an analog reading, and what one unit is worth [V] (protocol.md 5.3)."""
 OUTPUTS = range(8)
 OLD_LASER = range(3)
-"""Analog ports that simulators take for the old laser's switch (arcos.md 3.3)."""
+"""Analog ports that simulators take for the old laser's switch (protocol.md 3.3)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

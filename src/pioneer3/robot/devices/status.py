@@ -1,4 +1,4 @@
-"""Flags and faults by name, and the safety systems of MTX robots (arcos.md 4.4 to 4.6, 8.16)."""
+"""Flags and faults by name; safety of MTX robots (protocol.md 4.4 to 4.6, facts.md 8.16)."""
 
 from collections import deque
 from dataclasses import dataclass

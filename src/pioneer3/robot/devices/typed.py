@@ -1,4 +1,4 @@
-"""Reads a command as people type it: a number and its arguments (arcos.md 8.13)."""
+"""Reads a command as people type it: a number and its arguments (facts.md 8.13)."""
 
 from pioneer3.arcos.commands import Command, from_payload
 from pioneer3.arcos.commands.arguments import put_argument
@@ -37,7 +37,7 @@ def parse_typed(line: str) -> Command:
                 if byte not in BYTES:
                     raise CommandError(f"byte {byte}: it must be -128 to 255")
             word = (high & 0xFF) << 8 | low & 0xFF
-            # two bytes travel as one signed 16-bit number (arcos.md 1.3)
+            # two bytes travel as one signed 16-bit number (protocol.md 1.3)
             put_argument(word - 0x10000 if word & 0x8000 else word, payload)
         case _:
             raise CommandError(f"{len(words)} numbers are too many: {HOW}")

@@ -14,7 +14,7 @@ from pioneer3.ros.description.frames import Frames
 TINY: Final = 1e-9
 HERE: Final = (0.0, 0.0, 0.0)
 ARC: Final = 0.75 * pi
-"""That all segments of one bumper take together, seen from the robot's centre (arcos.md 4.7)."""
+"""That all segments of one bumper take together, seen from the robot's centre (protocol.md 4.7)."""
 BUMPER_HEIGHT: Final = 0.09
 """Of the middle of a bumper above the floor [m]."""
 SCAN_HEIGHT: Final = 0.116

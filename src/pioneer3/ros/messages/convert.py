@@ -25,7 +25,7 @@ RECHARGE_STATES: Final = {
     Charging.FLOAT: 3,
     Charging.BALANCE: 4,
 }
-"""Numbers of `battery_recharge_state`; arcos.md 4.2, and -1 where the robot does not tell."""
+"""Numbers of `battery_recharge_state`; protocol.md 4.2, and -1 where the robot does not tell."""
 ROSARIAS_BUMPERS: Final = 5
 """Segments in front, and as many behind."""
 SUPPLY_STATUS: Final = {
@@ -97,7 +97,7 @@ def rosarias_bumpers(message: Any, reading: Reading) -> None:
 
 
 def bumpers(message: Any, reading: Reading) -> None:
-    """Fill a rosaria/BumperState: both rows from left to right (arcos.md 4.7)."""
+    """Fill a rosaria/BumperState: both rows from left to right (protocol.md 4.7)."""
     head(message, reading, reading.frames.bumpers)
     message.front_bumpers, message.rear_bumpers = bumper_rows(reading.snapshot.bumpers)
 

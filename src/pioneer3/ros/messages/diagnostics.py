@@ -15,7 +15,7 @@ from pioneer3.state import Motors, Snapshot
 from pioneer3.units import DECIVOLT, MS
 
 USUAL_CYCLE: Final = 0.1
-"""Between two readings, where CONFIG does not say [s] (arcos.md 4.1)."""
+"""Between two readings, where CONFIG does not say [s] (protocol.md 4.1)."""
 SLOW: Final = 0.85
 """Share of the readings expected below which it is a warning."""
 NOISY: Final = 0.001

@@ -12,9 +12,9 @@ from pioneer3.state import Scan
 ULTRASOUND: Final = 0
 """`Range.ULTRASOUND`."""
 SCAN_MAX: Final = 32.766
-"""Farthest that a simulator's laser can tell [m] (arcos.md 5.13)."""
+"""Farthest that a simulator's laser can tell [m] (protocol.md 5.13)."""
 GYRO_VARIANCE: Final = 2.8e-4
-"""Of a rate [rad^2/s^2]: a step of the converter is 0.95 degrees per second (arcos.md 5.4)."""
+"""Of a rate [rad^2/s^2]: a step of the converter is 0.95 degrees per second (protocol.md 5.4)."""
 NOT_THERE: Final = [-1.0, *[0.0] * 8]
 """Covariance that says that a sensor does not measure this (sensor_msgs/Imu)."""
 

@@ -1,4 +1,4 @@
-"""Auxiliary serial ports of the controller, for serial devices (arcos.md 3.2, 5.5)."""
+"""Auxiliary serial ports of the controller, for serial devices (protocol.md 3.2, 5.5)."""
 
 from collections.abc import Sequence
 from math import inf
@@ -14,7 +14,7 @@ GETAUX = (commands.GetAux.ID, commands.GetAux2.ID, commands.GetAux3.ID)
 NUMBERS = (0xB0, 0xB8, 0xC8)
 """Of the commands and reports of AUX1, AUX2 and AUX3."""
 MOST_ASKED = 200
-"""Bytes that GETAUX may ask for (arcos.md 3.2)."""
+"""Bytes that GETAUX may ask for (protocol.md 3.2)."""
 BUFFER = 256
 """Bytes that wait for GETAUX; later ones are lost. Unverified."""
 

@@ -1,4 +1,4 @@
-"""The TCM2 compass (arcos.md 3.2 row 45, 4.2, 5.7)."""
+"""The TCM2 compass (protocol.md 3.2 row 45, 4.2, 5.7)."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -83,7 +83,7 @@ class Compass:
         )
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Show the heading in steps of 2 degrees, as ARIA reads it (arcos.md 13, row 18)."""
+        """Show the heading in steps of 2 degrees, as ARIA reads it (facts.md 13, row 18)."""
         if not self._on:
             return sip
         return replace(sip, compass_raw=round(degrees(self._heading()) / 2) % 180)

@@ -1,4 +1,4 @@
-"""Digital and analog inputs and outputs, and table sensors (arcos.md 3.2, 4.2, 4.7, 5.3)."""
+"""Digital and analog inputs and outputs, and table sensors (protocol.md 3.2, 4.2, 4.7, 5.3)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from pioneer3.sim.accessories.base import CarryingRobot, Inputs, ReportRequest
 from pioneer3.sim.equipment import TableWiring
 
 BYTES_IN = 4
-"""Input bytes of a P3 (arcos.md 5.3)."""
+"""Input bytes of a P3 (protocol.md 5.3)."""
 LINES = 8 * BYTES_IN
 PORTS = 8
 FULL_SCALE = 5.0
 """[V]."""
 STEPS = 1023
-"""Of the converter behind IO reports: 4.8828 mV each (arcos.md 5.3)."""
+"""Of the converter behind IO reports: 4.8828 mV each (protocol.md 5.3)."""
 SIP_STEPS = 255
 ALL_HIGH = (1 << LINES) - 1
 
@@ -114,7 +114,7 @@ class DigitalIo:
 class TableSensor(IntFlag):
     """The four sensors; bit i is the model's sensor i, and the line of the new wiring.
 
-    The sides are those of arcos.md 4.7. ARIA's `ArIRs` goes by the number alone: bit i of the
+    The sides are those of protocol.md 4.7. ARIA's `ArIRs` goes by the number alone: bit i of the
     fourth input byte is IRUnit i of the parameter file.
     """
 

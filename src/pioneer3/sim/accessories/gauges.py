@@ -1,4 +1,4 @@
-"""Accessories that only report: battery, wheel encoders, joystick (arcos.md 5.2, 5.8, 5.9)."""
+"""Accessories that only report: battery, wheel encoders, joystick (protocol.md 5.2, 5.8, 5.9)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from pioneer3.sim.accessories.base import BatteryState, CarryingRobot, Inputs, R
 from pioneer3.sim.body import EMPTY, FULL
 
 LOW = 11.5
-"""The firmware reports a low battery below it [V]; CONFIG has it (arcos.md 5.1)."""
+"""The firmware reports a low battery below it [V]; CONFIG has it (protocol.md 5.1)."""
 
 
 def charge_percent(battery: BatteryState) -> int:
@@ -63,7 +63,7 @@ class BatteryGauge:
 
 
 TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
-"""Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (arcos.md 5.1)."""
+"""Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (protocol.md 5.1)."""
 
 
 class Encoders:

@@ -1,7 +1,7 @@
-"""The Pioneer gripper: two paddles with break beams on a lift (arcos.md 3.2, 4.7, 5.6).
+"""The Pioneer gripper: two paddles with break beams on a lift (protocol.md 3.2, 4.7, 5.6).
 
 Paddles and lift move at constant speed until something stops them. The bits are those that ARIA
-reads; Player reads the same byte in another way (arcos.md 13, row 20).
+reads; Player reads the same byte in another way (facts.md 13, row 20).
 """
 
 from collections.abc import Sequence

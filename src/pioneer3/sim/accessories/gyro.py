@@ -1,4 +1,4 @@
-"""The gyro whose samples the host corrects the heading with (arcos.md 5.4, GyroType 1)."""
+"""The gyro whose samples the host corrects the heading with (protocol.md 5.4, GyroType 1)."""
 
 from collections import deque
 from collections.abc import Sequence

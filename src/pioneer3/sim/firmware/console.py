@@ -1,4 +1,4 @@
-"""Commands of a client to the simulator itself (arcos.md 3.3, 5.13)."""
+"""Commands of a client to the simulator itself (protocol.md 3.3, 5.13)."""
 
 import logging
 from collections import deque
@@ -25,7 +25,7 @@ APPLICATION = "pioneer3"
 NO_GEO_REFERENCE = -1
 MOST_MESSAGES = 100
 CODE_BYTES = 3
-"""Before the text of an old MESSAGE (arcos.md 3.3)."""
+"""Before the text of an old MESSAGE (protocol.md 3.3)."""
 E7 = 10_000_000
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 

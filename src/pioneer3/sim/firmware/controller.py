@@ -1,7 +1,7 @@
 """The robot's controller: commands become motion, the world becomes reports.
 
-With its parts the only bridge between ARCOS and the simulated world. Facts: arcos.md 2.7, 3, 4, 5,
-12; where the old emulator is wrong (arcos.md 9, 13), this follows the real firmware.
+With its parts the only bridge between ARCOS and the simulated world. Facts: protocol.md 2.7, 3, 4,
+5, facts.md 12; where the old emulator is wrong (facts.md 9, 13), this follows the real firmware.
 
 ===========  ======================================================
 part         purpose
@@ -48,7 +48,7 @@ CYCLE = 0.1
 SONAR_CYCLE = 0.04
 """CONFIG's value for sonars that fire all at once [s]; the usual one."""
 NAME = "MobileSim"
-"""By this name real ARIA programs know a simulator, and take its laser (arcos.md 2.6)."""
+"""By this name real ARIA programs know a simulator, and take its laser (protocol.md 2.6)."""
 
 
 class Firmware:
@@ -218,10 +218,10 @@ class Firmware:
 
 
 SERIAL_NUMBER = "SIM"
-"""By this AriaCoda knows a simulator (arcos.md 13, row 12)."""
+"""By this AriaCoda knows a simulator (facts.md 13, row 12)."""
 LARGEST_WORD = 9999
 TOP_ACCELERATION_MM, TOP_TURN_ACCELERATION_DEG = 2000, 300
-"""Of one real P3-AT (arcos.md 5.1)."""
+"""Of one real P3-AT (protocol.md 5.1)."""
 
 
 def configuration(

@@ -1,4 +1,4 @@
-"""The contents of the standard report: what the controller measures of its robot (arcos.md 4)."""
+"""The contents of the standard report, measured by the controller (protocol.md 4)."""
 
 from collections.abc import Sequence
 from itertools import compress
@@ -75,14 +75,14 @@ class SonarArrays:
 
 
 MOST_READINGS = 32
-"""Sonar readings in a report; 32 still fit into the 200 bytes of a frame (arcos.md 12)."""
+"""Sonar readings in a report; 32 still fit into the 200 bytes of a frame (facts.md 12)."""
 HOT = 80.0
 """Motors are too hot from here on [degC]; unverified."""
 NOT_CHARGING, BULK, OVERCHARGE, FLOAT = range(4)
 OVERCHARGE_FROM, FLOAT_FROM = 80, 100
 """Charge at which a charger goes over to the next state [percent]; unverified."""
 WIRE_BITS = 0x7FFF
-"""Of x and y, of which hosts look at 15 bits (arcos.md 4.2, 4.8)."""
+"""Of x and y, of which hosts look at 15 bits (protocol.md 4.2, 4.8)."""
 
 
 class Instruments:
@@ -176,7 +176,7 @@ class Instruments:
             faults=_faults(hot=hot, low=volts <= LOW),
             lateral_speed_mm=0,
             temperature_celsius=max(-127, min(127, round(celsius))),
-            # 0 stands for "cannot tell" (arcos.md 4.2)
+            # 0 stands for "cannot tell" (protocol.md 4.2)
             charge_percent=max(1, charge),
         )
 

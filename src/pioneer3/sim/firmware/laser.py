@@ -1,4 +1,4 @@
-"""The laser in the robot's own stream, which only simulators have (arcos.md 2.3, 5.13).
+"""The laser in the robot's own stream, which only simulators have (protocol.md 2.3, 5.13).
 
 Real ARIA programs set it up with commands 36, 37, 38, 35 (start, end, step, on). On a robot these
 numbers belong to the gripper, the gyro and the analog port. They mean the laser while it is off,

@@ -1,4 +1,4 @@
-"""Carries out the commands that drive (arcos.md 3.1)."""
+"""Carries out the commands that drive (protocol.md 3.1)."""
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command

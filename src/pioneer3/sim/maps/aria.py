@@ -1,4 +1,4 @@
-"""Reads ARIA `.map` files (arcos.md 10): headers 2D-Map, 2D-Map-Ex and 2D-Map-Ex2."""
+"""Reads ARIA `.map` files (facts.md 10): headers 2D-Map, 2D-Map-Ex and 2D-Map-Ex2."""
 
 import re
 from array import array

@@ -1,4 +1,4 @@
-"""The `Cairn:` and `MapInfo:` lines of an ARIA map (arcos.md 10.2, 10.3).
+"""The `Cairn:` and `MapInfo:` lines of an ARIA map (facts.md 10.2, 10.3).
 
 Their walls in the simulator, after MobileSim and AMRISim (their README, `MapLoader`):
 
@@ -126,7 +126,7 @@ def rectangle(
     """Return the corners of an area, in order [m].
 
     ARIA's code turns the two given corners by `theta` [rad] about the origin of the map, whatever
-    its documents say (arcos.md 10.2).
+    its documents say (facts.md 10.2).
     """
     c, s = cos(theta), sin(theta)
     corners = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))

@@ -94,7 +94,7 @@ class RobotSpec:
     Attributes:
         model: A model's name, or the path of its file.
         name: For people; empty for its model's name. On the wire every simulated robot is
-            `MobileSim`: ARIA knows a simulator by this name (arcos.md 2.6).
+            `MobileSim`: ARIA knows a simulator by this name (protocol.md 2.6).
         start: Its place at the beginning.
         port: TCP port; `None` for the next one, 0 for a free one.
         equipment: Its accessories.

@@ -52,7 +52,7 @@ def test_the_reason_says_where_it_is() -> None:
     ("distance", "limit"),
     [
         (0.2, 0.0),  # nearer than 0.25
-        (0.4, 0.25 * 0.15 / 0.35),  # 0.107: the worked example of arcos.md 7.6
+        (0.4, 0.25 * 0.15 / 0.35),  # 0.107: the worked example of facts.md 7.6
         (0.59, 0.25 * 0.34 / 0.35),
         (0.7, 0.25),
         (inf, 0.25),

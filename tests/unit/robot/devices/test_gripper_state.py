@@ -1,4 +1,4 @@
-"""The gripper's switches and its exercise (arcos.md 4.7, 8.5)."""
+"""The gripper's switches and its exercise (protocol.md 4.7, facts.md 8.5)."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Packets become readings in SI, with frames of arcos.md as vectors."""
+"""Packets become readings in SI, with frames of the protocol as vectors."""
 
 from math import pi
 

@@ -1,4 +1,4 @@
-"""Packets of a laser become scans, whole or not at all (arcos.md 5.13)."""
+"""Packets of a laser become scans, whole or not at all (protocol.md 5.13)."""
 
 from math import inf, pi
 

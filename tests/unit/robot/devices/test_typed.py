@@ -1,4 +1,4 @@
-"""Commands as people type them (arcos.md 8.13)."""
+"""Commands as people type them (facts.md 8.13)."""
 
 import pytest
 
@@ -18,7 +18,7 @@ from pioneer3.robot.devices.typed import parse_typed
         ("11 32767", "0b 3b ff 7f"),
         ("28 0", "1c 3b 00 00"),
         ("30 1 255", "1e 3b ff 01"),
-        # 0xF60A is -2550 as a signed number: 0x1B 0x09F6 (arcos.md 1.3)
+        # 0xF60A is -2550 as a signed number: 0x1B 0x09F6 (protocol.md 1.3)
         ("32 -10 10", "20 1b f6 09"),
         ("32 10 -10", "20 3b f6 0a"),
         ("199 5", "c7 3b 05 00"),

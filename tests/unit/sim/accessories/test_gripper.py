@@ -178,7 +178,7 @@ def test_the_end_of_the_session_stops_it(hand: Hand) -> None:
 
 
 def paddle_states(switches: Iterable[GripperSwitch]) -> list[str]:
-    """Return what ARIA's ArGripper makes of the bits (arcos.md 4.7)."""
+    """Return what ARIA's ArGripper makes of the bits (protocol.md 4.7)."""
     return [
         "closed" if not seen & PADDLES else "between" if seen & S.OPEN_LOW else "open"
         for seen in switches

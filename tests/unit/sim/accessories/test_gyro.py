@@ -11,7 +11,7 @@ from tests.unit.sim.accessories.carrier import FakeCarrier
 
 ON, OFF = commands.Gyro(GyroMode.ON), commands.Gyro(GyroMode.OFF)
 ARIA_STEP_DEG = 5 / 1023 * 300 / 2.5 * 1.626
-"""Degrees a second that ARIA reads in one count (arcos.md 5.4)."""
+"""Degrees a second that ARIA reads in one count (protocol.md 5.4)."""
 
 
 def gyro(carrier: FakeCarrier, *, packets: bool = True, bias: float = 0, noise: float = 0) -> Gyro:
