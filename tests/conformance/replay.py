@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
-from pioneer3.arcos.counters import POSITION_MODULUS
-from pioneer3.arcos.counters import Counter as WrappingCounter
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Report, SimLaserExtended, Sip
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
 from pioneer3.models import load_model
+from pioneer3.robot.assemble import POSITION_MODULUS
+from pioneer3.robot.assemble import Counter as WrappingCounter
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.maps import LineMap

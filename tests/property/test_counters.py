@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.arcos.counters import POSITION_MODULUS, Counter, difference
+from pioneer3.robot.assemble import POSITION_MODULUS, Counter, difference
 
 HALF = POSITION_MODULUS // 2
 

@@ -1,6 +1,7 @@
 """What a person hears when a serial port does not open, and the speeds that are remembered."""
 
 import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPer
 from pioneer3.links.serial import (
     explain_open_error,
     how_to_get_permission,
+    make_pty,
     remember_speed,
     remembered_speed,
     state_file,
@@ -73,3 +75,17 @@ def test_a_spoilt_memory_is_no_memory(text: str) -> None:
 def test_the_state_is_kept_where_users_keep_state(tmp_path: Path) -> None:
     assert state_file({"XDG_STATE_HOME": str(tmp_path)}) == tmp_path / "pioneer3/speeds"
     assert state_file({}) == Path.home() / ".local/state/pioneer3/speeds"
+
+
+def test_a_pseudo_terminal_passes_every_byte_as_it_is() -> None:
+    pair = make_pty()
+    host = os.open(pair.path, os.O_RDWR | os.O_NOCTTY)
+    try:
+        every = bytes(range(256))
+        os.write(host, every)
+        assert os.read(pair.master, 1000) == every
+        os.write(pair.master, every)
+        assert os.read(host, 1000) == every
+    finally:
+        for end in (host, pair.master, pair.slave):
+            os.close(end)

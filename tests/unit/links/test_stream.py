@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 import pytest
 
 from pioneer3.errors import LinkError
-from pioneer3.links.stream import StreamLink, accepted, open_tcp
+from pioneer3.links.stream import KEEPALIVE, StreamLink, accepted, open_tcp, tune
 
 pytestmark = pytest.mark.realtime
 
@@ -80,3 +80,27 @@ async def test_closing_does_not_wait_for_a_far_end_that_takes_nothing(ends: Ends
     began = asyncio.get_running_loop().time()
     await ours.close()
     assert asyncio.get_running_loop().time() - began < 5.0
+
+
+@pytest.fixture
+def connection() -> socket.socket:
+    return socket.socket()
+
+
+def test_small_packets_go_at_once_and_a_dead_far_end_is_noticed(connection: socket.socket) -> None:
+    with connection:
+        tune(connection)
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+        for name, value in KEEPALIVE.items():
+            assert connection.getsockopt(socket.IPPROTO_TCP, getattr(socket, name)) == value
+
+
+def test_what_a_system_does_not_know_is_left_out(
+    connection: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in KEEPALIVE:
+        monkeypatch.delattr(socket, name)
+    with connection:
+        tune(connection)
+        assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pioneer3.arcos.counters import POSITION_MODULUS, Counter, difference
+from pioneer3.robot.assemble import POSITION_MODULUS, Counter, difference
 
 
 @pytest.mark.parametrize(
