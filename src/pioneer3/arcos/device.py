@@ -61,7 +61,7 @@ class WatchdogExpired:
 
 @dataclass(frozen=True, slots=True)
 class WatchdogFed:
-    """The host is heard again."""
+    """The host sends again."""
 
 
 Event = SessionOpened | SessionClosed | Commanded | WatchdogExpired | WatchdogFed

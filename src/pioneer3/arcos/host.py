@@ -13,13 +13,14 @@ Rules:
    PULSE, and firmware that receives one resumes the motion it had before. Such a robot streams
    reports, so the host listens before it sends anything. Bytes that make no packet, not even a
    spoilt one, come from a robot at another speed: nothing is sent until all speeds have been
-   listened to. Where anything was heard, each SYNC0 follows a STOP.
+   listened to. Where any byte arrived, each SYNC0 follows a STOP.
 2. A robot that is silent gets SYNC0 first. AMRISim takes any first packet for a SYNC: after a STOP
    it never shakes hands any more (protocol.md 2.7). A SYNC0 without an answer may have reached a
    robot whose reports are lost, and the next ones follow a STOP.
 3. After OPEN come STOP and ENABLE 0, then the request for CONFIG. Motion is the caller's business.
 4. A session without an information packet for :attr:`Timing.silence` is lost. It does not mend
-   itself: the caller opens a new one. Time in which nobody listened is no silence: `held_up`.
+   itself: the caller opens a new one. Time in which the caller did not read is no silence:
+   `held_up`.
 5. A report that is not the awaited answer belongs to an earlier session and is ignored.
 
 Facts: protocol.md 2.1 to 2.7.
@@ -175,7 +176,7 @@ class Host:
         return []
 
     def held_up(self, seconds: float) -> None:
-        """Do not count the last `seconds` as silence: nobody listened meanwhile."""
+        """Do not count the last `seconds` as silence: the caller did not read meanwhile."""
         self._began += seconds
         self._sip_at += seconds
         self._opened_at += seconds
@@ -183,7 +184,7 @@ class Host:
             self.deadline += seconds
 
     def _is_noise(self) -> bool:
-        """Whether a robot talks at a speed that has not been listened to yet."""
+        """Whether a robot sends at a speed that has not been listened to yet."""
         return (
             self.state is State.LISTENING
             and self._turns <= len(self._speeds)
@@ -193,7 +194,7 @@ class Host:
 
     @property
     def _frames(self) -> int:
-        """Frames heard, good or spoilt."""
+        """Number of frames received, good or spoilt."""
         return self.reader.packets + self.reader.bad_checksums
 
     def _listen(self, now: float) -> list[Event]:

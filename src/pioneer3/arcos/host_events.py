@@ -14,7 +14,7 @@ class Timing:
 
     Attributes:
         listen: Before the first SYNC packet at each speed; a robot that serves an earlier session
-            says something every 0.1 s.
+            sends a report every 0.1 s.
         retry: Between the first unanswered SYNC packets; a robot answers within 30 ms.
         drain: Silence to wait for after closing an earlier session.
         config_retry: Between requests for CONFIG.

@@ -60,7 +60,7 @@ def split_url(url: str) -> tuple[str, str]:
     """Return scheme (`serial`, `tcp` or `replay`) and the rest.
 
     Raises:
-        ConfigError: neither a path nor a scheme we know.
+        ConfigError: neither a path nor a known scheme.
     """
     if not isinstance(url, str):
         raise ConfigError(f"a port is written as text, such as {FORMS}; not {url!r}")

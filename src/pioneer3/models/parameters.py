@@ -125,7 +125,7 @@ class Parameters:
         Args:
             key: As the files spell it.
             bounds: [m] or [m per something].
-            default: Where the file says nothing or 0 [m]; without one the key is essential.
+            default: Where the file has no value, or 0 [m]; without one the key is essential.
         """
         return rounded(self._scaled(key, bounds, MM, default))
 
@@ -171,7 +171,7 @@ class Parameters:
             kind: `Sonar` or `IR`. `{kind}Num` of them exist: further lines are left out, and
                 there may be fewer lines, since `powerbot` lists one less (facts.md 6.3).
             first: Index of the word that holds x.
-            axes: `x y`, or `x y th` where the lines say a direction.
+            axes: `x y`, or `x y th` where the lines have a direction.
         """
         lines = [line for line in self._all if line.key.lower() == f"{kind}Unit".lower()]
         mounts = dict(_unit(line, first, axes) for line in lines)

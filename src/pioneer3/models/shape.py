@@ -84,6 +84,6 @@ rounded; the height of the sonars is an estimate. None was measured on a robot."
 
 
 def shape_of(model: RobotModel) -> Shape:
-    """Return the body of `model`; for one that nobody has measured, that of its nearest kin."""
+    """Return the body of `model`; for an unknown one, that of the most similar type."""
     kin = P3AT if model.drive == "skid" else P3DX
     return SHAPES.get(model.name.partition("-")[0], kin)

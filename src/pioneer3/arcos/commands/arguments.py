@@ -159,7 +159,7 @@ class Latin1:
 
 @dataclass(frozen=True, slots=True)
 class Prefixed:
-    """A value after a type byte that says nothing: any is read, `prefix` is written."""
+    """A value after a type byte without meaning: any is read, `prefix` is written."""
 
     kind: Kind
     prefix: int

@@ -18,7 +18,7 @@ class Command(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A command that this package does not know, or whose arguments make no sense.
+    """A command without a class here, or with arguments that do not decode.
 
     Attributes:
         number: Of the command; `None` if there was not a single byte.

@@ -19,7 +19,7 @@ class Report(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class UnknownReport:
-    """A packet that this package does not know, or that does not make sense.
+    """A packet without a class here, or with data that do not decode.
 
     Attributes:
         number: Id of the packet; `None` if there was not a single byte.
