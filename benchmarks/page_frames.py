@@ -37,10 +37,12 @@ from pioneer3.models import load_model
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.sim.maps import shipped_map
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Scan, Snapshot, Sonar
+from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages
 from pioneer3.web.app import STATIC
-from pioneer3.web.plan import plan
-from pioneer3.web.scans import sweep
+from pioneer3.web.broadcast import sweep
+from pioneer3.web.robot_view import robot_part, snapshot_part
+from pioneer3.web.world import map_message
 
 ROBOTS, LASERS, BEAMS, RATE = 20, 3, 181, 10
 SECONDS = 10.0
@@ -73,7 +75,7 @@ def pose_at(number: int, now: float) -> Pose2:
     )
 
 
-def snapshot(number: int, now: float) -> dict[str, object]:
+def snapshot(number: int, now: float) -> messages.Snapshot:
     """Return what pages are told of a robot."""
     pose, twist = pose_at(number, now), Twist2(0.4, 0.3)
     ranges = tuple(1.2 + sin(now + number + beam) for beam in range(16))
@@ -86,12 +88,10 @@ def snapshot(number: int, now: float) -> dict[str, object]:
         sonar=Sonar(ranges=ranges, enabled=True),
         bumpers=Bumpers(),
     )
-    return messages.snapshot(
-        number, reading, pose=pose, why=None, emergency_stop=False, driver=None
-    )
+    return snapshot_part(number, reading, pose=pose, why=None, emergency_stop=False, driver=None)
 
 
-def scan(number: int, now: float) -> dict[str, object]:
+def scan(number: int, now: float) -> messages.Sweep:
     """Return what pages are told of a laser."""
     pose = pose_at(number, now)
     angles = tuple((beam - BEAMS // 2) * pi / (BEAMS - 1) for beam in range(BEAMS))
@@ -109,10 +109,10 @@ def scan(number: int, now: float) -> dict[str, object]:
     )
 
 
-def hello() -> dict[str, object]:
+def hello() -> messages.Hello:
     """Return what pages are told first."""
-    robots = [
-        messages.robot(
+    robots = tuple(
+        robot_part(
             number,
             f"robot-{number:02}",
             RobotInfo(
@@ -126,8 +126,8 @@ def hello() -> dict[str, object]:
             laser=number <= LASERS,
         )
         for number in range(1, ROBOTS + 1)
-    ]
-    return messages.hello("benchmark", robots)
+    )
+    return messages.Hello("benchmark", robots, None, SCHEME)
 
 
 async def talk(socket: WebSocket) -> None:
@@ -135,23 +135,23 @@ async def talk(socket: WebSocket) -> None:
     await socket.accept()
     numbers = range(1, ROBOTS + 1)
 
-    async def say(message: dict[str, object]) -> None:
+    async def say(message: messages.Message) -> None:
         await socket.send_text(messages.encode(message))
 
     async def say_all(now: float) -> None:
-        await say({"type": "robots", "snapshots": [snapshot(n, now) for n in numbers]})
+        await say(messages.Robots(tuple(snapshot(n, now) for n in numbers)))
 
     try:
         await say(hello())
-        await say(plan(shipped_map("office")))
+        await say(map_message(shipped_map("office")))
         for tick in range(int(HISTORY * RATE)):
             await say_all(tick / RATE)
         began = asyncio.get_running_loop().time() - HISTORY
         while True:
             now = asyncio.get_running_loop().time() - began
             await say_all(now)
-            scans = [scan(number, now) for number in range(1, LASERS + 1)]
-            await say({"type": "scans", "scans": scans})
+            scans = tuple(scan(number, now) for number in range(1, LASERS + 1))
+            await say(messages.Scans(scans))
             await asyncio.sleep(1 / RATE)
     except (WebSocketDisconnect, RuntimeError):
         return

@@ -17,17 +17,18 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import AsyncExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 from pioneer3.sim.body import Body
 from pioneer3.sim.server.start import simulator
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.messages import Driver
+from pioneer3.web.messages import Snapshot as SnapshotPart
 from pioneer3.web.page import Page
+from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
-from pioneer3.web.station import Station
 
 PROFILE = "PIONEER3_WEB_PROFILE"
 """Environment variable: where the server writes where its time went."""
@@ -99,13 +100,13 @@ async def _note_stands(body: Body) -> None:
 
 def _note_arrivals(arrivals: Arrivals) -> None:
     """Let every snapshot that is told to pages be noted on its way."""
-    told = Station.snapshot
+    told = RobotView.snapshot
 
-    def note(self: Station, snapshot: Snapshot, driver: dict[str, Any] | None) -> dict[str, Any]:
+    def note(self: RobotView, snapshot: Snapshot, driver: Driver | None) -> SnapshotPart:
         arrivals[f"{self.number} {snapshot.sequence}"] = snapshot.stamp
         return told(self, snapshot, driver)
 
-    Station.snapshot = note  # type: ignore[method-assign]
+    RobotView.snapshot = note  # type: ignore[method-assign]
 
 
 def main(urls: Sequence[str]) -> None:

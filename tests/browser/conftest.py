@@ -98,7 +98,7 @@ def running_product(
                 name = one.name if len(running.robots) > 1 else ""
                 await stack.enter_async_context(web.hosting(robot, scene, name))
             served = await stack.enter_async_context(serve(web, host=host, port=port))
-            first = web.stations[1].robot
+            first = web.robots[1].robot
             yield Product(served.http, running, first, web, asyncio.get_running_loop())
 
     with in_thread(live()) as product:

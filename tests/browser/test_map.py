@@ -4,16 +4,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.sim.maps.image import to_png
 from pioneer3.state import Bumpers
-from pioneer3.web.messages import encode, goal
+from pioneer3.web.messages import Target, encode
 from tests.browser.conftest import Product, running_product, wait_for_the_robot
 from tests.browser.drawn import colour, differing, fingerprint, keep, pixel, state
 from tests.browser.test_edit import drag, spot
@@ -87,18 +87,18 @@ def put(product: Product, place: Pose2) -> None:
     product.call(lambda: setattr(product.simulation.body, "robot_in_world", place))
 
 
-def say(product: Product, target: dict[str, Any], mode: str | None = None) -> None:
+def say(product: Product, target: Target, mode: str | None = None) -> None:
     """Let the robot say that it drives a curve, hits something, and goes to `target` in `mode`."""
-    (station,) = product.web.stations.values()
-    snapshot = station.robot.snapshot
+    (view,) = product.web.robots.values()
+    snapshot = view.robot.snapshot
     assert snapshot is not None
     moment = replace(
         snapshot,
         odometry=replace(snapshot.odometry, twist=Twist2(0.4, 0.2)),
         bumpers=Bumpers(front=(True, True, False, False, False), rear=()),
     )
-    told = {**station.snapshot(moment, None), "target": target, "mode": mode}
-    product.call(lambda: product.web.snapshots.put(station.number, encode(told)))
+    told = structs.replace(view.snapshot(moment, None), target=target, mode=mode)
+    product.call(lambda: product.web.snapshots.put(view.number, encode(told)))
 
 
 def freeze_with_everything(page: Page, product: Product) -> None:
@@ -114,7 +114,7 @@ def freeze_with_everything(page: Page, product: Product) -> None:
     until(lambda: bool(state(page, "clock.paused")))
     page.wait_for_timeout(500)
 
-    say(product, goal(Pose2(2.0, -1.0, 0.5), heads=True, person=False))
+    say(product, Target(2.0, -1.0, 0.5, person=False))
     until(lambda: state(page, "snapshot.target") is not None)
     page.locator("#fit").click()
     page.wait_for_timeout(1200)
@@ -137,7 +137,7 @@ def test_every_layer_is_switched_off_and_on(plan: Page, hall: Product) -> None:
         assert state(plan, "layers")[layer] is False
         plan.locator(f"#layer-{layer}").check()
         assert fingerprint(plan) == full, layer
-    say(hall, goal(Pose2(2.0, -1.0), heads=False, person=True), mode="follow")
+    say(hall, Target(2.0, -1.0, None, person=True), mode="follow")
     until(lambda: bool(state(plan, "snapshot.target.person")))
     assert fingerprint(plan) not in prints
     expect(plan.locator("#card-going")).to_contain_text("Follows somebody")

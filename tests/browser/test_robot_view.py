@@ -102,16 +102,16 @@ def test_config_is_asked_for_when_it_is_opened(view: Page, product: Product) -> 
 
 
 def test_nothing_is_asked_of_the_robot_while_nobody_looks(page: Page, product: Product) -> None:
-    station = next(iter(product.web.stations.values()))
+    station = next(iter(product.web.robots.values()))
     page.wait_for_timeout(700)
-    assert station.details.notices.version == 0
+    assert station.details.channel.version == 0
     open_view(page, "robot")
-    until(lambda: station.details.notices.version > 2)
+    until(lambda: station.details.channel.version > 2)
     page.locator("#sheet-close").click()
     page.wait_for_timeout(700)
-    version = station.details.notices.version
+    version = station.details.channel.version
     page.wait_for_timeout(1200)
-    assert station.details.notices.version == version
+    assert station.details.channel.version == version
 
 
 def test_the_views_close_by_escape_and_give_the_focus_back(page: Page) -> None:

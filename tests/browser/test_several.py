@@ -115,11 +115,11 @@ def test_a_held_key_does_not_go_over_to_another_robot_when_its_own_is_gone(
     page.keyboard.press("3")
     page.keyboard.down("ArrowUp")
     until(lambda: speeds(product)[2] > 0.25)
-    gone = product.call(lambda: product.web.stations.pop(3))
-    product.call(product.web._greet)
+    gone = product.call(lambda: product.web.robots.pop(3))
+    product.call(product.web._publish_robots)
     expect(page.get_by_role("button", name="carol")).to_have_count(0)
     page.wait_for_timeout(700)
-    product.call(lambda: product.web.stations.update({3: gone}))
+    product.call(lambda: product.web.robots.update({3: gone}))
     assert speeds(product)[:2] == [0.0, 0.0]
     assert page.evaluate("window.pioneer3.state.source") is None
     page.keyboard.up("ArrowUp")
@@ -167,7 +167,7 @@ def test_the_wheel_that_is_taken_is_the_selected_robots(page: Page, product: Pro
     page.locator("#driver").click()
     page.locator("#lease-take").click()
     expect(page.locator("#people-lease")).to_have_text("You have the wheel of bob.")
-    assert [station.wheel.holder is not None for station in product.web.stations.values()] == [
+    assert [view.control.holder is not None for view in product.web.robots.values()] == [
         False,
         True,
         False,
@@ -328,7 +328,7 @@ def test_k_latches_all_robots_and_they_are_reset_one_by_one_or_at_once(
     page: Page, product: Product
 ) -> None:
     def latched() -> list[bool]:
-        return [one.robot.supervisor.pilot.emergency for one in product.web.stations.values()]
+        return [one.robot.supervisor.pilot.emergency for one in product.web.robots.values()]
 
     page.keyboard.press("k")
     until(lambda: latched() == [True] * 3)

@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from pioneer3.web.access.role import Role
-from pioneer3.web.visitor import Visitor
+from pioneer3.web.client import Client
 from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import needs_network, two
 from tests.browser.test_page import SLACK, speed, until
@@ -28,9 +28,9 @@ def latched(product: Product) -> bool:
 
 def hang_up(product: Product) -> None:
     """Close every page's connection, as a network does."""
-    for guest in product.web.people.guests.values():
-        assert isinstance(guest, Visitor)
-        guest._hang_up(1013, "the network is gone")
+    for client in product.web.clients.connected.values():
+        assert isinstance(client, Client)
+        client._hang_up(1013, "the network is gone")
 
 
 def test_k_is_the_emergency_stop(page: Page, product: Product) -> None:

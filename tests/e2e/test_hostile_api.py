@@ -99,13 +99,13 @@ def target(request: pytest.FixtureRequest) -> Iterator[Target]:
             sim = await stack.enter_async_context(SimulatedRobot())
             robot = await stack.enter_async_context(connect_async(sim.open))
             page, keeper = Page(), Keeper()
-            station = await stack.enter_async_context(page.hosting(robot, Scene()))
+            view = await stack.enter_async_context(page.hosting(robot, Scene()))
             served = await stack.enter_async_context(serve(page, port=0))
             page.access.urls = ("http://192.168.0.7:8080",)
             ready.set_result(Target(served.http, sim, page, loop))
             while not leave.is_set():
                 if kept:
-                    assert station.wheel.take(keeper, keep=True) is None
+                    assert view.control.take(keeper, keep=True) is None
                 await asyncio.sleep(0.1)
 
     thread = threading.Thread(target=loop.run_until_complete, args=(run(),))

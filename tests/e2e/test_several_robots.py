@@ -47,13 +47,13 @@ async def test_one_that_is_lost_is_named_and_the_others_go_on() -> None:
                 "Connected to a SIMULATOR: right",
             ]
         await until(lambda: any(line.startswith("right: lost: ") for line in told))
-        robot = page.stations[1].robot
+        robot = page.robots[1].robot
         for _ in range(10):
             robot.drive(0.2)
             await asyncio.sleep(0.05)
         assert robot.snapshot is not None
         assert left.body.drive.linear.velocity > 0.1
-        assert [station.name for station in page.stations.values()] == ["left", "right"]
+        assert [station.name for station in page.robots.values()] == ["left", "right"]
 
 
 async def test_one_that_is_not_there_is_looked_for_until_it_comes(
@@ -68,12 +68,12 @@ async def test_one_that_is_not_there_is_looked_for_until_it_comes(
             Target(url=here.url, scene=Scene(), record=tmp_path / "here"),
         ]
         async with hosted(page, targets, told.append):
-            assert list(page.stations) == [2]
+            assert list(page.robots) == [2]
             assert f"tcp://127.0.0.1:{port}: nobody listens there" in told[-1]
             async with simulated(port):
-                await until(lambda: len(page.stations) == 2)
-                assert list(page.stations) == [1, 2]
-                assert page.stations[1].robot.info.url == f"tcp://127.0.0.1:{port}"
+                await until(lambda: len(page.robots) == 2)
+                assert list(page.robots) == [1, 2]
+                assert page.robots[1].robot.info.url == f"tcp://127.0.0.1:{port}"
         assert all((tmp_path / name).stat().st_size for name in ("late", "here"))
 
 

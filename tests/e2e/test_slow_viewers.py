@@ -14,7 +14,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from pioneer3 import connect_async
 from pioneer3.sim.maps import LineMap
-from pioneer3.web import visitor
+from pioneer3.web import client
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
@@ -79,7 +79,7 @@ def sockets(monkeypatch: pytest.MonkeyPatch) -> list[ShortSocket]:
         made(self, transport)
 
     monkeypatch.setattr(ShortSocket, "connection_made", note)
-    monkeypatch.setattr(visitor, "PATIENCE", 3.0)
+    monkeypatch.setattr(client, "PATIENCE", 3.0)
     return seen
 
 
@@ -97,12 +97,12 @@ async def test_viewers_that_read_nothing_delay_nobody_and_cost_no_more_than_a_me
                 piled_up = max(piled_up, *(_waiting(one) for one in sockets))
                 if len(seen) == 20:
                     break
-        assert len(page.people.guests) == 1 + STALLED
+        assert len(page.clients.connected) == 1 + STALLED
         assert seen == list(range(seen[0], seen[0] + 20))
-        assert page.stations[1].robot.snapshot is not None
-        assert page.stations[1].robot.snapshot.sequence - seen[-1] <= 1
+        assert page.robots[1].robot.snapshot is not None
+        assert page.robots[1].robot.snapshot.sequence - seen[-1] <= 1
         assert sim.speed > 0.25
-        longest = max(len(text) for text in page.notices.since(0))
+        longest = max(len(text) for text in page.retained.since(0))
         assert 50_000 < piled_up <= longest + 100
         for one in stalled:
             one.close()
@@ -114,7 +114,7 @@ async def test_a_viewer_that_reads_nothing_is_sent_away_and_its_buffer_is_freed(
     async with served() as (_, page, where):
         with await stall(where) as viewer:
             await until(lambda: sockets and _waiting(sockets[0]))
-            await until(lambda: not page.people.guests and not _waiting(sockets[0]))
+            await until(lambda: not page.clients.connected and not _waiting(sockets[0]))
             async with asyncio.timeout(PATIENCE):
                 loop, gone = asyncio.get_running_loop(), False
                 while not gone:
@@ -128,7 +128,7 @@ async def test_a_viewer_that_wakes_up_in_time_goes_on_with_the_newest(
     sockets: list[ShortSocket],
 ) -> None:
     async with served() as (_, page, where):
-        robot = page.stations[1].robot
+        robot = page.robots[1].robot
         with await stall(where) as viewer:
             await until(lambda: sockets and _waiting(sockets[0]))
             assert robot.snapshot is not None
@@ -140,7 +140,7 @@ async def test_a_viewer_that_wakes_up_in_time_goes_on_with_the_newest(
                     read += await asyncio.get_running_loop().sock_recv(viewer, 65_536)
         assert seen[0] >= asleep + 10
         assert seen == list(range(seen[0], seen[0] + len(seen)))
-        assert len(page.people.guests) == 1
+        assert len(page.clients.connected) == 1
 
 
 def _waiting(one: ShortSocket) -> int:

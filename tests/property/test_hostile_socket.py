@@ -74,8 +74,8 @@ async def attack(role: Role, sent: list[str | bytes]) -> None:
             await asyncio.sleep(0.1)
             assert mallory.closed is None
             assert mallory.latest("pong")["t"] == 42
-            assert the.wheel.holder is not None
-            assert the.wheel.holder.name == keeper.latest("people")["name"]
+            assert the.control.holder is not None
+            assert the.control.holder.name == keeper.latest("people")["name"]
         assert the.simulation.body.robot_in_world == before
 
 

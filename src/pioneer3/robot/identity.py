@@ -1,5 +1,7 @@
 """Tells simulators from robots."""
 
+from typing import Literal
+
 from pioneer3.robot.supervisor import RobotInfo
 
 SIMULATOR_NAMES = {"mobilesim", "amrisim", "arsim"}
@@ -14,6 +16,6 @@ def is_simulator(info: RobotInfo | None) -> bool:
     return info.identity.name.lower() in SIMULATOR_NAMES or serial == SIMULATOR_SERIAL
 
 
-def kind(info: RobotInfo) -> str:
+def kind(info: RobotInfo) -> Literal["SIMULATOR", "ROBOT"]:
     """Return `SIMULATOR` or `ROBOT`, in capitals, as it is shown everywhere."""
     return "SIMULATOR" if is_simulator(info) else "ROBOT"

@@ -18,8 +18,8 @@ from pioneer3.web import problem
 from pioneer3.web.access.gate import POLICY_VIOLATION, Gate, session_of
 from pioneer3.web.access.names import LOCAL_NAMES
 from pioneer3.web.api.routes import api_routes
+from pioneer3.web.client import Client
 from pioneer3.web.page import Page
-from pioneer3.web.visitor import Visitor
 
 STATIC = Path(__file__).with_name("static")
 IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
@@ -41,12 +41,12 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
     async def start(_: Request) -> Response:
         return HTMLResponse(html)
 
-    async def visit(socket: WebSocket) -> None:
+    async def connect(socket: WebSocket) -> None:
         session = session_of(socket)
         if session is None:
             await socket.close(POLICY_VIOLATION)
             return
-        await Visitor(page, socket, session).serve()
+        await Client(page, socket, session).serve()
 
     async def authority(_: Request) -> Response:
         if page.access.authority is None:
@@ -58,7 +58,7 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
             Route("/ca.crt", authority),
             Route("/", start),
             *(Route(path, _file(name)) for path, name in FILES.items()),
-            WebSocketRoute("/ws", visit),
+            WebSocketRoute("/ws", connect),
             *api_routes(page),
             Mount("/static", StaticFiles(directory=STATIC)),
         ],

@@ -1,10 +1,8 @@
-"""What the robot view shows beyond a snapshot: slower, and for those only who have it open."""
+"""Details of a robot beyond its snapshots: slower, and for clients only that subscribe to them."""
 
 import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
-from typing import Any
 
 from pioneer3.arcos.commands import IoRequest
 from pioneer3.arcos.commands import Request as How
@@ -18,10 +16,9 @@ from pioneer3.robot.devices.gyro import Gyro
 from pioneer3.robot.devices.lines import LinesReading, read_io
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.robot import Robot
-from pioneer3.state import Snapshot
+from pioneer3.state import Inputs, LinkQuality
 from pioneer3.web import messages
-from pioneer3.web.channel import Notices
-from pioneer3.web.guest import Guest
+from pioneer3.web.broadcast import RetainedChannel, Subscriber
 from pioneer3.web.scene import Scene
 
 PERIOD = 0.5
@@ -29,61 +26,61 @@ PERIOD = 0.5
 LINES_PERIOD = 1.0
 """The controller is asked for all its lines so often [s]: slow lines have no room for more."""
 LINES_AGE = 3.0
-"""What was said longer ago than this counts no more [s]."""
+"""Older reports of the lines are not shown [s]."""
 CONFIG_PERIOD = 5.0
-"""And for CONFIG no more often than this [s], whoever asks."""
+"""The robot is asked for CONFIG no more often than this [s]."""
 
 
 class Details:
-    """Describes one robot, once for everybody who looks.
+    """Describes one robot, once for all subscribers.
 
     Args:
         number: Of the robot, for the messages.
-        robot: What is described.
-        scene: Where it is.
+        robot: The robot to describe.
+        scene: Its surroundings.
 
     Attributes:
-        notices: What those are told who watch.
+        channel: The newest details and CONFIG.
     """
 
     def __init__(self, number: int, robot: Robot, scene: Scene) -> None:
-        self.notices = Notices()
+        self.channel = RetainedChannel()
         self._number, self._robot, self._scene = number, robot, scene
         self._line = LineWatch(robot.supervisor)
         self._lines: LinesReading | None = None
         self._clock = asyncio.get_running_loop().time
         self._lines_asked_at = self._config_asked_at = float("-inf")
-        self._guests: list[Guest] = []
-        self._watched, self._config_wanted = asyncio.Event(), asyncio.Event()
+        self._subscribers: list[Subscriber] = []
+        self._subscribed, self._config_wanted = asyncio.Event(), asyncio.Event()
 
-    def watch(self, guest: Guest) -> None:
-        """Tell `guest`, from now on."""
-        self._guests.append(guest)
-        self._watched.set()
+    def subscribe(self, client: Subscriber) -> None:
+        """Send the details to `client` from now on."""
+        self._subscribers.append(client)
+        self._subscribed.set()
 
-    def unwatch(self, guest: Guest) -> None:
-        """Tell `guest` no more, if they were told at all."""
-        self._guests = [each for each in self._guests if each is not guest]
+    def unsubscribe(self, client: Subscriber) -> None:
+        """Send nothing more to `client`; nothing happens if it does not subscribe."""
+        self._subscribers = [each for each in self._subscribers if each is not client]
 
-    def want_config(self) -> None:
-        """Tell CONFIG to those who watch; the robot is asked for it unless that was just done."""
+    def request_config(self) -> None:
+        """Send CONFIG to the subscribers; the robot is asked for it unless that was just done."""
         self._config_wanted.set()
 
     async def run(self) -> None:
-        """Tell those who watch how it is, while there are any; ends by cancellation."""
+        """Send details while there are subscribers; ends by cancellation."""
         while True:
-            await self._watched.wait()
+            await self._subscribed.wait()
             with self._listening():
-                while self._guests:
+                while self._subscribers:
                     now = self._clock()
                     self._ask_for_lines(now)
-                    self._tell("details", self._describe(now))
+                    self._publish("details", self._describe(now))
                     await asyncio.sleep(PERIOD)
-            self.notices.forget("details")
-            self._watched.clear()
+            self.channel.forget("details")
+            self._subscribed.clear()
 
     async def ask(self) -> None:
-        """Ask for CONFIG when somebody wants it; ends by cancellation."""
+        """Ask the robot for CONFIG when that is requested; ends by cancellation."""
         while True:
             await self._config_wanted.wait()
             self._config_wanted.clear()
@@ -96,18 +93,17 @@ class Details:
                     error = str(failure)
             info = self._robot.supervisor.info
             rows = explained(info.config) if info and info.config else ()
-            message = {"type": "config", "robot": self._number, "rows": rows, "error": error}
-            self._tell("config", message)
+            self._publish("config", messages.Config(self._number, rows, error))
 
-    def _tell(self, key: str, message: dict[str, Any]) -> None:
-        self.notices.forget(key)  # an answer is told even if it is the same as before
-        self.notices.put(key, messages.encode(message))
-        for guest in self._guests:
-            guest.wake()
+    def _publish(self, key: str, message: messages.Message) -> None:
+        self.channel.forget(key)  # an answer is sent even if it is the same as before
+        self.channel.put(key, messages.encode(message))
+        for client in self._subscribers:
+            client.wake()
 
     @contextmanager
     def _listening(self) -> Iterator[None]:
-        """Listen to what is sent only to who asks for it, during the block."""
+        """Receive the reports that the robot sends on request only, during the block."""
         forget = self._robot.supervisor.reports.hand_to(self._take, Io)
         try:
             with _streaming(self._robot.devices.gyro):
@@ -115,18 +111,28 @@ class Details:
         finally:
             forget()
 
-    def _describe(self, now: float) -> dict[str, Any]:
+    def _describe(self, now: float) -> messages.Details | messages.NoDetails:
         info, snapshot = self._robot.supervisor.info, self._robot.snapshot
-        about = {"type": "details", "robot": self._number}
         if info is None or snapshot is None:
-            return about | {"known": False}
-        return (
-            about
-            | {"known": True, "findings": self._findings(now)}
-            | _about_motion(self._robot, snapshot)
-            | _about_state(snapshot)
-            | _about_link(info, snapshot)
-            | {"lines": self._about_lines(snapshot, now), "gyro": self._about_gyro()}
+            return messages.NoDetails(self._number)
+        odometry, motors, status = snapshot.odometry, snapshot.motors, detailed_status(snapshot)
+        return messages.Details(
+            robot=self._number,
+            findings=tuple(self._findings(now)),
+            pose=odometry.robot_in_odom,
+            encoder=odometry.robot_in_encoder,
+            twist=odometry.twist,
+            commanded=self._robot.supervisor.pilot.sent,
+            wheels=messages.Sides(odometry.left_speed, odometry.right_speed),
+            stalls=messages.Stalls(motors.left_stalled, motors.right_stalled),
+            temperature=snapshot.inputs.temperature,
+            compass=snapshot.inputs.compass,
+            flags=status.flags,
+            faults=status.faults,
+            charger_power=status.charger_power,
+            link=_link(info, snapshot.link),
+            lines=self._describe_lines(snapshot.inputs, now),
+            gyro=_gyro(self._robot.devices.gyro),
         )
 
     def _findings(self, now: float) -> list[Finding]:
@@ -138,25 +144,16 @@ class Details:
                 return [Finding(check="reports", level=Level.OK, found=found)]
         return list(self._line.findings(now))
 
-    def _about_lines(self, snapshot: Snapshot, now: float) -> dict[str, Any]:
-        inputs, read = snapshot.inputs, self._lines
+    def _describe_lines(self, inputs: Inputs, now: float) -> messages.Lines:
+        read = self._lines
         if read is not None and now - read.stamp > LINES_AGE:
             read = None
-        return {
-            "digital_in": read.digital_in if read else _bits(inputs.digital_in),
-            "digital_out": read.digital_out if read else _bits(inputs.digital_out),
-            "analog": read.analog if read else None,
-            "selected": {"port": inputs.analog_port, "voltage": inputs.analog},
-        }
-
-    def _about_gyro(self) -> dict[str, Any]:
-        gyro = self._robot.devices.gyro
-        reading = gyro.latest
-        return {
-            "words": gyro.presence.reason,
-            "heading": reading.heading if reading else None,
-            "rate": reading.rate if reading else None,
-        }
+        return messages.Lines(
+            read.digital_in if read else _bits(inputs.digital_in),
+            read.digital_out if read else _bits(inputs.digital_out),
+            read.analog if read else None,
+            messages.AnalogPort(inputs.analog_port, inputs.analog),
+        )
 
     def _ask_for_lines(self, now: float) -> None:
         if self._robot.snapshot is not None and now - self._lines_asked_at >= LINES_PERIOD:
@@ -179,32 +176,26 @@ def _streaming(gyro: Gyro) -> Iterator[None]:
         yield
 
 
-def _about_motion(robot: Robot, now: Snapshot) -> dict[str, Any]:
-    odometry, sent = now.odometry, robot.supervisor.pilot.sent
-    return {
-        "pose": odometry.robot_in_odom,
-        "encoder": odometry.robot_in_encoder,
-        "twist": odometry.twist,
-        "commanded": sent,
-        "wheels": {"left": odometry.left_speed, "right": odometry.right_speed},
-    }
+def _link(info: RobotInfo, quality: LinkQuality) -> messages.LinkDetails:
+    return messages.LinkDetails(
+        url=info.url,
+        speed=info.speed,
+        reports=quality.reports,
+        bad_checksums=quality.bad_checksums,
+        bytes_skipped=quality.bytes_skipped,
+        rate=quality.rate,
+        sessions=quality.sessions,
+    )
 
 
-def _about_state(now: Snapshot) -> dict[str, Any]:
-    status = detailed_status(now)
-    return {
-        "stalls": {"left": now.motors.left_stalled, "right": now.motors.right_stalled},
-        "temperature": now.inputs.temperature,
-        "compass": now.inputs.compass,
-        "flags": status.flags,
-        "faults": status.faults,
-        "charger_power": status.charger_power,
-    }
+def _gyro(gyro: Gyro) -> messages.Gyro:
+    reading = gyro.latest
+    return messages.Gyro(
+        gyro.presence.reason,
+        reading.heading if reading else None,
+        reading.rate if reading else None,
+    )
 
 
-def _about_link(info: RobotInfo, now: Snapshot) -> dict[str, Any]:
-    return {"link": {"url": info.url, "speed": info.speed, **asdict(now.link)}}
-
-
-def _bits(byte: int) -> list[bool]:
-    return [bool(byte >> bit & 1) for bit in range(8)]
+def _bits(byte: int) -> tuple[bool, ...]:
+    return tuple(bool(byte >> bit & 1) for bit in range(8))

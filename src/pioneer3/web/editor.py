@@ -1,14 +1,13 @@
-"""Changes to the simulated world that people make on the page, and who may make them.
+"""Changes of the simulated world that drivers make on the page, and permission to make them.
 
-Who moves a thing keeps it until they leave it alone for a moment; so it is with the wheel, and the
-robots that are driven belong to who has theirs. Time belongs to who drives, if nobody else does.
-Everybody may press a stop button.
+A client that moves a thing has a lease of it, until it leaves the thing alone for a moment. A robot
+that the page drives is changed by the operator who has control of it, and the simulated time by a
+client that can have control of all robots. Every driver may press a stop button.
 """
 
 import asyncio
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from pioneer3.errors import CommandError, PioneerError, PortBusyError
 from pioneer3.geometry import Pose2, wrap
@@ -16,8 +15,9 @@ from pioneer3.models import load_model, model_names
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.server.running import SimulatedRobot
 from pioneer3.sim.worldfile import Box, Person, RobotSpec
-from pioneer3.teleop.lease import Lease
 from pioneer3.web import requests
+from pioneer3.web.control import Lease
+from pioneer3.web.messages import Added, EditRefused
 from pioneer3.web.world import Item, WorldView
 
 MOST_OBSTACLES, MOST_ROBOTS = 200, 50
@@ -33,40 +33,40 @@ class Editor:
 
     Args:
         view: The world.
-        take_wheel: Gives the wheel of a driven robot, by its number on the page, or of all of them
-            to somebody if it is free; whether it is theirs.
-        stop: Stops a driven robot; what is held must be let go before it counts again.
+        take_control: Gives a client control of a robot by its number on the page, or of all robots
+            without a number, if that is free; returns whether the client has it.
+        stop: Stops a driven robot; commands that are held must be let go before they count again.
     """
 
     def __init__(
         self,
         view: WorldView,
-        take_wheel: Callable[[object, int | None], bool],
+        take_control: Callable[[object, int | None], bool],
         stop: Callable[[int], None],
     ) -> None:
         self._view = view
         self._simulation = view.simulation
-        self._take_wheel = take_wheel
+        self._take_control = take_control
         self._stop = stop
         self._leases: dict[int, Lease[object]] = {}
         self._clock = asyncio.get_running_loop().time
 
-    async def obey(self, who: object, edit: requests.Edit) -> dict[str, Any] | None:
-        """Carry out `edit` for `who`; return the answer, if there is one.
+    async def apply(self, client: object, edit: requests.Edit) -> Added | EditRefused | None:
+        """Make a change for `client`; return the answer, if there is one.
 
-        What is added is answered with its number, what is refused with why.
+        The answer to an addition is its number; the answer to a refusal is the reason.
         """
         try:
             match edit:
                 case requests.AddBox() | requests.AddPerson() | requests.AddRobot():
                     added = await self._add(edit)
-                    return {"type": "added", "id": self._view.items.get(added)}
+                    return Added(self._view.items.get(added))
                 case requests.Pause() | requests.Step() | requests.SetSpeed():
-                    self._set_pace(who, edit)
+                    self._set_pace(client, edit)
                 case _:
-                    await self._change(who, edit)
+                    await self._change(client, edit)
         except PioneerError as error:
-            return refusal(str(error))
+            return EditRefused(str(error))
         return None
 
     async def _add(self, edit: requests.AddBox | requests.AddPerson | requests.AddRobot) -> Item:
@@ -98,7 +98,7 @@ class Editor:
 
     async def _change(
         self,
-        who: object,
+        client: object,
         edit: requests.Move
         | requests.Remove
         | requests.PressStopButton
@@ -107,11 +107,11 @@ class Editor:
     ) -> None:
         item = self._view.find(edit.id)
         if not (isinstance(edit, requests.PressStopButton) and edit.pressed):
-            self._take(who, edit.id, item)
+            self._take(client, edit.id, item)
         match edit, item:
             case requests.Move(), _:
                 if (own := self._own(item)) is not None:
-                    self._stop(own)  # who lifts a robot stops it
+                    self._stop(own)  # a robot that is lifted stops
                 self._simulation.move(item, _pose(edit))
             case requests.Remove(), SimulatedRobot():
                 if self._own(item) is not None:
@@ -129,9 +129,9 @@ class Editor:
                 raise CommandError("only robots have a stop button, a cable and a battery")
 
     def _set_pace(
-        self, who: object, edit: requests.Pause | requests.Step | requests.SetSpeed
+        self, client: object, edit: requests.Pause | requests.Step | requests.SetSpeed
     ) -> None:
-        if not self._take_wheel(who, None):
+        if not self._take_control(client, None):
             raise CommandError("somebody else drives")
         pace = self._simulation.pace
         match edit:
@@ -146,21 +146,20 @@ class Editor:
         """Return the page's number of a robot that it drives, `None` of anything else."""
         return self._view.driven.get(item) if isinstance(item, SimulatedRobot) else None
 
-    def _take(self, who: object, number: int, item: Item) -> None:
-        """Let `who` have `item`, or refuse it."""
+    def _take(self, client: object, number: int, item: Item) -> None:
+        """Take the lease of `item` for `client`.
+
+        Raises:
+            CommandError: another client has it.
+        """
         if (own := self._own(item)) is not None:
-            if not self._take_wheel(who, own):
+            if not self._take_control(client, own):
                 raise CommandError("somebody else drives")
             return
         now, held = self._clock(), self._leases
         self._leases = {n: lease for n, lease in held.items() if lease.holder(now) is not None}
-        if not self._leases.setdefault(number, Lease()).take(who, now):
+        if not self._leases.setdefault(number, Lease()).take(client, now):
             raise CommandError("somebody else holds it")
-
-
-def refusal(why: str) -> dict[str, Any]:
-    """Return the answer to an edit that is not carried out."""
-    return {"type": "edit_refused", "message": why}
 
 
 def _pose(edit: Placing) -> Pose2:

@@ -14,9 +14,8 @@ from pioneer3.robot.identity import kind
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
-from pioneer3.web.elsewhere import WorldElsewhere
 from pioneer3.web.page import Page
-from pioneer3.web.scene import Scene
+from pioneer3.web.scene import RemoteWorld, Scene
 
 log = logging.getLogger(__name__)
 
@@ -123,11 +122,11 @@ class Keeper:
                 timing=target.timing,
             ) as robot,
             self._in_scene(robot) as scene,
-            self._page.hosting(robot, scene, target.name, self._number) as station,
+            self._page.hosting(robot, scene, target.name, self._number) as view,
         ):
-            self._tell(f"Connected to a {kind(robot.info)}: {_who(robot, station.name)}")
+            self._tell(f"Connected to a {kind(robot.info)}: {_who(robot, view.name)}")
             self.tried.set()
-            which = "" if self._alone else f"{station.name}: "
+            which = "" if self._alone else f"{view.name}: "
             async for status in robot.supervisor.status.values():
                 self._tell(f"{which}{status.connection.value}: {status.message}")
             await asyncio.get_running_loop().create_future()  # the page of a recording stays
@@ -139,9 +138,9 @@ class Keeper:
         if scene.simulated:
             yield scene
             return
-        elsewhere = WorldElsewhere(robot, scene.map, self._tell)
-        async with running(elsewhere.follow()):
-            yield replace(scene, elsewhere=elsewhere)
+        remote = RemoteWorld(robot, scene.map, self._tell)
+        async with running(remote.follow()):
+            yield replace(scene, remote=remote)
 
     def _note(self, error: Exception) -> None:
         if not self.tried.is_set():

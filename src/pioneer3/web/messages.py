@@ -1,189 +1,472 @@
-"""What the server tells the page: JSON, one object a message, told apart by `type`."""
+"""Messages from the server to the page: JSON, one object each, told apart by `type`.
 
-from collections.abc import Sequence
+The order of the fields is the order on the wire. Units are SI, angles counter-clockwise [rad];
+numbers that are not finite become null.
+"""
+
 from math import isfinite
-from typing import Any
+from typing import Literal
 
 import msgspec
 
+from pioneer3 import state
+from pioneer3.doctor.facts import Finding
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.limits import Limits
-from pioneer3.models import RobotModel
-from pioneer3.robot.identity import kind
-from pioneer3.robot.supervisor import RobotInfo, Status
-from pioneer3.runtime.arbiter import Ended
-from pioneer3.state import Snapshot
-from pioneer3.teleop.gamepad import SCHEME
-from pioneer3.web.guest import Guest
+from pioneer3.models.model import SonarMount
+from pioneer3.robot.config_table import Row
+from pioneer3.robot.supervisor import Connection
+from pioneer3.sim.maps.line_map import Role as ObjectRole
+from pioneer3.teleop.gamepad import Scheme
+from pioneer3.web.access.role import Role
 
-SONAR_MAX = 5.0
-DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
-
-
-def encode(message: dict[str, Any]) -> str:
-    """Return the JSON text of a message to the page."""
-    return msgspec.json.encode(message).decode()
+Placed = tuple[float, float, float]
+"""x, y [m], theta [rad], to a millimetre."""
+_encoder = msgspec.json.Encoder()
 
 
-def hello(
-    version: str,
-    robots: Sequence[dict[str, Any]],
-    models: list[dict[str, str]] | None = None,
-) -> dict[str, Any]:
-    """Say what is here: `robots` as :func:`robot` tells of them, and what can join them.
+class Part(msgspec.Struct, gc=False):
+    """A part of a message."""
 
-    Without models the world is not the page's to change.
+
+class Message(msgspec.Struct, tag_field="type"):
+    """Any message to the page."""
+
+
+def encode(message: msgspec.Struct) -> str:
+    """Return the JSON text of a message or a part of one."""
+    return _encoder.encode(message).decode()
+
+
+# -- the robots and their connections
+
+
+class Shape(Part):
+    """A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]."""
+
+    name: str
+    model: str
+    title: str
+    length_front: float
+    length_rear: float
+    width: float
+    sonars: tuple[SonarMount, ...]
+    front_bumpers: int
+    rear_bumpers: int
+    sonar_max: float
+
+
+class SpeedLimits(Part):
+    """Highest speeds, and those that a page begins with [m/s, rad/s]."""
+
+    speed: float
+    turn_rate: float
+    default_speed: float
+    default_turn_rate: float
+
+
+class Robot(Part):
+    """A robot. `robot` and `limits` are null until it has been connected to."""
+
+    id: int
+    name: str
+    connection: Literal["ROBOT", "SIMULATOR"]
+    url: str
+    robot: Shape | None
+    limits: SpeedLimits | None
+    laser: bool
+
+
+class Model(Part):
+    """A type of robot that can be added to the simulated world."""
+
+    name: str
+    title: str
+
+
+class Hello(Message, tag="hello"):
+    """All robots. `models` is null where the world cannot be changed."""
+
+    version: str
+    robots: tuple[Robot, ...]
+    models: tuple[Model, ...] | None
+    gamepad: Scheme
+
+
+class Status(Message, tag="status"):
+    """The state of the connection to a robot."""
+
+    robot: int
+    state: Connection
+    message: str
+
+
+# -- snapshots
+
+
+class Sonar(Part):
+    """Ranges from the front left on [m]; null where nothing echoed."""
+
+    ranges: tuple[float | None, ...]
+    enabled: bool
+
+    @classmethod
+    def of(cls, sonar: state.Sonar) -> "Sonar":
+        """Return the part of a message for a reading."""
+        return cls(tuple(r if isfinite(r) else None for r in sonar.ranges), sonar.enabled)
+
+
+class Motors(Part):
+    """The drive."""
+
+    enabled: bool
+    stalled: bool
+    moving: bool
+    stop_button: bool
+
+    @classmethod
+    def of(cls, motors: state.Motors) -> "Motors":
+        """Return the part of a message for a reading."""
+        return cls(motors.enabled, motors.stalled, motors.moving, motors.stop_button)
+
+
+class Link(Part):
+    """Reports per second [1/s], and counts of bad frames, reports and sessions."""
+
+    rate: float
+    bad_checksums: int
+    reports: int
+    sessions: int
+
+
+class Driver(Part):
+    """A driver; `id` is the number of a client, null for a script or an action."""
+
+    id: int | None
+    name: str
+
+
+class ModeEnd(Part):
+    """The mode that ended last, whether it was done, and the reason."""
+
+    mode: str
+    done: bool
+    why: str
+
+
+class Target(Part):
+    """The place that a mode drives to, in the map; `person` if it follows a person there."""
+
+    x: float
+    y: float
+    heading: float | None
+    person: bool
+
+
+class Snapshot(Part):
+    """A reading of a robot, ten times a second. Poses are in the map.
+
+    `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
+    `decided` says which action of the `mode` decides what; `commanded` is the last command sent.
     """
-    return {
-        "type": "hello",
-        "version": version,
-        "robots": robots,
-        "models": models,
-        "gamepad": msgspec.to_builtins(SCHEME),
-    }
+
+    robot: int
+    sequence: int
+    pose: Pose2
+    twist: Twist2
+    sonar: Sonar
+    bumpers: state.Bumpers
+    battery: state.Battery
+    motors: Motors
+    link: Link
+    faults: tuple[str, ...]
+    why: str | None
+    standing: Literal["idle", "normal", "fault"] | None
+    emergency_stop: bool
+    driver: Driver | None
+    mode: str | None
+    decided: tuple[str, ...]
+    ended: ModeEnd | None
+    commanded: Twist2 | None
+    target: Target | None
 
 
-def robot(number: int, name: str, info: RobotInfo | None, *, laser: bool = False) -> dict[str, Any]:
-    """Say what a robot is and looks like, how fast it may be driven, and if it has a laser."""
-    return {
-        "id": number,
-        "name": name,
-        "connection": kind(info) if info else "ROBOT",
-        "url": info.url if info else "",
-        "robot": _shape(info.identity.name, info.model) if info else None,
-        "limits": _limits(info.limits) if info else None,
-        "laser": laser,
-    }
+class Robots(Message, tag="robots"):
+    """New snapshots, of one or several robots."""
+
+    snapshots: tuple[Snapshot, ...]
 
 
-def status(number: int, now: Status) -> dict[str, Any]:
-    """Say how it stands with the link of a robot."""
-    return {
-        "type": "status",
-        "robot": number,
-        "state": now.connection.value,
-        "message": now.message,
-    }
+class Sweep(Part):
+    """A sweep of a laser.
 
-
-def snapshot(
-    number: int,
-    now: Snapshot,
-    *,
-    pose: Pose2,
-    why: str | None,
-    standing: str | None = None,
-    emergency_stop: bool,
-    driver: dict[str, Any] | None,
-    mode: str | None = None,
-    decided: Sequence[str] = (),
-    ended: Ended | None = None,
-    commanded: Twist2 | None = None,
-    target: dict[str, Any] | None = None,
-) -> dict[str, Any]:
-    """Say how it stands with a robot, ten times a second.
-
-    `pose` is the robot's in the map; `why` says why it does not move, and `standing` of which kind
-    that is (:func:`pioneer3.robot.explain.kind_of`); `driver` is as :func:`somebody` tells;
-    `decided` says who in the running `mode` decides what, `target` as :func:`goal` tells where it
-    is going, and `ended` how the last one ended; `commanded` is what the robot was last told to do.
+    `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in
+    millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad].
     """
-    battery, motors = now.battery, now.motors
-    return {
-        "robot": number,
-        "sequence": now.sequence,
-        "pose": _pose(pose),
-        "twist": _twist(now.odometry.twist),
-        "sonar": {
-            "ranges": [r if isfinite(r) else None for r in now.sonar.ranges],
-            "enabled": now.sonar.enabled,
-        },
-        "bumpers": {"front": now.bumpers.front, "rear": now.bumpers.rear},
-        "battery": {
-            "voltage": battery.voltage,
-            "charge": battery.charge,
-            "charging": battery.charging.value,
-            "low": battery.low,
-        },
-        "motors": {
-            "enabled": motors.enabled,
-            "stalled": motors.stalled,
-            "moving": motors.moving,
-            "stop_button": motors.stop_button,
-        },
-        "link": {
-            "rate": now.link.rate,
-            "bad_checksums": now.link.bad_checksums,
-            "reports": now.link.reports,
-            "sessions": now.link.sessions,
-        },
-        "faults": now.faults,
-        "why": why,
-        "standing": standing,
-        "emergency_stop": emergency_stop,
-        "driver": driver,
-        "mode": mode,
-        "decided": decided,
-        "ended": {"mode": ended.mode.name, "done": ended.done, "why": ended.why} if ended else None,
-        "commanded": _twist(commanded) if commanded else None,
-        "target": target,
-    }
+
+    robot: int
+    pose: tuple[int, int, int]
+    first: float
+    step: float
+    ranges: tuple[int, ...]
 
 
-def goal(place: Pose2, *, heads: bool, person: bool) -> dict[str, Any]:
-    """Say where a robot is going, in the map; `person` if it follows whom it takes to be there."""
-    return {
-        "x": round(place.x, 3),
-        "y": round(place.y, 3),
-        "heading": round(place.theta, 3) if heads else None,
-        "person": person,
-    }
+class Scans(Message, tag="scans"):
+    """New sweeps, of one or several lasers, for clients that subscribed to them."""
+
+    scans: tuple[Sweep, ...]
 
 
-def somebody(name: str, number: int | None) -> dict[str, Any]:
-    """Say who it is: `id` is the number of a guest, `None` for a script or the like."""
-    return {"id": number, "name": name}
+# -- the world
 
 
-def people(you: Guest, number: int, wheels: msgspec.Raw, guests: msgspec.Raw) -> dict[str, Any]:
-    """Say who you are, who else is here, and who has which wheel."""
-    return {
-        "type": "people",
-        "id": number,
-        "name": you.name,
-        "role": you.role.value,
-        "wheels": wheels,
-        "guests": guests,
-    }
+class MapCells(Part):
+    """A grid as a grey PNG picture in base64; its first row is the lowest, which `corner` is at."""
+
+    png: str
+    side: float
+    corner: Placed
 
 
-def _shape(name: str, model: RobotModel) -> dict[str, Any]:
-    return {
-        "name": name,
-        "model": model.name,
-        "title": model.title,
-        "length_front": model.length_front,
-        "length_rear": model.length_rear,
-        "width": model.width,
-        "sonars": [{"x": s.x, "y": s.y, "theta": s.theta} for s in model.sonars],
-        "front_bumpers": model.front_bumpers,
-        "rear_bumpers": model.rear_bumpers,
-        "sonar_max": SONAR_MAX,
-    }
+class MapObject(Part):
+    """A named place, line or area; `heads` if its heading `theta` means anything."""
+
+    role: ObjectRole
+    kind: str
+    name: str
+    x: float
+    y: float
+    theta: float
+    heads: bool
+    forbidden: bool
+    solid: bool
+    points: tuple[tuple[float, float], ...]
 
 
-def _limits(limits: Limits) -> dict[str, float]:
-    return {
-        "speed": limits.max_speed,
-        "turn_rate": limits.max_turn_rate,
-        "default_speed": min(DEFAULT_SPEED, limits.max_speed),
-        "default_turn_rate": min(DEFAULT_TURN_RATE, limits.max_turn_rate),
-    }
+class Drawing(Part):
+    """A map: walls as lines x0, y0, x1, y1 [m], grids, and named places."""
+
+    name: str
+    walls: tuple[tuple[float, float, float, float], ...]
+    cells: tuple[MapCells, ...]
+    objects: tuple[MapObject, ...]
 
 
-def _pose(pose: Pose2) -> dict[str, float]:
-    return {"x": pose.x, "y": pose.y, "theta": pose.theta}
+class Map(Message, tag="map"):
+    """The map, null where none is known."""
+
+    map: Drawing | None
 
 
-def _twist(twist: Twist2) -> dict[str, float]:
-    return {"v": twist.v, "w": twist.w}
+class Thing(msgspec.Struct, tag_field="kind", kw_only=True):
+    """A thing of the simulated world; its size from the pose to the front, the rear, a side [m]."""
+
+    id: int
+    name: str
+    front: float
+    rear: float
+    side: float
+    pose: Placed
+
+
+class Box(Thing, tag="box"):
+    """A box."""
+
+    walks: bool
+
+
+class Person(Thing, tag="person"):
+    """A person."""
+
+    walks: bool
+
+
+class SimulatedRobot(Thing, tag="robot", kw_only=True):
+    """A simulated robot; `own` is the number of a robot that the page drives, null of others."""
+
+    model: str
+    title: str
+    url: str
+    own: int | None
+    connected: bool
+    stop_button: bool
+    plugged: bool
+    charge: float
+
+
+class Clock(Part):
+    """The simulated time [s], null while it runs, and how fast it runs."""
+
+    paused: bool
+    speed: float
+    factor: float
+    time: float | None
+
+
+class World(Message, tag="world"):
+    """Changes of the simulated world.
+
+    `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are
+    the ids of those removed. With `all` set, `things` is complete.
+    """
+
+    all: bool
+    things: tuple[Box | Person | SimulatedRobot, ...]
+    moved: tuple[tuple[int, float, float, float], ...]
+    gone: tuple[int, ...]
+    clock: Clock | None
+
+
+# -- the clients
+
+
+class Client(Part):
+    """A client of the page."""
+
+    id: int
+    name: str
+    role: Role
+
+
+class Holder(Part):
+    """The operator who has control of a robot; `id` is null for a script."""
+
+    robot: int
+    id: int | None
+    name: str
+
+
+class People(Message, tag="people"):
+    """The client that this is sent to, the operators who have control, and all clients."""
+
+    id: int
+    name: str
+    role: Role
+    wheels: tuple[Holder, ...]
+    guests: tuple[Client, ...]
+
+
+class Told(Message, tag="told"):
+    """News for this client alone."""
+
+    message: str
+
+
+class Refused(Message, tag="refused"):
+    """The reason to refuse a request."""
+
+    message: str
+
+
+class EditRefused(Message, tag="edit_refused"):
+    """The reason to refuse a change of the simulated world."""
+
+    message: str
+
+
+class Added(Message, tag="added"):
+    """The number of the thing that was added to the simulated world."""
+
+    id: int | None
+
+
+class Pong(Message, tag="pong"):
+    """The answer to a ping."""
+
+    t: float
+
+
+# -- details of one robot, for clients that subscribed to them
+
+
+class Sides(Part):
+    """Speeds of the left and the right wheel [m/s]."""
+
+    left: float
+    right: float
+
+
+class Stalls(Part):
+    """Whether the left and the right wheels are blocked."""
+
+    left: bool
+    right: bool
+
+
+class LinkDetails(Part):
+    """The link; `speed` in baud, null where it has none."""
+
+    url: str
+    speed: int | None
+    reports: int
+    bad_checksums: int
+    bytes_skipped: int
+    rate: float
+    sessions: int
+
+
+class AnalogPort(Part):
+    """The selected analog port and its voltage [V]."""
+
+    port: int
+    voltage: float
+
+
+class Lines(Part):
+    """Digital and analog lines; `analog` [V] is null where the robot does not tell them all."""
+
+    digital_in: tuple[bool, ...]
+    digital_out: tuple[bool, ...]
+    analog: tuple[float, ...] | None
+    selected: AnalogPort
+
+
+class Gyro(Part):
+    """The gyro's presence in words, its heading [rad] and rate [rad/s]."""
+
+    words: str
+    heading: float | None
+    rate: float | None
+
+
+class NoDetails(Message, tag="details"):
+    """The robot is not connected."""
+
+    robot: int
+    known: Literal[False] = False
+
+
+class Details(Message, tag="details", kw_only=True):
+    """More about a robot than a snapshot has."""
+
+    robot: int
+    known: Literal[True] = True
+    findings: tuple[Finding, ...]
+    pose: Pose2
+    encoder: Pose2
+    twist: Twist2
+    commanded: Twist2 | None
+    wheels: Sides
+    stalls: Stalls
+    temperature: int | None
+    compass: float | None
+    flags: tuple[str, ...]
+    faults: tuple[str, ...] | None
+    charger_power: bool
+    link: LinkDetails
+    lines: Lines
+    gyro: Gyro
+
+
+class Config(Message, tag="config"):
+    """The robot's CONFIG, and the reason for not asking it anew, or null."""
+
+    robot: int
+    rows: tuple[Row, ...]
+    error: str | None
+
+
+EVERY = (
+    *(Hello, Status, Robots, Scans, Map, World, People),
+    *(Told, Refused, EditRefused, Added, Pong, Details, NoDetails, Config),
+)
+"""All messages."""

@@ -1,256 +1,330 @@
-"""What all visitors share: the robots, the world around them, and who is here."""
+"""The state that all clients share: the robots, the world around them, and the clients."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from itertools import count
-from typing import Any
+from typing import Protocol
 
 from pioneer3 import __version__
 from pioneer3.errors import CommandError
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.maps import LineMap
 from pioneer3.tasks import running
+from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, device
+from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Session, free_name
-from pioneer3.web.channel import Notices
-from pioneer3.web.editor import Editor, refusal
-from pioneer3.web.guest import Guest, Somebody
-from pioneer3.web.people import People
-from pioneer3.web.plan import plan
-from pioneer3.web.scans import Scans
+from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
+from pioneer3.web.control import Control, Operator
+from pioneer3.web.editor import Editor
+from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
-from pioneer3.web.snapshots import Snapshots
-from pioneer3.web.station import Station
-from pioneer3.web.wheel import Wheel
-from pioneer3.web.world import WorldView
-from pioneer3.web.world_news import WorldNews
+from pioneer3.web.world import WorldChannel, WorldView, map_message
 
-LOOK = 0.1
-"""Time between two looks at the simulated world, and at who is here [s]."""
+UPDATE_PERIOD = 0.1
+"""Time between two updates about the simulated world and the clients [s]."""
+
+
+class PageClient(Operator, Subscriber, Protocol):
+    """A client of the page. Clients are compared by identity."""
+
+    @property
+    def role(self) -> Role:
+        """The permissions of the client."""
+
+    def tell(self, news: str) -> None:
+        """Show `news`."""
+
+
+class Clients:
+    """The connected clients of a page.
+
+    Attributes:
+        connected: By number; a number is never used again.
+        version: Counts the changes of the clients and of the operators who have control.
+    """
+
+    def __init__(self, robots: Mapping[int, RobotView]) -> None:
+        self.connected: dict[int, PageClient] = {}
+        self.version = 0
+        self._robots = robots
+        self._count = count(1)
+        self._holders: tuple[messages.Holder, ...] = ()
+        self._clients: tuple[messages.Client, ...] = ()
+
+    def add(self, client: PageClient) -> int:
+        """Add `client`; return its number."""
+        number = next(self._count)
+        self.connected[number] = client
+        return number
+
+    def remove(self, number: int) -> PageClient:
+        """Remove a client; return it."""
+        return self.connected.pop(number)
+
+    def update(self) -> bool:
+        """Compare the clients with the last update; return whether anything has changed."""
+        clients = tuple(
+            messages.Client(number, client.name, client.role)
+            for number, client in self.connected.items()
+        )
+        holders = tuple(
+            messages.Holder(view.number, self.number_of(holder), holder.name)
+            for view in self._robots.values()
+            if (holder := view.control.holder) is not None
+        )
+        if (holders, clients) == (self._holders, self._clients):
+            return False
+        self._holders, self._clients = holders, clients
+        self.version += 1
+        return True
+
+    def message_for(self, number: int) -> str:
+        """Return the message about all clients, for the client of this number."""
+        you = self.connected[number]
+        return messages.encode(
+            messages.People(number, you.name, you.role, self._holders, self._clients)
+        )
+
+    def number_of(self, operator: object) -> int | None:
+        """Return the number of an operator that is a client, or `None`."""
+        return next((n for n, client in self.connected.items() if client is operator), None)
+
+    def find(self, operator: object) -> PageClient | None:
+        """Return `operator` if it is a client."""
+        return next((client for client in self.connected.values() if client is operator), None)
 
 
 class Page:
-    """The robots and their visitors. Robots come with :meth:`hosting`.
+    """The robots and their clients. Robots are added with :meth:`hosting`.
 
     Attributes:
-        stations: The robots by number.
-        people: Who looks at them now.
-        access: Who may come in.
-        world: What surrounds simulated robots and can be changed; `None` without.
-        notices: Who the robots are, and how it stands with their links.
-        world_news: What changes in the world; `None` without one.
-        snapshots: What the robots say.
-        scans: What their lasers see, for those who want it.
-        closed: Set when visitors are to go.
+        robots: The robots by number.
+        clients: The connected clients.
+        access: Decides who is let in.
+        world: The world of simulated robots, which can be changed; `None` without.
+        retained: The robots, their connections, and the map.
+        world_changes: The changes of the world; `None` without one.
+        snapshots: The newest snapshots.
+        scans: The newest sweeps of lasers.
+        closed: Set when clients are to go.
     """
 
     def __init__(self, access: Access | None = None) -> None:
-        self.stations: dict[int, Station] = {}
-        self.people = People(self.stations)
+        self.robots: dict[int, RobotView] = {}
+        self.clients = Clients(self.robots)
         self.access = access or Access(asyncio.get_running_loop().time)
-        self.access.sessions.on_end = self.let_go
+        self.access.sessions.on_end = self.release_control
         self.world: WorldView | None = None
         self.closed = asyncio.Event()
         self._count = count(1)
         self._map: LineMap | None = None
         self._drawn: LineMap | None = None
-        self.notices = Notices()
-        self.snapshots = Snapshots(self._wake)
-        self.scans = Scans(self._wake)
-        self.world_news: WorldNews | None = None
+        self.retained = RetainedChannel()
+        self.snapshots = FrameChannel(self._wake)
+        self.scans = ScanChannel(self._wake)
+        self.world_changes: WorldChannel | None = None
         self._editor: Editor | None = None
 
     @asynccontextmanager
     async def hosting(
         self, robot: Robot, scene: Scene, name: str = "", number: int = 0
-    ) -> AsyncIterator[Station]:
-        """Show `robot` to all visitors, and let them drive it, while the block lasts.
+    ) -> AsyncIterator[RobotView]:
+        """Show `robot` to all clients, and let them drive it, while the block lasts.
 
         Args:
             robot: A connected robot.
-            scene: What surrounds it.
-            name: What people call it; empty for the robot's own name.
-            number: What it goes by in requests; 0 for the next.
+            scene: Its surroundings.
+            name: Shown to people; empty for the robot's own name.
+            number: Identifies it in requests; 0 for the next.
         """
-        taken = {station.name for station in self.stations.values()}
+        taken = {view.name for view in self.robots.values()}
         named = free_name(name or robot.info.identity.name, taken)
-        station = self._station(number or next(self._count), named, robot, scene)
-        number = self._own(station, scene)
+        view = self._view(number or next(self._count), named, robot, scene)
+        number = self._add(view, scene)
         try:
-            self._greet()
-            self._tell_status(station)
+            self._publish_robots()
+            self._publish_status(view)
             async with running(
-                self._watch_status(station),
-                self._watch_snapshots(station),
-                station.details.run(),
-                station.details.ask(),
-                self.scans.follow(station),
+                self._watch_status(view),
+                self._watch_snapshots(view),
+                view.details.run(),
+                view.details.ask(),
+                self.scans.follow(number, robot.devices.laser, view.sensor_in_map),
             ):
-                yield station
+                yield view
         finally:
-            del self.stations[number]
+            del self.robots[number]
             if self.world is not None and scene.simulated:
                 del self.world.driven[scene.simulated[1]]
             self.snapshots.forget(number)
             self.scans.forget(number)
-            self.notices.forget(f"status {number}")
-            self._greet()
+            self.retained.forget(f"status {number}")
+            self._publish_robots()
 
     async def run(self) -> None:
-        """Keep visitors up to date about the world and each other; ends by cancellation."""
+        """Keep clients up to date about the world and each other; ends by cancellation."""
         try:
             while True:
-                self.look()
-                await asyncio.sleep(LOOK)
+                self.update()
+                await asyncio.sleep(UPDATE_PERIOD)
         finally:
             self.closed.set()
 
-    def look(self) -> None:
-        """Let visitors know what has changed in the world, and who is here."""
-        if not self.people.guests:
+    def update(self) -> None:
+        """Tell clients the changes of the world and of the clients."""
+        if not self.clients.connected:
             return
-        news = self.people.look()
-        if self.world is not None and self.world_news is not None:
-            news |= self.world_news.look()
+        changed = self.clients.update()
+        if self.world_changes is not None:
+            changed |= self.world_changes.update()
         if self._map_now() is not self._map:  # clients of a simulator may load another
-            self._greet()
-        if news:
+            self._publish_robots()
+        if changed:
             self._wake()
 
-    def station(self, number: int | None) -> Station:
+    def robot(self, number: int | None) -> RobotView:
         """Return the robot of this number, the first without one.
 
         Raises:
             CommandError: there is none.
         """
-        found = next(iter(self.stations.values()), None) if number is None else None
-        found = found or self.stations.get(number or 0)
+        found = next(iter(self.robots.values()), None) if number is None else None
+        found = found or self.robots.get(number or 0)
         if found is None:
             raise CommandError("there is no robot" if number is None else f"no robot {number}")
         return found
 
     def emergency_stop(self) -> None:
         """Stop every robot as hard as possible, latched."""
-        for station in self.stations.values():
-            station.robot.emergency_stop()
+        for view in self.robots.values():
+            view.robot.emergency_stop()
 
-    def enter(self, guest: Guest) -> int:
-        """Let `guest` in; return their number."""
-        number = self.people.enter(guest)
-        self.look()
+    def join(self, client: PageClient) -> int:
+        """Add a client; return its number."""
+        number = self.clients.add(client)
+        self.update()
         return number
 
     def leave(self, number: int) -> None:
-        """Show a guest out: robots that they drive stop at once."""
-        self.scans.want(number, wanted=False)
-        guest = self.people.leave(number)
-        self.let_go(guest)
-        for station in self.stations.values():
-            station.details.unwatch(guest)
+        """Remove a client: robots that it drives stop at once."""
+        self.scans.subscribe(number, on=False)
+        client = self.clients.remove(number)
+        self.release_control(client)
+        for view in self.robots.values():
+            view.details.unsubscribe(client)
 
-    def let_go(self, who: Somebody) -> None:
-        """Take every wheel from `who`; the robots that they drive stop at once."""
-        for station in self.stations.values():
-            station.wheel.let_go(who)
+    def release_control(self, operator: Operator) -> None:
+        """End the control of `operator` over all robots; those that the operator drives stop."""
+        for view in self.robots.values():
+            view.control.release(operator)
 
-    def heard_of(self, who: Somebody) -> None:
-        """Note that `who` is still there."""
-        for station in self.stations.values():
-            station.wheel.heard_of(who)
+    def keep_alive(self, operator: Operator) -> None:
+        """Note that the client of `operator` is alive."""
+        for view in self.robots.values():
+            view.control.keep_alive(operator)
 
     def name_for(self, session: Session, user_agent: str) -> str:
-        """Return what to call a guest: as the session, or after the device, and like no other."""
-        names = {guest.name for guest in self.people.guests.values()}
+        """Return a name for a client, from its session or its device, that no other client has."""
+        names = {client.name for client in self.clients.connected.values()}
         if session is not self.access.here:
             return free_name(session.name, names)
         return free_name(device(user_agent), names | self.access.sessions.names)
 
-    async def edit(self, who: object, edit: requests.Edit) -> dict[str, Any] | None:
-        """Change the simulated world for `who`; return the answer, if there is one."""
+    async def edit(
+        self, client: object, edit: requests.Edit
+    ) -> messages.Added | messages.EditRefused | None:
+        """Change the simulated world for `client`; return the answer, if there is one."""
         if self._editor is None:
-            return refusal("only a simulated world can be changed here")
-        return await self._editor.obey(who, edit)
+            return messages.EditRefused("only a simulated world can be changed here")
+        answer = await self._editor.apply(client, edit)
+        self.update()  # clients are told of a thing before the answer names it
+        return answer
 
-    def _station(self, number: int, name: str, robot: Robot, scene: Scene) -> Station:
-        def tell(who: Somebody, news: str) -> None:
-            guest = self.people.guest(who)
-            if guest is not None:
-                guest.tell(f"{name}: {news}" if len(self.stations) > 1 else news)
+    def _view(self, number: int, name: str, robot: Robot, scene: Scene) -> RobotView:
+        def tell(operator: Operator, news: str) -> None:
+            client = self.clients.find(operator)
+            if client is not None:
+                client.tell(f"{name}: {news}" if len(self.robots) > 1 else news)
 
-        return Station(number, name, robot, scene, Wheel(robot, tell))
+        return RobotView(number, name, robot, scene, Control(robot, scene, tell))
 
-    def _own(self, station: Station, scene: Scene) -> int:
-        """Take a robot in, with its world if it is the first; return its number."""
-        others = dict(self.stations)
-        self.stations.clear()
-        self.stations.update(sorted({**others, station.number: station}.items()))
+    def _add(self, view: RobotView, scene: Scene) -> int:
+        """Add a robot, with its world if it is the first; return its number."""
+        others = dict(self.robots)
+        self.robots.clear()
+        self.robots.update(sorted({**others, view.number: view}.items()))
         if scene.simulated:
             simulation, robot = scene.simulated
             if self.world is None:
                 self.world = WorldView(simulation)
-                self.world_news = WorldNews(self.world)
-                self._editor = Editor(self.world, self._may_edit, self._stop)
-            self.world.driven[robot] = station.number
-        return station.number
+                self.world_changes = WorldChannel(self.world)
+                self._editor = Editor(self.world, self._take_control, self._stop)
+            self.world.driven[robot] = view.number
+        return view.number
 
-    def _may_edit(self, who: object, robot: int | None) -> bool:
-        """Give the wheel of `robot`, or of all, to `who` if that is free or theirs; return if so.
+    def _take_control(self, client: object, robot: int | None) -> bool:
+        """Give `client` control of a robot, or of all without a number; return whether it has it.
 
-        A guest gets all of them or none.
+        It gets control of all of them or of none.
         """
-        guest = self.people.guest(who)
-        wanted = self.stations.values() if robot is None else [self.stations[robot]]
-        wheels = [station.wheel for station in wanted]
-        if guest is None or any(wheel.holder not in (None, guest) for wheel in wheels):
+        operator = self.clients.find(client)
+        wanted = self.robots.values() if robot is None else [self.robots[robot]]
+        controls = [view.control for view in wanted]
+        if operator is None or any(each.holder not in (None, operator) for each in controls):
             return False
-        return all(wheel.take(guest) is None for wheel in wheels)
+        return all(each.take(operator) is None for each in controls)
 
     def _stop(self, robot: int) -> None:
-        self.stations[robot].robot.arbiter.stop()
+        self.robots[robot].robot.arbiter.stop()
 
-    def _greet(self) -> None:
-        """Say what is here, if that has changed."""
+    def _publish_robots(self) -> None:
+        """Tell the robots and the map, if they have changed."""
         self._map = self._map_now()
-        hello = messages.hello(
-            __version__,
-            [station.describe() for station in self.stations.values()],
-            self.world.models if self.world else None,
+        hello = messages.Hello(
+            version=__version__,
+            robots=tuple(view.describe() for view in self.robots.values()),
+            models=self.world.models if self.world else None,
+            gamepad=SCHEME,
         )
-        news = self.notices.put("hello", messages.encode(hello))
-        if self._drawn is not self._map:  # once for all: a map may be large
+        changed = self.retained.put("hello", messages.encode(hello))
+        if self._drawn is not self._map:  # a map may be large
             self._drawn = self._map
-            news |= self.notices.put("map", messages.encode(plan(self._map)))
-        if news:
+            changed |= self.retained.put("map", messages.encode(map_message(self._map)))
+        if changed:
             self._wake()
 
     def _map_now(self) -> LineMap | None:
-        """Return the map of the simulated world, or the first that a robot's surroundings have."""
+        """Return the map of the simulated world, or the first that a robot's scene has."""
         if self.world is not None:
             return self.world.simulation.world.map
-        maps = (station.scene.map_now for station in self.stations.values())
+        maps = (view.scene.map_now for view in self.robots.values())
         return next((known for known in maps if known is not None), self._map)
 
-    def _tell_status(self, station: Station) -> None:
-        text = messages.encode(station.status())
-        if self.notices.put(f"status {station.number}", text):
+    def _publish_status(self, view: RobotView) -> None:
+        text = messages.encode(view.status())
+        if self.retained.put(f"status {view.number}", text):
             self._wake()
 
-    async def _watch_status(self, station: Station) -> None:
-        async for _ in station.robot.supervisor.status.values():
-            self._greet()
-            self._tell_status(station)
+    async def _watch_status(self, view: RobotView) -> None:
+        async for _ in view.robot.supervisor.status.values():
+            self._publish_robots()
+            self._publish_status(view)
 
-    async def _watch_snapshots(self, station: Station) -> None:
-        feed = station.robot.supervisor.snapshots
-        async for snapshot in feed.values():
-            if self.people.guests:
-                who = station.wheel.driver()
-                driver = self.people.tell_of(who) if who is not None else None
-                text = messages.encode(station.snapshot(snapshot, driver))
-                self.snapshots.put(station.number, text)
+    async def _watch_snapshots(self, view: RobotView) -> None:
+        async for snapshot in view.robot.supervisor.snapshots.values():
+            if self.clients.connected:
+                text = messages.encode(view.snapshot(snapshot, self._driver(view.control)))
+                self.snapshots.put(view.number, text)
+
+    def _driver(self, control: Control) -> messages.Driver | None:
+        driver = control.driver()
+        if driver is None or isinstance(driver, str):
+            return messages.Driver(None, driver) if driver else None
+        return messages.Driver(self.clients.number_of(driver), driver.name)
 
     def _wake(self) -> None:
-        for guest in self.people.guests.values():
-            guest.wake()
+        for client in self.clients.connected.values():
+            client.wake()

@@ -1,12 +1,14 @@
-"""What a page may ask for: checked when decoded, told apart by `type`."""
+"""Messages from the page to the server: checked when decoded, told apart by `type`."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
-from pioneer3.web.hands import Input
 from pioneer3.web.modes import Mode
+
+Input = Literal["gamepad", "keyboard", "touch", "tilt"]
+"""A way to drive."""
 
 Metre = Annotated[float, Meta(ge=-1e4, le=1e4)]
 """A coordinate in the map [m]."""
@@ -20,11 +22,11 @@ Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=
 
 
 class Request(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
-    """Anything the page asks for."""
+    """Any message of the page."""
 
 
 class RobotRequest(Request, kw_only=True):
-    """Anything asked of a robot: its number on the page; without one the first is meant."""
+    """A request about a robot: `robot` is its number on the page; null means the first."""
 
     robot: int | None = None
 
@@ -38,15 +40,15 @@ class Drive(RobotRequest, tag="drive"):
 
 
 class Stop(RobotRequest, tag="stop"):
-    """Stand still, whoever drives."""
+    """Stop the robot, whoever drives."""
 
 
 class EmergencyStop(RobotRequest, tag="emergency_stop"):
-    """Stop hard, latched; without a number all robots do: nobody has to pick first."""
+    """Stop as hard as possible until it is reset; without a number, stop all robots."""
 
 
 class ResetEmergencyStop(RobotRequest, tag="reset_emergency_stop"):
-    """Release the latch."""
+    """End the emergency stop. The motors stay off."""
 
 
 class SwitchMotors(RobotRequest, tag="motors"):
@@ -56,25 +58,25 @@ class SwitchMotors(RobotRequest, tag="motors"):
 
 
 class TakeWheel(RobotRequest, tag="take_wheel"):
-    """Take the wheel if it is free, and keep it."""
+    """Take control if it is free, and keep it."""
 
 
 class TakeOver(RobotRequest, tag="take_over"):
-    """Stop the robot, then have the wheel, whoever has it now."""
+    """Stop the robot, then take control, whoever has it now."""
 
 
 class HandOver(RobotRequest, tag="hand_over"):
-    """Stop the robot, and give the wheel to another guest."""
+    """Stop the robot, and pass control on to the client of number `to`."""
 
     to: int
 
 
 class GiveUpWheel(RobotRequest, tag="give_up_wheel"):
-    """Leave the wheel to whoever wants it."""
+    """Give up control; the robot stops."""
 
 
 class StartMode(RobotRequest, tag="start_mode"):
-    """Stop, then let the robot drive by itself for who asks; `goto` in odometry's frame."""
+    """Stop, then start a mode; the place of a `goto` is in odometry's frame."""
 
     mode: Mode
 
@@ -89,7 +91,7 @@ class Goto(RobotRequest, tag="goto"):
 
 
 class EndMode(RobotRequest, tag="end_mode"):
-    """End what the robot does by itself; its motion ends at once."""
+    """End the mode; its motion ends at once."""
 
 
 class WatchDetails(RobotRequest, tag="watch_details"):
@@ -103,13 +105,13 @@ class AskConfig(RobotRequest, tag="ask_config"):
 
 
 class WatchLasers(Request, tag="watch_lasers"):
-    """Asks to be told what lasers see, or not any more; they are on while anybody wants it."""
+    """Subscribe to the lasers' sweeps, or end that; lasers are on while anybody subscribes."""
 
     on: bool
 
 
 class Ping(Request, tag="ping"):
-    """Asks for a pong with the same `t`."""
+    """Ask for a pong with the same `t`."""
 
     t: float
 
@@ -125,7 +127,7 @@ class AddBox(Request, tag="add_box"):
 
 
 class AddPerson(Request, tag="add_person"):
-    """Let somebody stand at a point, or walk to and fro along several."""
+    """Put a person into the simulated world, who stands at a point or walks along several."""
 
     path: Path
 
@@ -193,16 +195,16 @@ class SetSpeed(Request, tag="speed"):
     speed: Annotated[float, Meta(ge=0.25, le=10.0)]
 
 
-Wish = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | Ping
-"""What concerns robots alone, be they real or simulated."""
-WheelRequest = TakeWheel | TakeOver | HandOver | GiveUpWheel
-"""What concerns who drives."""
+DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
+"""Drives or stops one robot."""
+ControlRequest = TakeWheel | TakeOver | HandOver | GiveUpWheel
+"""Changes who has control of a robot."""
 ModeRequest = StartMode | Goto | EndMode
-"""What concerns driving by itself."""
-Look = WatchDetails | AskConfig | WatchLasers
-"""What concerns this page alone."""
+"""Starts or ends a mode."""
+ViewRequest = WatchDetails | AskConfig | WatchLasers
+"""Changes the subscriptions of this client alone."""
 FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
-"""What everybody may ask who sees the page; the rest is for drivers."""
+"""Requests that viewers may make; the others are for drivers."""
 Edit = (
     AddBox
     | AddPerson
@@ -216,8 +218,8 @@ Edit = (
     | Step
     | SetSpeed
 )
-"""What concerns the simulated world."""
-AnyRequest = Wish | WheelRequest | ModeRequest | Look | Edit
+"""Changes the simulated world."""
+AnyRequest = DriveRequest | ControlRequest | ModeRequest | ViewRequest | Ping | Edit
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 
@@ -226,7 +228,7 @@ def decode(text: str) -> AnyRequest:
     """Return the request in `text`.
 
     Raises:
-        msgspec.MsgspecError: it is none; the message says what is wrong with it.
+        msgspec.MsgspecError: it is no request; the message says why.
     """
     try:
         return _decoder.decode(text)

@@ -1,37 +1,134 @@
-"""Where the robot is drawn: the map, and the robot's pose in it."""
+"""The surroundings of a robot: the map, and the robot's pose in it.
 
+They come from a simulation in this program, from a simulator at the other end of the link, or from
+a map that the user gave.
+"""
+
+import asyncio
+import logging
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from math import radians
+from pathlib import Path
 from typing import Self
 
-from pioneer3.geometry import ORIGIN, Pose2
-from pioneer3.sim.maps import LineMap
+from pioneer3.arcos.commands import Request, RequestSimStat, SimCtrl, SimOperation
+from pioneer3.arcos.reports import MapChanged, Report, SimStat
+from pioneer3.errors import CommandError, ConfigError
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.robot.identity import is_simulator
+from pioneer3.runtime.robot import Robot
+from pioneer3.sim.maps import LineMap, shipped_maps
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
-from pioneer3.web.elsewhere import WorldElsewhere
+from pioneer3.sim.worldfile import load_world, shipped_worlds
+from pioneer3.tasks import running
+from pioneer3.units import MM
+
+log = logging.getLogger(__name__)
+
+ENDINGS = (".map", ".toml", ".yaml")
+
+
+class RemoteWorld:
+    """The world of a simulator in another program; empty for a real robot.
+
+    A simulator names its map; it is drawn if a map of that name ships, or lies in this program's
+    folder. No other files are read for it.
+
+    Args:
+        robot: The driver.
+        line_map: The map, whatever the simulator says; `None` takes the simulator's.
+        tell: Called with a sentence if there is no map of the simulator's name.
+
+    Attributes:
+        map: The map, `None` while none is known.
+        pose: The robot's true pose in it, `None` while none is told.
+    """
+
+    def __init__(self, robot: Robot, line_map: LineMap | None, tell: Callable[[str], None]) -> None:
+        self.map = line_map
+        self.pose: Pose2 | None = None
+        self._robot = robot
+        self._given = line_map is not None
+        self._tell = tell
+        self._names: asyncio.Queue[str] = asyncio.Queue()
+
+    async def follow(self) -> None:
+        """Ask at every connection, and read the answers; ends by cancellation."""
+        forget = self._robot.supervisor.reports.hand_to(self._take, MapChanged, SimStat)
+        try:
+            self._ask()
+            async with running(self._load()):
+                async for _ in self._robot.supervisor.status.values():
+                    self._ask()
+        finally:
+            forget()
+
+    def _ask(self) -> None:
+        self.pose = None  # until it is told anew: the robot may have been put elsewhere
+        info = self._robot.supervisor.info
+        if info is not None and is_simulator(info):
+            with suppress(CommandError):  # no session is open
+                self._robot.send(SimCtrl(SimOperation.REQUEST_INFO))
+                self._robot.send(RequestSimStat(Request.STREAM))
+
+    def _take(self, report: Report, stamp: float) -> None:
+        if isinstance(report, SimStat):
+            heading = wrap(radians(report.heading_deg))
+            self.pose = Pose2(report.x_mm * MM, report.y_mm * MM, heading)
+        elif isinstance(report, MapChanged) and (report.by_user or report.reloaded):
+            self._names.put_nowait(report.file_name)
+
+    async def _load(self) -> None:
+        while True:
+            name = await self._names.get()
+            if self._given:
+                continue
+            try:
+                self.map = await asyncio.to_thread(known_map, name)
+            except ConfigError as error:
+                self.map = None
+                self._tell(f"The simulator's map is not shown: {error}; give it with --map")
+
+
+def known_map(name: str) -> LineMap:
+    """Return the map that ships under `name`, or lies in the working folder.
+
+    Raises:
+        ConfigError: There is none, or it cannot be read.
+    """
+    stem = name.removesuffix(".map")
+    if stem in {"empty", *shipped_maps(), *shipped_worlds()}:
+        return load_world(stem).line_map()
+    plain = stem == Path(stem).name
+    path = next((p for e in ENDINGS if plain and (p := Path(stem + e)).is_file()), None)
+    if path is None:
+        raise ConfigError(f"there is no map {stem[:40]!r} here")
+    return load_world(path).line_map()
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What surrounds the robot.
+    """The surroundings of a robot.
 
     Attributes:
         map: Walls, or `None` where none are known.
         odom_in_map: Where the odometry's origin lies in the map [m, rad].
         truth: Returns the true pose in the map, where a simulator knows it.
-        simulated: The simulation to look at and to change, and the robot in it; `None` for a real
-            robot.
-        elsewhere: What a simulator in another program tells, if the robot is of one.
+        simulated: A simulation in this program and the robot in it, or `None`.
+        remote: The world of a simulator in another program, if the robot is of one.
     """
 
     map: LineMap | None = None
     odom_in_map: Pose2 = ORIGIN
     truth: Callable[[], Pose2] | None = None
     simulated: tuple[RunningSimulation, SimulatedRobot] | None = None
-    elsewhere: WorldElsewhere | None = None
+    remote: RemoteWorld | None = None
 
     @classmethod
     def of(cls, running: RunningSimulation, robot: SimulatedRobot) -> Self:
-        """Return map and true pose of a simulated robot, for people to look at and to change."""
+        """Return the map and the true pose of a robot of a simulation in this program."""
         body = robot.body
         return cls(
             running.world.map,
@@ -42,15 +139,15 @@ class Scene:
 
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
         """Return the pose to draw [m, rad]: the true one if it is known."""
-        told = self.elsewhere.pose if self.elsewhere else None
-        return told or (self.truth() if self.truth else self.odom_in_map @ robot_in_odom)
+        reported = self.remote.pose if self.remote else None
+        return reported or (self.truth() if self.truth else self.odom_in_map @ robot_in_odom)
 
     @property
     def map_now(self) -> LineMap | None:
-        """The map; clients of a simulator may have loaded another since."""
+        """The present map; clients of a simulator may have loaded another one."""
         if self.simulated:
             return self.simulated[0].world.map
-        return self.elsewhere.map if self.elsewhere else self.map
+        return self.remote.map if self.remote else self.map
 
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
         """Return where the odometry's origin seems to lie [m, rad], given what odometry says now.

@@ -1,13 +1,14 @@
 """uvicorn's WebSocket, kept short both ways: nothing piles up for a page, or because of one."""
 
 import asyncio
-import json
 import socket
 from asyncio import BaseTransport
 from typing import Any
 
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
+
+from pioneer3.web.messages import Told, encode
 
 UNSENT = 16_384
 """What the system keeps for a page beyond what is on its way [bytes]; a frame more is kept here."""
@@ -104,7 +105,7 @@ class ShortSocket(WebSocketsSansIOProtocol):
 
     def _tell(self, message: str) -> None:
         if self.handshake_complete and not self.close_sent and not self.transport.is_closing():
-            self.conn.send_text(json.dumps({"type": "told", "message": message}).encode())
+            self.conn.send_text(encode(Told(message)).encode())
             self.transport.write(b"".join(self.conn.data_to_send()))
 
     def _show_out(self) -> None:

@@ -1,39 +1,64 @@
-"""The simulated world as pages see it: its things by number."""
+"""The simulated world as pages see it: its map, its things by number, and their changes."""
 
+from base64 import b64encode
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
-from typing import Any
+
+from msgspec.structs import replace
 
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model, model_names
+from pioneer3.sim.maps import LineMap, OccupancyGrid
+from pioneer3.sim.maps import MapObject as NamedPlace
+from pioneer3.sim.maps.image import to_png
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
-from pioneer3.sim.worldfile import Box
+from pioneer3.sim.server.running import RunningSimulation
+from pioneer3.sim.server.running import SimulatedRobot as RobotItem
+from pioneer3.sim.worldfile import Box as BoxItem
+from pioneer3.web.messages import (
+    Box,
+    Clock,
+    Drawing,
+    Map,
+    MapCells,
+    MapObject,
+    Model,
+    Person,
+    Placed,
+    SimulatedRobot,
+    World,
+    encode,
+)
 
-Item = SimulatedRobot | Obstacle
-Placed = tuple[float, float, float]
-"""x, y [m], theta [rad], to a millimetre."""
+Item = RobotItem | Obstacle
+MOST_GONE = 1000
+"""So many removed things are remembered; a client that missed more is told everything anew."""
+MOST_CELLS = 4_000_000
+"""Of a grid: a phone keeps four bytes for each."""
+SHADE = 85
+"""Between the greys of two states of cells: three of them make white."""
 
 
 class WorldView:
-    """Numbers what is in a simulation; a number is given once.
+    """Numbers the things of a simulation; a number is never used again.
 
     Attributes:
-        simulation: What is looked at.
-        driven: The robots that the page drives, and the page's number of each.
+        simulation: The simulation.
+        driven: The robots that the page drives, each with its number on the page.
     """
 
     def __init__(self, simulation: RunningSimulation) -> None:
         self.simulation = simulation
-        self.driven: dict[SimulatedRobot, int] = {}
+        self.driven: dict[RobotItem, int] = {}
         self._numbers: dict[Item, int] = {}
         self._count = count(1)
 
     @cached_property
-    def models(self) -> list[dict[str, str]]:
-        """What robots can be added, as pages are told."""
-        return [{"name": name, "title": load_model(name).title} for name in model_names()]
+    def models(self) -> tuple[Model, ...]:
+        """The types of robots that can be added."""
+        return tuple(Model(name, load_model(name).title) for name in model_names())
 
     @property
     def items(self) -> dict[Item, int]:
@@ -54,43 +79,160 @@ class WorldView:
                 return item
         raise CommandError("this is not there any more")
 
-    def clock(self) -> dict[str, Any]:
-        """Say how time passes; what time it is, only while it stands still [s]."""
+    def clock(self) -> Clock:
+        """Return how fast time runs, and while it stands still the time [s]."""
         pace = self.simulation.pace
-        return {
-            "paused": pace.paused,
-            "speed": pace.speed,
-            "factor": round(pace.real_time_factor, 1),
-            "time": round(self.simulation.world.time, 2) if pace.paused else None,
-        }
+        return Clock(
+            paused=pace.paused,
+            speed=pace.speed,
+            factor=round(pace.real_time_factor, 1),
+            time=round(self.simulation.world.time, 2) if pace.paused else None,
+        )
 
-    def describe(self, item: Item) -> dict[str, Any]:
-        """Say what an item is and looks like, but not where it is.
-
-        `own` is the page's number of a robot that it drives, `None` of all others.
-        """
+    def describe(self, item: Item, number: int) -> Box | Person | SimulatedRobot:
+        """Return the message part for an item."""
         if isinstance(item, Obstacle):
             front, rear, side, _ = item.sizes
-            kind = "box" if isinstance(item.kind, Box) else "person"
-            name = item.name
-            more: dict[str, Any] = {"walks": item.walks}
-        else:
-            model, port = item.model, item.port
-            front, rear, side = model.length_front, model.length_rear, model.width / 2
-            kind, name = "robot", item.name
-            more = {
-                "model": model.name,
-                "title": model.title,
-                "url": item.url,
-                "own": self.driven.get(item),
-                "connected": port.connected,
-                "stop_button": item.body.stop_button,
-                "plugged": not port.faults.unplugged,
-                "charge": round(item.body.battery.charge, 2),
-            }
-        return {"kind": kind, "name": name, "front": front, "rear": rear, "side": side, **more}
+            kind = Box if isinstance(item.kind, BoxItem) else Person
+            return kind(
+                id=number,
+                name=item.name,
+                front=front,
+                rear=rear,
+                side=side,
+                pose=_placed(item.pose),
+                walks=item.walks,
+            )
+        model, port = item.model, item.port
+        return SimulatedRobot(
+            id=number,
+            name=item.name,
+            front=model.length_front,
+            rear=model.length_rear,
+            side=model.width / 2,
+            pose=_placed(item.body.robot_in_world),
+            model=model.name,
+            title=model.title,
+            url=item.url,
+            own=self.driven.get(item),
+            connected=port.connected,
+            stop_button=item.body.stop_button,
+            plugged=not port.faults.unplugged,
+            charge=round(item.body.battery.charge, 2),
+        )
 
-    def placed(self, item: Item) -> Placed:
-        """Say where an item is."""
-        pose: Pose2 = item.pose if isinstance(item, Obstacle) else item.body.robot_in_world
-        return round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)
+
+def _placed(pose: Pose2) -> Placed:
+    return round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)
+
+
+@dataclass(slots=True)
+class _Known:
+    """A thing as last told, with the versions of its description and of its place."""
+
+    thing: Box | Person | SimulatedRobot
+    described: int
+    moved: int
+
+
+class WorldChannel:
+    """The changes of a world, for clients that are more or less up to date."""
+
+    def __init__(self, view: WorldView) -> None:
+        self.version = 0
+        self._view = view
+        self._known: dict[int, _Known] = {}
+        self._gone: dict[int, int] = {}
+        self._complete_since = 0
+        self._clock: Clock | None = None
+        self._texts: dict[int, list[str]] = {}
+
+    def update(self) -> bool:
+        """Compare the world with the last update; return whether anything has changed."""
+        clock, next_ = self._view.clock(), self.version + 1
+        changed = clock != self._clock
+        self._clock = clock
+        there = self._view.items
+        for item, number in there.items():
+            changed |= self._note(self._view.describe(item, number), next_)
+        for number in self._known.keys() - there.values():
+            del self._known[number]
+            self._gone[number] = next_
+            changed = True
+        if changed:
+            self.version = next_
+            self._texts.clear()
+            self._forget_long_gone()
+        return changed
+
+    def since(self, seen: int) -> list[str]:
+        """Return the changes since version `seen`; nothing if that is the present one."""
+        if seen == self.version:
+            return []
+        if seen not in self._texts:
+            self._texts[seen] = [encode(self._message(seen))]
+        return self._texts[seen]
+
+    def _message(self, seen: int) -> World:
+        complete = seen == 0 or seen < self._complete_since
+        known = self._known.values()
+        moved = [k.thing for k in known if k.described <= seen < k.moved and not complete]
+        return World(
+            all=complete,
+            things=tuple(k.thing for k in known if complete or k.described > seen),
+            moved=tuple((thing.id, *thing.pose) for thing in moved),
+            gone=() if complete else tuple(n for n, at in self._gone.items() if at > seen),
+            clock=self._clock,
+        )
+
+    def _note(self, thing: Box | Person | SimulatedRobot, version: int) -> bool:
+        known = self._known.get(thing.id)
+        if known is None or replace(known.thing, pose=thing.pose) != thing:
+            self._known[thing.id] = _Known(thing, version, version)
+        elif known.thing.pose != thing.pose:
+            known.thing, known.moved = thing, version
+        else:
+            return False
+        return True
+
+    def _forget_long_gone(self) -> None:
+        while len(self._gone) > MOST_GONE:
+            number = next(iter(self._gone))
+            self._complete_since = self._gone.pop(number)
+
+
+def map_message(line_map: LineMap | None) -> Map:
+    """Return the message for a map; it leaves out walls that outline cells."""
+    if line_map is None:
+        return Map(None)
+    lines = line_map.lines.round(3).tolist()
+    return Map(
+        Drawing(
+            name=line_map.name,
+            walls=tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in lines),
+            cells=tuple(map(_cells, line_map.grids)),
+            objects=tuple(map(_object, line_map.objects)),
+        )
+    )
+
+
+def _cells(grid: OccupancyGrid) -> MapCells:
+    small = grid.coarser(MOST_CELLS)
+    origin = small.origin
+    png = b64encode(to_png(small.states * SHADE)).decode()
+    return MapCells(png, small.resolution, (origin.x, origin.y, origin.theta))
+
+
+def _object(item: NamedPlace) -> MapObject:
+    return MapObject(
+        role=item.role,
+        kind=item.kind,
+        name=item.name,
+        x=round(item.pose.x, 3),
+        y=round(item.pose.y, 3),
+        theta=item.pose.theta,
+        heads=item.heads,
+        forbidden=item.forbidden,
+        solid=item.solid,
+        points=tuple((round(x, 3), round(y, 3)) for x, y in item.outline),
+    )

@@ -232,16 +232,16 @@ async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_
     async with simulator(map_name="lab", port=0) as there:
         target = Target(url=there.url, scene=Scene())
         async with hosted(page, [target], told.append):
-            scene = page.stations[1].scene
-            await until(lambda: scene.map_now and scene.elsewhere and scene.elsewhere.pose)
+            scene = page.robots[1].scene
+            await until(lambda: scene.map_now and scene.remote and scene.remote.pose)
             assert scene.map_now is not None
             assert scene.map_now.name == "lab"
             home = there.body.robot_in_world
             drawn = scene.robot_in_map(ORIGIN)
             assert (drawn.x, drawn.y) == pytest.approx((home.x, home.y), abs=0.002)
             assert drawn.theta == pytest.approx(home.theta, abs=0.01)
-            page.enter(Onlooker())
-            assert '"name":"lab"' in "".join(page.notices.since(0))
+            page.join(Onlooker())
+            assert '"name":"lab"' in "".join(page.retained.since(0))
     assert "SIMULATOR" in told[0]
 
 

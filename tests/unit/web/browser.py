@@ -27,10 +27,10 @@ from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import ClientMaps
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
+from pioneer3.web.control import Control
 from pioneer3.web.page import Page
+from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
-from pioneer3.web.station import Station
-from pioneer3.web.wheel import Wheel
 from tests.support import SimulatedRobot
 
 Message = MutableMapping[str, Any]
@@ -172,13 +172,13 @@ class Product:
     sim: SimulatedRobot
     robot: Robot
     page: Page
-    station: Station
+    view: RobotView
     app: ASGIApp
 
     @property
-    def wheel(self) -> Wheel:
+    def control(self) -> Control:
         """Of the robot."""
-        return self.station.wheel
+        return self.view.control
 
     @property
     def speed(self) -> float:
@@ -197,8 +197,8 @@ async def product(scene: Scene | None = None) -> AsyncIterator[Product]:
     """Join world, firmware, driver and page, in the loop's time."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
         page = Page()
-        async with page.hosting(robot, scene or Scene()) as station, running(page.run()):
-            yield Product(sim, robot, page, station, make_app(page))
+        async with page.hosting(robot, scene or Scene()) as view, running(page.run()):
+            yield Product(sim, robot, page, view, make_app(page))
 
 
 def simulated(*poses: Pose2, line_map: LineMap | None = None) -> RunningSimulation:
@@ -226,7 +226,7 @@ class Playground:
     simulation: RunningSimulation
     robot: Robot
     page: Page
-    wheel: Wheel
+    control: Control
     app: ASGIApp
 
 
@@ -245,8 +245,8 @@ async def playground(*poses: Pose2, line_map: LineMap | None = None) -> AsyncIte
     async with running(here._simulation.run()), connect_async(plug_in) as robot:
         page = Page()
         async with (
-            page.hosting(robot, Scene.of(here, here.robots[0])) as station,
+            page.hosting(robot, Scene.of(here, here.robots[0])) as view,
             running(page.run()),
         ):
-            yield Playground(here, robot, page, station.wheel, make_app(page))
+            yield Playground(here, robot, page, view.control, make_app(page))
     await asyncio.gather(*serving)

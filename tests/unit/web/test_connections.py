@@ -83,7 +83,7 @@ async def test_idle_connections_make_room_for_a_stop_but_a_page_stays(words: byt
         with ExitStack() as stack:
             idle = [stack.enter_context(dial(where, words)) for _ in range(4 * ROOM)]
             assert b" 204 " in await stop(where)
-            assert page.stations[1].robot.supervisor.pilot.emergency
+            assert page.robots[1].robot.supervisor.pilot.emergency
             await until(lambda: sum(map(is_closed, idle)) >= 3.5 * ROOM)
             await ann.send('{"type":"ping","t":1}')
             async with asyncio.timeout(PATIENCE):

@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from pioneer3.arcos.reports import Config, Io, Report
+from pioneer3.web import messages
 from pioneer3.web.access.role import Role
 from pioneer3.web.details import PERIOD, Details
 from tests.unit.web.browser import Browser, Product, playground, product
@@ -34,7 +35,7 @@ async def test_details_are_encoded_once_for_all(monkeypatch: pytest.MonkeyPatch)
     made = 0
     describe = Details._describe
 
-    def counted(self: Details, now: float) -> dict[str, object]:
+    def counted(self: Details, now: float) -> messages.Message:
         nonlocal made
         made += 1
         return describe(self, now)

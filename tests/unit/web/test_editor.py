@@ -8,9 +8,10 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server.start import simulator
-from pioneer3.teleop.lease import TERM
 from pioneer3.web import requests
+from pioneer3.web.control import TERM
 from pioneer3.web.editor import MOST_OBSTACLES, Editor
+from pioneer3.web.messages import Added
 from pioneer3.web.world import WorldView
 from tests.support import wall_at
 from tests.unit.web.browser import Browser, playground, product
@@ -360,15 +361,15 @@ async def test_no_robot_begins_in_a_wall_a_box_or_another() -> None:
 async def test_a_robot_comes_can_be_connected_to_and_goes() -> None:
     async with simulator(map_name="empty", port=0) as here:
         view = WorldView(here)
-        editor = Editor(view, take_wheel=lambda *_: True, stop=lambda _: None)
-        answer = await editor.obey(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 1.0))
-        assert answer == {"type": "added", "id": 2}
+        editor = Editor(view, take_control=lambda *_: True, stop=lambda _: None)
+        answer = await editor.apply(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 1.0))
+        assert answer == Added(2)
         added = here.robots[1]
         assert added.body.robot_in_world == Pose2(3.0, 0.0, 1.0)
         host, port = added.url.removeprefix("tcp://").split(":")
         _, writer = await asyncio.open_connection(host, port)
         writer.close()
-        assert await editor.obey(BOB, requests.Remove(2)) is None
+        assert await editor.apply(BOB, requests.Remove(2)) is None
         assert len(here.robots) == len(here.world.robots) == 1
         with pytest.raises(ConnectionRefusedError):
             await asyncio.open_connection(host, port)
@@ -379,7 +380,7 @@ async def test_a_page_that_goes_leaves_a_whole_robot_or_none() -> None:
     async with simulator(map_name="empty", port=0) as here:
         editor = Editor(WorldView(here), lambda *_: True, lambda _: None)
         adding = asyncio.ensure_future(
-            editor.obey(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 0.0))
+            editor.apply(ANN, requests.AddRobot("p3dx-sh", 3.0, 0.0, 0.0))
         )
         await asyncio.sleep(0)
         adding.cancel()

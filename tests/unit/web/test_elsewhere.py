@@ -8,7 +8,7 @@ from pioneer3 import ConfigError, connect_async
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import load_map, load_world
 from pioneer3.tasks import running
-from pioneer3.web.elsewhere import WorldElsewhere, known_map
+from pioneer3.web.scene import RemoteWorld, known_map
 from tests.support import SimulatedRobot, until, wall_at
 
 HOME = Pose2(1.0, 1.5, 0.5)
@@ -21,7 +21,7 @@ async def test_map_and_true_pose_are_known_again_after_the_link_was_lost() -> No
         SimulatedRobot(load_map("office"), home=HOME) as sim,
         connect_async(sim.open) as robot,
     ):
-        elsewhere = WorldElsewhere(robot, None, told.append)
+        elsewhere = RemoteWorld(robot, None, told.append)
         async with running(elsewhere.follow()):
             await until(lambda: elsewhere.map and elsewhere.pose)
             first = elsewhere.map
@@ -48,8 +48,8 @@ async def test_a_map_that_is_not_here_is_pointed_out_and_a_given_one_stays() -> 
     given = load_map("office")
     async with SimulatedRobot(wall_at(2.0)) as sim, connect_async(sim.open) as robot:
         ours, theirs = (
-            WorldElsewhere(robot, given, told.append),
-            WorldElsewhere(robot, None, told.append),
+            RemoteWorld(robot, given, told.append),
+            RemoteWorld(robot, None, told.append),
         )
         async with running(ours.follow(), theirs.follow()):
             await until(lambda: told and ours.pose)

@@ -15,7 +15,9 @@ from pioneer3.limits import Limits
 from pioneer3.models import load_model
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Snapshot, Sonar
+from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
+from pioneer3.web.robot_view import robot_part, snapshot_part
 from tests.unit.web.browser import strict
 
 MODEL = load_model("p3dx-sh")
@@ -51,13 +53,13 @@ def reading(number: float = 0.0) -> Snapshot:
     )
 
 
-def said(message: dict[str, Any]) -> dict[str, Any]:
+def said(message: messages.Message | messages.Part) -> dict[str, Any]:
     """Return `message` as a browser gets it."""
     return strict(messages.encode(message))
 
 
 def test_hello_shows_the_robot_as_the_model_has_it() -> None:
-    robot = said(messages.robot(1, "dora", info()))["robot"]
+    robot = said(robot_part(1, "dora", info()))["robot"]
     assert robot == {
         "name": "dora",
         "model": "p3dx-sh",
@@ -74,15 +76,15 @@ def test_hello_shows_the_robot_as_the_model_has_it() -> None:
 
 
 def test_a_robot_is_told_with_its_number_its_name_and_what_it_is_in_capitals() -> None:
-    robot = said(messages.robot(3, "left", info()))
+    robot = said(robot_part(3, "left", info()))
     assert (robot["id"], robot["name"], robot["robot"]["name"]) == (3, "left", "dora")
     assert (robot["connection"], robot["url"]) == ("ROBOT", "serial:/dev/ttyUSB0")
-    assert said(messages.robot(1, "", info(serial="SIM")))["connection"] == "SIMULATOR"
-    assert said(messages.robot(1, "", info(name="MobileSim")))["connection"] == "SIMULATOR"
+    assert said(robot_part(1, "", info(serial="SIM")))["connection"] == "SIMULATOR"
+    assert said(robot_part(1, "", info(name="MobileSim")))["connection"] == "SIMULATOR"
 
 
 def test_moderate_speeds_are_offered_to_begin_with() -> None:
-    assert said(messages.robot(1, "dora", info()))["limits"] == {
+    assert said(robot_part(1, "dora", info()))["limits"] == {
         "speed": 0.75,
         "turn_rate": 1.5,
         "default_speed": 0.3,
@@ -91,25 +93,25 @@ def test_moderate_speeds_are_offered_to_begin_with() -> None:
 
 
 def test_no_more_than_the_limits_is_ever_offered() -> None:
-    slow = said(messages.robot(1, "dora", info(Limits(max_speed=0.1, max_turn_rate=0.2))))
+    slow = said(robot_part(1, "dora", info(Limits(max_speed=0.1, max_turn_rate=0.2))))
     assert (slow["limits"]["default_speed"], slow["limits"]["default_turn_rate"]) == (0.1, 0.2)
 
 
 def test_hello_says_what_it_is() -> None:
-    hello = said(messages.hello("1.2", []))
+    hello = said(messages.Hello("1.2", (), None, SCHEME))
     assert (hello["type"], hello["version"], hello["models"]) == ("hello", "1.2", None)
 
 
 def test_a_robot_that_nobody_has_met_is_told_too() -> None:
-    robot = said(messages.robot(1, "dora", None))
+    robot = said(robot_part(1, "dora", None))
     assert (robot["robot"], robot["limits"], robot["url"]) == (None, None, "")
 
 
 def test_a_snapshot_says_what_the_reading_says() -> None:
     pose = Pose2(1.0, 2.0, 3.0)
-    why, driver = "The motors are off.", messages.somebody("ann", 2)
+    why, driver = "The motors are off.", messages.Driver(2, "ann")
     told = said(
-        messages.snapshot(4, reading(0.5), pose=pose, why=why, emergency_stop=True, driver=driver)
+        snapshot_part(4, reading(0.5), pose=pose, why=why, emergency_stop=True, driver=driver)
     )
     assert told["pose"] == {"x": 1.0, "y": 2.0, "theta": 3.0}
     assert told["twist"] == {"v": 0.5, "w": 0.5}
@@ -129,7 +131,7 @@ def test_a_snapshot_says_what_the_reading_says() -> None:
 
 def test_what_no_sonar_has_seen_is_null() -> None:
     told = said(
-        messages.snapshot(1, reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
+        snapshot_part(1, reading(), pose=Pose2(), why=None, emergency_stop=False, driver=None)
     )
     assert told["sonar"] == {"ranges": [1.5, None, None, 0.0], "enabled": True}
 
@@ -138,9 +140,7 @@ def test_what_no_sonar_has_seen_is_null() -> None:
 def test_a_snapshot_is_strict_json_whatever_the_robot_says(number: float) -> None:
     pose = Pose2(number, number, number)
     told = said(
-        messages.snapshot(
-            1, reading(number), pose=pose, why=None, emergency_stop=False, driver=None
-        )
+        snapshot_part(1, reading(number), pose=pose, why=None, emergency_stop=False, driver=None)
     )
     assert told["pose"] == {"x": None, "y": None, "theta": None}
     assert told["battery"]["voltage"] is None

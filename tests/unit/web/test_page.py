@@ -8,8 +8,8 @@ import pytest
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Pose2, Twist2
 from pioneer3.runtime.priorities import KEYBOARD
+from pioneer3.web.control import EXPIRY
 from pioneer3.web.scene import Scene
-from pioneer3.web.wheel import EXPIRY
 from tests.unit.web.browser import product
 
 SLOW = Twist2(0.3, 0.0)
@@ -28,82 +28,82 @@ ANN, BOB = Person("ann"), Person("bob")
 async def test_a_drive_expires_after_half_a_second() -> None:
     async with product() as the:
         began = asyncio.get_running_loop().time()
-        assert the.station.drive(ANN, SLOW) is None
-        assert the.wheel.driver() == ANN
+        assert the.control.drive_from_page(ANN, SLOW) is None
+        assert the.control.driver() == ANN
         await asyncio.sleep(EXPIRY - 0.001)
-        assert the.wheel.driver() == ANN
+        assert the.control.driver() == ANN
         await asyncio.sleep(0.001 + 1e-9)
         assert asyncio.get_running_loop().time() == pytest.approx(began + 0.5)
-        assert the.wheel.driver() is None
+        assert the.control.driver() is None
         assert the.robot.supervisor.pilot.asked(asyncio.get_running_loop().time()) == STILL
 
 
 async def test_a_zero_drive_lets_go_but_keeps_the_wheel() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        the.station.drive(ANN, STILL)
-        assert the.wheel.driver() is None
-        assert the.station.drive(BOB, SLOW) == "ann has the wheel"
-        assert the.station.drive(ANN, SLOW) is None
+        the.control.drive_from_page(ANN, SLOW)
+        the.control.drive_from_page(ANN, STILL)
+        assert the.control.driver() is None
+        assert the.control.drive_from_page(BOB, SLOW) == "ann has the wheel"
+        assert the.control.drive_from_page(ANN, SLOW) is None
 
 
 async def test_even_letting_go_is_refused_to_who_does_not_hold_the_wheel() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        assert the.station.drive(BOB, STILL) == "ann has the wheel"
-        assert the.wheel.driver() == ANN
+        the.control.drive_from_page(ANN, SLOW)
+        assert the.control.drive_from_page(BOB, STILL) == "ann has the wheel"
+        assert the.control.driver() == ANN
 
 
 async def test_a_driver_who_goes_leaves_nothing_behind() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        the.wheel.let_go(ANN)
-        assert the.wheel.driver() is None
-        assert the.station.drive(BOB, SLOW) is None
+        the.control.drive_from_page(ANN, SLOW)
+        the.control.release(ANN)
+        assert the.control.driver() is None
+        assert the.control.drive_from_page(BOB, SLOW) is None
 
 
 async def test_somebody_else_who_goes_changes_nothing() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        the.wheel.let_go(BOB)
-        assert the.wheel.driver() == ANN
+        the.control.drive_from_page(ANN, SLOW)
+        the.control.release(BOB)
+        assert the.control.driver() == ANN
 
 
 async def test_a_stop_by_the_holder_lets_her_drive_again_at_once() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        the.wheel.stop(ANN)
-        assert the.wheel.driver() is None
-        the.station.drive(ANN, SLOW)
-        assert the.wheel.driver() == ANN
+        the.control.drive_from_page(ANN, SLOW)
+        the.control.stop(ANN)
+        assert the.control.driver() is None
+        the.control.drive_from_page(ANN, SLOW)
+        assert the.control.driver() == ANN
 
 
 async def test_a_stop_by_another_mutes_the_holder_until_she_lets_go() -> None:
     async with product() as the:
-        the.station.drive(ANN, SLOW)
-        the.wheel.stop(BOB)
+        the.control.drive_from_page(ANN, SLOW)
+        the.control.stop(BOB)
         for _ in range(10):
-            the.station.drive(ANN, SLOW)
-            assert the.wheel.driver() is None
+            the.control.drive_from_page(ANN, SLOW)
+            assert the.control.driver() is None
             await asyncio.sleep(0.1)
-        the.station.drive(ANN, STILL)
-        the.station.drive(ANN, SLOW)
-        assert the.wheel.driver() == ANN
+        the.control.drive_from_page(ANN, STILL)
+        the.control.drive_from_page(ANN, SLOW)
+        assert the.control.driver() == ANN
 
 
 async def test_a_keyboard_that_takes_over_is_named_as_the_driver() -> None:
     async with product() as the:
         held = Hold("keyboard")
         the.robot.arbiter.add(held, KEYBOARD)
-        the.station.drive(ANN, SLOW)
+        the.control.drive_from_page(ANN, SLOW)
         the.robot.arbiter.hold(held, Twist2(-0.2, 0.0), 0.3)
-        assert the.wheel.driver() == "keyboard"
+        assert the.control.driver() == "keyboard"
         the.robot.arbiter.release(held)
-        assert the.wheel.driver() == ANN
+        assert the.control.driver() == ANN
 
 
 async def test_the_robot_is_drawn_where_the_scene_has_it() -> None:
     async with product(Scene(odom_in_map=Pose2(3.0, 4.0, 0.0))) as the:
         assert the.robot.snapshot is not None
-        drawn = the.station.snapshot(the.robot.snapshot, None)
-        assert drawn["pose"] == {"x": 3.0, "y": 4.0, "theta": 0.0}
+        drawn = the.view.snapshot(the.robot.snapshot, None)
+        assert drawn.pose == Pose2(3.0, 4.0, 0.0)

@@ -11,9 +11,9 @@ from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap, MapObject, OccupancyGrid, shipped_map
 from pioneer3.sim.maps.image import parse_image
 from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN
-from pioneer3.web import plan as module
+from pioneer3.web import world as module
 from pioneer3.web.messages import encode
-from pioneer3.web.plan import SHADE, plan
+from pioneer3.web.world import SHADE, map_message
 from tests.unit.web.browser import strict
 
 STATES = np.array([[OCCUPIED, UNKNOWN, FREE], [FREE, FREE, UNKNOWN]], dtype=np.uint8)
@@ -26,7 +26,7 @@ GOAL = MapObject(kind="GoalWithHeading", name="door", pose=Pose2(1.0, 2.0, 0.25)
 
 
 def told(line_map: LineMap | None) -> Any:
-    return strict(encode(plan(line_map)))["map"]
+    return strict(encode(map_message(line_map)))["map"]
 
 
 def test_no_map_is_null() -> None:
@@ -67,4 +67,4 @@ def test_objects_say_all_that_is_drawn() -> None:
 
 
 def test_the_office_is_small() -> None:
-    assert len(encode(plan(shipped_map("office")))) < 20_000
+    assert len(encode(map_message(shipped_map("office")))) < 20_000

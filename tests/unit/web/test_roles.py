@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
-from pioneer3.web.visitor import ONLY_DRIVERS, REVOKED
+from pioneer3.web.client import ONLY_DRIVERS, REVOKED
 from tests.unit.web.asking import ELSEWHERE, LAN, Script
 from tests.unit.web.browser import Browser, Playground, Product, playground, product
 
@@ -69,7 +69,7 @@ async def test_a_viewer_does_not_do_what_drivers_do(
         vera.say(request_, **fields)
         await asyncio.sleep(0.5)
         assert vera.all("refused") == [{"type": "refused", "message": ONLY_DRIVERS}]
-        assert the.wheel.holder is None
+        assert the.control.holder is None
         assert the.travelled == 0.0
 
 
@@ -118,7 +118,7 @@ async def test_revoking_stops_what_they_drive_and_closes_their_page() -> None:
         assert ann.closed == REVOKED
         await driving
         assert the.speed == 0.0
-        assert the.page.people.guests == {}
+        assert the.page.clients.connected == {}
 
 
 async def test_a_page_that_is_open_all_day_is_not_idle() -> None:

@@ -7,9 +7,10 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.state import Scan
-from pioneer3.web.scans import sweep
+from pioneer3.web.broadcast import sweep
+from pioneer3.web.messages import encode
 from tests.support import wall_at
-from tests.unit.web.browser import Browser, playground
+from tests.unit.web.browser import Browser, playground, strict
 
 SOON = 0.5
 
@@ -23,9 +24,9 @@ def test_a_sweep_is_told_in_whole_numbers() -> None:
         angles=(-0.1, 0.0, 0.1),
         ranges=(1.2344, inf, 0.5),
     )
-    assert sweep(7, scan, Pose2(1.0, -2.0, 0.5)) == {
+    assert strict(encode(sweep(7, scan, Pose2(1.0, -2.0, 0.5)))) == {
         "robot": 7,
-        "pose": (1000, -2000, 500),
+        "pose": [1000, -2000, 500],
         "first": -0.1,
         "step": 0.1,
         "ranges": [1234, 0, 500],

@@ -13,10 +13,10 @@ from pioneer3 import connect_async
 from pioneer3.errors import CommandError
 from pioneer3.tasks import running
 from pioneer3.web.app import make_app
+from pioneer3.web.broadcast import PERIOD
 from pioneer3.web.page import Page
+from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
-from pioneer3.web.snapshots import PERIOD
-from pioneer3.web.station import Station
 from tests.support import SimulatedRobot
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser
@@ -29,7 +29,7 @@ class Fleet:
     """Robots in worlds of their own, and the page of them all."""
 
     sims: list[SimulatedRobot]
-    stations: list[Station]
+    views: list[RobotView]
     page: Page
     app: ASGIApp
 
@@ -52,12 +52,12 @@ async def fleet(count: int, *names: str) -> AsyncIterator[Fleet]:
         sims = [await stack.enter_async_context(SimulatedRobot()) for _ in range(count)]
         robots = [await stack.enter_async_context(connect_async(sim.open)) for sim in sims]
         called = [*names, *[""] * (count - len(names))]
-        stations = [
+        views = [
             await stack.enter_async_context(page.hosting(robot, Scene(), name))
             for robot, name in zip(robots, called, strict=True)
         ]
         await stack.enter_async_context(running(page.run()))
-        yield Fleet(sims, stations, page, make_app(page))
+        yield Fleet(sims, views, page, make_app(page))
 
 
 async def keep_driving(who: Browser, robot: int, v: float, seconds: float) -> None:
@@ -152,7 +152,7 @@ async def test_who_goes_lets_go_of_every_wheel() -> None:
         await ann.leave()
         await asyncio.sleep(BRAKING)
         assert the.speeds == [0.0, 0.0]
-        assert [station.wheel.holder for station in the.stations] == [None, None]
+        assert [view.control.holder for view in the.views] == [None, None]
 
 
 async def test_news_of_a_wheel_names_the_robot() -> None:
@@ -193,7 +193,7 @@ async def test_a_robot_that_comes_and_goes_is_told() -> None:
         await asyncio.sleep(0.5)
         assert len(ann.snapshots(2)) == heard
         with pytest.raises(CommandError):
-            the.page.station(2)
+            the.page.robot(2)
 
 
 async def test_frames_come_at_most_every_40_ms_and_lose_no_report() -> None:

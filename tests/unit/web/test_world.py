@@ -8,8 +8,7 @@ from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
 from pioneer3.models import model_names
 from pioneer3.sim.worldfile import Box, Person
-from pioneer3.web.world import WorldView
-from pioneer3.web.world_news import MOST_GONE, WorldNews
+from pioneer3.web.world import MOST_GONE, WorldChannel, WorldView
 from tests.unit.web.browser import simulated, strict
 
 BOX = Box(pose=Pose2(3.0, 1.0, 0.5), size=(1.0, 0.4), name="crate")
@@ -26,13 +25,13 @@ def view_of(*poses: Pose2) -> WorldView:
 class News:
     """What one page hears that has nothing else to do."""
 
-    def __init__(self, view: WorldView, shared: WorldNews | None = None) -> None:
-        self.shared = shared or WorldNews(view)
+    def __init__(self, view: WorldView, shared: WorldChannel | None = None) -> None:
+        self.shared = shared or WorldChannel(view)
         self._seen = 0
 
     def next(self) -> str | None:
         """Return the next message, `None` if there is none."""
-        self.shared.look()
+        self.shared.update()
         texts, self._seen = self.shared.since(self._seen), self.shared.version
         return texts[0] if texts else None
 
@@ -169,8 +168,8 @@ def test_the_time_is_told_while_it_stands_still() -> None:
 
 def test_every_shipped_model_can_be_added() -> None:
     models = view_of(Pose2()).models
-    assert tuple(model["name"] for model in models) == model_names()
-    assert all(model["title"] for model in models)
+    assert tuple(model.name for model in models) == model_names()
+    assert all(model.title for model in models)
 
 
 def test_who_missed_some_hears_all_of_it_at_once_and_nothing_twice() -> None:

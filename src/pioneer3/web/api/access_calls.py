@@ -25,7 +25,7 @@ def pair(call: Call, body: types.Pairing) -> types.Me | Problem:
         return Problem(429, f"too many attempts; try again in {wait:.0f} s")
     name = body.name or device(Headers(raw=call.scope["headers"]).get("user-agent", ""))
     try:
-        others = [guest.name for guest in call.page.people.guests.values()]
+        others = [client.name for client in call.page.clients.connected.values()]
         paired = access.pair(body.token, name, body.role, others)
     except OverflowError as error:
         return Problem(409, str(error))

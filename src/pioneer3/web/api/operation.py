@@ -14,7 +14,7 @@ from pioneer3.web.access.sessions import Session
 from pioneer3.web.page import Page
 from pioneer3.web.problem import Problem
 from pioneer3.web.requests import TOO_DEEP
-from pioneer3.web.station import Station
+from pioneer3.web.robot_view import RobotView
 
 Method = Literal["GET", "POST", "PUT", "DELETE"]
 
@@ -37,7 +37,7 @@ class Call:
     session: Session | None
     scope: Mapping[str, Any]
     path: Mapping[str, str]
-    at: Station | None = None
+    at: RobotView | None = None
     address: str = ""
     cookie: str | None = None
 
@@ -48,7 +48,7 @@ class Call:
         return self.session
 
     @property
-    def station(self) -> Station:
+    def view(self) -> RobotView:
         """The robot that it is about, where the path names one."""
         assert self.at is not None
         return self.at

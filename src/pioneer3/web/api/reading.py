@@ -4,16 +4,16 @@ from math import isfinite
 
 from pioneer3.state import Snapshot
 from pioneer3.web.api import types
-from pioneer3.web.station import Station
+from pioneer3.web.robot_view import RobotView
 
 
-def described(station: Station) -> types.Robot:
+def described(view: RobotView) -> types.Robot:
     """Return who a robot is, and how it stands with the link."""
-    robot = station.robot
+    robot = view.robot
     info, status = robot.info, robot.supervisor.status.latest
     return types.Robot(
-        number=station.number,
-        name=station.name,
+        number=view.number,
+        name=view.name,
         model=info.model.name,
         title=info.model.title,
         url=info.url,
@@ -23,10 +23,10 @@ def described(station: Station) -> types.Robot:
     )
 
 
-def read(station: Station, now: Snapshot) -> types.Snapshot:
+def read(view: RobotView, now: Snapshot) -> types.Snapshot:
     """Return one reading, and who drives."""
     pose, twist = now.odometry.robot_in_odom, now.odometry.twist
-    driver = station.wheel.driver()
+    driver = view.control.driver()
     return types.Snapshot(
         sequence=now.sequence,
         pose=types.Pose(pose.x, pose.y, pose.theta),
@@ -42,7 +42,7 @@ def read(station: Station, now: Snapshot) -> types.Snapshot:
         ),
         bumpers=types.Bumpers(list(now.bumpers.front), list(now.bumpers.rear)),
         faults=list(now.faults),
-        emergency_stop=station.robot.supervisor.pilot.emergency,
-        why=station.robot.why_not_moving(),
+        emergency_stop=view.robot.supervisor.pilot.emergency,
+        why=view.robot.why_not_moving(),
         driver=driver if driver is None or isinstance(driver, str) else driver.name,
     )

@@ -7,21 +7,21 @@ from pioneer3.web.access.role import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import Call, operation
 from pioneer3.web.api.reading import described, read
-from pioneer3.web.modes import Goto, Mode, make
+from pioneer3.web.modes import Goto, Mode
 from pioneer3.web.problem import Problem
 
 
 def list_robots(call: Call) -> list[types.Robot]:
     """List the robots."""
-    return [described(station) for station in call.page.stations.values()]
+    return [described(view) for view in call.page.robots.values()]
 
 
 def get_snapshot(call: Call) -> types.Snapshot | Problem:
     """Read everything the robot says."""
-    snapshot = call.station.robot.snapshot
+    snapshot = call.view.robot.snapshot
     if snapshot is None:
         return Problem(409, "the robot is not connected")
-    return read(call.station, snapshot)
+    return read(call.view, snapshot)
 
 
 def emergency_stop_all(call: Call) -> None:
@@ -31,25 +31,25 @@ def emergency_stop_all(call: Call) -> None:
 
 def stop(call: Call) -> types.Answered | Problem:
     """Stand still, whoever drives."""
-    call.station.robot.arbiter.stop()
+    call.view.robot.arbiter.stop()
     return _answered(call)
 
 
 def emergency_stop(call: Call) -> types.Answered | Problem:
     """Stop as hard as possible, motors off, until it is reset."""
-    call.station.robot.emergency_stop()
+    call.view.robot.emergency_stop()
     return _answered(call)
 
 
 def reset_emergency_stop(call: Call) -> types.Answered | Problem:
     """Release the emergency stop. The motors stay off."""
-    call.station.robot.reset_emergency_stop()
+    call.view.robot.reset_emergency_stop()
     return _answered(call)
 
 
 def switch_motors(call: Call, body: types.Switch) -> types.Answered | Problem:
     """Stop, then switch the motors' power."""
-    if refused := _refused(call.station.robot.arbiter.set_motors(on=body.on)):
+    if refused := _refused(call.view.robot.arbiter.set_motors(on=body.on)):
         return refused
     return _answered(call)
 
@@ -60,14 +60,14 @@ def drive(call: Call, body: types.Velocity) -> types.Answered | Problem:
     Takes the wheel if it is free. Send it 10 to 20 times a second, and 0, 0 in the end.
     """
     twist = checked(body.v, body.w)
-    if refused := _refused(call.station.wheel.drive(call.who, twist)):
+    if refused := _refused(call.view.control.drive(call.who, twist)):
         return refused
     return _answered(call)
 
 
 def get_wheel(call: Call) -> types.WheelState | Problem:
     """Say who has the wheel."""
-    holder = call.station.wheel.holder
+    holder = call.view.control.holder
     return types.WheelState(holder.name if holder else None, holder is call.who)
 
 
@@ -76,23 +76,23 @@ def take_wheel(call: Call, body: types.Wanted) -> types.WheelState | Problem:
 
     It is yours for longer while you drive, or a mode that you started runs.
     """
-    wheel = call.station.wheel
+    control = call.view.control
     if body.take_over:
-        wheel.take_over(call.who)
-    elif why := wheel.take(call.who, keep=True):
+        control.take_over(call.who)
+    elif why := control.take(call.who, keep=True):
         return Problem(409, why)
     return get_wheel(call)
 
 
 def give_up_wheel(call: Call) -> Problem | None:
     """Give up the wheel; the robot stops. Nothing happens if it is not yours."""
-    call.station.wheel.let_go(call.who)
+    call.view.control.release(call.who)
     return None
 
 
 def get_mode(call: Call) -> types.ModeState | Problem:
     """Say which mode runs, or how the last one ended."""
-    arbiter = call.station.robot.arbiter
+    arbiter = call.view.robot.arbiter
     ended = arbiter.ended
     return types.ModeState(
         mode=arbiter.mode.name if arbiter.mode else None,
@@ -107,16 +107,13 @@ def start_mode(call: Call, body: Mode) -> types.ModeState | Problem:
 
     Takes the wheel if it is free; it is yours while the mode runs.
     """
-    if call.station.robot.snapshot is None:
-        return Problem(409, "the robot is not connected")
-    mode = make(body, call.station.robot.info.limits)
-    refused = call.station.wheel.start(call.who, mode, body.seconds, patience=inf)
+    refused = call.view.control.start_mode(call.who, body, patience=inf)
     return _refused(refused) or get_mode(call)
 
 
 def end_mode(call: Call) -> types.ModeState | Problem:
     """End the mode; its motion ends at once."""
-    return _refused(call.station.wheel.end_mode(call.who)) or get_mode(call)
+    return _refused(call.view.control.end_mode(call.who)) or get_mode(call)
 
 
 def goto(call: Call, body: Goto) -> types.ModeState | Problem:
@@ -129,7 +126,7 @@ def _refused(why: str | None) -> Problem | None:
 
 
 def _answered(call: Call) -> types.Answered:
-    return types.Answered(call.station.robot.why_not_moving())
+    return types.Answered(call.view.robot.why_not_moving())
 
 
 ROBOT = "/api/robots/{robot}"

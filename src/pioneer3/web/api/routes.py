@@ -17,7 +17,7 @@ from pioneer3.web.api.operation import Call, Operation, decode
 from pioneer3.web.api.robot_calls import ROBOTS
 from pioneer3.web.page import Page
 from pioneer3.web.problem import Problem, answer
-from pioneer3.web.station import Station
+from pioneer3.web.robot_view import RobotView
 
 OPERATIONS = (*ROBOTS, *ACCESS)
 LONGEST_BODY = 16_384
@@ -71,9 +71,9 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
     return Response(msgspec.json.encode(result), headers=headers, media_type=JSON)
 
 
-def _named(page: Page, path: Mapping[str, str]) -> Station | None:
+def _named(page: Page, path: Mapping[str, str]) -> RobotView | None:
     """Return the robot whose number stands in `path`, written as it is told."""
-    by_number = {str(number): station for number, station in page.stations.items()}
+    by_number = {str(number): view for number, view in page.robots.items()}
     return by_number.get(path.get("robot", ""))
 
 

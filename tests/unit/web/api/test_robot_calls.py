@@ -11,8 +11,8 @@ from pioneer3.web.access.role import Role
 from pioneer3.web.access.sessions import Kind
 from pioneer3.web.api.openapi import openapi
 from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
+from pioneer3.web.control import KEPT
 from pioneer3.web.modes import Follow, Goto, Wander
-from pioneer3.web.wheel import KEPT
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
 
@@ -105,7 +105,7 @@ async def test_the_wheel_is_taken_over_openly() -> None:
         early = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
         assert (early.status, early.detail) == (409, "the robot is still stopping")
         assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204
-        assert the.wheel.holder is None
+        assert the.control.holder is None
 
 
 async def test_it_goes_to_a_point_and_says_how_that_ended() -> None:
@@ -239,7 +239,7 @@ async def test_what_is_no_velocity_is_refused_in_words(raw: bytes, kind: str, st
         answer = await script.ask("POST", f"{ROBOT}/drive", raw=raw)
         assert answer.status == status
         assert answer.detail
-        assert the.wheel.holder is None
+        assert the.control.holder is None
 
 
 @pytest.mark.parametrize("number", ["2", "0", "-1", "01", "x", "1.0"])

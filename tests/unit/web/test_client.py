@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from pioneer3.teleop.lease import TERM
-from pioneer3.web.wheel import EXPIRY
+from pioneer3.web.control import EXPIRY, TERM
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, product
 

@@ -1,4 +1,4 @@
-"""The wheel: taken, kept, handed over, taken over, lost. Virtual time."""
+"""Control: taken, kept, handed over, taken over, lost. Virtual time."""
 
 import asyncio
 from math import inf
@@ -7,8 +7,7 @@ import pytest
 
 from pioneer3.behaviors.modes import wander
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.teleop.lease import TERM
-from pioneer3.web.wheel import EXPIRY, KEPT, STOPPING
+from pioneer3.web.control import EXPIRY, KEPT, STOPPING, TERM
 from tests.unit.web.browser import Browser, Product, product
 from tests.unit.web.test_page import ANN, BOB
 
@@ -19,42 +18,42 @@ async def hold(the: Product, who: object, twist: Twist2, seconds: float) -> None
     """Let `who` hold `twist` for so long."""
     end = asyncio.get_running_loop().time() + seconds
     while asyncio.get_running_loop().time() < end:
-        the.wheel.drive(ANN if who is ANN else BOB, twist)
+        the.control.drive(ANN if who is ANN else BOB, twist)
         await asyncio.sleep(0.066)
 
 
 async def test_who_asks_for_the_wheel_keeps_it_while_they_are_heard_of() -> None:
     async with product() as the:
-        wheel = the.wheel
-        assert wheel.take(ANN, keep=True) is None
+        control = the.control
+        assert control.take(ANN, keep=True) is None
         for _ in range(10):
             await asyncio.sleep(KEPT - 0.1)
-            assert wheel.drive(BOB, FORWARD) == "ann has the wheel"
-            wheel.heard_of(ANN)
+            assert control.drive(BOB, FORWARD) == "ann has the wheel"
+            control.keep_alive(ANN)
         await asyncio.sleep(KEPT)
-        assert wheel.holder is None
-        assert wheel.drive(BOB, FORWARD) is None
+        assert control.holder is None
+        assert control.drive(BOB, FORWARD) is None
 
 
 async def test_being_heard_of_is_not_enough_without_asking() -> None:
     async with product() as the:
-        wheel = the.wheel
-        wheel.drive(ANN, FORWARD)
-        wheel.drive(ANN, STILL)
+        control = the.control
+        control.drive(ANN, FORWARD)
+        control.drive(ANN, STILL)
         await asyncio.sleep(TERM / 2)
-        wheel.heard_of(ANN)
+        control.keep_alive(ANN)
         await asyncio.sleep(TERM / 2 + 0.001)
-        assert wheel.holder is None
+        assert control.holder is None
 
 
 async def test_a_take_over_stops_the_robot_first() -> None:
     async with product() as the:
         await hold(the, ANN, FORWARD, 2.0)
         assert the.speed == pytest.approx(0.3)
-        the.wheel.take_over(BOB)
-        assert the.wheel.holder is BOB
-        assert the.wheel.drive(BOB, BACK) == "the robot is still stopping"
-        assert the.wheel.drive(ANN, FORWARD) == "bob has the wheel"
+        the.control.take_over(BOB)
+        assert the.control.holder is BOB
+        assert the.control.drive(BOB, BACK) == "the robot is still stopping"
+        assert the.control.drive(ANN, FORWARD) == "bob has the wheel"
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
         await hold(the, BOB, BACK, 1.5)
@@ -63,19 +62,19 @@ async def test_a_take_over_stops_the_robot_first() -> None:
 
 async def test_a_robot_that_somebody_pushes_is_not_waited_for_for_ever() -> None:
     async with product() as the:
-        the.wheel.take(ANN, keep=True)
-        the.wheel.take_over(BOB)
+        the.control.take(ANN, keep=True)
+        the.control.take_over(BOB)
         await hold(the, BOB, FORWARD, 0.5)
-        the.wheel.drive(BOB, STILL)
-        the.wheel._stopping_until = asyncio.get_running_loop().time() + STOPPING
+        the.control.drive(BOB, STILL)
+        the.control._stopping_until = asyncio.get_running_loop().time() + STOPPING
         await asyncio.sleep(STOPPING)
-        assert the.wheel.drive(BOB, FORWARD) is None
+        assert the.control.drive(BOB, FORWARD) is None
 
 
 async def test_taking_over_what_is_yours_changes_nothing() -> None:
     async with product() as the:
         await hold(the, ANN, FORWARD, 1.5)
-        the.wheel.take_over(ANN)
+        the.control.take_over(ANN)
         await asyncio.sleep(0.2)
         assert the.speed == pytest.approx(0.3)
 
@@ -83,33 +82,33 @@ async def test_taking_over_what_is_yours_changes_nothing() -> None:
 async def test_handing_over_stops_the_robot_and_passes_the_wheel() -> None:
     async with product() as the:
         await hold(the, ANN, FORWARD, 1.5)
-        assert the.wheel.hand_over(BOB, ANN) == "you do not have the wheel"
-        assert the.wheel.hand_over(ANN, BOB) is None
-        assert the.wheel.holder is BOB
+        assert the.control.hand_over(BOB, ANN) == "you do not have the wheel"
+        assert the.control.hand_over(ANN, BOB) is None
+        assert the.control.holder is BOB
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
-        assert the.wheel.drive(ANN, FORWARD) == "bob has the wheel"
+        assert the.control.drive(ANN, FORWARD) == "bob has the wheel"
 
 
 async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
     async with product() as the:
-        wheel = the.wheel
-        assert wheel.start(ANN, wander(), 20.0, patience=inf) is None
+        control = the.control
+        assert control.start(ANN, wander(), 20.0, patience=inf) is None
         await asyncio.sleep(10.0)
         assert the.travelled > 0.3
-        assert wheel.holder is wheel.driver() is ANN
-        assert wheel.start(BOB, wander(), 20.0) == "ann has the wheel"
-        assert wheel.end_mode(BOB) == "ann has the wheel"
+        assert control.holder is control.driver() is ANN
+        assert control.start(BOB, wander(), 20.0) == "ann has the wheel"
+        assert control.end_mode(BOB) == "ann has the wheel"
         await asyncio.sleep(10.1)
-        assert wheel.holder is None
+        assert control.holder is None
         assert the.robot.arbiter.ended is not None
         assert the.robot.arbiter.ended.why == "its time was over"
 
 
 async def test_the_time_of_a_mode_ends_no_other() -> None:
     async with product() as the:
-        the.wheel.start(ANN, wander(), 1.0)
-        the.wheel.start(ANN, wander(), 20.0, patience=inf)
+        the.control.start(ANN, wander(), 1.0)
+        the.control.start(ANN, wander(), 20.0, patience=inf)
         await asyncio.sleep(5.0)
         assert the.robot.arbiter.mode is not None
 
@@ -117,7 +116,7 @@ async def test_the_time_of_a_mode_ends_no_other() -> None:
 @pytest.mark.parametrize(
     ("how", "why"),
     [
-        ("let_go", "ann let go"),
+        ("release", "ann let go"),
         ("take_over", "bob took over"),
         ("stop", "ann stopped the robot"),
         ("end_mode", "ann ended it"),
@@ -125,9 +124,9 @@ async def test_the_time_of_a_mode_ends_no_other() -> None:
 )
 async def test_a_mode_ends_with_who_started_it_and_says_who_ended_it(how: str, why: str) -> None:
     async with product() as the:
-        the.wheel.start(ANN, wander(), 100.0, patience=inf)
+        the.control.start(ANN, wander(), 100.0, patience=inf)
         await asyncio.sleep(3.0)
-        getattr(the.wheel, how)(BOB if how == "take_over" else ANN)
+        getattr(the.control, how)(BOB if how == "take_over" else ANN)
         assert the.robot.arbiter.mode is None
         assert the.robot.arbiter.ended is not None
         assert the.robot.arbiter.ended.why == why
@@ -172,7 +171,7 @@ async def test_a_page_that_only_lies_open_keeps_the_wheel_by_its_pings() -> None
         await asyncio.sleep(0.1)
         assert bob.latest("refused")["message"] == "script has the wheel"
         await ann.leave()
-        assert the.wheel.holder is None
+        assert the.control.holder is None
 
 
 async def test_nobody_is_handed_the_wheel_who_is_not_here() -> None:

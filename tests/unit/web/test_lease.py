@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.teleop.lease import TERM, Lease
+from pioneer3.web.control import TERM, Lease
 
 
 def test_nobody_holds_a_new_lease() -> None:
@@ -37,7 +37,7 @@ def test_a_refused_attempt_does_not_prolong_the_lease() -> None:
 def test_whoever_gives_up_frees_the_wheel_at_once() -> None:
     lease = Lease[str]()
     lease.take("ann", 0.0)
-    lease.give_up("ann")
+    lease.release("ann")
     assert lease.holder(0.0) is None
     assert lease.take("bob", 0.0)
 
@@ -45,7 +45,7 @@ def test_whoever_gives_up_frees_the_wheel_at_once() -> None:
 def test_giving_up_what_another_holds_changes_nothing() -> None:
     lease = Lease[str]()
     lease.take("ann", 0.0)
-    lease.give_up("bob")
+    lease.release("bob")
     assert lease.holder(0.0) == "ann"
 
 

@@ -5,9 +5,9 @@ from collections.abc import MutableMapping
 from itertools import pairwise
 from typing import Any
 
-from pioneer3.web.outbox import MOST_ANSWERS, Outbox
-from pioneer3.web.snapshots import GATHER, PERIOD, Snapshots
-from pioneer3.web.visitor import PATIENCE
+from pioneer3.web.broadcast import GATHER, PERIOD, FrameChannel
+from pioneer3.web.client import MOST_ANSWERS, PATIENCE, SendQueue
+from pioneer3.web.messages import Pong
 from tests.unit.web.browser import Browser, Product, product
 
 
@@ -64,24 +64,24 @@ async def test_a_page_that_takes_nothing_for_ten_seconds_is_sent_away_and_told_w
         assert ann.hung_up == []
         await asyncio.sleep(1.0)
         assert ann.hung_up == [(1013, "it took nothing for 10 s")]
-        assert the.page.people.guests == {}
-        assert the.wheel.holder is None
+        assert the.page.clients.connected == {}
+        assert the.control.holder is None
 
 
 async def test_answers_that_nobody_takes_are_not_piled_up() -> None:
     async with product() as the, Browser(the.app) as ann:
         number = ann.latest("people")["id"]
-        outbox = Outbox(the.page, number)
+        queue = SendQueue(the.page, number)
         for count in range(10 * MOST_ANSWERS):
-            outbox.answer({"type": "pong", "t": count})
-        texts = list(await outbox.news())
+            queue.answer(Pong(count))
+        texts = list(await queue.news())
         assert sum('"pong"' in text for text in texts) == MOST_ANSWERS
         assert f'"t":{10 * MOST_ANSWERS - 1}' in texts[-1]
 
 
 async def test_the_first_snapshot_after_a_pause_goes_out_at_once_and_then_they_are_paced() -> None:
     loop, flushed = asyncio.get_running_loop(), list[float]()
-    snapshots = Snapshots(lambda: flushed.append(loop.time()))
+    snapshots = FrameChannel(lambda: flushed.append(loop.time()))
     await asyncio.sleep(1.0)
     began = loop.time()
     for number in range(100):
@@ -94,7 +94,7 @@ async def test_the_first_snapshot_after_a_pause_goes_out_at_once_and_then_they_a
 
 
 async def test_all_who_are_equally_late_share_one_frame() -> None:
-    snapshots = Snapshots(lambda: None)
+    snapshots = FrameChannel(lambda: None)
     snapshots.put(1, "a1")
     await asyncio.sleep(1.0)
     snapshots.put(2, "b1")

@@ -6,8 +6,8 @@ from typing import get_args
 import pytest
 
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.web.hands import RANKS, Input
-from pioneer3.web.wheel import EXPIRY
+from pioneer3.web.control import EXPIRY, INPUTS
+from pioneer3.web.requests import Input
 from tests.unit.web.browser import Browser, Product, product
 from tests.unit.web.test_page import ANN
 
@@ -46,7 +46,7 @@ async def test_each_input_drives_at_its_priority(source: Input) -> None:
         grip = Grip(ann, source, 0.3)
         await asyncio.sleep(1.5)
         assert the.speed == pytest.approx(0.3)
-        assert the.robot.arbiter.driver == RANKS[source][0]
+        assert the.robot.arbiter.driver == INPUTS[source][0]
         assert ann.driver == "you"
         await grip.let_go()
         await asyncio.sleep(BRAKING)
@@ -54,7 +54,7 @@ async def test_each_input_drives_at_its_priority(source: Input) -> None:
 
 
 def test_priorities_are_those_of_twist_mux() -> None:
-    assert {source: rank for source, (_, rank) in RANKS.items()} == {
+    assert {source: rank for source, (_, rank) in INPUTS.items()} == {
         "gamepad": 100,
         "keyboard": 90,
         "touch": 80,
@@ -154,22 +154,22 @@ async def test_the_wheel_lost_in_the_middle_ends_every_input(source: Input) -> N
 
 async def test_who_leaves_lets_go_of_all_inputs() -> None:
     async with product() as the:
-        wheel = the.wheel
+        control = the.control
         async with Browser(the.app) as ann:
             grips = [Grip(ann, "touch", 0.3), Grip(ann, "gamepad", 0.2)]
             await asyncio.sleep(0.3)
             for grip in grips:
                 grip.task.cancel()
             await asyncio.sleep(0)
-        assert wheel.holder is None
+        assert control.holder is None
         assert wanted(the) == 0.0
 
 
 async def test_scripts_count_as_touch() -> None:
     async with product() as the:
-        assert the.wheel.drive(ANN, Twist2(0.2, 0.0)) is None
+        assert the.control.drive(ANN, Twist2(0.2, 0.0)) is None
         assert the.robot.arbiter.driver == "web"
-        the.wheel.drive(ANN, STILL)
+        the.control.drive(ANN, STILL)
         assert the.robot.arbiter.driver is None
 
 

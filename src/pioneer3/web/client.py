@@ -1,0 +1,278 @@
+"""One client of the page, a WebSocket: its requests are carried out, its texts are sent.
+
+Sending waits for the network, receiving never does: a page that takes no texts can still stop a
+robot.
+"""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+
+from msgspec import MsgspecError
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from pioneer3.errors import CommandError
+from pioneer3.robot.limits import checked
+from pioneer3.web import requests
+from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Session
+from pioneer3.web.broadcast import Channel
+from pioneer3.web.messages import EditRefused, Message, Pong, Refused, Told, encode
+from pioneer3.web.page import Page
+from pioneer3.web.robot_view import RobotView
+
+log = logging.getLogger(__name__)
+
+PATIENCE = 10.0
+"""The connection of a page that takes nothing for this long is closed [s]."""
+REVOKED = 4401
+"""Close code for a session that was revoked."""
+TRY_AGAIN_LATER = 1013
+"""Close code for a page that takes nothing."""
+ONLY_DRIVERS = "you are a viewer: you may look, and stop the robot"
+MOST_ANSWERS = 32
+"""A client that takes no answers misses the oldest."""
+
+
+class SendQueue:
+    """The texts that a client has not been sent yet, made when they can be sent: the newest then.
+
+    It stays small however slow the client is. Snapshots begin with the first one that comes: an old
+    one would look like a fresh one.
+
+    Attributes:
+        details: The channel that this client alone has subscribed to.
+    """
+
+    def __init__(self, page: Page, number: int) -> None:
+        self._page = page
+        self._number = number
+        self._clients = 0
+        self._seen: dict[Channel, int] = {
+            page.snapshots: page.snapshots.version,
+            page.scans: page.scans.version,
+        }
+        self.details: Channel | None = None
+        self._answers: deque[str] = deque(maxlen=MOST_ANSWERS)
+        self._news = asyncio.Event()
+        self._news.set()
+
+    def wake(self) -> None:
+        """Look for new texts."""
+        self._news.set()
+
+    def answer(self, message: Message) -> None:
+        """Add a message for this client alone."""
+        self._answers.append(encode(message))
+        self.wake()
+
+    async def news(self) -> Iterator[str]:
+        """Wait for something new; return all of it, to be sent one by one."""
+        await self._news.wait()
+        self._news.clear()
+        return self._due()
+
+    def _due(self) -> Iterator[str]:
+        page = self._page
+        yield from self._newer(page.retained)
+        if page.clients.version != self._clients:
+            self._clients = page.clients.version
+            yield page.clients.message_for(self._number)
+        if page.world_changes is not None:
+            yield from self._newer(page.world_changes)
+        yield from self._newer(page.snapshots)
+        if self.details is not None:
+            yield from self._newer(self.details)
+        if page.scans.has(self._number):
+            yield from self._newer(page.scans)
+        while self._answers:
+            yield self._answers.popleft()
+
+    def _newer(self, channel: Channel) -> list[str]:
+        seen = self._seen.get(channel, 0)
+        self._seen[channel] = channel.version
+        return channel.since(seen) if channel.version > seen else []
+
+
+class Client:
+    """Serves one WebSocket of `page` that belongs to `session`."""
+
+    def __init__(self, page: Page, socket: WebSocket, session: Session) -> None:
+        self._page = page
+        self._socket = socket
+        self._session = session
+        self.name = page.name_for(session, socket.headers.get("user-agent", ""))
+        self._queue: SendQueue | None = None
+        self._number = 0
+
+    @property
+    def role(self) -> Role:
+        """The permissions of the client."""
+        return self._session.role
+
+    def tell(self, news: str) -> None:
+        """Show `news`; a client that reads too slowly misses the oldest."""
+        self._answer(Told(news))
+
+    def wake(self) -> None:
+        """Look for new texts."""
+        if self._queue is not None:
+            self._queue.wake()
+
+    async def serve(self) -> None:
+        """Talk until the browser goes; then end its control."""
+        await self._socket.accept()
+        self._number = number = self._page.join(self)
+        self._queue = queue = SendQueue(self._page, number)
+        parts = (self._send(queue), self._receive(), self._await_revocation())
+        talk = [asyncio.ensure_future(part) for part in (*parts, self._page.closed.wait())]
+        try:
+            await asyncio.wait(talk, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._page.leave(number)
+            for task in talk:
+                task.cancel()
+            for result in await asyncio.gather(*talk, return_exceptions=True):
+                if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
+                    log.debug("a page went away: %r", result)
+
+    async def _send(self, queue: SendQueue) -> None:
+        try:
+            while True:
+                for text in await queue.news():
+                    async with asyncio.timeout(PATIENCE):
+                        await self._socket.send_text(text)
+        except TimeoutError:
+            why = f"it took nothing for {PATIENCE:.0f} s"
+            log.info("%s: its page is closed: %s", self.name, why)
+            self._hang_up(TRY_AGAIN_LATER, why)
+
+    async def _await_revocation(self) -> None:
+        """Close when the session is revoked."""
+        await self._session.ended.wait()
+        self._page.release_control(self)
+        why = "this session was revoked"
+        try:
+            async with asyncio.timeout(1.0):
+                await self._socket.close(REVOKED, why)
+        except TimeoutError:
+            self._hang_up(REVOKED, why)
+
+    def _hang_up(self, code: int, why: str) -> None:
+        """Close the connection of a page that takes nothing, so that nothing is kept for it."""
+        hang_up: Callable[[int, str], None] | None = self._socket.scope["state"].get("hang_up")
+        if hang_up is not None:
+            hang_up(code, why)
+
+    async def _receive(self) -> None:
+        with suppress(WebSocketDisconnect):
+            while True:
+                answer = await self._answer_next()
+                if answer is not None:
+                    self._answer(answer)
+
+    async def _answer_next(self) -> Message | None:
+        """Receive one request and carry it out; return the answer, if there is one."""
+        try:
+            text = await self._socket.receive_text()
+        except KeyError:
+            return Refused("not understood: bytes, where text is expected")
+        try:
+            request = requests.decode(text)
+            self._keep_alive()
+            return self._check_permission(request) or await self._carry_out(request)
+        except (MsgspecError, CommandError) as error:
+            return Refused(f"not understood: {error}")
+
+    def _answer(self, message: Message) -> None:
+        if self._queue is not None:
+            self._queue.answer(message)
+
+    def _keep_alive(self) -> None:
+        self._session.seen = asyncio.get_running_loop().time()
+        self._page.keep_alive(self)
+
+    def _check_permission(self, request: requests.AnyRequest) -> Message | None:
+        """Return the refusal of a request that this role may not make, or `None`."""
+        if self.role is Role.DRIVER or isinstance(request, requests.FOR_ALL):
+            return None
+        refusal = EditRefused if isinstance(request, requests.Edit) else Refused
+        return refusal(ONLY_DRIVERS)
+
+    async def _carry_out(self, request: requests.AnyRequest) -> Message | None:
+        """Carry out a request; return the answer, if there is one."""
+        match request:
+            case requests.Ping(t):
+                return Pong(t)
+            case requests.EmergencyStop(robot=None):
+                self._page.emergency_stop()
+                return None
+            case requests.WatchDetails() | requests.AskConfig() | requests.WatchLasers():
+                self._subscribe(request)
+                return None
+            case requests.StartMode() | requests.Goto() | requests.EndMode():
+                refused = self._change_mode(self._page.robot(request.robot), request)
+            case requests.RobotRequest():
+                refused = self._drive(self._page.robot(request.robot), request)
+            case _:
+                return await self._page.edit(self, request)
+        return Refused(refused) if refused else None
+
+    def _drive(
+        self, view: RobotView, request: requests.DriveRequest | requests.ControlRequest
+    ) -> str | None:
+        """Carry out a request to drive or to control a robot; return the refusal, or `None`."""
+        control = view.control
+        match request:
+            case requests.Drive(v, w, source):
+                return control.drive_from_page(self, checked(v, w), source)
+            case requests.Stop():
+                control.stop(self)
+            case requests.EmergencyStop():
+                view.robot.emergency_stop()
+            case requests.ResetEmergencyStop():
+                view.robot.reset_emergency_stop()
+            case requests.SwitchMotors(on):
+                return view.robot.arbiter.set_motors(on=on)
+            case requests.TakeWheel():
+                return control.take(self, keep=True)
+            case requests.TakeOver():
+                control.take_over(self)
+            case requests.HandOver(to):
+                client = self._page.clients.connected.get(to)
+                if client is None or client.role is not Role.DRIVER:
+                    return "nobody of that number is here who may drive"
+                return control.hand_over(self, client)
+            case requests.GiveUpWheel():
+                control.release(self)
+        return None
+
+    def _change_mode(self, view: RobotView, request: requests.ModeRequest) -> str | None:
+        """Start or end a mode; return the refusal, or `None`."""
+        match request:
+            case requests.StartMode(mode):
+                return view.control.start_mode(self, mode)
+            case requests.EndMode():
+                return view.control.end_mode(self)
+        found = view.control.goto(self, request)
+        if found.warning:
+            self.tell(found.warning)
+        return found.refusal or None
+
+    def _subscribe(self, request: requests.ViewRequest) -> None:
+        """Change the subscriptions of this client."""
+        match request:
+            case requests.WatchLasers(on):
+                self._page.scans.subscribe(self._number, on=on)
+            case requests.WatchDetails(on):
+                view = self._page.robot(request.robot)
+                for each in self._page.robots.values():
+                    each.details.unsubscribe(self)
+                if self._queue is not None:
+                    self._queue.details = view.details.channel if on else None
+                if on:
+                    view.details.subscribe(self)
+            case requests.AskConfig():
+                self._page.robot(request.robot).details.request_config()

@@ -1,0 +1,359 @@
+"""Control of a robot from pages and scripts: who may drive it, and with which input.
+
+Rules:
+
+1. One operator at a time has control of a robot, by a lease. The others watch.
+2. Driving a robot that nobody controls takes control, until a moment after letting go.
+3. An operator who asks for control keeps it while the client is alive and while a mode runs that
+   the operator started. A mode that a page started ends with the page, and when the page falls
+   silent.
+4. A take-over stops the robot first. Then the new operator has control, and the old one is told.
+5. The robot stops when its operator leaves or gives up control.
+6. Of an operator's inputs a gamepad comes before the keyboard, and the keyboard before a touch.
+   One of them drives. The other has to be let go and held anew before it counts: no input drives
+   again by itself because another one was let go.
+
+Whether a command is fresh after a stop is decided in :class:`~pioneer3.behaviors.actions.Hold`;
+this module asks it.
+"""
+
+import asyncio
+from collections.abc import Callable
+from math import isfinite
+from typing import Generic, Protocol, TypeVar
+
+from pioneer3.behaviors.action import Stack
+from pioneer3.behaviors.actions import Hold
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.robot.pilot import STANDING, STOPPED
+from pioneer3.runtime.arbiter import Arbiter
+from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, WEB
+from pioneer3.runtime.robot import Robot
+from pioneer3.sim.placement.straight_path import PathCheck, check_path
+from pioneer3.web import requests
+from pioneer3.web.modes import Goto, Mode, make
+from pioneer3.web.requests import Input
+from pioneer3.web.scene import Scene
+
+T = TypeVar("T")
+
+TERM = 1.0
+"""A lease lasts this long after its holder let go [s]."""
+EXPIRY = 0.5
+"""A page that falls silent drives this much longer [s]."""
+KEPT = 5.0
+"""An operator who asked for control and falls silent loses it after this [s]."""
+STOPPING = 3.0
+"""After a take-over, commands wait for the robot to stand no longer than this [s]."""
+GOTO_TIME = 600.0
+"""To reach a place of the map [s]."""
+INPUTS: dict[Input, tuple[str, int]] = {
+    "gamepad": ("web gamepad", GAMEPAD),
+    "keyboard": ("web keyboard", KEYBOARD),
+    "touch": ("web", WEB),
+    "tilt": ("web", WEB),
+}
+"""Name and priority of the hold of each input; scripts count as touch."""
+
+
+class Operator(Protocol):
+    """A person or a script that can have control. Operators are compared by identity."""
+
+    @property
+    def name(self) -> str:
+        """Shown to all."""
+
+
+class Lease(Generic[T]):
+    """A right that one holder has at a time; it ends unless it is renewed."""
+
+    def __init__(self, term: float = TERM) -> None:
+        self._term = term
+        self._holder: T | None = None
+        self._until = float("-inf")
+
+    def take(self, holder: T, now: float, term: float | None = None) -> bool:
+        """Take or renew the lease at `now` [s, monotonic]; return whether `holder` has it.
+
+        It lasts for `term` [s], or longer if it did already.
+        """
+        before = self.holder(now)
+        if before is not None and before != holder:
+            return False
+        until = now + (self._term if term is None else term)
+        self._until = max(self._until, until) if before == holder else until
+        self._holder = holder
+        return True
+
+    def holder(self, now: float) -> T | None:
+        """Return the holder, or `None`."""
+        return self._holder if now < self._until else None
+
+    def release(self, holder: T) -> None:
+        """End the lease of `holder`; nothing happens if another has it."""
+        if self._holder == holder:
+            self._holder, self._until = None, float("-inf")
+
+
+class Inputs:
+    """The inputs of one operator, each a hold at the arbiter of the robot."""
+
+    def __init__(self, arbiter: Arbiter) -> None:
+        self._arbiter = arbiter
+        self._clock = asyncio.get_running_loop().time
+        self._holds: dict[int, Hold] = {}
+        for name, priority in dict(INPUTS.values()).items():
+            self._holds[priority] = Hold(name, streams=True)
+            arbiter.add(self._holds[priority], priority)
+        self._last = self._holds[WEB]
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of the holds in decisions."""
+        return frozenset(hold.name for hold in self._holds.values())
+
+    @property
+    def ignored(self) -> str | None:
+        """The reason to let go of the last input before it counts again, or `None`."""
+        return self._last.ignored(self._arbiter.last_stop)
+
+    def hold(self, source: Input, twist: Twist2, seconds: float) -> str | None:
+        """Hold `twist` for `seconds`; return the reason for the robot to ignore it, or `None`."""
+        priority, now, last = INPUTS[source][1], self._clock(), self._arbiter.last_stop
+        mine = self._last = self._holds[priority]
+        higher = [hold for p, hold in self._holds.items() if p > priority and hold.holds(now, last)]
+        if higher:
+            mine.set(twist, now, seconds, last)
+            mine.overrule(f"the {higher[0].name} drives", now)
+            return mine.ignored(last)
+        for lower in (hold for p, hold in self._holds.items() if p < priority):
+            lower.overrule(f"the {mine.name} drives", now)
+        return self._arbiter.hold(mine, twist, seconds)
+
+    def release(self, source: Input) -> None:
+        """Let go of one input; the robot stops if no other drives."""
+        self._last = self._holds[INPUTS[source][1]]
+        self._arbiter.release(self._last)
+
+    def release_all(self) -> None:
+        """Let go of every input; the robot stops if nothing else drives."""
+        for hold in self._holds.values():
+            hold.release()
+        self._arbiter.decide()
+
+    def stop(self, why: str = STOPPED) -> None:
+        """Let go of every input and stop, which ends a mode because of `why`.
+
+        Commands that others hold must be let go before they count again.
+        """
+        for hold in self._holds.values():
+            hold.release()
+        self._arbiter.stop(why=why)
+
+
+class Control:
+    """Lets one operator at a time drive `robot`; `tell` passes news on to an operator."""
+
+    def __init__(self, robot: Robot, scene: Scene, tell: Callable[[Operator, str], None]) -> None:
+        self._robot = robot
+        self._scene = scene
+        self._tell = tell
+        self._inputs = Inputs(robot.arbiter)
+        self._lease: Lease[Operator] = Lease()
+        self._keeper: Operator | None = None
+        self._mode: tuple[Operator, Stack] | None = None
+        self._heard_at = self._stopping_until = float("-inf")
+        self._clock = asyncio.get_running_loop().time
+
+    @property
+    def holder(self) -> Operator | None:
+        """The operator who has control, or `None`."""
+        return self._starter() or self._lease.holder(self._clock())
+
+    def driver(self) -> Operator | str | None:
+        """Return the operator who drives, or the name of the action that does, or `None`."""
+        name = self._robot.arbiter.driver
+        if name in self._inputs.names:
+            return self.holder
+        if self._mode and name in {ranked.action.name for ranked in self._mode[1].actions}:
+            return self._starter()
+        return name
+
+    def drive(self, operator: Operator, twist: Twist2, source: Input = "touch") -> str | None:
+        """Hold `twist` with an input; return the reason for the robot to ignore it, or `None`.
+
+        Zero lets go of the input.
+        """
+        if refused := self.take(operator) or self._stopping():
+            return refused
+        if twist.is_zero:
+            self._inputs.release(source)
+            return None
+        return self._inputs.hold(source, twist, EXPIRY)
+
+    def drive_from_page(
+        self, operator: Operator, twist: Twist2, source: Input = "touch"
+    ) -> str | None:
+        """Drive; return only a reason that asks the operator to do something.
+
+        Snapshots tell the other reasons.
+        """
+        refused = self.drive(operator, twist, source)
+        return refused if self._inputs.ignored or self.holder is not operator else None
+
+    def stop(self, operator: Operator) -> None:
+        """Stop for `operator`; commands of others must be let go before they count again.
+
+        Another operator who has control is told.
+        """
+        holder, why = self.holder, f"{operator.name} stopped the robot"
+        if holder is operator:
+            self._inputs.stop(why)
+            return
+        self._robot.arbiter.stop(why=why)
+        if holder is not None:
+            self._tell(holder, f"{why}; to drive on, let go and press again")
+
+    def start_mode(self, operator: Operator, mode: Mode, *, patience: float = KEPT) -> str | None:
+        """Start a mode of the page or the API as :meth:`start` does."""
+        if self._robot.snapshot is None:
+            return "the robot is not connected"
+        return self.start(
+            operator, make(mode, self._robot.info.limits), mode.seconds, patience=patience
+        )
+
+    def start(
+        self, operator: Operator, mode: Stack, seconds: float, *, patience: float = KEPT
+    ) -> str | None:
+        """Let `mode` drive for `seconds` at most; return the reason not to, or `None`.
+
+        It ends when :meth:`keep_alive` was not called for `operator` during `patience` [s].
+        Scripts, for which nothing calls that, pass `inf`.
+        """
+        if refused := self.take(operator) or self._stopping():
+            return refused
+        self._inputs.stop()
+        self._mode = (operator, mode)
+        self._heard_at = self._clock()
+        asyncio.get_running_loop().call_later(seconds, self._end, mode, "its time was over")
+        refused = self._robot.arbiter.start(mode)
+        if isfinite(patience):
+            self._watch_silence(mode, patience)
+        return refused
+
+    def goto(self, operator: Operator, request: requests.Goto) -> PathCheck:
+        """Drive straight to a place of the map; return the reasons against it.
+
+        The operator must stay connected.
+        """
+        snapshot = self._robot.snapshot
+        if snapshot is None:
+            return PathCheck("The robot is not connected.")
+        odom = snapshot.odometry.robot_in_odom
+        here, line_map = self._scene.robot_in_map(odom), self._scene.map_now
+        found = PathCheck()
+        if line_map is not None:
+            model = self._robot.info.model
+            found = check_path(line_map, model, (here.x, here.y), (request.x, request.y))
+        if found.refusal:
+            return found
+        place = Pose2(request.x, request.y, request.heading or 0.0)
+        goal = self._scene.odom_in_map_now(odom).inverse() @ place
+        heading = None if request.heading is None else goal.theta
+        mode = Goto(x=goal.x, y=goal.y, heading=heading, speed=request.speed, seconds=GOTO_TIME)
+        refused = self.start_mode(operator, mode)
+        return PathCheck(refused) if refused else found
+
+    def end_mode(self, operator: Operator) -> str | None:
+        """End the mode; return the reason not to, or `None`."""
+        if refused := self.take(operator):
+            return refused
+        self._robot.arbiter.end_mode(f"{operator.name} ended it")
+        return None
+
+    def take(self, operator: Operator, *, keep: bool = False) -> str | None:
+        """Give control to `operator` if it is free or theirs; return the reason not to, or `None`.
+
+        With `keep` it stays with the operator while the client is alive.
+        """
+        holder = self.holder
+        if holder is not None and holder is not operator:
+            return f"{holder.name} has the wheel"
+        self._lease.take(operator, self._clock(), KEPT if keep else None)
+        if keep or holder is None:
+            self._keeper = operator if keep else None
+        return None
+
+    def keep_alive(self, operator: Operator) -> None:
+        """Note that the client of `operator` is alive."""
+        if self._mode is not None and self._mode[0] is operator:
+            self._heard_at = self._clock()
+        if self._keeper is operator and self._lease.holder(self._clock()) is operator:
+            self._lease.take(operator, self._clock(), KEPT)
+
+    def take_over(self, operator: Operator) -> None:
+        """Stop the robot, and give control to `operator`; the operator before is told."""
+        before = self.holder
+        if before is not operator:
+            self._inputs.stop(f"{operator.name} took over")
+            self._stopping_until = self._clock() + STOPPING
+        self._pass_to(operator)
+        if before is not None and before is not operator:
+            self._tell(before, f"{operator.name} took over; you watch now")
+
+    def hand_over(self, operator: Operator, to: Operator) -> str | None:
+        """Stop the robot, and pass control on to another; return the reason not to, or `None`."""
+        if self.holder is not operator:
+            return "you do not have the wheel"
+        self._inputs.stop()
+        self._stopping_until = self._clock() + STOPPING
+        self._pass_to(to)
+        self._tell(to, f"{operator.name} has handed you the wheel")
+        return None
+
+    def release(self, operator: Operator) -> None:
+        """End the control of `operator`, who gives it up or has left: the robot stops at once."""
+        if self._starter() is operator:
+            self._robot.arbiter.end_mode(f"{operator.name} let go")
+        if self._lease.holder(self._clock()) is operator:
+            self._inputs.release_all()
+        self._lease.release(operator)
+        if self._keeper is operator:
+            self._keeper = None
+
+    def _pass_to(self, operator: Operator) -> None:
+        if holder := self._lease.holder(self._clock()):
+            self._lease.release(holder)
+        self._mode = None
+        self.take(operator, keep=True)
+
+    def _starter(self) -> Operator | None:
+        """Return the operator who started the running mode."""
+        if self._mode is None or self._robot.arbiter.mode is not self._mode[1]:
+            return None
+        return self._mode[0]
+
+    def _watch_silence(self, mode: Stack, patience: float) -> None:
+        """End `mode` once the client that started it has fallen silent."""
+        if self._mode is None or self._robot.arbiter.mode is not mode:
+            return
+        left = self._heard_at + patience - self._clock()
+        if left > 0:
+            asyncio.get_running_loop().call_later(left, self._watch_silence, mode, patience)
+        else:
+            self._end(mode, f"nothing was heard of {self._mode[0].name} for {patience:g} s")
+
+    def _end(self, mode: Stack, why: str) -> None:
+        if self._robot.arbiter.mode is mode:
+            self._robot.arbiter.end_mode(why)
+
+    def _stopping(self) -> str | None:
+        """Return a refusal while the robot still comes to a stand after a take-over."""
+        snapshot = self._robot.snapshot
+        if self._clock() >= self._stopping_until or snapshot is None:
+            return None
+        twist = snapshot.odometry.twist
+        if abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w:
+            self._stopping_until = float("-inf")
+            return None
+        return "the robot is still stopping"

@@ -1,0 +1,163 @@
+"""One robot of the page: its control, and the messages that describe it."""
+
+from pioneer3.behaviors.action import Goal
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.limits import Limits
+from pioneer3.models import RobotModel
+from pioneer3.robot.explain import kind_of
+from pioneer3.robot.identity import kind
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.runtime.arbiter import Ended
+from pioneer3.runtime.robot import Robot
+from pioneer3.state import Scan, Snapshot
+from pioneer3.web import messages
+from pioneer3.web.control import Control
+from pioneer3.web.details import Details
+from pioneer3.web.scene import Scene
+
+SONAR_MAX = 5.0
+DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
+
+
+class RobotView:
+    """A robot of the page.
+
+    Attributes:
+        number: Identifies it in requests and paths; never used again.
+        name: Shown to people; no two robots of a page have the same.
+        robot: The driver of the robot.
+        control: Decides who drives it.
+        scene: The map around it.
+        details: Told to clients that subscribe to them.
+    """
+
+    def __init__(
+        self, number: int, name: str, robot: Robot, scene: Scene, control: Control
+    ) -> None:
+        self.number = number
+        self.name = name
+        self.robot = robot
+        self.control = control
+        self.scene = scene
+        self.details = Details(number, robot, scene)
+
+    def sensor_in_map(self, scan: Scan) -> Pose2:
+        """Return the pose of the laser in the map at the time of a sweep [m, rad]."""
+        return self.scene.robot_in_map(scan.robot_in_odom) @ scan.sensor_in_robot
+
+    def describe(self) -> messages.Robot:
+        """Return the part of the hello for this robot."""
+        laser = bool(self.robot.devices.laser.presence.there)
+        return robot_part(self.number, self.name, self.robot.supervisor.info, laser=laser)
+
+    def status(self) -> messages.Status:
+        """Return the state of the connection."""
+        status = self.robot.supervisor.status.latest
+        assert status is not None
+        return messages.Status(self.number, status.connection, status.message)
+
+    def snapshot(self, snapshot: Snapshot, driver: messages.Driver | None) -> messages.Snapshot:
+        """Return the message part for a reading."""
+        arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
+        return snapshot_part(
+            self.number,
+            snapshot,
+            pose=self.scene.robot_in_map(odom),
+            why=self.robot.why_not_moving(),
+            mode=arbiter.mode.name if arbiter.mode else None,
+            decided=arbiter.told if arbiter.mode else (),
+            ended=arbiter.ended,
+            commanded=self.robot.supervisor.pilot.sent,
+            emergency_stop=self.robot.supervisor.pilot.emergency,
+            driver=driver,
+            target=self._target(arbiter.mode.goal, odom) if arbiter.mode else None,
+        )
+
+    def _target(self, goal: Goal | None, odom: Pose2) -> messages.Target | None:
+        if goal is None:
+            return None
+        place = self.scene.odom_in_map_now(odom) @ Pose2(goal.x, goal.y, goal.heading or 0.0)
+        return messages.Target(
+            round(place.x, 3),
+            round(place.y, 3),
+            round(place.theta, 3) if goal.heading is not None else None,
+            goal.person,
+        )
+
+
+def robot_part(
+    number: int, name: str, info: RobotInfo | None, *, laser: bool = False
+) -> messages.Robot:
+    """Return the part of the hello for a robot; `info` is `None` before the first connection."""
+    return messages.Robot(
+        id=number,
+        name=name,
+        connection=kind(info) if info else "ROBOT",
+        url=info.url if info else "",
+        robot=_shape(info.identity.name, info.model) if info else None,
+        limits=_limits(info.limits) if info else None,
+        laser=laser,
+    )
+
+
+def snapshot_part(
+    number: int,
+    now: Snapshot,
+    *,
+    pose: Pose2,
+    why: str | None,
+    emergency_stop: bool,
+    driver: messages.Driver | None,
+    mode: str | None = None,
+    decided: tuple[str, ...] = (),
+    ended: Ended | None = None,
+    commanded: Twist2 | None = None,
+    target: messages.Target | None = None,
+) -> messages.Snapshot:
+    """Return the message part for a reading of a robot at `pose` of the map."""
+    link = now.link
+    return messages.Snapshot(
+        robot=number,
+        sequence=now.sequence,
+        pose=pose,
+        twist=now.odometry.twist,
+        sonar=messages.Sonar.of(now.sonar),
+        bumpers=now.bumpers,
+        battery=now.battery,
+        motors=messages.Motors.of(now.motors),
+        link=messages.Link(link.rate, link.bad_checksums, link.reports, link.sessions),
+        faults=now.faults,
+        why=why,
+        standing=kind_of(why),
+        emergency_stop=emergency_stop,
+        driver=driver,
+        mode=mode,
+        decided=decided,
+        ended=messages.ModeEnd(ended.mode.name, ended.done, ended.why) if ended else None,
+        commanded=commanded,
+        target=target,
+    )
+
+
+def _shape(name: str, model: RobotModel) -> messages.Shape:
+    return messages.Shape(
+        name=name,
+        model=model.name,
+        title=model.title,
+        length_front=model.length_front,
+        length_rear=model.length_rear,
+        width=model.width,
+        sonars=model.sonars,
+        front_bumpers=model.front_bumpers,
+        rear_bumpers=model.rear_bumpers,
+        sonar_max=SONAR_MAX,
+    )
+
+
+def _limits(limits: Limits) -> messages.SpeedLimits:
+    return messages.SpeedLimits(
+        speed=limits.max_speed,
+        turn_rate=limits.max_turn_rate,
+        default_speed=min(DEFAULT_SPEED, limits.max_speed),
+        default_turn_rate=min(DEFAULT_TURN_RATE, limits.max_turn_rate),
+    )
