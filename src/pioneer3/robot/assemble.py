@@ -67,7 +67,7 @@ class Counter:
 
 
 class Odometer:
-    """Adds up the robot's counters to a pose that is continuous over reconnections."""
+    """Integrates the robot's counters into a pose that is continuous over reconnections."""
 
     def __init__(self) -> None:
         self.robot_in_odom = self.robot_in_encoder = ORIGIN
@@ -76,7 +76,7 @@ class Odometer:
         self._x, self._y = Counter(POSITION_MODULUS), Counter(POSITION_MODULUS)
 
     def restart(self, pose: Pose2 | None = None) -> None:
-        """Take the next reading as the present pose, or as `pose`; the counters begin anew."""
+        """Let the next reading be the present pose, or `pose`; the counters start again."""
         self._begin = self.robot_in_odom if pose is None else pose
         self._anchor = None
         self._x, self._y = Counter(POSITION_MODULUS), Counter(POSITION_MODULUS)
@@ -107,7 +107,7 @@ class Assembler:
         self._reports = 0
 
     def session_opened(self, model: RobotModel) -> None:
-        """Begin a session: counters and readings of the last one mean nothing any more."""
+        """Begin a session: counters and readings of the last one are no longer valid."""
         self.odometer.restart()
         self._ranges = [nan] * len(model.sonars)
         self._stamps.clear()
@@ -124,7 +124,7 @@ class Assembler:
         bad_checksums: int = 0,
         bytes_skipped: int = 0,
     ) -> Snapshot:
-        """Return the snapshot that `sip`, received at `stamp` [s], makes."""
+        """Return the snapshot made from `sip`, received at `stamp` [s]."""
         self._sequence += 1
         self._reports += 1
         self._stamps.append(stamp)
@@ -151,7 +151,7 @@ class Assembler:
         )
 
     def _rate(self) -> float:
-        """Return the reports per second over the last second, from the pauses between them."""
+        """Return the reports per second over the last second, from their intervals."""
         span = self._stamps[-1] - self._stamps[0]
         return (len(self._stamps) - 1) / span if span > 0 else 0.0
 

@@ -1,4 +1,4 @@
-"""What each field of CONFIG means and where it belongs: the one source for tables of it.
+"""Meaning and group of each field of CONFIG, from which every table of CONFIG is made.
 
 Sources: protocol.md 5.1 and :class:`pioneer3.arcos.reports.Config`.
 """
@@ -122,7 +122,7 @@ class Row:
     """One field of CONFIG, for people.
 
     Attributes:
-        group: Where it belongs.
+        group: Key in :data:`GROUPS`.
         field: Its name in :class:`Config`, without the unit.
         value: In `unit`, or `not sent`.
         unit: Empty for counts, flags and texts.
@@ -137,7 +137,7 @@ class Row:
 
 
 def explained(config: Config) -> tuple[Row, ...]:
-    """Return every field of `config`, those that belong together side by side."""
+    """Return every field of `config`, group by group."""
     return tuple(
         _row(group, field, getattr(config, field), meaning)
         for group, members in GROUPS.items()
@@ -158,7 +158,7 @@ def _row(group: str, field: str, value: str | int | None, meaning: str) -> Row:
 
 
 def _speed(code: int) -> tuple[str, str]:
-    """Return value and unit of a baud code; one that nobody knows as it is."""
+    """Return value and unit of a baud code; an unknown code stays a number."""
     if code in {baud.value for baud in Baud}:
         return Baud(code).name.removeprefix("B"), "baud"
     return str(code), "code"

@@ -1,4 +1,4 @@
-"""Why the robot stands still, in one sentence."""
+"""The reason that the robot stands still, in one sentence."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -18,13 +18,13 @@ _SENT = "The command has just been sent; the wheels do not turn yet."
 def why_not_moving(
     pilot: Pilot, snapshot: Snapshot | None, now: float, decided: str | None = None
 ) -> str | None:
-    """Return the reason, the one to be mended first; `None` while the robot moves.
+    """Return the reason to remove first; `None` while the robot moves.
 
     Args:
-        pilot: What was asked for.
+        pilot: Of the robot; has the last command.
         snapshot: The latest of the session that is open, or `None` without one.
         now: [s, monotonic].
-        decided: Why standing still is what was asked for, if somebody asked for that.
+        decided: The reason for a command to stand still, if there was one.
     """
     if snapshot is None:
         return f"No robot is connected{f': {pilot.blocked}' if pilot.blocked else ''}."
@@ -35,10 +35,10 @@ def why_not_moving(
 
 
 def kind_of(why: str | None) -> Literal["idle", "normal", "fault"] | None:
-    """Return the kind of a reason that :func:`why_not_moving` gave, `None` for none.
+    """Return the kind of a reason from :func:`why_not_moving`, `None` for none.
 
-    An `idle` robot is asked for nothing, a `normal` one does as it should, a `fault` is to be
-    mended.
+    `idle` means no command, `normal` a robot that works as it should, `fault` a robot that needs
+    help.
     """
     if why is None:
         return None
@@ -49,7 +49,7 @@ def kind_of(why: str | None) -> Literal["idle", "normal", "fault"] | None:
 
 
 def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) -> Iterator[str]:
-    """Yield what keeps the robot from moving, the hardest obstacle first."""
+    """Yield the reasons, the hardest to remove first."""
     silent = now - snapshot.stamp
     if pilot.emergency:
         yield "The emergency stop is latched: reset it, then ask again."

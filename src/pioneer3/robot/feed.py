@@ -1,4 +1,4 @@
-"""Latest value, many readers: who is slow misses old values, never blocks the others."""
+"""Latest value, many readers: a slow reader misses old values and never blocks the others."""
 
 import asyncio
 from collections.abc import AsyncIterator

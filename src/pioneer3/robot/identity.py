@@ -1,4 +1,4 @@
-"""Tells simulators from robots."""
+"""Distinguishes simulators from robots."""
 
 from typing import Literal
 

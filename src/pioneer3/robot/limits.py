@@ -1,4 +1,4 @@
-"""What the robot may be asked to do. The last step before the wire; it has no off switch."""
+"""Limits on commands: the last step before the wire, without an off switch."""
 
 from math import isfinite
 
@@ -14,8 +14,8 @@ from pioneer3.units import DEGREE, MM
 def limits_for(model: RobotModel, config: Config | None) -> Limits:
     """Return the model's limits, cut to what the robot's own CONFIG allows (protocol.md 5.1).
 
-    Decelerations are the model's `braking`, which is harder than what firmware comes with; speeding
-    up is as CONFIG has it. A field of CONFIG that is 0 or missing says nothing.
+    Decelerations are the model's `braking`, which is harder than the firmware's default;
+    accelerations are those of CONFIG. A field of CONFIG that is 0 or missing is ignored.
     """
     c = config or Config(family="", model="", serial_number="")
     return Limits(
@@ -59,7 +59,7 @@ def finite(name: str, value: float) -> float:
     """Return `value` as a float.
 
     Raises:
-        CommandError: not a number, or not finite. Such a command must not keep the robot going.
+        CommandError: not a number, or not finite. Such a command must not renew motion.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise CommandError(f"{name} must be a number, not {value!r}")
@@ -73,9 +73,9 @@ def finite(name: str, value: float) -> float:
 
 
 def limit(twist: Twist2, limits: Limits, bumpers: Bumpers) -> Twist2:
-    """Return the nearest twist within `limits` that does not push what a bumper touches.
+    """Return the nearest twist within `limits` that does not push against a pressed bumper.
 
-    The curve is kept: speed and turn rate shrink together.
+    Speed and turn rate are scaled together, which keeps the curvature.
     """
     scale = min(
         1.0,
@@ -91,5 +91,5 @@ def limit(twist: Twist2, limits: Limits, bumpers: Bumpers) -> Twist2:
 
 
 def _clip(value: float, top: float) -> float:
-    """Take off what rounding has left above `top`."""
+    """Cut a rounding error above `top`."""
     return max(-top, min(top, value))

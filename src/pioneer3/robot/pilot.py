@@ -1,16 +1,16 @@
-"""The robot's ARCOS commands, and their times. No I/O: velocity commands, snapshots, time come in.
+"""Turns velocity commands and snapshots into ARCOS commands. No I/O, no clock.
 
 Rules:
 
 1. A velocity command expires. Then, and on every doubt, the robot is told to stand still.
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
-3. Motors go on when a command needs them, and only then; seen in the snapshots, and retried. They
-   go off when the robot stands: without power it would roll on.
+3. Motors are switched on when a command needs them, and only then; the snapshots show it, and it is
+   retried. They are switched off when the robot stands: without power it would roll on.
 4. A command that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
    command that answers a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.
-6. What waits for the link is what the robot shall do now, never a queue: one frame of a kind, the
-   newest, stops first. A changed velocity does not wait for the repetition of an old one.
+6. Only the newest frame of each kind waits for the link, never a queue; stops go first. A changed
+   velocity does not wait for the repetition of an old one.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
@@ -26,38 +26,38 @@ from pioneer3.stops import Stop, leads_away
 
 REPEAT = 0.2
 """Pause between repetitions of a velocity [s]."""
-PACE = 0.05
-"""Shortest pause between changed velocities that come one after the other [s]: both frames take
-19 ms at 9600 baud. A stop never waits."""
+MIN_INTERVAL = 0.05
+"""Shortest interval between changed velocities [s]: both frames take 19 ms at 9600 baud. A stop
+never waits."""
 BURST = 3
-"""So many changed velocities may come at once before the pause holds."""
+"""Number of changed velocities that may come at once before the interval holds."""
 ENABLE_RETRY = 0.5
 ENABLE_TRIES = 4
 STANDING = Twist2(0.005, 0.01)
 """Slower than this counts as standing [m/s, rad/s]."""
-BLIND = 0.5
-"""A robot that has said nothing for this long [s] is told to stand until it speaks again."""
+REPORT_TIMEOUT = 0.5
+"""A robot that has sent no report for this long [s] is told to stand until the next one."""
 BRAKING = 1.0
-"""Motors that go off wait this long [s] at most for the robot to stand."""
-ESCAPE = 1.0
-"""A robot that leads away from a stall has this long [s] to get its wheels free."""
+"""Longest wait for the robot to stand before its motors are switched off [s]."""
+STALL_RECOVERY = 1.0
+"""Time that a command away from a stall has to free the wheels [s]."""
 STOPPED = "somebody stopped the robot"
 STALLED = "the wheels stalled"
 LATCHED = "the emergency stop is latched"
-OVERSLEPT = 2.0
-"""A host that was away for this long [s] finds that the robot's watchdog has stopped it."""
+LONGEST_PAUSE = 2.0
+"""After a pause of this program of this length [s] the robot's watchdog has stopped the robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """A velocity that the arbiter asks for.
+    """A velocity that the arbiter requests.
 
     Attributes:
         twist: [m/s, rad/s].
-        until: When it expires at the latest [s, loop time].
-        after: Number of the last stop when this was first asked for.
-        answers_stall: Whether this gets the wheels free.
-        accelerations: How to get there; the robot's own if `None`.
+        until: Latest time of expiry [s, loop time].
+        after: Number of the last stop when this was first requested.
+        answers_stall: Whether this frees stalled wheels.
+        accelerations: The robot's own if `None`.
     """
 
     twist: Twist2
@@ -70,14 +70,14 @@ class VelocityCommand:
 
 @dataclass(slots=True)
 class Outbox:
-    """What is still to be sent: of each kind the newest, stops first.
+    """Commands to send: the newest of each kind, stops first.
 
     Attributes:
         emergency_stop: Whether to send ESTOP.
         stop: Whether to send STOP.
-        power: What to say in ENABLE.
-        settings: What prepares a session; sent once, in order.
-        accelerations: Accelerations.
+        power: Argument of ENABLE, or `None` for no ENABLE.
+        settings: Commands that prepare a session; sent once, in order.
+        accelerations: To set, or `None`.
         velocity: [m/s, rad/s].
     """
 
@@ -109,11 +109,11 @@ class Pilot:
     """Turns velocity commands into ARCOS commands, over all sessions with one robot.
 
     Attributes:
-        deadline: When :meth:`tick` must next be called [s, monotonic, as every `now`].
+        deadline: Time of the next call of :meth:`tick` [s, monotonic, as every `now`].
         limits: Bounds of the present robot, or `None` before the first session.
         emergency: Whether the emergency stop is latched.
         auto_enable: Whether a command switches the motors on.
-        last_stop: The stop that a command must have begun after.
+        last_stop: A command must have begun after this stop.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -125,14 +125,14 @@ class Pilot:
         self._outbox = Outbox()
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
-        self._awake_at = -inf
+        self._checked_at = -inf
         self._sent: Twist2 | None = None
-        self._sent_at = self._stopped_at = self._paced_until = -inf
+        self._sent_at = self._stopped_at = self._interval_until = -inf
         self._blocked: str | None = None
-        self._escaped: Stop | None = None
-        self._escapes_until = -inf
+        self._recovering_from: Stop | None = None
+        self._recovery_until = -inf
         self._sent_accelerations: Accelerations | None = None
-        self._hands_off = False
+        self._control_released = False
         self._motors_wanted: bool | None = None
         self._motors_wanted_at = -inf
         self._motors_seen = False
@@ -148,7 +148,7 @@ class Pilot:
         settable_speed: bool = True,
         settable_acceleration: bool = True,
     ) -> None:
-        """Set the robot up as far as its firmware lets us: limits, sonar on, everything still."""
+        """Stop the robot, set its limits as far as the firmware allows, switch the sonar on."""
         self.limits = limits
         settings: list[Command] = []
         if settable_speed:
@@ -162,20 +162,20 @@ class Pilot:
             self._sent_accelerations = limits.accelerations
         settings.append(commands.Sonar(on=True))
         self._outbox = Outbox(stop=True, settings=tuple(settings))
-        self._count_stop(self.last_stop.why)  # what was pressed meanwhile is no answer to the loss
-        self._sent, self._sent_at, self._awake_at = STILL, -inf, now
+        self._count_stop(self.last_stop.why)  # commands from before the connection do not count
+        self._sent, self._sent_at, self._checked_at = STILL, -inf, now
         self.deadline = now + REPEAT
 
     def session_lost(self, why: str, now: float) -> None:
-        """Forget what was asked: nothing of it may reach the next session."""
+        """Forget all commands: none may reach the next session."""
         self._outbox = Outbox()
-        self._snapshot, self._sent, self._hands_off = None, None, False
+        self._snapshot, self._sent, self._control_released = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
         self._block(f"the link was lost ({why})", now)
 
     def drive(self, command: VelocityCommand, now: float) -> str | None:
-        """Obey `command` from `now` [s] until it expires; return why it is ignored, or `None`."""
+        """Obey `command` from `now` [s] on; return the reason for a refusal, or `None`."""
         if self.limits is None:
             return "no robot is connected"
         if self.emergency:
@@ -186,11 +186,15 @@ class Pilot:
         is_answer = command.answers_stall and stalled is not None
         if command.after < self.last_stop.number and not is_answer:
             return self.last_stop.told
-        self._blocked, self._hands_off = None, False
-        if stalled is not None and self._escaped != self.last_stop and leads_away(twist, stalled):
-            self._escaped, self._escapes_until = self.last_stop, now + ESCAPE
+        self._blocked, self._control_released = None, False
+        if (
+            stalled is not None
+            and self._recovering_from != self.last_stop
+            and leads_away(twist, stalled)
+        ):
+            self._recovering_from, self._recovery_until = self.last_stop, now + STALL_RECOVERY
         if self.enable_failed and self.asked(now).is_zero:
-            self._motors_wanted = None  # who asks anew tries the motors anew
+            self._motors_wanted = None  # a fresh command tries the motors again
         self._command = replace(command, until=min(now + self.limits.expiry, command.until))
         if not twist.is_zero and self.auto_enable and not self._motors_wanted:
             self._want_motors(on=True, now=now)
@@ -200,14 +204,14 @@ class Pilot:
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
         self._forget_command()
-        self._hands_off = False
+        self._control_released = False
         if self._snapshot is None:
             self._count_stop(self.last_stop.why)
         else:
             self._blocked = None
             self._count_stop(STOPPED)
         self._outbox.velocity = None
-        if self._sent != STILL or now >= self._stopped_at + PACE:
+        if self._sent != STILL or now >= self._stopped_at + MIN_INTERVAL:
             self._outbox.stop, self._stopped_at = True, now
         self._sent, self._sent_at = STILL, now
 
@@ -220,18 +224,18 @@ class Pilot:
         self._want_motors(on=False, now=now)
 
     def reset_emergency_stop(self) -> None:
-        """Release the latch; the motors stay off until asked for."""
+        """Release the latch; the motors stay off until a command needs them."""
         if self.emergency:
             self.emergency = False
             self._count_stop(self.last_stop.why)
 
-    def hands_off(self, now: float) -> None:
-        """Leave motion to somebody else until :meth:`stop` or a fresh request."""
+    def release_control(self, now: float) -> None:
+        """Leave motion to raw commands until :meth:`stop` or a fresh request."""
         self._block("a raw command drives the robot", now)
-        self._hands_off, self._sent = True, None
+        self._control_released, self._sent = True, None
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
-        """Ask for power on the motors, or none once it stands; return why not, or `None`."""
+        """Switch the motors on, or off once the robot stands; return a refusal, or `None`."""
         if on and self.emergency:
             return LATCHED
         stood = self.stands
@@ -241,32 +245,32 @@ class Pilot:
         return None
 
     def observe(self, snapshot: Snapshot, now: float) -> None:
-        """Take in what the robot says, and act on it."""
+        """Act on a new snapshot."""
         motors, before = snapshot.motors, self._snapshot
         self._snapshot, self._observed_at = snapshot, now
-        self._notice_sleep(now)
+        self._check_pause(now)
         if motors.stop_button:
             if self._motors_wanted:
-                self._motors_wanted = None  # released, it does not bring them back
+                self._motors_wanted = None  # its release does not switch them on again
             self._block("the stop button on the robot is pressed", now)
-        elif motors.stalled and self._gives_in(now):
+        elif motors.stalled and self._stall_ends_command(now):
             self._block(STALLED, now, stalled=self._command.twist)
         elif self._motors_seen and not motors.enabled and self._motors_wanted:
             self._motors_wanted = None
             self._block("the robot switched its motors off", now)
         if not motors.stalled:
-            self._escapes_until = -inf
+            self._recovery_until = -inf
         self._motors_seen = motors.enabled
         if motors.enabled:
             self._enable_tries = 0
         if before is None and self._motors_wanted is None:
-            self._want_motors(on=False, now=-inf if self._rests else now)
+            self._want_motors(on=False, now=-inf if self._at_rest else now)
         self._power(now)
         self._steer(now)
 
     def tick(self, now: float) -> None:
         """Let requests expire."""
-        self._notice_sleep(now)
+        self._check_pause(now)
         self.deadline = now + REPEAT
         self._steer(now)
 
@@ -277,44 +281,44 @@ class Pilot:
 
     @property
     def blocked(self) -> str | None:
-        """Why requests are ignored until a fresh one, or `None`."""
+        """The reason to ignore requests until a fresh one, or `None`."""
         return self._blocked
 
     def asked(self, now: float) -> Twist2:
-        """Return what the robot is asked to do at this moment, before limits."""
+        """Return the requested twist at `now` [s], before limits."""
         return self._command.twist if now < self._command.until else STILL
 
     @property
     def sent(self) -> Twist2 | None:
-        """What the robot was last told to do [m/s, rad/s]; `None` while others tell it."""
+        """The last twist sent [m/s, rad/s]; `None` while raw commands drive the robot."""
         return self._sent
 
     @property
     def stands(self) -> bool:
-        """Whether the robot was told to stand, and does; or has no power to brake with."""
+        """Whether the robot was told to stand, and does; or its motors have no power."""
         if self._snapshot is None or not self._snapshot.motors.enabled:
             return True
-        return self._sent == STILL and self._rests and self._observed_at > self._sent_at
+        return self._sent == STILL and self._at_rest and self._observed_at > self._sent_at
 
     @property
     def expired(self) -> bool:
-        """Whether the last thing asked for was motion (that may have expired since)."""
+        """Whether the last request was motion (that may have expired since)."""
         return not self._command.twist.is_zero
 
     @property
     def enable_failed(self) -> bool:
-        """Whether the motors were asked for and did not come on."""
+        """Whether ENABLE was sent often enough, and the motors did not come on."""
         return bool(self._motors_wanted) and self._enable_tries >= ENABLE_TRIES
 
-    def _notice_sleep(self, now: float) -> None:
-        away, self._awake_at = now - self._awake_at, now
-        if away > OVERSLEPT and self._snapshot is not None:
-            self._block(f"the watchdog stopped the robot: this program slept {away:.1f} s", now)
+    def _check_pause(self, now: float) -> None:
+        pause, self._checked_at = now - self._checked_at, now
+        if pause > LONGEST_PAUSE and self._snapshot is not None:
+            self._block(f"the watchdog stopped the robot: this program slept {pause:.1f} s", now)
 
-    def _gives_in(self, now: float) -> bool:
-        """Return whether wheels that are stalled now end what is asked for."""
+    def _stall_ends_command(self, now: float) -> bool:
+        """Return whether wheels that are stalled now end the present command."""
         command = self._command
-        return not (command.twist.is_zero or command.answers_stall or now < self._escapes_until)
+        return not (command.twist.is_zero or command.answers_stall or now < self._recovery_until)
 
     def _block(self, why: str, now: float, *, stalled: Twist2 | None = None) -> None:
         self._blocked = why
@@ -328,55 +332,55 @@ class Pilot:
         self.last_stop = Stop(self.last_stop.number + 1, why, stalled)
 
     def _want_motors(self, *, on: bool, now: float) -> None:
-        """Want power on the motors; off from `now` on, once the robot stands."""
+        """Set the wanted state of the motors; off begins at `now`, once the robot stands."""
         self._motors_wanted, self._motors_wanted_at = on, now
         self._enable_tries = 0
 
     @property
-    def _rests(self) -> bool:
-        """Whether the robot stood when it last spoke."""
+    def _at_rest(self) -> bool:
+        """Whether the robot stood in the last snapshot."""
         if self._snapshot is None:
             return False
         measured = self._snapshot.odometry.twist
         return abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
 
     def _power(self, now: float) -> None:
-        """Bring the motors to the state wanted, as far as the robot plays along."""
+        """Bring the motors to the wanted state, with a limited number of tries."""
         if self._snapshot is None or self._motors_wanted is None:
             return
         wanted = self._motors_wanted
         if wanted == self._snapshot.motors.enabled:
             if not wanted and not self.emergency:
-                self._motors_wanted = None  # seen off; somebody at the robot may turn them on
+                self._motors_wanted = None  # they are off; a person at the robot may turn them on
             return
         if wanted and (self._snapshot.motors.stop_button or self.enable_failed):
             return
-        if not wanted and self._brakes(now):
+        if not wanted and self._still_stopping(now):
             return
-        again = ENABLE_RETRY if wanted == self._enabled else PACE
+        again = ENABLE_RETRY if wanted == self._enabled else MIN_INTERVAL
         if now >= self._enabled_at + again:
             self._enabled, self._enabled_at = wanted, now
             self._enable_tries += 1
             self._outbox.power = wanted
 
-    def _brakes(self, now: float) -> bool:
-        """Return whether motors that shall go off are still needed to stop the robot."""
+    def _still_stopping(self, now: float) -> bool:
+        """Return whether motors to be switched off are still needed to stop the robot."""
         return not (self.emergency or self.stands) and now < self._motors_wanted_at + BRAKING
 
     def _steer(self, now: float) -> None:
         """Send the velocity that is due."""
         snapshot, limits = self._snapshot, self.limits
-        if snapshot is None or limits is None or self._hands_off:
+        if snapshot is None or limits is None or self._control_released:
             return
         self._power(now)
         self._set_accelerations(limits)
-        blind = now - self._observed_at > BLIND
-        twist = STILL if blind else limit(self.asked(now), limits, snapshot.bumpers)
-        due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._rests)
-        change_at = self._paced_until - (BURST - 1) * PACE
+        silent = now - self._observed_at > REPORT_TIMEOUT
+        twist = STILL if silent else limit(self.asked(now), limits, snapshot.bumpers)
+        due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._at_rest)
+        change_at = self._interval_until - (BURST - 1) * MIN_INTERVAL
         changed = twist != self._sent and (twist.is_zero or now >= change_at)
         if changed and not twist.is_zero:
-            self._paced_until = max(self._paced_until, now) + PACE
+            self._interval_until = max(self._interval_until, now) + MIN_INTERVAL
         if changed or due:
             self._outbox.velocity = twist
             self._sent, self._sent_at = twist, now
@@ -386,7 +390,7 @@ class Pilot:
         self.deadline = min(due for due in due_at if due > now)
 
     def _set_accelerations(self, limits: Limits) -> None:
-        """Send the accelerations that are wanted, where the robot takes any and they are new."""
+        """Send the wanted accelerations if they are new and the robot takes any."""
         wanted = self._command.accelerations or limits.accelerations
         if self._sent_accelerations is not None and wanted != self._sent_accelerations:
             self._outbox.accelerations = self._sent_accelerations = wanted

@@ -1,7 +1,7 @@
-"""Whatever the robot says, for whoever wants to know; nobody can keep the driver waiting.
+"""Passes the robot's reports on to subscribers; no subscriber can delay the driver.
 
 :meth:`Reports.subscribe` gives each reader a queue of its own. :meth:`Reports.hand_to` passes each
-report on at once, for what puts several together and must miss none, such as a laser's sweep.
+report on at once, for a reader that must miss none, such as one that assembles a laser's sweep.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ R = TypeVar("R", bound=Report)
 Taker = Callable[[Report, float], None]
 
 ROOM = 1000
-"""Reports that wait for a slow reader: ten seconds of all that fits through 115200 baud."""
+"""Most reports that wait for a slow reader: ten seconds at 115200 baud."""
 
 
 class Subscription(Generic[R]):
@@ -37,7 +37,7 @@ class Subscription(Generic[R]):
         self._closed = False
 
     def put(self, report: R) -> None:
-        """Let `report` wait to be read."""
+        """Append `report` to the queue; a full queue drops the oldest."""
         if len(self._waiting) == self._room:
             self._waiting.popleft()
             self.missed += 1
@@ -45,7 +45,7 @@ class Subscription(Generic[R]):
         self._came.set()
 
     def close(self) -> None:
-        """End the iteration, after what still waits."""
+        """End the iteration, after the reports that still wait."""
         self._closed = True
         self._came.set()
 
@@ -59,7 +59,7 @@ class Subscription(Generic[R]):
 
 
 class Reports:
-    """Hands every report of every session on, by its class."""
+    """Distributes every report of every session, by its class."""
 
     def __init__(self) -> None:
         self._takers: dict[type[Report], tuple[Taker, ...]] = {}
@@ -86,9 +86,9 @@ class Reports:
             self._closers.remove(subscription.close)
 
     def hand_to(self, taker: Taker, *kinds: type[Report]) -> Callable[[], None]:
-        """Call `taker` with every report of `kinds` and its stamp [s]; return what ends that.
+        """Call `taker` with each report of `kinds` and its stamp [s]; return a function to end it.
 
-        It is called between two reads of the link: it must be quick.
+        `taker` is called between two reads of the link: it must be quick.
         """
         for kind in kinds:
             self._takers[kind] = (*self._takers.get(kind, ()), taker)
@@ -100,12 +100,12 @@ class Reports:
         return end
 
     def publish(self, report: Report, stamp: float) -> None:
-        """Hand `report`, received at `stamp` [s], to whom it interests."""
+        """Pass `report`, received at `stamp` [s], to the subscribers of its class."""
         for taker in self._takers.get(type(report), ()):
             try:
                 taker(report, stamp)
             except Exception:
-                log.exception("cannot take in %s", type(report).__name__)
+                log.exception("a subscriber failed on %s", type(report).__name__)
 
     def close(self) -> None:
         """End every subscription: no report will come any more."""

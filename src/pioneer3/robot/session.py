@@ -1,4 +1,4 @@
-"""The pump: joins a link, an ARCOS session, the pilot and the snapshots. One task writes."""
+"""One session: connects a link, an ARCOS host, the pilot and the snapshots. One task writes."""
 
 import asyncio
 import logging
@@ -29,32 +29,32 @@ from pioneer3.models import RobotModel, find_model, generic_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import BRAKING, Pilot
-from pioneer3.robot.requests import Requests
+from pioneer3.robot.report_requests import ReportRequests
 from pioneer3.state import Identity, Snapshot
 from pioneer3.units import DEGREE, MM
 
 log = logging.getLogger(__name__)
 
-FAREWELL_PATIENCE = 0.5
+CLOSE_TIMEOUT = 0.5
 LATE = 0.2
-"""The program was held up if the session gets its turn so much too late [s]."""
-MOST_WAITING = 256
-"""Commands of devices and programs that may wait for a link that takes nothing."""
-AT_ONCE = 8
-"""So many of them go out together: a stop never waits for more."""
+"""The program was held up if the session runs this much too late [s]."""
+MAX_WAITING = 256
+"""Most commands of devices and programs that may wait for a blocked link."""
+BATCH_SIZE = 8
+"""Most of them that are written together: a stop never waits for more."""
 
 
 class Listener(Protocol):
-    """Who is told what happens in a session."""
+    """Receives the events of a session."""
 
     def on_connected(self, session: "Session") -> None:
         """Identity, configuration and model are known; reports flow."""
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """Take a new reading."""
+        """Take a new snapshot."""
 
     def on_report(self, report: Report, now: float) -> None:
-        """Take anything the robot says; a standard report after the snapshot made of it."""
+        """Take any report; a standard report comes after the snapshot made from it."""
 
 
 class Session:
@@ -62,13 +62,13 @@ class Session:
 
     Args:
         link: Open; closed by :meth:`run`.
-        pilot: Decides what is sent; outlives the session.
-        requests: Knows what the robot is to go on sending; outlives the session.
+        pilot: Decides the commands of motion; outlives the session.
+        requests: For reports on demand; outlives the session.
         assembler: Makes snapshots; outlives the session.
-        listener: Told what happens.
-        model: Used in place of what the robot says it is.
+        listener: Receives the events.
+        model: Used in place of the model that the robot names.
         restrict: Turns the robot's limits into the ones to keep.
-        timing: The host's patience.
+        timing: Timeouts of the host.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Session:
         link: Link,
         *,
         pilot: Pilot,
-        requests: Requests,
+        requests: ReportRequests,
         assembler: Assembler,
         listener: Listener,
         model: RobotModel | None = None,
@@ -104,7 +104,7 @@ class Session:
         self._configured = False
 
     def wake(self) -> None:
-        """Let the writer look at once: there is something to send."""
+        """Wake the writer: there is something to send."""
         self._wake.set()
 
     def send(self, command: Command) -> None:
@@ -117,8 +117,8 @@ class Session:
         commands.to_payload(command)
         if self._host.state is not State.OPEN:
             raise CommandError(f"cannot send {type(command).__name__}: no session is open")
-        if len(self._waiting) >= MOST_WAITING:
-            raise CommandError(f"{self.link.url}: {MOST_WAITING} commands wait for the link")
+        if len(self._waiting) >= MAX_WAITING:
+            raise CommandError(f"{self.link.url}: {MAX_WAITING} commands wait for the link")
         alike = (waits for waits in reversed(self._waiting) if type(waits) is type(command))
         if next(alike, None) != command:
             self._waiting.append(command)
@@ -144,8 +144,8 @@ class Session:
                 for task in tasks:
                     task.cancel()
                 await asyncio.gather(*tasks, return_exceptions=True)
-            finally:  # whoever cancels twice
-                await self._leave()
+            finally:  # even if this task is cancelled twice
+                await self._close()
 
     async def _read(self) -> None:
         while data := await self.link.read():
@@ -175,7 +175,7 @@ class Session:
                     await self._wake.wait()
 
     def _now(self) -> float:
-        """Return the time; if the program was held up, what the robot said waits to be read."""
+        """Return the time; tell the host of a delay, after which reports wait to be read."""
         now = self._clock()
         if now - self._due > LATE:
             self._host.held_up(now - self._due)
@@ -196,10 +196,10 @@ class Session:
         return self._sending is None
 
     def _send_all(self, now: float) -> None:
-        """Hand all that is due to the link: what the pilot decided, then what others wait for."""
+        """Write all due commands to the link: the pilot's, then the requests, then the others."""
         if self._host.config_settled:
             due = [*self._pilot.outgoing(), *self._requests.outgoing()]
-            due += [self._waiting.popleft() for _ in range(min(AT_ONCE, len(self._waiting)))]
+            due += [self._waiting.popleft() for _ in range(min(BATCH_SIZE, len(self._waiting)))]
             for command in due:
                 self._host.send(command, now)
         if data := self._host.outgoing():
@@ -207,7 +207,7 @@ class Session:
             self._sending.add_done_callback(self._sent)
 
     def _sent(self, sending: "asyncio.Task[None]") -> None:
-        """Look again if something waited for the link, or it failed."""
+        """Wake the writer if it waited for the link, or the link failed."""
         if self._held_back or sending.cancelled() or sending.exception() is not None:
             self.wake()
 
@@ -247,7 +247,7 @@ class Session:
     def _serve(self, report: Report, now: float) -> None:
         if not self._configured:
             return
-        self._requests.heard(report, now)
+        self._requests.received(report, now)
         if isinstance(report, Sip):
             self._take_reading(report, now)
             self._requests.tick(now)
@@ -274,26 +274,26 @@ class Session:
             return NoRobotError(f"{self.link.url}: {reason}")
         return LinkError(f"{self.link.url}: {reason}")
 
-    async def _leave(self) -> None:
-        """Send the farewell whatever happened; a link that takes nothing is closed all the same."""
+    async def _close(self) -> None:
+        """Stop the robot and close the session in every case; close also a link that is blocked."""
         try:
             with suppress(LinkError, TimeoutError):
-                await self._brake()
+                await self._stop_robot()
         finally:
             now = self._clock()
             if self._configured and self._host.state is State.OPEN:
-                farewell = self._requests.farewell()
-                for command in (commands.Stop(), *farewell) if farewell else ():
+                end_commands = self._requests.end_commands()
+                for command in (commands.Stop(), *end_commands) if end_commands else ():
                     self._host.send(command, now)
             self._host.leave(now)
             try:
                 with suppress(LinkError, TimeoutError):
-                    async with asyncio.timeout(FAREWELL_PATIENCE):
+                    async with asyncio.timeout(CLOSE_TIMEOUT):
                         await self.link.write(self._host.outgoing())
             finally:
                 await self.link.close()
 
-    async def _brake(self) -> None:
+    async def _stop_robot(self) -> None:
         """Stop, and wait until the robot stands: without power it would roll on.
 
         Raises:
@@ -317,11 +317,11 @@ class Session:
 
 
 def _model_of(identity: Identity, config: Config | None) -> RobotModel:
-    """Return the model the robot says it is; for an unknown one, what CONFIG says of it."""
+    """Return the model that the robot names; for an unknown name, one made from CONFIG."""
     model = find_model(identity.model)
     if model is not None:
         return model
-    log.warning("unknown robot type %r: using what its configuration says", identity.model)
+    log.warning("unknown robot type %r: using its own configuration", identity.model)
     return generic_model(
         identity.model,
         max_speed=(config.speed_top_mm_s or 0) * MM if config else 0.0,

@@ -1,4 +1,4 @@
-"""Keeps one robot connected: opens the link, reconnects with back-off, tells what happens."""
+"""Keeps one robot connected: opens the link, reconnects with back-off, publishes the status."""
 
 import asyncio
 import logging
@@ -19,8 +19,8 @@ from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.feed import Feed
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot, VelocityCommand
+from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
-from pioneer3.robot.requests import Request, Requests
 from pioneer3.robot.session import Session
 from pioneer3.state import Identity, Snapshot
 
@@ -30,12 +30,12 @@ BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
 
 MOTION = {bytes([number]) for number in (4, 8, 9, 11, 12, 13, 21, 22, 32, 110)}
-"""What moves the robot or lets it move: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL, DCHEAD, VEL2
-and LATVEL (protocol.md 3.1)."""
+"""Commands that can move the robot: ENABLE, MOVE, ROTATE, VEL, HEAD, DHEAD, RVEL, DCHEAD, VEL2 and
+LATVEL (protocol.md 3.1)."""
 
 
 class Connection(StrEnum):
-    """How it stands with the robot."""
+    """State of the connection to the robot."""
 
     CONNECTING = "connecting"
     CONNECTED = "connected"
@@ -53,10 +53,10 @@ class Status:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotInfo:
-    """What a connected robot is.
+    """Description of a connected robot.
 
     Attributes:
-        config: What it sent of itself, or `None` where it did not.
+        config: Its CONFIG report, or `None` if it sent none.
         speed: Line speed [baud], or `None` on links without one.
     """
 
@@ -73,10 +73,10 @@ class Supervisor:
 
     Args:
         open_link: Opens the link anew for every attempt.
-        model: Used in place of what the robot says it is.
+        model: Used in place of the model that the robot names.
         restrict: Turns the robot's limits into the ones to keep.
         auto_enable: Whether a fresh command switches the motors on.
-        timing: The host's patience.
+        timing: Timeouts of the host.
 
     Attributes:
         on_reading: Called with every reading, at once.
@@ -94,7 +94,7 @@ class Supervisor:
         self.pilot = Pilot(auto_enable=auto_enable)
         self.assembler = Assembler()
         self.reports = Reports()
-        self._requests = Requests()
+        self._requests = ReportRequests()
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
@@ -130,42 +130,42 @@ class Supervisor:
                 raise
             end = str(over)
         finally:
-            self._tell(Connection.CLOSED, end)
+            self._publish_status(Connection.CLOSED, end)
             for feed in (self.snapshots, self.status):
                 feed.close()
             self.reports.close()
 
     def drive(self, command: VelocityCommand) -> str | None:
         """See :meth:`Pilot.drive`."""
-        return self._after(self.pilot.drive(command, self._clock()))
+        return self._wake_writer(self.pilot.drive(command, self._clock()))
 
     def stop(self) -> None:
         """Stand still."""
         self.pilot.stop(self._clock())
-        self._after()
+        self._wake_writer()
 
     def emergency_stop(self) -> None:
         """Stop hard, motors off, latched."""
         self.pilot.emergency_stop(self._clock())
-        self._after()
+        self._wake_writer()
 
     def reset_emergency_stop(self) -> None:
         """Release the latch; the motors stay off."""
         self.pilot.reset_emergency_stop()
 
     def set_motors(self, *, on: bool) -> str | None:
-        """Switch the motors' power; return why not, or `None`."""
-        return self._after(self.pilot.set_motors(on=on, now=self._clock()))
+        """Switch the motors' power; return the reason for a refusal, or `None`."""
+        return self._wake_writer(self.pilot.set_motors(on=on, now=self._clock()))
 
     def change_limits(self, change: Callable[[Limits], Limits]) -> None:
-        """Keep to what `change` makes of the robot's limits from now on, in place of the last."""
+        """Apply `change` to the robot's limits from now on, in place of the last change."""
         self._change = change
         if self.info is not None:
             limits = self._restricted(limits_for(self.info.model, self.info.config))
             self.info = replace(self.info, limits=limits)
             self.pilot.limits = limits
             self.pilot.tick(self._clock())
-            self._after()
+            self._wake_writer()
 
     def send(self, command: Command) -> None:
         """Send any command that is not about motion.
@@ -192,26 +192,26 @@ class Supervisor:
         """
         self._send(command)
         if to_payload(command)[:1] in MOTION:
-            self.pilot.hands_off(self._clock())
+            self.pilot.release_control(self._clock())
 
     @contextmanager
-    def requested(self, name: str, request: Request) -> Iterator[None]:
-        """Let the robot send what `request` asks for during the block, over all sessions.
+    def requested(self, name: str, request: ReportRequest) -> Iterator[None]:
+        """Keep `request` active during the block, over all sessions.
 
-        Who asks for the same `name` shares it; the last one ends it.
+        Blocks with the same `name` share one request; the last one ends it.
         """
         self._requests.want(name, request, self._clock())
-        self._after()
+        self._wake_writer()
         try:
             yield
         finally:
             self._requests.release(name)
-            self._after()
+            self._wake_writer()
 
-    def change_request(self, name: str, request: Request) -> None:
-        """Ask in another way for what somebody has :meth:`requested`."""
+    def change_request(self, name: str, request: ReportRequest) -> None:
+        """Replace the request of this `name` if it is :meth:`requested`."""
         self._requests.change(name, request, self._clock())
-        self._after()
+        self._wake_writer()
 
     def _restricted(self, limits: Limits) -> Limits:
         return self._change(self._restrict(limits))
@@ -222,14 +222,14 @@ class Supervisor:
         self._session.send(command)
 
     def why_not_moving(self, decided: str | None = None) -> str | None:
-        """Return why the robot stands still, or `None` while it moves.
+        """Return the reason that the robot stands still, or `None` while it moves.
 
-        `decided` says why that is what was asked for, if it was.
+        `decided` is the reason for a command to stand still, if there was one.
         """
         return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
 
     def on_connected(self, session: Session) -> None:
-        """Take note of the robot at the other end."""
+        """Store the description of the robot, and publish the connection."""
         assert session.identity is not None
         assert session.model is not None
         assert self.pilot.limits is not None
@@ -242,26 +242,28 @@ class Supervisor:
             speed=session.speed,
         )
         _remember_speed(session)
-        who = session.identity
-        self._tell(Connection.CONNECTED, f"{who.name} ({session.model.title}) on {self.info.url}")
+        self._publish_status(
+            Connection.CONNECTED,
+            f"{session.identity.name} ({session.model.title}) on {self.info.url}",
+        )
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """Pass a new reading on: first to who decides, who misses none, then to who looks."""
+        """Pass a snapshot on: first to `on_reading`, which misses none, then to the readers."""
         self._fresh = snapshot
         self.on_reading(snapshot)
         self.snapshots.publish(snapshot)
 
     def on_report(self, report: Report, now: float) -> None:
-        """Pass on what the robot says, and keep the newest configuration."""
+        """Pass a report on, and keep the newest configuration."""
         if isinstance(report, Config) and self.info is not None:
             self.info = replace(self.info, config=report)
         self.reports.publish(report, now)
 
     async def _serve_once(self, attempt: int) -> int:
-        """Serve one connection; return how many attempts in a row have failed, this one too."""
+        """Serve one connection; return the number of failed attempts in a row, with this one."""
         began_with = self.assembler.sessions
         try:
-            self._tell(Connection.CONNECTING, "connecting")
+            self._publish_status(Connection.CONNECTING, "connecting")
             self._session = Session(
                 await self._open_link(),
                 pilot=self.pilot,
@@ -277,7 +279,7 @@ class Supervisor:
             if self.snapshots.latest is None or isinstance(error, RecordingOverError):
                 self.pilot.session_lost(str(error), self._clock())
                 raise
-            self._tell(Connection.LOST, str(error))
+            self._publish_status(Connection.LOST, str(error))
             if self.assembler.sessions == began_with:
                 return attempt + 1
             self.pilot.session_lost(str(error), self._clock())
@@ -286,13 +288,13 @@ class Supervisor:
             self._requests.session_lost()
         return 1
 
-    def _after(self, answer: str | None = None) -> str | None:
-        """Let the writer send what the pilot decided; pass its answer on."""
+    def _wake_writer(self, answer: str | None = None) -> str | None:
+        """Wake the writer, and return `answer`."""
         if self._session is not None:
             self._session.wake()
         return answer
 
-    def _tell(self, connection: Connection, message: str) -> None:
+    def _publish_status(self, connection: Connection, message: str) -> None:
         latest = self.status.latest
         if latest is None or (latest.connection, latest.message) != (connection, message):
             log.info("%s: %s", connection, message)

@@ -14,10 +14,10 @@ from pioneer3.robot.pilot import (
     BURST,
     ENABLE_RETRY,
     ENABLE_TRIES,
-    ESCAPE,
-    OVERSLEPT,
-    PACE,
+    LONGEST_PAUSE,
+    MIN_INTERVAL,
     REPEAT,
+    STALL_RECOVERY,
     Pilot,
     VelocityCommand,
 )
@@ -157,7 +157,7 @@ def test_the_same_request_is_repeated_every_fifth_of_a_second_while_it_holds() -
 
 def test_a_new_request_goes_out_at_once() -> None:
     pilot = driving()
-    ask(pilot, Twist2(0.1, 0.2), PACE)
+    ask(pilot, Twist2(0.1, 0.2), MIN_INTERVAL)
     assert pilot.outgoing() == vel(0.1, 0.2)
 
 
@@ -183,11 +183,11 @@ def test_a_flood_of_requests_does_not_queue_up_on_a_slow_line() -> None:
         ask(pilot, Twist2(0.1, thousandth / 1000), thousandth / 1000)
         pilot.observe(READY, thousandth / 1000)
         sent.append(pilot.outgoing())
-    assert pilot.deadline <= 0.999 + PACE
+    assert pilot.deadline <= 0.999 + MIN_INTERVAL
     pilot.tick(pilot.deadline)
     sent.append(pilot.outgoing())
     sent = [frames for frames in sent if frames]
-    assert len(sent) <= 1 / PACE + BURST
+    assert len(sent) <= 1 / MIN_INTERVAL + BURST
     assert sent[-1] == vel(0.1, 0.999)
 
 
@@ -343,7 +343,7 @@ def test_a_flood_of_stops_leaves_room_on_the_line() -> None:
     for thousandth in range(1000):
         pilot.stop(thousandth / 1000)
         sent += pilot.outgoing()
-    assert sent == [commands.Stop()] * round(1 / PACE)
+    assert sent == [commands.Stop()] * round(1 / MIN_INTERVAL)
 
 
 def test_a_flood_of_emergency_stops_leaves_room_too_and_none_is_lost() -> None:
@@ -353,7 +353,7 @@ def test_a_flood_of_emergency_stops_leaves_room_too_and_none_is_lost() -> None:
         pilot.emergency_stop(thousandth / 1000)
         sent += pilot.outgoing()
     assert sent[:2] == [commands.Stop(), commands.EStop()]
-    assert sent.count(commands.EStop()) <= round(1 / PACE)
+    assert sent.count(commands.EStop()) <= round(1 / MIN_INTERVAL)
 
 
 def test_what_waits_for_the_link_is_one_frame_of_a_kind_stops_first() -> None:
@@ -376,8 +376,8 @@ def test_what_waits_for_the_link_is_one_frame_of_a_kind_stops_first() -> None:
 
 def test_an_old_velocity_never_follows_the_stop_after_it() -> None:
     pilot = driving()
-    ask(pilot, Twist2(0.1, 0.2), PACE)
-    pilot.stop(PACE)
+    ask(pilot, Twist2(0.1, 0.2), MIN_INTERVAL)
+    pilot.stop(MIN_INTERVAL)
     assert pilot.outgoing() == [commands.Stop()]
 
 
@@ -422,9 +422,9 @@ def happens(pilot: Pilot, stop: str) -> None:
             pilot.emergency_stop(0.2)
             pilot.reset_emergency_stop()
         case "raw command":
-            pilot.hands_off(0.2)
+            pilot.release_control(0.2)
         case "sleep":
-            pilot.tick(OVERSLEPT + 0.3)
+            pilot.tick(LONGEST_PAUSE + 0.3)
         case "lost link":
             pilot.session_lost("pulled out", 0.2)
             pilot.session_opened(LIMITS, 60.0)
@@ -471,7 +471,7 @@ def test_wheels_that_stay_stalled_are_given_time_to_get_free_and_not_for_ever() 
         ask(pilot, away, now)
         pilot.observe(stuck, now)
     assert pilot.blocked == "the wheels stalled"
-    assert now == pytest.approx(0.2 + ESCAPE, abs=0.11)
+    assert now == pytest.approx(0.2 + STALL_RECOVERY, abs=0.11)
     assert pilot.last_stop.stalled == away
 
 

@@ -9,7 +9,7 @@ from pioneer3.arcos.reports import Report
 from pioneer3.geometry import wrap
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind, Shown
-from pioneer3.robot.requests import Request
+from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.units import DEGREE
 
@@ -93,9 +93,9 @@ class TcmCompass(Sensor[CompassReading]):
             self._supervisor.send(commands.Tcm2(mode))
 
 
-def _request(mode: Tcm2Mode) -> Request:
+def _request(mode: Tcm2Mode) -> ReportRequest:
     streams = mode is Tcm2Mode.STREAM
-    return Request(
+    return ReportRequest(
         begin=(commands.Tcm2(mode),),
         end=(commands.Tcm2(Tcm2Mode.SIP_ONLY),),
         answers=(reports.Compass,) if streams else (),

@@ -12,7 +12,7 @@ from pioneer3.arcos.reports import GripperSwitch, Report, Sip
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import PATIENCE, Sensor, SensorKind, Shown
-from pioneer3.robot.requests import Request
+from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
 USER_IO, GENERAL_IO = 1, 2
@@ -123,8 +123,8 @@ class Exercise:
 WIRINGS = {GENERAL_IO: "general", USER_IO: "user"}
 
 
-def _asking(how: How) -> Request:
-    return Request(
+def _asking(how: How) -> ReportRequest:
+    return ReportRequest(
         begin=(commands.GripperPacRequest(how),),
         end=(commands.GripperPacRequest(How.STOP),),
         answers=(reports.GripperState,),

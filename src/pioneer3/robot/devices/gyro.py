@@ -10,7 +10,7 @@ from pioneer3.geometry import Twist2, wrap
 from pioneer3.models.model import GYRO_SCALER
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind, Shown
-from pioneer3.robot.requests import Request
+from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.units import DEGREE, MM
 
@@ -80,7 +80,7 @@ class GyroHeading:
 GYRO: Final = SensorKind(
     name="gyro",
     title="the gyro",
-    request=Request(
+    request=ReportRequest(
         begin=(commands.Gyro(GyroMode.ON),),
         end=(commands.Gyro(GyroMode.OFF),),
         answers=(reports.GyroRates,),

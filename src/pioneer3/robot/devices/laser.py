@@ -13,7 +13,7 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind
 from pioneer3.robot.identity import is_simulator
-from pioneer3.robot.requests import Request
+from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.state import Scan
 from pioneer3.units import MM
@@ -125,7 +125,7 @@ class LaserSource(Protocol):
 
 def _kind(first: float, last: float, step: float) -> SensorKind:
     """Return how to ask for scans from `first` to `last` in steps of `step` [rad]."""
-    request = Request(
+    request = ReportRequest(
         begin=(
             commands.SimLrfSetFovStart(first),
             commands.SimLrfSetFovEnd(last),

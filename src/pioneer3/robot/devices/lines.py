@@ -10,7 +10,7 @@ from pioneer3.errors import CommandError
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import Sensor, SensorKind
 from pioneer3.robot.identity import is_simulator
-from pioneer3.robot.requests import Request
+from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
 ANALOG_BITS, ANALOG_STEP = 0xFFF, 0.0048828
@@ -50,7 +50,7 @@ def read_io(io: reports.Io, stamp: float) -> LinesReading:
 LINES: Final = SensorKind(
     name="lines",
     title="the I/O lines",
-    request=Request(
+    request=ReportRequest(
         begin=(commands.IoRequest(How.STREAM),),
         end=(commands.IoRequest(How.STOP),),
         answers=(reports.Io,),

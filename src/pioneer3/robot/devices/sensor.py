@@ -11,7 +11,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.requests import RENEW, Request
+from pioneer3.robot.report_requests import RENEW, ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
 V = TypeVar("V")
@@ -57,7 +57,7 @@ class SensorKind:
 
     name: str
     title: str
-    request: Request
+    request: ReportRequest
     reports: tuple[type[Report], ...]
     shown: tuple[Shown, ...] = ()
 
@@ -153,7 +153,7 @@ class Sensor(Generic[V]):
         """Whether anybody wants readings now."""
         return self._readers > 0
 
-    def change(self, request: Request) -> None:
+    def change(self, request: ReportRequest) -> None:
         """Ask in another way, until nobody wants readings any more."""
         self._supervisor.change_request(self.kind.title, request)
 

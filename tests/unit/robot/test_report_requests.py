@@ -5,15 +5,15 @@ import pytest
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Request as How
 from pioneer3.errors import CommandError
-from pioneer3.robot.requests import RENEW, Request, Requests
+from pioneer3.robot.report_requests import RENEW, ReportRequest, ReportRequests
 
 ON, OFF = commands.IoRequest(How.STREAM), commands.IoRequest(How.STOP)
-IO = Request(begin=(ON,), end=(OFF,), answers=(reports.Io,))
+IO = ReportRequest(begin=(ON,), end=(OFF,), answers=(reports.Io,))
 PACKET = reports.Io((), (), ())
 
 
-def opened() -> Requests:
-    requests = Requests()
+def opened() -> ReportRequests:
+    requests = ReportRequests()
     requests.session_opened(0.0)
     return requests
 
@@ -30,7 +30,7 @@ def test_it_is_asked_for_once_however_many_want_it() -> None:
 
 
 def test_without_a_session_it_waits_for_one() -> None:
-    requests = Requests()
+    requests = ReportRequests()
     requests.want("io", IO, 0.0)
     assert requests.outgoing() == []
     requests.session_opened(1.0)
@@ -52,7 +52,7 @@ def test_silence_is_asked_again_and_a_report_ends_the_silence() -> None:
     requests.outgoing()
     requests.tick(RENEW - 0.1)
     assert requests.outgoing() == []
-    requests.heard(PACKET, RENEW - 0.1)
+    requests.received(PACKET, RENEW - 0.1)
     requests.tick(RENEW + 0.1)
     assert requests.outgoing() == []
     requests.tick(2 * RENEW)
@@ -61,7 +61,7 @@ def test_silence_is_asked_again_and_a_report_ends_the_silence() -> None:
 
 def test_what_brings_no_answer_is_not_asked_again() -> None:
     requests = opened()
-    requests.want("io", Request(begin=(ON,), end=(OFF,)), 0.0)
+    requests.want("io", ReportRequest(begin=(ON,), end=(OFF,)), 0.0)
     requests.outgoing()
     requests.tick(100.0)
     assert requests.outgoing() == []
@@ -70,10 +70,10 @@ def test_what_brings_no_answer_is_not_asked_again() -> None:
 def test_another_way_of_asking_lasts_as_long_as_it_is_wanted() -> None:
     once = commands.IoRequest(How.ONCE)
     requests = opened()
-    requests.change("io", Request(begin=(once,), end=(OFF,)), 0.0)
+    requests.change("io", ReportRequest(begin=(once,), end=(OFF,)), 0.0)
     assert requests.outgoing() == []
     requests.want("io", IO, 0.0)
-    requests.change("io", Request(begin=(once,), end=(OFF,)), 0.0)
+    requests.change("io", ReportRequest(begin=(once,), end=(OFF,)), 0.0)
     requests.session_lost()
     requests.session_opened(1.0)
     assert requests.outgoing() == [once]
@@ -81,11 +81,11 @@ def test_another_way_of_asking_lasts_as_long_as_it_is_wanted() -> None:
 
 def test_what_does_not_fit_the_protocol_is_refused_at_once() -> None:
     with pytest.raises(CommandError):
-        Request(begin=(commands.DigOut(mask=256, values=0),), end=())
+        ReportRequest(begin=(commands.DigOut(mask=256, values=0),), end=())
 
 
 def test_the_farewell_ends_all_that_is_wanted() -> None:
     requests = opened()
-    assert requests.farewell() == []
+    assert requests.end_commands() == []
     requests.want("io", IO, 0.0)
-    assert requests.farewell() == [OFF]
+    assert requests.end_commands() == [OFF]
