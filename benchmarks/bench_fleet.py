@@ -29,7 +29,7 @@ from pioneer3.arcos.packet import HEADER, encode
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import build_grid, load_kernels
+from pioneer3.sim.kernels import build_grid, compiled_kernels
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
@@ -140,7 +140,7 @@ def _rate(times: list[float]) -> float:
 
 async def simulate(count: int) -> None:
     """Run `count` robots in offices; print their ports."""
-    kernels, walls = load_kernels(), office(OFFICES)
+    kernels, walls = compiled_kernels(), office(OFFICES)
     places = crowd(kernels, build_grid(walls), count).poses.T.tolist()
     bodies = [Body(MODEL, Pose2(*place)) for place in places]
     world = World(LineMap(name="offices", walls=walls), bodies, kernels)

@@ -1,4 +1,4 @@
-"""Rays and beams per second of both kernels, how they grow, and how long they take to start."""
+"""Rays and beams per second, how they grow, and how long compiled kernels take to start."""
 
 import os
 import subprocess
@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from math import ceil, pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +20,8 @@ from pioneer3.sim.kernels import (
     Kernels,
     Robots,
     build_grid,
+    compiled_kernels,
     laser_fan,
-    load_kernels,
     sonar_mounts,
 )
 from pioneer3.sim.maps import shipped_map
@@ -33,11 +32,11 @@ AMR_OFFICE = Path(__file__).parents[2] / "shared/maps/AMROffice.map"
 MODEL = load_model("p3dx-sh")
 SONAR_LIMIT, LASER_LIMIT, BEAMS = 5.0, 8.0, 181
 MANY_RAYS = 20_000
-BARS = {"numba": (15.0, 40.0), "numpy": (1.0, 12.0)}
-"""Million rays and beams per second; of numpy's rays what its real-time factor asks for."""
+RAYS_BAR, BEAMS_BAR = 15.0, 40.0
+"""Million per second."""
 WARM = (
     "from time import perf_counter as now; import numba; from pioneer3.sim import kernels;"
-    "begin = now(); kernels.load_kernels('numba'); print(now() - begin)"
+    "begin = now(); kernels.compiled_kernels(); print(now() - begin)"
 )
 
 
@@ -119,19 +118,18 @@ def seconds_per_ray(kernels: Kernels, copies: int) -> float:
     return took / MANY_RAYS
 
 
-def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
-    """Measure one implementation."""
-    kernels = load_kernels(name)
-    rays_bar, beams_bar = BARS[name]
+def compiled_rows() -> Iterator[Row]:
+    """Measure compiled kernels on one thread."""
+    kernels = compiled_kernels()
     for count, copies in ((1, 1), (10, 1), (100, 1), (1000, 16)):
         rays, beams = speeds(kernels, copies, count)
-        yield Row(f"{name}: sonar, {count} robots", rays / 1e6, "M/s", rays_bar, True)
-        yield Row(f"{name}: 181 beams, {count} robots", beams / 1e6, "M/s", beams_bar, True)
+        yield Row(f"numba: sonar, {count} robots", rays / 1e6, "M/s", RAYS_BAR, True)
+        yield Row(f"numba: 181 beams, {count} robots", beams / 1e6, "M/s", BEAMS_BAR, True)
     few, many = speeds(kernels, 1, 10), speeds(kernels, 100, 1000)
     for what, one, other in zip(("sonar", "beams"), few, many, strict=True):
-        yield Row(f"{name}: {what} per robot, 1000 as against 10", one / other, "times", 1.5)
+        yield Row(f"numba: {what} per robot, 1000 as against 10", one / other, "times", 1.5)
     growth = seconds_per_ray(kernels, 405) / seconds_per_ray(kernels, 1)
-    yield Row(f"{name}: ray among 100 000 segments as against 247", growth, "times", 2)
+    yield Row("numba: ray among 100 000 segments as against 247", growth, "times", 2)
 
 
 def start_rows() -> Iterator[Row]:
@@ -148,5 +146,7 @@ def rows() -> Iterator[Row]:
     """Measure everything of this file."""
     if find_spec("numba"):
         yield from start_rows()
-        yield from rows_of("numba")
-    yield from rows_of("numpy")
+        yield from compiled_rows()
+    rays, beams = speeds(Kernels(compiled=False), 1, 1)
+    yield Row("plain: sonar, 1 robot", rays / 1e6, "M/s", None)
+    yield Row("plain: 181 beams, 1 robot", beams / 1e6, "M/s", None)

@@ -19,7 +19,7 @@ from benchmarks.table import Row
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import Kernels, laser_fan, load_kernels
+from pioneer3.sim.kernels import Kernels, compiled_kernels, laser_fan
 from pioneer3.sim.kernels.drives import STALLED
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism, SonarErrors
@@ -30,14 +30,16 @@ Flags = NDArray[np.uint8]
 Control = Callable[[Float, Flags, Float, Float, Float], Any]
 
 STEP = 0.1
-COUNTS = (1, 10, 100, 1000)
-BARS = {
+COUNTS: tuple[int, ...] = (1, 10, 100, 1000)
+FEW: tuple[int, ...] = (1, 10)
+"""Robots that plain kernels are measured with."""
+BARS: dict[tuple[str, bool], tuple[int, ...]] = {
     ("numba", False): (6000, 4000, 450, 40),
     ("numba", True): (5000, 1000, 100, 8),
-    ("numpy", False): (500, 500, 50, 4),
-    ("numpy", True): (400, 200, 15, 1.5),
+    ("plain", False): (40, 4),
+    ("plain", True): (10, 1),
 }
-"""Times real time with 16 sonars, then also with 181 beams."""
+"""Times real time with 16 sonars, then also with 181 beams; plain kernels are for few robots."""
 IN_TURN, AT_ONCE = Realism(), Realism(sonar=SonarErrors(cycle=0.0))
 NEAR, TOO_NEAR = 1.0, 0.5
 """Wandering robots slow down and turn where an echo is nearer, turn on the spot here [m]."""
@@ -46,12 +48,10 @@ ROOMY = 0.6
 """Nothing is nearer than this to a robot at the beginning, where there is room [m]."""
 BACKING = 20
 """Steps of backing off after a collision."""
-LEFT, RIGHT = slice(1, 4), slice(4, 7)
-"""The sonars that look half left and half right."""
 
 
 def wander(echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: Float) -> None:
-    """Drive on, turn away from what is near, back off from what was hit, as compiled code does."""
+    """Drive on, turn away from what is near, back off from what was hit."""
     for n in range(len(echoes)):
         left = right = 9.0
         for k in range(1, 4):
@@ -62,20 +62,6 @@ def wander(echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: 
         backing[n] = BACKING if stalled[n] else max(backing[n] - 1, 0)
         if backing[n] > 0:
             speeds[n], rates[n] = -SLOW, RATE / 2 if backing[n] < BACKING / 2 else 0.0
-
-
-def wander_in_arrays(
-    echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: Float
-) -> None:
-    """Do the same with numpy."""
-    left, right = echoes[:, LEFT].min(axis=1), echoes[:, RIGHT].min(axis=1)
-    nearest = np.minimum(left, right)
-    speeds[:] = np.where(nearest > NEAR, CRUISE, np.where(nearest > TOO_NEAR, SLOW, 0.0))
-    rates[:] = np.where(nearest < NEAR, np.where(left < right, -RATE, RATE), 0.0)
-    backing[:] = np.where(stalled, BACKING, np.maximum(backing - 1, 0))
-    back = backing > 0
-    speeds[back] = -SLOW
-    rates[back] = np.where(backing[back] < BACKING / 2, RATE / 2, 0.0)
 
 
 def crowded(
@@ -132,13 +118,6 @@ def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6)
     return median(factors)
 
 
-def controls(name: str, count: int) -> Control:
-    """Return the wander that is fastest with these kernels and so many robots."""
-    if name == "numba":
-        return compiled_wander()
-    return wander if count == 1 else wander_in_arrays
-
-
 @cache
 def compiled_wander() -> Control:
     """Return the loop over robots, compiled."""
@@ -149,24 +128,28 @@ def compiled_wander() -> Control:
     return compiled
 
 
-def rows_of(name: Literal["numba", "numpy"]) -> Iterator[Row]:
-    """Measure one implementation."""
-    threads = min(2, os.cpu_count() or 1)
-    kernels = load_kernels(name, threads=threads)
+def rows_of(name: Literal["numba", "plain"]) -> Iterator[Row]:
+    """Measure the kernels compiled or plain."""
+    kernels, counts = Kernels(compiled=False), FEW
+    control: Control = wander
+    if name == "numba":
+        kernels, control = compiled_kernels(min(2, os.cpu_count() or 1)), compiled_wander()
+        counts = COUNTS
     for laser in (False, True):
-        for count, bar in zip(COUNTS, BARS[name, laser], strict=True):
+        for count, bar in zip(counts, BARS[name, laser], strict=True):
             world = crowded(kernels, count, 16 if count == 1000 else 1)
             what = "sonars and 181 beams" if laser else "16 sonars"
-            measured = factor(world, controls(name, count), laser=laser)
+            measured = factor(world, control, laser=laser)
             yield Row(f"{name}: {count} robots, {what}", measured, "x", bar, True)
-    for count in COUNTS:
-        copies, control = 16 if count == 1000 else 1, controls(name, count)
+    for count in counts:
+        copies = 16 if count == 1000 else 1
         plain = factor(crowded(kernels, count, copies), control, laser=False)
         real = factor(crowded(kernels, count, copies, IN_TURN), control, laser=False)
         yield Row(f"{name}: {count} robots, realism costs", plain / real, "times", 3)
         real = factor(crowded(kernels, count, copies, AT_ONCE), control, laser=False)
         yield Row(f"{name}: {count} robots, all sonars at once cost", plain / real, "times", None)
-    control = controls(name, 10)
+    if name == "plain":
+        return
     few = factor(crowded(kernels, 10, 1), control, laser=True)
     many = factor(crowded(kernels, 1000, 100), control, laser=True)
     yield Row(f"{name}: a robot among 1000 as against 10", few / many / 100, "times", 1.5)
@@ -193,4 +176,4 @@ def rows() -> Iterator[Row]:
     yield Row("memory of a robot with its firmware", each, "KB", 20)
     if find_spec("numba"):
         yield from rows_of("numba")
-    yield from rows_of("numpy")
+    yield from rows_of("plain")

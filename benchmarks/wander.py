@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.table import Row
 from pioneer3.behaviors.modes import wander
-from pioneer3.sim.kernels import load_kernels
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import load_map
 from tests.conftest import VirtualTimeLoop
@@ -56,7 +56,7 @@ class Course:
             start_in(line_map, self.seed),
             60 * self.minutes,
             seed=self.seed,
-            kernels=load_kernels(),
+            kernels=Kernels(),
             realism=realism,
         )
         with asyncio.Runner(loop_factory=partial(VirtualTimeLoop, inf)) as runner:

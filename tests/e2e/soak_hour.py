@@ -19,7 +19,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import load_kernels
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
@@ -148,7 +148,7 @@ class Host:
 
 def endure(line_map: LineMap, seconds: float, *, robots: int = 20, seed: int = 0) -> Endured:
     """Let robots live in a map for `seconds` [s, simulated] as fast as they can."""
-    world = World(line_map, (), load_kernels())
+    world = World(line_map, kernels=Kernels())
     bodies = populate(world, robots, Random(seed))
     hosts = [Host(Firmware(world, body), seed=seed * 1000 + n) for n, body in enumerate(bodies)]
     ticks = round(seconds / TICK)

@@ -1,12 +1,10 @@
 """Scenes to hold the kernels against their oracles in: strategies, walls and robots."""
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from math import inf, pi
 from pathlib import Path
 
 import numpy as np
-import pytest
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -16,10 +14,6 @@ from pioneer3.sim.kernels import Grid, Kernels, Robots, build_grid
 Float = NDArray[np.float64]
 
 MAPS = Path(__file__).parents[3] / "shared/maps"
-NAMES = [
-    "numpy",
-    pytest.param("numba", marks=pytest.mark.skipif(not find_spec("numba"), reason="no numba")),
-]
 
 # whole and half numbers make corners, walls along rays and origins on walls likely
 COORDINATES = st.one_of(

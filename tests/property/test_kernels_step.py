@@ -1,7 +1,5 @@
-"""Both implementations move robots alike, and nothing ever stands in anything."""
+"""However robots are driven, nothing ever stands in anything; with and without numba alike."""
 
-from dataclasses import dataclass
-from importlib.util import find_spec
 from math import pi
 
 import numpy as np
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots, build_grid, load_kernels
+from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots, build_grid
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
     ANGULAR,
@@ -29,23 +27,13 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.maps import read_map
-from tests.property.scenes import MAPS, NAMES
+from tests.property.scenes import MAPS
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 
-both = pytest.mark.skipif(not find_spec("numba"), reason="no numba")
 STEPS = 50
 FRONT, REAR, HALF = 0.21, 0.3, 0.2
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One implementation with its robots and their drives."""
-
-    kernels: Kernels
-    robots: Robots
-    drives: Drives
 
 
 def crowd(
@@ -76,27 +64,16 @@ def drives_of(count: int, *, noisy: bool) -> Drives:
     return drives
 
 
-def command(runs: list[Run], random: Generator) -> None:
+def command(drives: Drives, random: Generator) -> None:
     """Give every robot something to do: a velocity, a distance, the watchdog's hold, no power."""
-    count = len(runs[0].drives)
+    count = len(drives)
     speeds, rates = random.uniform(-0.4, 0.9, count), random.uniform(-2.0, 2.0, count)
     covers, ways = random.random((2, count)) < 0.2, random.uniform(-1.0, 1.0, (2, count))
     held, powered = random.random(count) < 0.1, random.random(count) < 0.9
-    for run in runs:
-        axes, flags = run.drives.axes, run.drives.flags
-        run.drives.go(speeds, rates)
-        axes[TARGET][covers], axes[REMAINING][covers] = 0.0, ways[covers]
-        axes[TARGET][:, ~powered], axes[REMAINING][:, ~powered] = 0.0, np.nan
-        flags[HELD], flags[POWERED] = held, powered
-
-
-def check_together(runs: list[Run]) -> None:
-    one, other = runs
-    np.testing.assert_allclose(one.robots.poses, other.robots.poses, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(one.robots.outlines, other.robots.outlines, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(one.drives.axes, other.drives.axes, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(one.drives.wheels, other.drives.wheels, rtol=1e-9, atol=1e-9)
-    np.testing.assert_array_equal(one.drives.flags, other.drives.flags)
+    drives.go(speeds, rates)
+    drives.axes[TARGET][covers], drives.axes[REMAINING][covers] = 0.0, ways[covers]
+    drives.axes[TARGET][:, ~powered], drives.axes[REMAINING][:, ~powered] = 0.0, np.nan
+    drives.flags[HELD], drives.flags[POWERED] = held, powered
 
 
 def check_apart(grid: Grid, robots: Robots, count: int) -> None:
@@ -108,69 +85,48 @@ def check_apart(grid: Grid, robots: Robots, count: int) -> None:
         assert not footprint_hits(pose, float(front), float(rear), float(half), around), n
 
 
-def both_of(
-    grid: Grid, seed: int, counts: tuple[int, int], *, noisy: bool, spread: Float
-) -> list[Run]:
-    """Return the same crowd twice, once for each implementation."""
-    runs = []
-    for kernels in (load_kernels("numba"), load_kernels("numpy")):
-        robots = crowd(kernels, grid, default_rng(seed), counts, spread)
-        runs.append(Run(kernels, robots, drives_of(counts[0], noisy=noisy)))
-    return runs
-
-
-def drive(runs: list[Run], grid: Grid, random: Generator, *, dt: float, noisy: bool) -> None:
-    count = len(runs[0].drives)
+def drive(
+    kernels: Kernels, grid: Grid, robots: Robots, random: Generator, *, count: int, noisy: bool
+) -> None:
+    """Drive the first `count` robots about for a while."""
+    drives = drives_of(count, noisy=noisy)
     for number in range(STEPS):
         if number % 7 == 0:
-            command(runs, random)
+            command(drives, random)
         noise = random.standard_normal((3, count)) if noisy else None
-        for run in runs:
-            run.kernels.step(grid, run.robots, run.drives, dt, noise)
-            assert not run.kernels.blocked(grid, run.robots, run.robots.poses)[:count].any()
-        check_together(runs)
+        kernels.step(grid, robots, drives, random.choice([0.02, 0.05, 0.1]), noise)
+        assert not kernels.blocked(grid, robots, robots.poses)[:count].any()
+    check_apart(grid, robots, count)
 
 
-@both
-@given(
-    st.integers(0, 10**6),
-    st.integers(1, 6),
-    st.integers(0, 3),
-    st.booleans(),
-    st.sampled_from([0.02, 0.05, 0.1]),
-)
+@pytest.fixture(scope="module", params=["compiled", "plain"])
+def kernels(request: pytest.FixtureRequest) -> Kernels:
+    return Kernels(compiled=request.param == "compiled")
+
+
+@given(st.integers(0, 10**6), st.integers(1, 6), st.integers(0, 3), st.booleans())
 @settings(max_examples=40, deadline=None)
-def test_both_move_robots_alike_and_never_into_anything(
-    seed: int, count: int, things: int, noisy: bool, dt: float
+def test_robots_never_drive_into_anything(
+    kernels: Kernels, seed: int, count: int, things: int, noisy: bool
 ) -> None:
     random = default_rng(seed)
     box = np.array([[-2, -2, 2, -2], [2, -2, 2, 2], [2, 2, -2, 2], [-2, 2, -2, -2]])
     start = random.uniform(-2, 2, (4, 2))
     walls = np.concatenate([start, start + random.uniform(-0.5, 0.5, (4, 2))], axis=1)
     grid = build_grid(np.concatenate([box, walls]))
-    spread = np.array([-3.0, -3.0, 3.0, 3.0])
-    runs = both_of(grid, seed, (count, things), noisy=noisy, spread=spread)
-    drive(runs, grid, random, dt=dt, noisy=noisy)
-    check_apart(grid, runs[0].robots, count)
+    robots = crowd(kernels, grid, random, (count, things), np.array([-3.0, -3.0, 3.0, 3.0]))
+    drive(kernels, grid, robots, random, count=count, noisy=noisy)
 
 
 @pytest.mark.skipif(not MAPS.is_dir(), reason="no maps here")
 @pytest.mark.parametrize("name", ["AMROffice", "columbia", "office", "triangle"])
-@both
-def test_both_move_robots_alike_on_every_map(name: str) -> None:
+def test_robots_never_drive_into_anything_on_any_map(kernels: Kernels, name: str) -> None:
     walls = read_map(MAPS / f"{name}.map").walls
-    points = walls.reshape(-1, 2)
-    middle = np.median(points, axis=0)
+    middle = np.median(walls.reshape(-1, 2), axis=0)
+    grid, random = build_grid(walls), default_rng(6)
     spread = np.concatenate([middle - 6.0, middle + 6.0])
-    grid = build_grid(walls)
-    runs = both_of(grid, 5, (20, 3), noisy=True, spread=spread)
-    drive(runs, grid, default_rng(6), dt=0.1, noisy=True)
-    check_apart(grid, runs[0].robots, 20)
-
-
-@pytest.fixture(params=NAMES, scope="module")
-def kernels(request: pytest.FixtureRequest) -> Kernels:
-    return load_kernels(request.param)
+    robots = crowd(kernels, grid, random, (20, 3), spread)
+    drive(kernels, grid, robots, random, count=20, noisy=True)
 
 
 def side_by_side(kernels: Kernels, gap: float, heading: float) -> Robots:

@@ -79,7 +79,6 @@ def sim(
         realism=errors.realism(),
         pace=time.pace(),
         faults=errors.faults(),
-        kernels=time.kernels,
     )
     return run_until_told_to_leave(_simulate(simulation))
 
@@ -94,6 +93,8 @@ async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]"
             raise PortBusyError(f"{error} with -p, or --acts for colour trackers") from None
         for note in running.notes:
             _warn(note)
+        if running.progress:
+            print(running.progress, file=sys.stderr, flush=True)  # noqa: T201
         print("\n".join(_greeting(running)), flush=True)  # noqa: T201
         await asyncio.get_running_loop().create_future()
     return 0

@@ -97,13 +97,11 @@ class TimeOptions:
         speed: Simulated seconds per real one, such as 10.
         fast: As fast as possible.
         lock_step: Time waits for the clients: one packet from each for every report.
-        kernels: What computes; auto takes numba for many robots or haste, once it is compiled.
     """
 
     speed: float = 1.0
     fast: Flag = False
     lock_step: Flag = False
-    kernels: Literal["auto", "numba", "numpy"] = "auto"
 
     def pace(self) -> "Pacer":
         """Return the pace.

@@ -1,5 +1,6 @@
 """Robots on their way to goals, as arrays: what all environments share."""
 
+import logging
 from copy import deepcopy
 from math import ceil, pi
 from pathlib import Path
@@ -9,14 +10,14 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from pioneer3.errors import CommandError, ConfigError
+from pioneer3.errors import CommandError, ConfigError, how_to_get
 from pioneer3.gym.copies import Copies
 from pioneer3.gym.observation import Senses
 from pioneer3.gym.places import Places, Point, Ring
 from pioneer3.gym.task import Task
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.kernels import load_kernels
+from pioneer3.sim.kernels import WORTH_COMPILING, Kernels
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.placement.footprint import turning_circle
@@ -32,6 +33,9 @@ Facts = dict[str, NDArray[Any]]
 
 APART = 0.1
 """Between the turning circles of robots that start, or arrive, beside each other [m]."""
+
+
+log = logging.getLogger(__name__)
 
 
 class Outcome(NamedTuple):
@@ -73,7 +77,9 @@ class Arena:
         self.copies = Copies(line_map, copies)
         self._radius = turning_circle(self._model)
         self._places = Places(line_map, self.copies.walls, self._radius)
-        self._kernels = load_kernels(task.kernels, threads=task.threads)
+        self._kernels = Kernels(task.threads)
+        if self.count >= WORTH_COMPILING and not self._kernels.compiled:
+            log.warning("without numba this simulation is slow: %s", how_to_get("fast"))
         self._shift = np.repeat(self.copies.shifts, robots, axis=0)
         self.goals = np.zeros((self.count, 2))
         self._far = np.zeros(self.count)
@@ -130,7 +136,6 @@ class Arena:
         rest = self._at_rest
         drives.axes[..., who], drives.flags[:, who] = rest.axes[..., who], rest.flags[:, who]
         drives.wheels[:, who] = rest.wheels[:, who]
-        drives.free[:, who] = 0.0
         outlines.poses[:2, who] = (np.array(starts) + self._shift[who]).T
         outlines.theta[who] = rng.uniform(-pi, pi, self.robots)
         outlines.hidden[who] = 0.0

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.sim.kernels import build_grid
-from pioneer3.sim.kernels.near import NearWalls, distances
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.placement.free_space import FreeGrid, Obstructions, places_inside
 
@@ -52,10 +51,7 @@ class Places:
         ground = Obstructions.of(line_map)
         floor = FreeGrid(ground.barriers, line_map.bounds, radius, ground.solids)
         points = _largest_part(floor, places_inside(line_map, ground, radius).centres)
-        near = NearWalls(build_grid(walls), radius + SPARE)
-        which, wall = near.of(*points.T)
-        room = np.full(len(points), np.inf)
-        np.minimum.at(room, which, distances(points[which], walls[wall]))
+        room = build_grid(walls).clearance(points, 2 * (radius + SPARE))
         self.points = points[room >= radius + SPARE]
         if not len(self.points):
             raise ConfigError(

@@ -11,7 +11,6 @@ from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 
 Sensors = Literal["sonar", "laser", "both"]
-KernelName = Literal["numba", "numpy"]
 
 EPISODE = 500
 """The longest episode unless told otherwise [steps]."""
@@ -58,8 +57,7 @@ class Task:
         goal_distance: Least and greatest distance of a goal from the start, as the crow flies [m].
         goal_radius: Nearer than this the goal is reached [m].
         reward: What a step is worth.
-        kernels: What computes the simulation; `None` takes numba where it is installed.
-        threads: That share the sensors of 50 robots and more; numba only.
+        threads: That share the sensors of 50 robots and more; they pay only with numba.
 
     Raises:
         ConfigError: A number is out of range.
@@ -75,7 +73,6 @@ class Task:
     goal_distance: tuple[float, float] = (1.0, inf)
     goal_radius: float = 0.3
     reward: Reward = Reward()
-    kernels: KernelName | None = None
     threads: int = 1
 
     def __post_init__(self) -> None:
@@ -113,5 +110,4 @@ class Options(TypedDict, total=False):
     goal_distance: tuple[float, float]
     goal_radius: float
     reward: Reward
-    kernels: KernelName | None
     threads: int

@@ -132,7 +132,6 @@ class Body:
     def robot_in_world(self, pose: Pose2) -> None:
         self.outlines.poses[:, self.number] = pose.x, pose.y, pose.theta
         self.outlines.stale = True
-        self.drives.free[:] = 0.0
 
     @property
     def robot_in_odom(self) -> Pose2:

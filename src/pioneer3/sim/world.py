@@ -24,9 +24,8 @@ from pioneer3.sim.kernels import (
     Robots,
     build_grid,
     laser_fan,
-    load_kernels,
 )
-from pioneer3.sim.kernels.drives import LONGEST, OTHERS, SUPPLY, TOUCHED
+from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
@@ -52,7 +51,7 @@ class World:
     Args:
         line_map: What stands still; `None` is an empty plane.
         robots: What drives.
-        kernels: Move robots and cast rays; numpy's if not given.
+        kernels: Move robots and cast rays; if not given, Python runs them as they are.
         seed: Of everything random; the same seed and the same steps give the same world to the
             last bit. `None` takes another one each time.
         realism: How wrong wheels and sensors are; not at all if not given.
@@ -63,7 +62,7 @@ class World:
         obstacles: What else may move.
         time: Since the beginning [s].
         realism: How wrong wheels and sensors are.
-        kernels: May be replaced at any time, as when numba has been compiled.
+        kernels: May be replaced at any time: all compute the same.
         drives: Of the robots, as arrays; (.., N).
         outlines: Poses and sizes of the N robots, then of the obstacles, as arrays. Who writes
             poses into it sets its `stale`.
@@ -78,7 +77,7 @@ class World:
         seed: int | None = 0,
         realism: Realism | None = None,
     ) -> None:
-        self.kernels = kernels or load_kernels("numpy")
+        self.kernels = kernels or Kernels(compiled=False)
         self.realism = realism or Realism.ideal()
         self.time = 0.0
         self.robots: tuple[Body, ...] = ()
@@ -205,7 +204,6 @@ class World:
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
-            body.drives.free[:] = 0.0
             body.set_wheel(SUPPLY, 0.0)
         self._sonars.changed()
         self._pressed.clear()
@@ -234,10 +232,8 @@ class World:
 
     def _show(self, obstacle: Obstacle) -> None:
         n, pose = len(self.robots) + self.obstacles.index(obstacle), obstacle.pose
-        way = hypot(pose.x - self.outlines.x[n], pose.y - self.outlines.y[n])
         self.outlines.poses[:, n] = pose.x, pose.y, pose.theta
         self.outlines.stale = True
-        self.drives.free[OTHERS] -= way
 
     def _charge(self) -> None:
         """Supply who stands in a dock."""
@@ -307,8 +303,10 @@ class World:
         outlines = self.outlines.shapes[near, 3:]
         corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
         sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
-        around = np.concatenate([self._grid.around(x, y, reach), sides]) if hit else sides
-        return pressed_segments(model, Pose2(x, y, theta), around)
+        if hit:
+            _, walls = self._grid.near(np.array([[x, y]]), reach)
+            sides = np.concatenate([self._grid.walls[walls], sides])
+        return pressed_segments(model, Pose2(x, y, theta), sides)
 
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
         """Lay out the arrays anew; everything keeps its state."""
@@ -334,7 +332,6 @@ class World:
         self.robots = robots
         self._pressed.clear()
         self._sonars.arrange(robots, before)
-        drives.free[:] = 0.0
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
 

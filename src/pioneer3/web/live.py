@@ -135,6 +135,8 @@ async def _simulation(
         raise PortBusyError(f"{error} for simulated robots with --sim-port") from None
     for note in running.notes:
         tell(f"WARNING: {note}")
+    if running.progress:
+        tell(running.progress)
     return running
 
 

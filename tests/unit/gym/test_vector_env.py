@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.gym import GoalEnv, GoalVectorEnv
-from pioneer3.gym.task import KernelName, Sensors
+from pioneer3.gym.task import Sensors
 from pioneer3.sim.realism import Realism
 from tests.unit.gym.rooms import PILLARED, ROOM, towards
 
@@ -61,13 +61,12 @@ def told(info: dict[str, Any]) -> dict[str, Any]:
     return kept
 
 
-@pytest.mark.parametrize("kernels", [None, "numpy"])
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 @pytest.mark.parametrize("sensors", ["sonar", "laser"])
 def test_robots_in_one_world_are_exactly_robots_in_worlds_of_their_own(
-    kernels: KernelName | None, mode: AutoresetMode, sensors: Sensors
+    mode: AutoresetMode, sensors: Sensors
 ) -> None:
-    options = {"kernels": kernels, "sensors": sensors, "beams": 19, "goal_distance": NEAR}
+    options = {"sensors": sensors, "beams": 19, "goal_distance": NEAR}
     together, apart = both(7, mode, map=PILLARED, **options)
     one, other = together.reset(seed=11), apart.reset(seed=11)
     assert_same(one[0], other[0])

@@ -1,7 +1,5 @@
-"""The kernels beyond agreement with the reference: choice, buffers, threads, far places."""
+"""The kernels beyond agreement with the reference: buffers, threads, far places."""
 
-import sys
-from importlib.util import find_spec
 from math import inf, pi
 
 import numpy as np
@@ -14,21 +12,19 @@ from pioneer3.sim.kernels import (
     Robots,
     build_grid,
     laser_fan,
-    load_kernels,
     sonar_mounts,
 )
 
 Float = NDArray[np.float64]
 
-NO_NUMBA = pytest.mark.skipif(not find_spec("numba"), reason="extra `fast` not installed")
 ROOM = np.array([[-5.0, -5, 5, -5], [5, -5, 5, 5], [5, 5, -5, 5], [-5, 5, -5, -5]])
 AHEAD = np.zeros((1, 3))
 NOBODY = np.array([-1], dtype=np.int32)
 
 
-@pytest.fixture(params=["numpy", pytest.param("numba", marks=NO_NUMBA)], scope="module")
-def kernels(request: pytest.FixtureRequest) -> Kernels:
-    return load_kernels(request.param)
+@pytest.fixture(scope="module")
+def kernels() -> Kernels:
+    return Kernels()
 
 
 def robots_at(kernels: Kernels, *poses: tuple[float, float, float]) -> Robots:
@@ -37,18 +33,6 @@ def robots_at(kernels: Kernels, *poses: tuple[float, float, float]) -> Robots:
     robots.poses[:] = np.array(poses).reshape(-1, 3).T
     kernels.place(robots)
     return robots
-
-
-def test_without_numba_there_is_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("numba_kernels", "compiled", "jit"):
-        for module in [m for m in sys.modules if m.startswith(f"pioneer3.sim.kernels.{name}")]:
-            monkeypatch.delitem(sys.modules, module)
-        monkeypatch.delattr(f"pioneer3.sim.kernels.{name}", raising=False)
-    monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.setattr("pioneer3.sim.kernels.load.find_spec", lambda _: None)
-    assert load_kernels().name == load_kernels("numpy").name == "numpy"
-    with pytest.raises(ConfigError, match="extra `fast`"):
-        load_kernels("numba")
 
 
 def test_an_outline_is_the_footprint_in_the_world(kernels: Kernels) -> None:
@@ -130,10 +114,9 @@ def test_touching_is_free(kernels: Kernels) -> None:
     assert kernels.blocked(grid, robots, resting + 1e-6)[0]
 
 
-@NO_NUMBA
 def test_threads_change_nothing() -> None:
     random, count = np.random.default_rng(3), 200
-    alone, shared = load_kernels("numba"), load_kernels("numba", threads=2)
+    alone, shared = Kernels(), Kernels(threads=2)
     poses = np.column_stack([random.uniform(-5, 5, (count, 2)), random.uniform(-3, 3, count)])
     robots, grid = robots_at(alone, *map(tuple, poses.tolist())), build_grid(ROOM)
     mounts, fan = sonar_mounts([AHEAD], [0] * count), laser_fan((0, 0, 0), -1.5, 0.1, 31)

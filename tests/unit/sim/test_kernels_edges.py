@@ -1,6 +1,5 @@
 """Which ends of walls are edges, and which of them a transducer hears."""
 
-from importlib.util import find_spec
 from itertools import pairwise
 from math import pi, radians
 
@@ -14,20 +13,18 @@ from pioneer3.sim.kernels import (
     Robots,
     build_grid,
     find_edges,
-    load_kernels,
     sonar_mounts,
 )
 
 Float = NDArray[np.float64]
 
-NO_NUMBA = pytest.mark.skipif(not find_spec("numba"), reason="extra `fast` not installed")
 SILENT = 5.0
 """The longest range [m]."""
 
 
-@pytest.fixture(params=["numpy", pytest.param("numba", marks=NO_NUMBA)], scope="module")
-def kernels(request: pytest.FixtureRequest) -> Kernels:
-    return load_kernels(request.param)
+@pytest.fixture(scope="module")
+def kernels() -> Kernels:
+    return Kernels()
 
 
 def edges_of(*walls: tuple[float, float, float, float]) -> set[tuple[float, float]]:

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from pioneer3.sim.kernels import build_grid
-from pioneer3.sim.kernels import near as near_module
 from pioneer3.sim.kernels import walls as walls_module
-from pioneer3.sim.kernels.near import NearWalls
 
 SHELF = np.array([[0.0, 0.0, 10.0, 0.0], [0.0, 8.0, 10.0, 8.0], [3.0, 3.0, 3.0, 3.0]])
 
@@ -45,14 +43,18 @@ def test_a_huge_map_gets_larger_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(grid.cell_items) < 1000
 
 
-def test_near_lists_hold_each_wall_once_and_drop_far_ones() -> None:
-    near = NearWalls(build_grid(SHELF), 1.0)
-    points, found = near.of(np.array([5.0, 5.0, 1e6]), np.array([0.5, 7.5, 0.0]))
-    assert (points.tolist(), found.tolist()) == ([0, 1], [0, 1])
+def test_the_clearance_of_a_point_is_the_way_to_its_nearest_wall_or_the_reach() -> None:
+    points = np.array([[5.0, 0.5], [3.0, 3.5], [5.0, 5.0], [1e6, 0.0], [-3.0, 4.0]])
+    clearance = build_grid(SHELF).clearance(points, 2.0)
+    assert clearance.tolist() == [0.5, 0.5, 2.0, 2.0, 2.0]
 
 
-def test_near_lists_are_forgotten_when_they_grow(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(near_module, "MOST_KEPT", 2)
-    near = NearWalls(build_grid(SHELF), 2.0)
-    for x in (1.5, 3.5, 5.5, 7.5):
-        assert 0 in near.of(np.array([x]), np.array([0.5]))[1]
+def test_clearances_agree_with_a_look_at_every_wall() -> None:
+    random = np.random.default_rng(1)
+    walls, points = random.uniform(-5, 5, (40, 4)), random.uniform(-6, 6, (200, 2))
+    found = build_grid(walls).clearance(points, 3.0)
+    start, extent = walls[:, :2], walls[:, 2:] - walls[:, :2]
+    along = ((points[:, None] - start) * extent).sum(axis=2) / (extent**2).sum(axis=1)
+    feet = start + along.clip(0, 1)[:, :, None] * extent
+    plain = np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1)
+    np.testing.assert_allclose(found, plain.clip(max=3.0), atol=1e-9)

@@ -1,7 +1,6 @@
 """Ramps, trapezoids and arcs, each number derived by hand."""
 
 from dataclasses import replace
-from importlib.util import find_spec
 from math import pi
 
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from pioneer3.geometry import wrap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.kernels import Kernels, load_kernels
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import HARDEST, SUBSTEP
 from pioneer3.sim.world import World
 
@@ -22,12 +21,11 @@ MODEL = replace(
     turn_deceleration=2.0,
     max_turn_rate=2.0,
 )
-NO_NUMBA = pytest.mark.skipif(not find_spec("numba"), reason="extra `fast` not installed")
 
 
-@pytest.fixture(params=["numpy", pytest.param("numba", marks=NO_NUMBA)], scope="module")
-def kernels(request: pytest.FixtureRequest) -> Kernels:
-    return load_kernels(request.param)
+@pytest.fixture(scope="module")
+def kernels() -> Kernels:
+    return Kernels()
 
 
 class Bench:

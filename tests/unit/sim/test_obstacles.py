@@ -1,7 +1,6 @@
 """Boxes and people: they are where they are now, and nobody walks over a robot."""
 
 from dataclasses import replace
-from importlib.util import find_spec
 from math import cos, pi, radians, sin
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.kernels import Kernels, load_kernels
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.obstacles import POLITE
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import SONAR_RANGE
@@ -26,12 +25,11 @@ AHEAD = replace(MODEL, sonars=(replace(MODEL.sonars[0], x=0.0, y=0.0, theta=0.0)
 BOX = Box(pose=Pose2(2.0, 0.0, 0.0), size=(0.4, 0.6), movable=True, name="crate")
 QUIET = replace(Realism().sonar, noise=0.0, quantum=0.0, drop_out=0.0, cross_talk=0.0)
 CONES = replace(Realism.ideal(), sonar=QUIET)
-NO_NUMBA = pytest.mark.skipif(not find_spec("numba"), reason="extra `fast` not installed")
 
 
-@pytest.fixture(params=["numpy", pytest.param("numba", marks=NO_NUMBA)], scope="module")
-def kernels(request: pytest.FixtureRequest) -> Kernels:
-    return load_kernels(request.param)
+@pytest.fixture(scope="module")
+def kernels() -> Kernels:
+    return Kernels()
 
 
 def walk(world: World, seconds: float) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels import Robots, build_grid, load_kernels
+from pioneer3.sim.kernels import Kernels, Robots, build_grid
 from pioneer3.sim.raycast import cast_reference
 
 Float = NDArray[np.float64]
@@ -23,7 +23,7 @@ def by_kernels(origin: Float, angles: Float, walls: Float, limit: float) -> Floa
 def cast_from(origins: Float, angles: Float, walls: Float, limit: float) -> Float:
     nobody = np.full(len(angles), -1, dtype=np.int32)
     robots = Robots(*np.empty((3, 0)))
-    kernels = load_kernels("numpy")
+    kernels = Kernels()
     kernels.place(robots)
     grid = build_grid(walls)
     return kernels.cast_rays(grid, robots, origins, angles, owner=nobody, limit=limit)

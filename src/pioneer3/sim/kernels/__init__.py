@@ -1,15 +1,17 @@
-"""The fast heart of the simulator: rays, fans and footprints, by numba or by numpy alone."""
+"""The simulator's inner loops: motion, rays, fans and footprints of all robots at once."""
 
-from pioneer3.sim.kernels.base import Kernels
 from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import Echoes
 from pioneer3.sim.kernels.edges import find_edges
-from pioneer3.sim.kernels.load import load_kernels, warm_up
+from pioneer3.sim.kernels.jit import is_cached, numba_version
+from pioneer3.sim.kernels.kernels import WORTH_COMPILING, WORTH_THREADS, Kernels, compiled_kernels
 from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
 from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 __all__ = [
+    "WORTH_COMPILING",
+    "WORTH_THREADS",
     "Drives",
     "Echoes",
     "Fan",
@@ -18,9 +20,10 @@ __all__ = [
     "Mounts",
     "Robots",
     "build_grid",
+    "compiled_kernels",
     "find_edges",
+    "is_cached",
     "laser_fan",
-    "load_kernels",
+    "numba_version",
     "sonar_mounts",
-    "warm_up",
 ]

@@ -1,15 +1,10 @@
 """Compiles the kernels and keeps the result: `python -m pioneer3.sim.kernels`."""
 
-from importlib.util import find_spec
+import os
 
-from pioneer3.sim.kernels.load import load_kernels
+from pioneer3.sim.kernels.kernels import compiled_kernels
 
-
-def main() -> None:
-    """Compile, where numba is installed; seconds the first time, then nothing to do."""
-    if find_spec("numba"):
-        load_kernels("numba")
-
-
-if __name__ == "__main__":
-    main()
+if __name__ == "__main__":  # seconds the first time, where numba is installed; then nothing to do
+    if hasattr(os, "nice"):
+        os.nice(10)  # a simulator may be running beside
+    compiled_kernels()

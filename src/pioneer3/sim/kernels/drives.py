@@ -41,8 +41,6 @@ LINEAR, ANGULAR = range(2)
 POWERED, HELD, BRAKING, STALLED, TOUCHED = range(5)
 # rows of Drives.wheels
 ODOM_X, ODOM_Y, ODOM_THETA, LEFT, RIGHT, BASE, ENERGY, SUPPLY, HEAT = range(9)
-# rows of Drives.free
-WALLS, OTHERS = range(2)
 # rows of Drives.errors
 V_OF_V, V_OF_W, W_OF_V, W_OF_W, WAY_NOISE, TURN_NOISE, DRIFT_NOISE = range(7)
 
@@ -64,19 +62,15 @@ class Drives:
             per speed and per turn rate; then standard deviations of the way per root of way
             [m^0.5], of the turn per root of turn [rad^0.5] and per root of way [rad/m^0.5];
             shape (7, N).
-        free: How far each may surely go without touching a wall, and how far it and anything else
-            that moves may go before they touch [m], shape (2, N); 0 if unknown. Kept by kernels
-            that look for collisions only now and then.
     """
 
     axes: Float
     flags: Flags
     wheels: Float
     errors: Float
-    free: Float
 
     def __len__(self) -> int:
-        return len(self.free[0])
+        return len(self.axes[0, 0])
 
     @classmethod
     def at_rest(cls, count: int) -> "Drives":
@@ -87,7 +81,7 @@ class Drives:
         wheels[ENERGY] = CAPACITY
         errors = np.zeros((7, count))
         errors[[V_OF_V, W_OF_W]] = 1.0
-        return cls(axes, np.zeros((5, count), np.uint8), wheels, errors, np.zeros((2, count)))
+        return cls(axes, np.zeros((5, count), np.uint8), wheels, errors)
 
     def go(self, speeds: Float, rates: Float) -> None:
         """Let all powered robots hold speeds [m/s] and turn rates [rad/s], both (N,) or one."""
@@ -96,12 +90,13 @@ class Drives:
 
     def joined(self, other: "Drives") -> "Drives":
         """Return these and the others, in this order."""
-        pairs = zip(self._parts, other._parts, strict=True)
+        pairs: Any = zip(self.arrays, other.arrays, strict=True)
         return Drives(*(np.concatenate(pair, axis=-1) for pair in pairs))
 
     def only(self, which: slice | NDArray[np.int64]) -> "Drives":
         """Return copies of some."""
-        return Drives(*(part[..., which].copy() for part in self._parts))
+        parts: Any = self.arrays
+        return Drives(*(part[..., which].copy() for part in parts))
 
     @property
     def arrays(self) -> tuple[Float, Flags, Float, Float]:
@@ -112,7 +107,3 @@ class Drives:
     def noisy(self) -> bool:
         """Whether any drive has random errors."""
         return bool(self.errors[WAY_NOISE:].any())
-
-    @property
-    def _parts(self) -> tuple[Any, ...]:
-        return *self.arrays, self.free

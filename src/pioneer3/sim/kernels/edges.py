@@ -5,9 +5,7 @@ from math import pi, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.near import NearWalls
-from pioneer3.sim.kernels.numpy_truth import indices_of
-from pioneer3.sim.kernels.walls import SLACK, Grid, build_grid
+from pioneer3.sim.kernels.walls import SLACK, TOGETHER, Grid, build_grid
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -27,9 +25,6 @@ WIDE = 0.4
 CELL = 0.1
 """Side of the cells in which walls are looked for [m]."""
 
-TOGETHER = 1 << 9
-"""Ends worked on at a time: their arrays then fit a processor's cache."""
-
 SECTORS, BEND = 64, 5
 """A wall that bends by about so many sectors still goes straight on: 30 degrees."""
 
@@ -40,36 +35,35 @@ def find_edges(grid: Grid) -> Grid:
     Where two walls that meet run on in nearly the same direction is no edge, nor is a step or a gap
     of a few centimetres.
     """
-    ends = np.unique(grid.walls.reshape(-1, 2) @ np.array([1, 1j]))
-    points = np.stack([ends.real, ends.imag])
-    near = NearWalls(build_grid(grid.walls, CELL), max(RADII))
+    points = np.unique(grid.walls.reshape(-1, 2), axis=0)
+    near = build_grid(grid.walls, CELL)
     for radius in RADII:
-        blocks = range(0, points.shape[1], TOGETHER)
-        along = [_goes_on(near, points[:, b : b + TOGETHER], radius) for b in blocks]
-        points = points[:, ~np.concatenate([np.empty(0, dtype=np.bool_), *along])]
-    return build_grid(np.tile(points.T, 2), grid.cell)
+        blocks = range(0, len(points), TOGETHER)
+        along = [_goes_on(near, points[b : b + TOGETHER], radius) for b in blocks]
+        points = points[~np.concatenate([np.empty(0, dtype=np.bool_), *along])]
+    return build_grid(np.tile(points, 2), grid.cell)
 
 
-def _goes_on(near: NearWalls, points: Float, radius: float) -> Bool:
-    """Return whether walls leave a circle around each point (2, N) on opposite sides, (N,)."""
-    point, ends = near.around(points)
-    ends = ends - np.tile(points, (2, 1)).take(point, axis=1)
+def _goes_on(near: Grid, points: Float, radius: float) -> Bool:
+    """Return whether walls leave a circle around each point (N, 2) on opposite sides, (N,)."""
+    point, walls = near.near(points, radius)
+    ends = (near.walls[walls] - np.tile(points, 2)[point]).T
     extent = ends[2:] - ends[:2]
     squared, middle = (extent * extent).sum(axis=0), -(ends[:2] * extent).sum(axis=0)
     root = middle * middle - squared * ((ends[:2] * ends[:2]).sum(axis=0) - radius * radius)
-    close = indices_of(root >= 0)
+    close = np.flatnonzero(root >= 0)
     point, squared, middle = point[close], squared[close], middle[close]
     root, ends, extent = np.sqrt(root[close]), ends[:, close], extent[:, close]
-    crossed = np.zeros(points.shape[1], dtype=np.uint64)
+    crossed = np.zeros(len(points), dtype=np.uint64)
     with np.errstate(divide="ignore", invalid="ignore"):
         for share in ((middle - root) / squared, (middle + root) / squared):
-            # not where it is NaN
-            meets = indices_of((share >= -SLACK) & (share <= 1 + SLACK))
+            # NaN meets nothing
+            meets = np.flatnonzero((share >= -SLACK) & (share <= 1 + SLACK))
             way = share[meets] * extent[:, meets]
             _mark(crossed, point[meets], ends[:2, meets] + way)
     for end in (ends[:2], ends[2:]):
         apart = np.hypot(*end)
-        beside = indices_of((apart >= WIDE * radius) & (apart <= radius))
+        beside = np.flatnonzero((apart >= WIDE * radius) & (apart <= radius))
         _mark(crossed, point[beside], end[:, beside])
     opposite = [_turned(crossed, SECTORS // 2 + bend) for bend in range(-BEND, BEND + 1)]
     goes_on: Bool = (crossed & np.bitwise_or.reduce(opposite)) != 0

@@ -19,6 +19,12 @@ SLACK = 1e-6
 OFFSET = 0.3713
 """Edges of cells lie this share of a cell beside the map's, off the round numbers walls are at."""
 
+TOGETHER = 1 << 9
+"""Points worked on at a time: their arrays then fit a processor's cache."""
+
+TINY = 1e-300
+"""In place of zero [m^2], which nothing is divided by."""
+
 NONE = -(1 << 30)
 """Column and row of a wall's predecessor where there is none."""
 
@@ -64,18 +70,32 @@ class Grid:
         """Left and bottom edge [m], shape (2,)."""
         return self.frame[:2]
 
-    def around(self, x: float, y: float, reach: float) -> Float:
-        """Return the walls near the square of 2 `reach` around a point [m], shape (P, 4)."""
-        columns, rows = self.shape
-        low = np.floor((np.array([x, y]) - reach - self.corner) / self.cell).astype(np.int64)
-        high = np.floor((np.array([x, y]) + reach - self.corner) / self.cell).astype(np.int64)
-        (west, south), (east, north) = low.clip(min=0), high.clip(max=(columns - 1, rows - 1))
-        starts = self.cell_start
-        found = [
-            self.pieces[starts[row * columns + west] : starts[row * columns + east + 1], :4]
-            for row in range(south, north + 1 if west <= east else south)
-        ]
-        return np.concatenate([np.empty((0, 4)), *found])
+    def clearance(self, points: Float, reach: float) -> Float:
+        """Return the distance from each point (N, 2) to the nearest wall [m], at most `reach`."""
+        found = np.full(len(points), reach)
+        for first in range(0, len(points), TOGETHER):
+            point, wall = self.near(points[first : first + TOGETHER], reach)
+            apart = _distances(points[first + point], self.walls[wall])
+            np.minimum.at(found, first + point, apart)
+        return found
+
+    def near(self, points: Float, reach: float) -> tuple[Int, Int]:
+        """Return the walls within `reach` [m] of each point (N, 2), and some that are further off.
+
+        Returns:
+            Index of the point and of the wall, both of shape (P,), points ascending. A pair may
+            come more than once.
+        """
+        last, places = np.array(self.shape) - 1, (points - self.corner) / self.cell
+        reach /= self.cell
+        west, south = np.floor(places - reach).clip(0, last + 1).astype(np.int64).T
+        east, north = np.floor(places + reach).clip(-1, last).astype(np.int64).T
+        heights = np.where(west <= east, (north - south + 1).clip(min=0), 0)
+        box = np.repeat(np.arange(len(points)), heights)
+        rows = ranges(south, heights) * self.shape[0]
+        first = self.cell_start[rows + west[box]].astype(np.int64)
+        counts = self.cell_start[rows + east[box] + 1] - first
+        return np.repeat(box, counts), self.cell_items[ranges(first, counts)].astype(np.int64)
 
 
 def build_grid(walls: Float, cell: float = 1.0) -> Grid:
@@ -163,6 +183,16 @@ def _large_enough(cell: float, extent: Float, length: float) -> float:
         sqrt(width * height / MOST_CELLS) * 1.1,
         max(width, height, length) * 4 / MOST_CELLS,
     )
+
+
+def _distances(points: Float, walls: Float) -> Float:
+    """Return the distance of each point (P, 2) to the wall (P, 4) beside it [m], shape (P,)."""
+    starts, extents = walls[:, :2] - points, walls[:, 2:] - walls[:, :2]
+    squared = (extents * extents).sum(axis=1).clip(min=TINY)
+    share = (-(starts * extents).sum(axis=1) / squared).clip(0.0, 1.0)
+    x, y = (starts + share[:, None] * extents).T
+    apart: Float = np.hypot(x, y)
+    return apart
 
 
 def _lengths(walls: Float) -> Float:

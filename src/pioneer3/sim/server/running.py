@@ -101,7 +101,8 @@ class RunningSimulation:
         pace: The speed of time; may be changed at any time.
         factory_url: Of the port where every client gets a robot of its own, or `None`.
         acts_urls: Of the colour trackers of the first robots; empty without.
-        notes: Hints for the person who started it, one per line.
+        notes: Warnings for the person who started it, one per line.
+        progress: A line for that person about work that has just begun; empty without.
     """
 
     def __init__(
@@ -117,6 +118,7 @@ class RunningSimulation:
         self.factory_url: str | None = None
         self.acts_urls: list[str] = []
         self.notes: list[str] = []
+        self.progress = ""
         self._simulation = simulation
         self._rng = rng
         self._client_maps = client_maps

@@ -2,6 +2,9 @@
 
 import asyncio
 import logging
+import os
+import sys
+from asyncio.subprocess import DEVNULL, PIPE
 from collections.abc import AsyncIterator, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
@@ -9,15 +12,21 @@ from pathlib import Path
 
 from numpy.random import default_rng
 
-from pioneer3.errors import ConfigError, PioneerError
+from pioneer3.errors import ConfigError, PioneerError, how_to_get
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.kernels import (
+    WORTH_COMPILING,
+    WORTH_THREADS,
+    compiled_kernels,
+    is_cached,
+    numba_version,
+)
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
-from pioneer3.sim.server.choice import KernelChoice, chosen_kernels
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.listeners import listening
 from pioneer3.sim.server.pacer import Pacer
@@ -89,6 +98,8 @@ async def _serve(
 
 LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8101
+MOST_THREADS = 4
+COMPILING = "Compiling the simulator, only this once; it is slower for some 20 seconds ..."
 IN_THE_WAY = "begins in a wall or an obstacle and cannot move: choose another start"
 
 
@@ -105,7 +116,6 @@ async def simulator(
     faults: LinkFaults | None = None,
     ptys: bool = False,
     acts: int | None = None,
-    kernels: KernelChoice = "auto",
 ) -> AsyncIterator[RunningSimulation]:
     """Run a simulator in this event loop.
 
@@ -123,8 +133,6 @@ async def simulator(
         ptys: Whether each robot has a pseudo terminal besides.
         acts: TCP port of the first robot's ACTS server, the others have the next ones; 0 takes
             free ones, `None` has no such servers.
-        kernels: What computes motion and rays; the same seed gives the same run to the last bit
-            only with the same ones.
 
     Raises:
         ConfigError: The map, a model, a place or the port of the ACTS servers is wrong.
@@ -151,14 +159,20 @@ async def simulator(
         load_model(factory_robot.model)  # better now than when the first client comes
     first_port = port + 1 if factory_robot and port else port
     await simulation.listen(first_port, host, ports=[each.port for each in spawned])
-    # connections are accepted from now on; time begins when the kernels are there
-    world.kernels = await chosen_kernels(kernels, len(bodies), pace)
+    # connections are accepted from now on; time begins when compiled kernels are loaded
+    here = RunningSimulation(simulation, _robots(spawned, simulation, ptys=ptys), rng, client_maps)
+    here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
+    work = [simulation.run()]
+    if factory_robot or len(bodies) >= WORTH_COMPILING or simulation.pace.speed > 1:
+        if not numba_version():
+            here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
+        elif is_cached():
+            await _load_kernels(world)
+        else:
+            here.progress = COMPILING
+            work.append(_compile_kernels(world))
     async with AsyncExitStack() as stack:
-        await stack.enter_async_context(running(simulation.run()))
-        here = RunningSimulation(
-            simulation, _robots(spawned, simulation, ptys=ptys), rng, client_maps
-        )
-        here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
+        await stack.enter_async_context(running(*work))
         if faults is not None:
             here.set_faults(faults)
         if factory_robot:
@@ -169,6 +183,31 @@ async def simulator(
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
+
+
+async def _load_kernels(world: World) -> None:
+    """Replace the kernels of `world` by compiled ones, which compute the same."""
+    robots = len(world.robots)
+    threads = min(MOST_THREADS, os.cpu_count() or 1) if robots >= WORTH_THREADS else 1
+    world.kernels = await asyncio.to_thread(compiled_kernels, threads)
+
+
+async def _compile_kernels(world: World) -> None:
+    """Compile the kernels in another process, so that the event loop runs on; then load them."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "pioneer3.sim.kernels", stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE
+    )
+    try:
+        _, errors = await process.communicate()
+    except asyncio.CancelledError:
+        process.terminate()
+        await process.wait()
+        raise
+    if process.returncode:
+        reason = errors.decode(errors="replace").strip().rpartition("\n")[2]
+        log.warning("numba cannot compile the simulator, which stays slow: %s", reason)
+        return
+    await _load_kernels(world)
 
 
 def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:

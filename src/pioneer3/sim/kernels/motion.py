@@ -1,13 +1,12 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Drives, and what stops them."""
 
-from math import ceil, copysign, cos, hypot, isnan, pi, sin, sqrt, tau
+from math import ceil, copysign, cos, isnan, pi, sin, sqrt, tau
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.collision import TOUCH as DEEP
-from pioneer3.sim.kernels.compiled.table import Others, Walls, cells, neighbours, outline, place
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
     ANGULAR,
@@ -52,7 +51,8 @@ from pioneer3.sim.kernels.drives import (
     W_OF_W,
     WAY_NOISE,
 )
-from pioneer3.sim.kernels.jit import compiled, inlined
+from pioneer3.sim.kernels.jit import inlined, kernel
+from pioneer3.sim.kernels.table import Others, Walls, cells, neighbours, outline, place
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -87,7 +87,7 @@ def _ramp(
     return v, way + v * dt
 
 
-@compiled
+@kernel
 def _turn_axis(n: int, axis: int, axes: Float, held: bool, brake: float, dt: float) -> float:
     """Let one axis of a drive run for `dt`; return its way."""
     v: float = axes[VELOCITY, axis, n]
@@ -133,7 +133,7 @@ def _wants_to_move(n: int, axes: Float, flags: Flags) -> bool:
     return moving or left or (wanted and flags[POWERED, n] != 0)
 
 
-@compiled
+@kernel
 def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
     """Let a drive run, and fill `wish` with what that comes to.
 
@@ -168,7 +168,7 @@ def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
         flags[BRAKING, n] = 0
 
 
-@compiled
+@kernel
 def _stands_on(
     ax: float,
     ay: float,
@@ -191,7 +191,7 @@ def _stands_on(
     )
 
 
-@compiled
+@kernel
 def _hits(
     n: int,
     px: float,
@@ -214,7 +214,8 @@ def _hits(
     c, s, corners = cos(theta), sin(theta), shapes.shape[1]
     front, rear, half = state[3, n], state[4, n], state[5, n]
     middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
-    hit, reach = False, hypot(max(front, rear), half)
+    longest = max(front, rear)
+    hit, reach = False, sqrt(longest * longest + half * half)
     west, east = cells(px - reach, px + reach, frame[0], frame[3])
     south, north = cells(py - reach, py + reach, frame[1], frame[3])
     west, east = max(west, 0), min(east, columns - 1)
@@ -234,7 +235,7 @@ def _hits(
     return hit
 
 
-@compiled
+@kernel
 def blocked(
     first: int, last: int, poses: Float, state: Float, walls: Walls, others: Others, out: Bool
 ) -> None:
@@ -245,7 +246,7 @@ def blocked(
         out[n] = _hits(n, x, y, theta, 0.0, state, walls, others, found)
 
 
-@compiled
+@kernel
 def _free_share(
     n: int,
     wish: Float,
@@ -273,7 +274,7 @@ def _free_share(
     return free
 
 
-@compiled
+@kernel
 def _take(n: int, share: float, wish: Float, drives: Wheels, state: Float) -> None:
     """Move a robot by a share of its wish, in the world and in its odometry."""
     wheels = drives[2]
@@ -302,7 +303,7 @@ def _live(n: int, dt: float, drives: Wheels) -> None:
     wheels[HEAT, n] += (warm - wheels[HEAT, n]) * (dt / HEAT_TIME)
 
 
-@compiled
+@kernel
 def step(
     dt: float, noise: Float, drives: Wheels, state: Float, walls: Walls, others: Others
 ) -> None:
@@ -326,7 +327,8 @@ def step(
         if share > 0.0:
             _take(n, share, wish, drives, state)
             outline(n, state, others[1])
-            astray = max(astray, hypot(wish[0], wish[1]) + abs(wish[2]) * others[1][n, 2])
+            way = sqrt(wish[0] * wish[0] + wish[1] * wish[1])
+            astray = max(astray, way + abs(wish[2]) * others[1][n, 2])
             moved = True
     if moved:
         place(state, others)

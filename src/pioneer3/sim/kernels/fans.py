@@ -6,9 +6,9 @@ from math import ceil, cos, floor, inf, pi, sin, sqrt, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.compiled.rays import meeting
-from pioneer3.sim.kernels.compiled.table import Others, Walls, cells, neighbours
-from pioneer3.sim.kernels.jit import compiled, inlined
+from pioneer3.sim.kernels.jit import inlined, kernel
+from pioneer3.sim.kernels.rays import meeting
+from pioneer3.sim.kernels.table import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK
 
 Float = NDArray[np.float64]
@@ -19,6 +19,12 @@ Int32 = NDArray[np.int32]
 CLOSE = 1e-3
 """A segment's end or line this close to a laser is measured beam by beam [m]."""
 
+TINY = 1e-300
+"""In place of zero, which nothing is divided by."""
+
+NEAREST = 1e-12
+"""A range below this [m] is none; its inverse is finite."""
+
 MARGIN = 5e-5
 """Beams this close to a segment's end are measured one by one; above the error of _angle [rad]."""
 
@@ -27,7 +33,7 @@ MARGIN = 5e-5
 def _angle(x: float, y: float) -> float:
     """Return atan2(y, x) within 1.2e-5 rad (Abramowitz and Stegun 4.4.49), in (-pi, pi]."""
     ax, ay = abs(x), abs(y)
-    t = min(ax, ay) / max(ax, ay)
+    t = min(ax, ay) / max(ax, ay, TINY)
     u = t * t
     a = t * (0.9998660 + u * (-0.3302995 + u * (0.1801410 + u * (-0.0851330 + u * 0.0208351))))
     if ay > ax:
@@ -37,15 +43,16 @@ def _angle(x: float, y: float) -> float:
     return -a if y < 0 else a
 
 
-@compiled
+@kernel
 def _paint_slowly(seen: Float, i: int, first: int, last: int, headings: Float, out: Float) -> None:
     """Measure a segment along beams `first` to `last`, one by one, into `out` [1/m]."""
     ax, ay, bx, by = seen[0, i], seen[1, i], seen[2, i], seen[3, i]
     for k in range(max(first, 0), min(last + 1, len(out))):
-        out[k] = max(out[k], 1.0 / meeting(ax, ay, bx, by, headings[0, k], headings[1, k]))
+        away = meeting(ax, ay, bx, by, headings[0, k], headings[1, k])
+        out[k] = max(out[k], 1.0 / max(away, NEAREST))
 
 
-@compiled
+@kernel
 def _plan(count: int, seen: Float, limit: float, start: float, step: float, plan: Float) -> None:
     """Compute what painting needs: no branches, so that the processor does several at once.
 
@@ -72,10 +79,11 @@ def _plan(count: int, seen: Float, limit: float, start: float, step: float, plan
         span = -1.0 if turn * turn > limit * limit * squared else span
         plan[0, i] = low - np.floor((low + span + margin) / circle) * circle
         plan[1, i] = inf if close else span
+        turn = max(turn, TINY)
         plan[2, i], plan[3, i] = ey / turn, -ex / turn
 
 
-@compiled
+@kernel
 def _paint(
     count: int,
     seen: Float,
@@ -131,7 +139,7 @@ def _hidden(x: float, y: float, radius: float, start: float, step: float, out: F
     return True
 
 
-@compiled
+@kernel
 def fans(
     first: int,
     last: int,
@@ -193,4 +201,4 @@ def fans(
                     ax, ay = bx, by
         _paint(count, seen, plan, limit, start, step, headings, beams)
         for i in range(len(beams)):
-            out[n, i] = min(1.0 / beams[i], limit)
+            out[n, i] = min(1.0 / beams[i], limit) if beams[i] > 0.0 else limit

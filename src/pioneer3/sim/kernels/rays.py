@@ -6,9 +6,9 @@ from math import cos, floor, inf, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.compiled.table import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.echoes import SHADE
-from pioneer3.sim.kernels.jit import compiled, inlined
+from pioneer3.sim.kernels.jit import inlined, kernel
+from pioneer3.sim.kernels.table import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.raycast import TOUCH
 
 Float = NDArray[np.float64]
@@ -19,8 +19,8 @@ Int32 = NDArray[np.int32]
 EMPTY = 0.1
 """Along the edges of a grid at least this much has no walls [cells]."""
 
-HUGE = 1e300
-"""Stands for the inverse of zero where infinity would make a NaN."""
+TINY, HUGE = 1e-300, 1e300
+"""Stand for zero and its inverse where infinity would make a NaN."""
 
 
 @inlined
@@ -38,7 +38,7 @@ def crossing(along0: float, across0: float, along1: float, across1: float) -> fl
     return max(found, 0.0) if found >= -TOUCH else inf
 
 
-@compiled
+@kernel
 def meeting(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
     """Return the range from the origin along a ray to a segment, or infinity; as the oracle."""
     across0, across1 = dx * ay - dy * ax, dx * by - dy * bx
@@ -80,10 +80,12 @@ def _walk(
     best, heard, begin, end = limit, limit, 0.0, limit * per_metre
     if not (0.0 <= px < columns and 0.0 <= py < rows):
         begin = _entry(px, py, dx, dy, columns, rows)
-        px, py, end = px + begin * dx, py + begin * dy, end - begin
+        if begin < FAR:
+            px, py, end = px + begin * dx, py + begin * dy, end - begin
     if begin < FAR and end >= 0.0:
         column, row = min(max(floor(px), 0), columns - 1), min(max(floor(py), 0), rows - 1)
-        each_x, each_y = min(1.0 / abs(dx), HUGE), min(1.0 / abs(dy), HUGE)
+        each_x = 1.0 / abs(dx) if abs(dx) > TINY else HUGE
+        each_y = 1.0 / abs(dy) if abs(dy) > TINY else HUGE
         next_x = (column + 1 - px if dx >= 0 else px - column) * each_x
         next_y = (row + 1 - py if dy >= 0 else py - row) * each_y
         end_x = (columns - px if dx >= 0 else px) * each_x
@@ -113,7 +115,7 @@ def _walk(
     return best, heard
 
 
-@compiled
+@kernel
 def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float) -> None:
     """Shorten the ranges of `count` rays where one of the robots `found` is nearer.
 
@@ -144,7 +146,7 @@ def _see_robots(near: int, found: Int32, shapes: Float, count: int, rays: Float)
                 rays[4, k] = best
 
 
-@compiled
+@kernel
 def _nearest_edge(
     ox: float,
     oy: float,
@@ -179,7 +181,7 @@ def _nearest_edge(
     return reach
 
 
-@compiled
+@kernel
 def sonar(
     first: int,
     last: int,

@@ -1,12 +1,17 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
-"""Who is where: outlines, and the table of robots by cell."""
+"""Who is where: outlines, and the table of robots by cell.
 
-from math import cos, floor, hypot, inf, sin
+As in all kernels, a loop runs over robots `first` to `last`, so threads can share. Names: a ray
+starts at (ox, oy) and runs along the unit vector (dx, dy); (ax, ay) and (bx, by) are the ends of a
+segment; lattice units are cells. Arrays are those of Grid, Robots, Mounts, Fan and Drives.
+"""
+
+from math import cos, floor, inf, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.jit import compiled, inlined
+from pioneer3.sim.kernels.jit import inlined, kernel
 from pioneer3.sim.kernels.walls import SLACK
 
 Float = NDArray[np.float64]
@@ -41,7 +46,7 @@ def _place(x: float, y: float, per_metre: float, mask: int) -> int:
     return (row & mask) * (mask + 1) + (column & mask)
 
 
-@compiled
+@kernel
 def neighbours(x: float, y: float, reach: float, skip: int, others: Others, found: Int32) -> int:
     """Fill `found` with the robots, but not `skip`, within `reach`; return how many."""
     box, shapes, places, items = others
@@ -61,7 +66,7 @@ def neighbours(x: float, y: float, reach: float, skip: int, others: Others, foun
     return count
 
 
-@compiled
+@kernel
 def outline(n: int, state: Float, shapes: Float) -> None:
     """Compute the middle, the radius and the corners of one robot."""
     x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
@@ -70,7 +75,8 @@ def outline(n: int, state: Float, shapes: Float) -> None:
         x = y = NOWHERE
     middle, corners = (front - rear) / 2, (shapes.shape[1] - 3) // 2
     shapes[n, 0], shapes[n, 1] = x + c * middle, y + s * middle
-    shapes[n, 2] = hypot((front + rear) / 2, half)
+    length = (front + rear) / 2
+    shapes[n, 2] = sqrt(length * length + half * half)
     for k in range(corners):
         quarter = k * 4 // corners
         ahead = front if quarter % 3 == 0 else -rear
@@ -84,7 +90,7 @@ def outline(n: int, state: Float, shapes: Float) -> None:
         shapes[n, 4 + 2 * k] = y + s * ahead + c * left
 
 
-@compiled
+@kernel
 def place(state: Float, others: Others) -> None:
     """Compute outlines, and sort the robots into the table by counting."""
     box, shapes, places, items = others

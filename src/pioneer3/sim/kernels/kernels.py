@@ -1,0 +1,249 @@
+"""Motion, rays, fans and collisions of all robots at once. Arrays in, arrays out.
+
+Ranges agree with :func:`pioneer3.sim.raycast.cast_reference` within 1e-6 m. `out`, where given, is
+C-contiguous, is filled and returned; where not, the answer is a new array. After robots moved,
+:meth:`Kernels.place` comes first: the other methods see them where they were placed.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.sim.kernels import fans, motion, rays, table
+from pioneer3.sim.kernels.drives import Drives
+from pioneer3.sim.kernels.echoes import ALL, Echoes
+from pioneer3.sim.kernels.jit import COMPLETE, cache_directory, fast, numba_version, plain
+from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
+from pioneer3.sim.kernels.robots import Robots
+from pioneer3.sim.kernels.walls import Grid, build_grid
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+Int32 = NDArray[np.int32]
+
+WORTH_COMPILING = 5
+"""Robots from which on compiled kernels pay in real time; loading them takes a second."""
+
+WORTH_THREADS = 50
+"""Robots from which on sharing the work among threads pays."""
+
+WHOLE = (np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([0, 1], dtype=np.int32))
+"""A transducer at the pose itself, pointing ahead."""
+
+
+NO_NOISE = np.empty((3, 0))
+NO_ECHOES = 0.0, 0.0
+
+
+class Kernels:
+    """The functions of this folder, and the threads that share their work.
+
+    Whatever is chosen, the results are the same to the last bit.
+
+    Args:
+        threads: That share the work of 50 robots and more. They only pay with numba.
+        compiled: Where numba is installed, compile each function at its first call ever, in
+            seconds, and load it from the cache later; else Python runs it.
+
+    Attributes:
+        compiled: Whether the functions are compiled.
+    """
+
+    def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
+        self.compiled = compiled and bool(numba_version())
+        self._place = fast(table.place) if compiled else plain(table.place)
+        self._sonar = fast(rays.sonar) if compiled else plain(rays.sonar)
+        self._fans = fast(fans.fans) if compiled else plain(fans.fans)
+        self._blocked = fast(motion.blocked) if compiled else plain(motion.blocked)
+        self._step = fast(motion.step) if compiled else plain(motion.step)
+        self._threads = threads
+        self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
+
+    def place(self, robots: Robots) -> None:
+        """Bring the outlines and the table of `robots` up to date with their poses."""
+        self._place(robots.state, robots.arrays)
+
+    def cast_rays(
+        self,
+        grid: Grid,
+        robots: Robots,
+        origins: Float,
+        angles: Float,
+        *,
+        owner: Int32,
+        limit: float,
+        out: Float | None = None,
+    ) -> Float:
+        """Return the range to the nearest wall or robot along each ray [m], shape (R,).
+
+        Args:
+            grid: The walls.
+            robots: Seen where they were placed.
+            origins: Where rays start [m], shape (R, 2).
+            angles: Their directions [rad], shape (R,).
+            owner: The robot that each ray does not see, or -1, shape (R,).
+            limit: Longest range [m]; a ray that hits nothing returns this.
+            out: For the ranges, shape (R,).
+        """
+        count = len(angles)
+        ranges = np.empty(count) if out is None else out
+        poses = np.concatenate([origins.T, angles[None]])
+        mounts = (*WHOLE, np.zeros(count, dtype=np.int32))
+        walls, others, rows = grid.arrays, robots.arrays, ranges.reshape(count, 1)
+
+        def work(first: int, last: int) -> None:
+            self._sonar(
+                first, last, limit, NO_ECHOES, poses, owner, mounts, walls, walls, others, rows
+            )
+
+        self._share(count, work)
+        return ranges
+
+    def sonar(
+        self,
+        grid: Grid,
+        robots: Robots,
+        mounts: Mounts,
+        limit: float,
+        *,
+        echoes: Echoes = ALL,
+        owners: Int32 | None = None,
+        out: Float | None = None,
+    ) -> Float:
+        """Return the range per robot and transducer [m], shape (F, mounts.most).
+
+        The nearest echo counts, of a transducer's rays or of an edge between them. No robot hears
+        itself. Columns that a robot's type does not have read `limit`.
+
+        Args:
+            grid: The walls.
+            robots: Heard where they were placed.
+            mounts: The transducers of the robots, which may be the first few of `robots`.
+            limit: Longest range [m].
+            echoes: What walls and edges send back. What a ray meets first hides what is behind,
+                echo or not.
+            owners: The F robots that listen; `None` means all that `mounts` has.
+            out: For the ranges, shape (F, mounts.most).
+        """
+        poses, layout = robots.poses, mounts.arrays
+        if owners is None:
+            owners = robots.everyone[: len(mounts.kinds)]
+        else:
+            poses, layout = poses[:, owners], (*layout[:2], mounts.kinds[owners])
+        count = len(owners)
+        ranges = np.empty((count, mounts.most)) if out is None else out
+        walls, others = grid.arrays, robots.arrays
+        edges = walls if echoes.edges is None else echoes.edges.arrays
+        heard = echoes.steep, echoes.edge_range if echoes.edges else 0.0
+
+        def work(first: int, last: int) -> None:
+            self._sonar(
+                first, last, limit, heard, poses, owners, layout, walls, edges, others, ranges
+            )
+
+        self._share(count, work)
+        return ranges
+
+    def cast_fans(
+        self,
+        grid: Grid,
+        robots: Robots,
+        fan: Fan,
+        limit: float,
+        *,
+        owners: Int32 | None = None,
+        out: Float | None = None,
+    ) -> Float:
+        """Return the range per laser and beam [m], shape (F, B).
+
+        Args:
+            grid: The walls.
+            robots: Seen where they were placed.
+            fan: The beams, and where the laser sits on its robot.
+            limit: Longest range [m].
+            owners: The F robots that carry this laser; `None` means all N.
+            out: For the ranges, shape (F, B).
+        """
+        lasers = robots.everyone if owners is None else owners
+        ranges = np.empty((len(lasers), fan.headings.shape[1])) if out is None else out
+        walls, others, poses = grid.arrays, robots.arrays, robots.poses
+
+        def work(first: int, last: int) -> None:
+            self._fans(
+                first, last, limit, lasers, fan.frame, fan.headings, poses, walls, others, ranges
+            )
+
+        self._share(len(lasers), work)
+        return ranges
+
+    def blocked(self, grid: Grid, robots: Robots, poses: Float, out: Bool | None = None) -> Bool:
+        """Return whether each robot would stand on something, shape (N,).
+
+        `poses` are the proposed ones, rows x, y [m], theta [rad], shape (3, N), C-contiguous.
+
+        Touching is free, as in :func:`pioneer3.sim.collision.footprint_hits`. The other robots
+        count where they were placed, not where they propose to go.
+        """
+        hits = np.empty(len(robots), dtype=np.bool_) if out is None else out
+        walls, others, state = grid.arrays, robots.arrays, robots.state
+
+        def work(first: int, last: int) -> None:
+            self._blocked(first, last, poses, state, walls, others, hits)
+
+        self._share(len(robots), work)
+        return hits
+
+    def step(
+        self, grid: Grid, robots: Robots, drives: Drives, dt: float, noise: Float | None = None
+    ) -> None:
+        """Let every drive run for `dt` [s], at most `LONGEST`, as far as nothing is in the way.
+
+        Robots move one after the other, so the earlier takes the room. One that something stops
+        goes as far as is free, stands, and has its flag `STALLED` set. Poses, drives and outlines
+        are those after the step.
+
+        Args:
+            grid: The walls.
+            robots: The robots, in the order of `drives`, then what else may be in the way.
+            drives: Of the robots.
+            dt: [s].
+            noise: Standard normal numbers, shape (3, N): for the way, for the turn, and for the
+                drift while driving; `None` without random errors.
+        """
+        errors = NO_NOISE if noise is None else noise
+        self._step(dt, errors, drives.arrays, robots.state, grid.arrays, robots.arrays)
+
+    def _share(self, count: int, work: Callable[[int, int], None]) -> None:
+        """Call `work` on `count` rows, in parts if that pays."""
+        if self._pool is None or count < WORTH_THREADS:
+            work(0, count)
+            return
+        edges = [count * part // self._threads for part in range(self._threads + 1)]
+        others = self._pool.map(work, edges[1:-1], edges[2:])
+        work(0, edges[1])
+        for _ in others:
+            pass
+
+
+def compiled_kernels(threads: int = 1) -> Kernels:
+    """Return kernels that are compiled and loaded.
+
+    This takes seconds the first time ever, about half a second later. Where numba is not installed,
+    they are plain.
+    """
+    kernels = Kernels(threads)
+    grid = build_grid(np.array([[1.0, -1.0, 1.0, 1.0]]))
+    size = np.array([0.2])
+    robots = Robots(size, size, size)
+    kernels.place(robots)
+    kernels.sonar(grid, robots, sonar_mounts([np.zeros((1, 3))], [0]), 2.0)
+    kernels.cast_fans(grid, robots, laser_fan((0.0, 0.0, 0.0), 0.0, 1.0, 1), 2.0)
+    kernels.blocked(grid, robots, robots.poses)
+    drives = Drives.at_rest(1)
+    for noise in (None, np.zeros((3, 1))):
+        kernels.step(grid, robots, drives, 0.1, noise)
+    if kernels.compiled and cache_directory().is_dir():
+        (cache_directory() / COMPLETE).touch()
+    return kernels
