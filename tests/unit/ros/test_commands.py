@@ -17,7 +17,6 @@ from tests.support import SimulatedRobot, wall_at
 AHEAD = 0.3
 TIMEOUTS = pytest.mark.parametrize("patience", [0.6, inf])
 SOMEBODY, SOMEBODY_ELSE = {"callerid": "/somebody"}, {"callerid": "/somebody_else"}
-COMMON_CLOCK = SimpleNamespace(age=lambda _message: 0.0)
 
 
 @dataclass
@@ -41,7 +40,7 @@ class Drive:
             angular=zero,
             _connection_header=sender,
         )
-        self.commands._receive(twist, (False, COMMON_CLOCK))  # type: ignore[arg-type]
+        self.commands._receive(twist, False)
 
     async def publish(
         self, seconds: float, speed: float = AHEAD, sender: Mapping[str, str] = SOMEBODY

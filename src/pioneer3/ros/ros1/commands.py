@@ -16,7 +16,6 @@ from pioneer3.ros.interface.lab import CommandTopic
 from pioneer3.ros.interface.newest_command import NewestCommand
 from pioneer3.ros.interface.sender import Sender
 from pioneer3.ros.messages import convert
-from pioneer3.ros.ros1.arrivals import Arrivals
 from pioneer3.ros.ros1.messages import message_class
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
@@ -86,9 +85,14 @@ class Commands:
             name = rospy.resolve_name(topic.name)
             if name not in known:
                 known.add(name)
-                subscriber = rospy.Subscriber(name, kind, queue_size=QUEUE, tcp_nodelay=True)
-                told = (topic.shared, Arrivals(subscriber))
-                subscriber.impl.add_callback(self._receive, told)
+                rospy.Subscriber(
+                    name,
+                    kind,
+                    self._receive,
+                    callback_args=topic.shared,
+                    queue_size=QUEUE,
+                    tcp_nodelay=True,
+                )
 
     def begin(self) -> None:
         """Take part in driving."""
@@ -101,10 +105,9 @@ class Commands:
                 timer.cancel()
         self._robot.arbiter.remove(self._hold)
 
-    def _receive(self, message: Any, told: tuple[bool, Arrivals]) -> None:
+    def _receive(self, message: Any, shared: bool) -> None:
         """Take a Twist in rospy's thread; those that come together wake the loop once."""
-        shared, arrivals = told
-        at = self._loop.time() - arrivals.age(message)
+        at = self._loop.time()
         with self._lock:
             waiting = bool(self._pending)
             self._pending.append(Order(message, shared, message._connection_header, at))

@@ -10,8 +10,7 @@ from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.description.frames import Frames
 from pioneer3.ros.messages import ranges
 from pioneer3.ros.ros1.audience import Audience
-from pioneer3.ros.ros1.messages import make
-from pioneer3.ros.ros1.outlet import outlet
+from pioneer3.ros.ros1.messages import make, publisher
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan
 from pioneer3.tasks import running
@@ -43,9 +42,9 @@ class Devices:
     def advertise(self) -> None:
         """Tell the master, in a thread."""
         if self._laser.presence.there:
-            self._scan = outlet("scan", "sensor_msgs/LaserScan", listener=self._to_scans)
+            self._scan = publisher("scan", "sensor_msgs/LaserScan", listener=self._to_scans)
         if self._gyro.presence.there:
-            self._imu = outlet("imu/data_raw", "sensor_msgs/Imu", listener=self._to_imu)
+            self._imu = publisher("imu/data_raw", "sensor_msgs/Imu", listener=self._to_imu)
 
     async def serve(self) -> None:
         """Publish while somebody listens; ends by cancellation."""

@@ -6,8 +6,7 @@ from typing import Any, Final
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.messages.diagnostics import Condition, Health, conditions, fill, hardware_id
 from pioneer3.ros.ros1.audience import Audience
-from pioneer3.ros.ros1.messages import make
-from pioneer3.ros.ros1.outlet import outlet
+from pioneer3.ros.ros1.messages import make, publisher
 from pioneer3.runtime.robot import Robot
 
 PERIOD: Final = 1.0
@@ -25,7 +24,7 @@ class Diagnostics:
     def advertise(self) -> None:
         """Tell the master, in a thread."""
         kind = "diagnostic_msgs/DiagnosticArray"
-        self._publisher = outlet("/diagnostics", kind, listener=self._audience)
+        self._publisher = publisher("/diagnostics", kind, listener=self._audience)
 
     def conditions(self) -> tuple[Condition, ...]:
         """Return how each part is now."""

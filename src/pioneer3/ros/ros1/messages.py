@@ -4,6 +4,9 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Final
 
+QUEUE: Final = 10
+"""Messages that wait for a slow subscriber; then the oldest is dropped. Without a bound rospy would
+block the publisher."""
 BUMPER_KIND: Final = "rosaria/BumperState"
 BUMPER_STATE: Final = """Header header
 bool[] front_bumpers
@@ -31,3 +34,24 @@ def message_class(kind: str) -> Any:
 def make(kind: str) -> Any:
     """Return an empty message."""
     return message_class(kind)()
+
+
+def publisher(name: str, kind: str, *, latch: bool = False, listener: object = None) -> Any:
+    """Return a `rospy.Publisher` that no subscriber holds up.
+
+    Args:
+        name: Of the topic.
+        kind: Of its messages, as "nav_msgs/Odometry".
+        latch: Whether a late subscriber is sent the last message.
+        listener: A `rospy.SubscribeListener`.
+    """
+    import rospy  # noqa: PLC0415
+
+    return rospy.Publisher(
+        name,
+        message_class(kind),
+        queue_size=QUEUE,
+        latch=latch,
+        subscriber_listener=listener,
+        tcp_nodelay=True,
+    )

@@ -6,8 +6,7 @@ from typing import Any, Final
 
 from pioneer3.ros.interface.topics import Profile, Topic
 from pioneer3.ros.messages.convert import Reading
-from pioneer3.ros.ros1.messages import make
-from pioneer3.ros.ros1.outlet import outlet
+from pioneer3.ros.ros1.messages import make, publisher
 
 UNKNOWN: Final = object()
 """Told of what is latched while there is no robot."""
@@ -38,8 +37,8 @@ class _Row:
         return True
 
     def publish(self, message: Any) -> None:
-        for publisher in self.publishers:
-            publisher.publish(message)
+        for each in self.publishers:
+            each.publish(message)
 
 
 class Publishers:
@@ -54,7 +53,8 @@ class Publishers:
         for row in self._rows:
             topic = row.topic
             row.publishers = [
-                outlet(name, topic.kind, latch=topic.latched) for name in topic.names(self._profile)
+                publisher(name, topic.kind, latch=topic.latched)
+                for name in topic.names(self._profile)
             ]
 
     def publish(self, reading: Reading) -> None:
