@@ -10,7 +10,7 @@ from pioneer3.cli.options import Distance, Flag, Patience, Seconds, Speed, TurnR
 from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
 
 if TYPE_CHECKING:
-    from pioneer3.ros.remote import TopicRobot
+    from pioneer3.ros.client.robot import TopicRobot
 
 RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
 
@@ -23,7 +23,7 @@ def robots(*arguments: Arguments, json: Flag = False) -> int:
         json: Print JSON.
     """
     from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
-    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
+    from pioneer3.ros.ros1.client import find_robots  # noqa: PLC0415
 
     found = find_robots()
     if json:
@@ -104,9 +104,8 @@ def rob_key_multi(
     """
     from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
     from pioneer3.cli.output import write_line  # noqa: PLC0415
-    from pioneer3.ros.interface.graph import chosen  # noqa: PLC0415
-    from pioneer3.ros.ros1.client import run_program  # noqa: PLC0415
-    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
+    from pioneer3.ros.client.graph import chosen  # noqa: PLC0415
+    from pioneer3.ros.ros1.client import find_robots, run_program  # noqa: PLC0415
     from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
     from pioneer3.teleop.several import KEYS, Switchboard, numbers  # noqa: PLC0415
@@ -223,11 +222,12 @@ def android_teleop(
 
     async def drive(driven: "TopicRobot") -> None:
         from pioneer3.cli.live import rewrite  # noqa: PLC0415
-        from pioneer3.ros.ros1.phone import flicks  # noqa: PLC0415
+        from pioneer3.ros.client.phone import flicks  # noqa: PLC0415
+        from pioneer3.ros.ros1.middleware import RospyTopics  # noqa: PLC0415
         from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
         from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
 
         keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
-        await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu))
+        await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu, RospyTopics()))
 
     return drive_robot("android_teleop", arguments, which, drive, words=f"waits for {imu}")

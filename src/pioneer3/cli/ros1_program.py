@@ -11,7 +11,7 @@ from pioneer3.cli.loop import run_until_told_to_leave
 
 if TYPE_CHECKING:
     from pioneer3.behaviors.action import Stack
-    from pioneer3.ros.remote import TopicRobot
+    from pioneer3.ros.client.robot import TopicRobot
 
 Arguments = Annotated[str, Parameter(show=False)]
 
@@ -67,9 +67,8 @@ def drive_robot(
     words: str | None = None,
 ) -> int:
     """Find the robot, be the node `name` and drive, until that ends or Ctrl-C."""
-    from pioneer3.ros.interface.graph import chosen  # noqa: PLC0415
-    from pioneer3.ros.ros1.client import run_program  # noqa: PLC0415
-    from pioneer3.ros.ros1.lookup import find_robots  # noqa: PLC0415
+    from pioneer3.ros.client.graph import chosen  # noqa: PLC0415
+    from pioneer3.ros.ros1.client import find_robots, run_program  # noqa: PLC0415
 
     async def work(robots: "list[TopicRobot]") -> None:
         from pioneer3.cli.live import announce  # noqa: PLC0415

@@ -6,8 +6,7 @@ from typing import Any
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, load_model
 from pioneer3.ros.description.tree import tree_of
-from pioneer3.ros.messages.conventions import Conventions
-from pioneer3.ros.messages.convert import Reading
+from pioneer3.ros.messages.update import MessageOptions, StateUpdate
 from pioneer3.state import Battery, Motors, Odometry, Snapshot
 
 
@@ -48,20 +47,20 @@ def seen(
 P3AT = load_model("p3at-sh")
 
 
-def reading(
+def update(
     snapshot: Snapshot,
-    conventions: Conventions | None = None,
+    options: MessageOptions | None = None,
     model: RobotModel = P3AT,
     **parts: Any,
-) -> Reading:
+) -> StateUpdate:
     """Return `snapshot` of a P3-AT, ready to convert; its stamp is a word."""
-    told = conventions or Conventions()
-    return Reading(
+    chosen = options or MessageOptions()
+    return StateUpdate(
         snapshot=snapshot,
         model=model,
-        tree=tree_of(model, told.frames, told.wheel_joints, told.sonar_height),
-        frames=told.frames.with_prefix(told.prefix),
-        conventions=told,
+        tree=tree_of(model, chosen.frames, chosen.wheel_joints, chosen.sonar_height),
+        frames=chosen.frames.with_prefix(chosen.prefix),
+        options=chosen,
         stamp="now",
         make=lambda kind: Blank(kind=kind),
         **parts,

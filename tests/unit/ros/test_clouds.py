@@ -3,16 +3,16 @@ from math import hypot, inf, nan
 
 import pytest
 
-from pioneer3.ros.messages import clouds
-from pioneer3.ros.messages.conventions import Conventions
+from pioneer3.ros.messages import sensors
+from pioneer3.ros.messages.update import MessageOptions
 from pioneer3.state import Bumpers, Sonar
-from tests.unit.ros.support import P3AT, Blank, reading, seen
+from tests.unit.ros.support import P3AT, Blank, seen, update
 
 
 def test_every_transducer_has_a_point_also_without_an_echo() -> None:
     ranges = (2.0, inf, nan, *(1.0,) * 13)
     message = Blank()
-    clouds.sonar_cloud(message, reading(seen(sonar=Sonar(ranges=ranges))))
+    sensors.sonar_cloud(message, update(seen(sonar=Sonar(ranges=ranges))))
     assert message.header.frame_id == "sonar"
     far = [
         hypot(point.x - mount.x, point.y - mount.y)
@@ -25,9 +25,9 @@ def test_every_transducer_has_a_point_also_without_an_echo() -> None:
 
 def test_a_cloud_of_the_second_kind_holds_the_same_points() -> None:
     one, two = Blank(), Blank()
-    from_it = reading(seen(sonar=Sonar(ranges=(1.0,) * 16)))
-    clouds.sonar_cloud(one, from_it)
-    clouds.sonar_cloud2(two, from_it)
+    from_it = update(seen(sonar=Sonar(ranges=(1.0,) * 16)))
+    sensors.sonar_cloud(one, from_it)
+    sensors.sonar_cloud2(two, from_it)
     assert (two.height, two.width, two.point_step, two.row_step) == (1, 16, 12, 192)
     assert (two.is_dense, two.is_bigendian) == (False, False)
     assert [(f.name, f.offset, f.datatype, f.count) for f in two.fields] == [
@@ -42,7 +42,7 @@ def test_a_cloud_of_the_second_kind_holds_the_same_points() -> None:
 def test_echoes_are_what_has_been_heard_since_the_last_reading() -> None:
     message = Blank()
     sonar = Sonar(ranges=(inf, 1.0, nan, 2.0, *(inf,) * 12), fresh=(0, 1, 4))
-    clouds.echoes(message, reading(seen(sonar=sonar)))
+    sensors.echoes(message, update(seen(sonar=sonar)))
     (point,) = struct.iter_unpack("<3f", message.data)
     mount = P3AT.sonars[1]
     assert hypot(point[0] - mount.x, point[1] - mount.y) == pytest.approx(1.0)
@@ -54,14 +54,14 @@ def test_echoes_are_what_has_been_heard_since_the_last_reading() -> None:
 def test_the_height_of_echoes_can_be_given() -> None:
     message = Blank()
     sonar = Sonar(ranges=(1.0,) * 16, fresh=(0,))
-    clouds.echoes(message, reading(seen(sonar=sonar), Conventions(sonar_height=0.5)))
+    sensors.echoes(message, update(seen(sonar=sonar), MessageOptions(sonar_height=0.5)))
     assert [z for *_, z in struct.iter_unpack("<3f", message.data)] == [0.5]
 
 
 def test_a_pressed_segment_is_a_point_on_the_outline() -> None:
     message = Blank()
     front, rear = (False, False, True, False, False), (True, False, False, False, False)
-    clouds.touches(message, reading(seen(bumpers=Bumpers(front=front, rear=rear))))
+    sensors.touches(message, update(seen(bumpers=Bumpers(front=front, rear=rear))))
     ahead, right = struct.iter_unpack("<3f", message.data)
     assert ahead == pytest.approx((P3AT.length_front, 0.0, 0.09))
     assert right[1] == pytest.approx(-P3AT.width / 2)  # the first one behind is on the right
@@ -70,5 +70,5 @@ def test_a_pressed_segment_is_a_point_on_the_outline() -> None:
 
 def test_without_contact_the_cloud_is_empty() -> None:
     message = Blank()
-    clouds.touches(message, reading(seen(bumpers=Bumpers(front=(False,) * 5))))
+    sensors.touches(message, update(seen(bumpers=Bumpers(front=(False,) * 5))))
     assert (message.width, message.data) == (0, b"")

@@ -1,7 +1,7 @@
 """What a node does with cmd_vel that goes on and on. Virtual time, no ROS."""
 
 import asyncio
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import inf
@@ -10,13 +10,14 @@ from types import SimpleNamespace
 import pytest
 
 from pioneer3 import Robot, connect_async
-from pioneer3.ros.ros1.commands import Commands
+from pioneer3.ros.node.commands import Commands
+from pioneer3.ros.node.middleware import Sender
 from pioneer3.sim.maps import LineMap
 from tests.support import SimulatedRobot, wall_at
 
 AHEAD = 0.3
 TIMEOUTS = pytest.mark.parametrize("patience", [0.6, inf])
-SOMEBODY, SOMEBODY_ELSE = {"callerid": "/somebody"}, {"callerid": "/somebody_else"}
+SOMEBODY, SOMEBODY_ELSE = Sender("/somebody", object()), Sender("/somebody_else", object())
 
 
 @dataclass
@@ -32,18 +33,14 @@ class Drive:
     def speed(self) -> float:
         return self.sim.body.drive.linear.velocity
 
-    def say(self, speed: float, sender: Mapping[str, str] = SOMEBODY) -> None:
+    def say(self, speed: float, sender: Sender = SOMEBODY) -> None:
         """Publish a Twist."""
         zero = SimpleNamespace(x=0.0, y=0.0, z=0.0)
-        twist = SimpleNamespace(
-            linear=SimpleNamespace(x=speed, y=0.0, z=0.0),
-            angular=zero,
-            _connection_header=sender,
-        )
-        self.commands._receive(twist, False)
+        linear = SimpleNamespace(x=speed, y=0.0, z=0.0)
+        self.commands.receive(False, SimpleNamespace(linear=linear, angular=zero), sender)
 
     async def publish(
-        self, seconds: float, speed: float = AHEAD, sender: Mapping[str, str] = SOMEBODY
+        self, seconds: float, speed: float = AHEAD, sender: Sender = SOMEBODY
     ) -> None:
         """Publish ten times a second."""
         for _ in range(round(seconds * 10)):
@@ -56,7 +53,7 @@ async def driven(patience: float, line_map: LineMap | None = None) -> AsyncItera
     """Drive a robot by what is published, as a node does."""
     async with SimulatedRobot(line_map) as sim, connect_async(sim.open) as robot:
         warnings: list[str] = []
-        commands = Commands(robot, (), patience, warnings.append)
+        commands = Commands(robot, patience, warnings.append)
         commands.begin()
         the = Drive(sim, robot, commands, warnings)
         await the.publish(2.0)

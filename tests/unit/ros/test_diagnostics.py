@@ -7,11 +7,12 @@ from pioneer3.arcos.reports import Config, Fault
 from pioneer3.limits import Limits
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.messages.diagnostics import (
-    Condition,
+    DiagnosticLevel,
+    DiagnosticStatus,
+    DiagnosticsUpdate,
     Health,
-    Level,
-    conditions,
-    fill,
+    diagnose,
+    diagnostics,
     hardware_id,
 )
 from pioneer3.state import Battery, Identity, LinkQuality, Motors, Sonar, Words
@@ -35,12 +36,12 @@ INFO = RobotInfo(
 FINE = LinkQuality(reports=600, rate=10.0)
 
 
-def told(health: Health) -> dict[str, Condition]:
+def told(health: Health) -> dict[str, DiagnosticStatus]:
     """Return the conditions by part."""
-    return {each.part: each for each in conditions(health)}
+    return {each.part: each for each in diagnose(health)}
 
 
-def of(**parts: Any) -> dict[str, Condition]:
+def of(**parts: Any) -> dict[str, DiagnosticStatus]:
     """Return the conditions of a robot that is fine but for `parts` of its snapshot."""
     return told(Health(info=INFO, snapshot=seen(**{"link": FINE, **parts})))
 
@@ -48,7 +49,7 @@ def of(**parts: Any) -> dict[str, Condition]:
 def test_a_robot_that_is_fine_is_fine_in_every_part() -> None:
     found = of(sonar=Sonar(ranges=(1.0,) * 16, enabled=True))
     assert tuple(found) == ("Link", "Motors", "Battery", "Sonar", "Odometry", "Command")
-    assert {each.level for each in found.values()} == {Level.OK}
+    assert {each.level for each in found.values()} == {DiagnosticLevel.OK}
     assert found["Sonar"].message == "16 of 16 transducers read"
 
 
@@ -66,13 +67,13 @@ def test_values_have_the_same_keys_whatever_happens() -> None:
 @pytest.mark.parametrize(
     ("motors", "level", "words"),
     [
-        (Motors(enabled=True), Level.OK, "on"),
-        (Motors(), Level.OK, "off"),
-        (Motors(enabled=True, left_stalled=True), Level.WARN, "left wheels are stalled"),
-        (Motors(stop_button=True), Level.ERROR, "stop button"),
+        (Motors(enabled=True), DiagnosticLevel.OK, "on"),
+        (Motors(), DiagnosticLevel.OK, "off"),
+        (Motors(enabled=True, left_stalled=True), DiagnosticLevel.WARN, "left wheels are stalled"),
+        (Motors(stop_button=True), DiagnosticLevel.ERROR, "stop button"),
     ],
 )
-def test_motors_tell_what_keeps_them(motors: Motors, level: Level, words: str) -> None:
+def test_motors_tell_what_keeps_them(motors: Motors, level: DiagnosticLevel, words: str) -> None:
     condition = of(motors=motors)["Motors"]
     assert condition.level is level
     assert words in condition.message
@@ -80,33 +81,33 @@ def test_motors_tell_what_keeps_them(motors: Motors, level: Level, words: str) -
 
 def test_the_latch_is_an_error() -> None:
     condition = told(Health(info=INFO, snapshot=seen(), emergency=True))["Motors"]
-    assert condition.level is Level.ERROR
+    assert condition.level is DiagnosticLevel.ERROR
     assert ("emergency_stop", "yes") in condition.values
 
 
 @pytest.mark.parametrize(
     ("battery", "level"),
     [
-        (Battery(voltage=12.5), Level.OK),
-        (Battery(voltage=11.4, low=True), Level.WARN),
-        (Battery(voltage=11.0, low=True), Level.ERROR),
-        (Battery(voltage=0.0), Level.OK),
+        (Battery(voltage=12.5), DiagnosticLevel.OK),
+        (Battery(voltage=11.4, low=True), DiagnosticLevel.WARN),
+        (Battery(voltage=11.0, low=True), DiagnosticLevel.ERROR),
+        (Battery(voltage=0.0), DiagnosticLevel.OK),
     ],
 )
-def test_a_battery_runs_low_and_then_out(battery: Battery, level: Level) -> None:
+def test_a_battery_runs_low_and_then_out(battery: Battery, level: DiagnosticLevel) -> None:
     assert of(battery=battery)["Battery"].level is level
 
 
 @pytest.mark.parametrize(
     ("link", "level"),
     [
-        (FINE, Level.OK),
-        (replace(FINE, rate=8.0), Level.WARN),
-        (replace(FINE, reports=2, rate=0.0), Level.OK),  # it has only begun
-        (replace(FINE, bad_checksums=60), Level.WARN),
+        (FINE, DiagnosticLevel.OK),
+        (replace(FINE, rate=8.0), DiagnosticLevel.WARN),
+        (replace(FINE, reports=2, rate=0.0), DiagnosticLevel.OK),  # it has only begun
+        (replace(FINE, bad_checksums=60), DiagnosticLevel.WARN),
     ],
 )
-def test_a_slow_or_noisy_link_is_a_warning(link: LinkQuality, level: Level) -> None:
+def test_a_slow_or_noisy_link_is_a_warning(link: LinkQuality, level: DiagnosticLevel) -> None:
     assert of(link=link)["Link"].level is level
 
 
@@ -116,35 +117,37 @@ def test_every_fault_flag_is_told_of_by_one_part(fault: Fault) -> None:
     words = str(fault.name).lower().replace("_", " ")
     guilty = [part for part, each in found.items() if words in each.message]
     assert len(guilty) == 1
-    assert found[guilty[0]].level is not Level.OK
+    assert found[guilty[0]].level is not DiagnosticLevel.OK
 
 
 def test_without_a_robot_everything_else_is_stale() -> None:
     found = told(Health(info=INFO, snapshot=None, lost="cable pulled"))
-    assert found["Link"].level is Level.ERROR
+    assert found["Link"].level is DiagnosticLevel.ERROR
     assert "cable pulled" in found["Link"].message
-    assert {each.level for part, each in found.items() if part != "Link"} == {Level.STALE}
+    assert {each.level for part, each in found.items() if part != "Link"} == {DiagnosticLevel.STALE}
 
 
 def test_why_it_does_not_move_is_told() -> None:
     why = "The motors are off; they are being switched on."
     found = told(Health(info=INFO, snapshot=seen(), why_not_moving=why))["Command"]
-    assert (found.level, found.message) == (Level.OK, why)
+    assert (found.level, found.message) == (DiagnosticLevel.OK, why)
     blocked = Health(info=INFO, snapshot=seen(), why_not_moving=why, refused="the wheels stalled")
     found = told(blocked)["Command"]
-    assert (found.level, found.message) == (Level.WARN, "the wheels stalled")
+    assert (found.level, found.message) == (DiagnosticLevel.WARN, "the wheels stalled")
     assert ("why_not_moving", why) in found.values
 
 
 def test_a_message_has_a_status_of_each_part_with_the_nodes_name() -> None:
     message = Blank()
-    fill(
+    diagnostics(
         message,
-        conditions(Health(info=INFO, snapshot=seen())),
-        stamp="now",
-        node="/lab/RosAria",
-        hardware=hardware_id(INFO),
-        make=lambda kind: Blank(kind=kind),
+        DiagnosticsUpdate(
+            found=diagnose(Health(info=INFO, snapshot=seen())),
+            stamp="now",
+            node="/lab/RosAria",
+            hardware=hardware_id(INFO),
+            make=lambda kind: Blank(kind=kind),
+        ),
     )
     assert message.header.stamp == "now"
     first = message.status[0]

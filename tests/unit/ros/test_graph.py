@@ -3,7 +3,7 @@
 import pytest
 
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.interface.graph import RobotTopics, chosen, robots_on
+from pioneer3.ros.client.graph import RobotTopics, chosen, robots_on
 
 ODOMETRY, TWIST, CLOUD = "nav_msgs/Odometry", "geometry_msgs/Twist", "sensor_msgs/PointCloud"
 

@@ -9,8 +9,9 @@ import pytest
 
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.errors import ConfigError
-from pioneer3.ros.interface.topics import Profile, topics_of
-from pioneer3.ros.ros1 import rospy_path
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.topics import topics_of
+from pioneer3.ros.ros1 import middleware
 from pioneer3.ros.ros1.package import install_package
 from pioneer3.ros.ros1.start import stay_on_this_computer
 from tests.unit.ros.support import P3AT
@@ -29,20 +30,20 @@ DEMOS = (
 @pytest.fixture
 def path(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the search path of an environment that has no rospy; a test may change it."""
-    monkeypatch.setattr(rospy_path, "find_spec", lambda name: None)
+    monkeypatch.setattr(middleware, "find_spec", lambda name: None)
     monkeypatch.setattr(sys, "path", list(sys.path))
     return list(sys.path)
 
 
 def test_without_ros_the_command_that_installs_it_is_told(path: list[str], tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"sudo apt-get install -y .*python3-rospy"):
-        rospy_path.find_rospy([tmp_path])
+        middleware.find_rospy([tmp_path])
     assert sys.path == path
 
 
 def test_ros_comes_last_in_the_search_path(path: list[str], tmp_path: Path) -> None:
     (tmp_path / "rospy").mkdir()
-    rospy_path.find_rospy([tmp_path / "nowhere", tmp_path])
+    middleware.find_rospy([tmp_path / "nowhere", tmp_path])
     assert sys.path == [*path, str(tmp_path)]
 
 

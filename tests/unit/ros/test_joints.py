@@ -4,8 +4,8 @@ import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2, Twist2, arc
 from pioneer3.models import load_model, shape_of
-from pioneer3.ros.messages.joints import WheelAngles, joint_states
-from tests.unit.ros.support import P3AT, Blank, reading, seen
+from pioneer3.ros.messages.motion import WheelAngles, joint_states
+from tests.unit.ros.support import P3AT, Blank, seen, update
 
 P3DX = load_model("p3dx-sh")
 
@@ -57,7 +57,7 @@ def test_odometry_that_is_set_turns_no_wheel() -> None:
 def test_every_driven_wheel_has_an_angle_and_a_speed() -> None:
     message = Blank()
     now = seen(twist=Twist2(0.1, 0.0), left=0.111, right=0.222)
-    joint_states(message, reading(now, turned=(1.0, 2.0)))
+    joint_states(message, update(now, turned=(1.0, 2.0)))
     assert message.name == [
         "front_left_wheel_joint",
         "front_right_wheel_joint",

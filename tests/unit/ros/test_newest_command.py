@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.ros.interface.newest_command import LATE, WAIT, NewestCommand
+from pioneer3.ros.node.command_order import LATE, WAIT, NewestCommand
 
 AHEAD, BACK = Twist2(0.1), Twist2(-0.1)
 KEYS, OTHER = "/rob_key", "/somebody"

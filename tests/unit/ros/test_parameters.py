@@ -3,16 +3,16 @@ from math import inf, nan
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.ros.description.frames import Frames
-from pioneer3.ros.interface.parameters import Parameters, doubts, read_parameters
-from pioneer3.ros.interface.topics import Profile
-from pioneer3.ros.messages.conventions import NoEcho
+from pioneer3.ros.description.tree import Frames
+from pioneer3.ros.messages.update import NoEcho
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameters import NodeParameters, read_parameters, unused_parameters
 
 
 def test_without_any_it_is_as_rosaria() -> None:
-    assert read_parameters({}) == Parameters()
-    assert Parameters().timeout == 0.6
-    frames = Parameters().conventions.frames
+    assert read_parameters({}) == NodeParameters()
+    assert NodeParameters().timeout == 0.6
+    frames = NodeParameters().options.frames
     assert frames == Frames(
         odom="odom", base="base_link", bumpers="bumpers", sonar="sonar", laser="laser_frame"
     )
@@ -40,9 +40,9 @@ def test_a_timeout_of_zero_is_none(value: float) -> None:
 
 def test_profiles_have_their_own_names_of_frames_and_timeouts() -> None:
     given = {"odom_frame": "/a", "odom_frame_id": "b", "base_frame_id": "c"}
-    assert read_parameters(given).conventions.frames.odom == "a"
+    assert read_parameters(given).options.frames.odom == "a"
     standard = read_parameters({**given, "profile": "standard"})
-    frames = standard.conventions.frames
+    frames = standard.options.frames
     assert (frames.odom, frames.base, frames.bumpers, standard.timeout) == ("b", "c", "c", 0.5)
 
 
@@ -83,7 +83,7 @@ def test_what_makes_no_sense_is_refused_by_name(given: dict[str, object]) -> Non
 
 
 def test_what_changes_nothing_is_told_with_what_was_meant() -> None:
-    told = doubts(
+    told = unused_parameters(
         ["cmd_vel_timout", "debug_aria", "port", "TicksMM"], Profile.COMPATIBILITY, ["TicksMM"]
     )
     assert told == [
@@ -105,21 +105,21 @@ def test_what_is_said_of_messages_is_taken_over() -> None:
         "use_sonar": False,
     }
     read = read_parameters(given)
-    told = read.conventions
-    assert (told.prefix, told.odometry_in_tree, told.wheels_in_tree) == ("r1/", False, True)
+    told = read.options
+    assert (told.prefix, told.odometry_tf, told.wheels_tf) == ("r1/", False, True)
     assert (told.beam.no_echo, told.beam.farthest) == (NoEcho.INF, 3.0)
     assert told.pose_variances == (1, 2, 3, 4, 5, 6)
     assert told.wheel_joints == ("a", "b", "c", "d")
     assert (read.max_speed, read.max_turn_rate, read.sonar) == (0.4, None, False)
     assert read.timeout == 0.6
-    assert doubts(given, Profile.BOTH) == []
+    assert unused_parameters(given, Profile.BOTH) == []
 
 
 def test_in_rosarias_place_wheels_do_not_turn_in_the_tree() -> None:
-    assert not read_parameters({}).conventions.wheels_in_tree
+    assert not read_parameters({}).options.wheels_tf
     assert not read_parameters(
         {"profile": "standard", "publish_description": False}
-    ).conventions.wheels_in_tree
+    ).options.wheels_tf
 
 
 def test_the_nearest_range_is_less_than_the_farthest() -> None:

@@ -4,16 +4,16 @@ import pytest
 
 from pioneer3.geometry import ORIGIN
 from pioneer3.robot.devices.gyro import GyroReading
-from pioneer3.ros.messages import ranges
-from pioneer3.ros.messages.conventions import Beam, Conventions, NoEcho
+from pioneer3.ros.messages import sensors
+from pioneer3.ros.messages.update import Beam, ImuUpdate, MessageOptions, NoEcho, ScanUpdate
 from pioneer3.state import Scan, Sonar
-from tests.unit.ros.support import Blank, reading, seen
+from tests.unit.ros.support import Blank, seen, update
 
 
 def test_a_range_says_what_its_transducer_hears_and_can_hear() -> None:
     message = Blank()
     sonar = Sonar(ranges=(*(inf,) * 3, 1.25, *(inf,) * 12))
-    ranges.range_of(3)(message, reading(seen(sonar=sonar), Conventions(prefix="r1/")))
+    sensors.range_of(3)(message, update(seen(sonar=sonar), MessageOptions(prefix="r1/")))
     assert (message.header.stamp, message.header.frame_id) == ("now", "r1/sonar_3")
     assert message.radiation_type == 0
     assert message.field_of_view == pytest.approx(pi / 6, abs=1e-4)
@@ -27,8 +27,8 @@ def test_a_range_says_what_its_transducer_hears_and_can_hear() -> None:
 def test_without_an_echo_it_is_the_longest_range_or_infinity(
     metres: float, as_number: float, as_rep_117: float
 ) -> None:
-    assert ranges.told_range(metres, Beam(farthest=3.0)) == as_number
-    assert ranges.told_range(metres, Beam(farthest=3.0, no_echo=NoEcho.INF)) == as_rep_117
+    assert sensors.bounded_range(metres, Beam(farthest=3.0)) == as_number
+    assert sensors.bounded_range(metres, Beam(farthest=3.0, no_echo=NoEcho.INF)) == as_rep_117
 
 
 def sweep(count: int) -> Scan:
@@ -47,7 +47,7 @@ def sweep(count: int) -> Scan:
 
 def test_a_scan_goes_counter_clockwise_and_keeps_infinity() -> None:
     message = Blank()
-    ranges.scan(message, sweep(181), stamp="then", frame="laser", period=0.1)
+    sensors.scan(message, ScanUpdate(scan=sweep(181), stamp="then", frame="laser", period=0.1))
     assert (message.header.stamp, message.header.frame_id) == ("then", "laser")
     assert message.angle_min == pytest.approx(-pi / 2)
     assert message.angle_min + 180 * message.angle_increment == pytest.approx(message.angle_max)
@@ -59,14 +59,14 @@ def test_a_scan_goes_counter_clockwise_and_keeps_infinity() -> None:
 
 def test_a_scan_of_one_reading_has_no_step() -> None:
     message = Blank()
-    ranges.scan(message, sweep(1), stamp="then", frame="laser", period=0.0)
+    sensors.scan(message, ScanUpdate(scan=sweep(1), stamp="then", frame="laser"))
     assert message.angle_increment == 0.0
 
 
 def test_a_gyro_tells_the_rate_of_turning_and_nothing_else() -> None:
     message = Blank()
     gyro = GyroReading(stamp=1.0, heading=0.5, rate=-0.25, temperature_raw=3)
-    ranges.imu(message, gyro, stamp="then", frame="imu_link")
+    sensors.imu(message, ImuUpdate(gyro=gyro, stamp="then", frame="imu_link"))
     assert (message.header.stamp, message.header.frame_id) == ("then", "imu_link")
     assert message.angular_velocity.z == -0.25
     assert message.orientation_covariance[0] == message.linear_acceleration_covariance[0] == -1

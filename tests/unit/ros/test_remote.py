@@ -10,9 +10,9 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.ros.messages import clouds, convert
-from pioneer3.ros.messages.gather import Gatherer
-from pioneer3.ros.remote import SILENT, STUCK, TopicRobot, TopicSupervisor
+from pioneer3.ros.client.robot import SILENT, STUCK, TopicRobot, TopicSupervisor
+from pioneer3.ros.client.snapshots import SnapshotBuilder
+from pioneer3.ros.messages import motion, sensors
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
@@ -22,7 +22,7 @@ from pioneer3.tasks import running
 from pioneer3.teleop.drive import KeyboardDriver
 from pioneer3.teleop.keyboard import Key, Keyboard
 from tests.support import SimulatedRobot, until, wall_at
-from tests.unit.ros.support import Blank, reading
+from tests.unit.ros.support import Blank, update
 
 NODE_TIMEOUT = 0.6
 
@@ -45,7 +45,7 @@ class Bench:
         self.talks = True
         self._hold = Hold("cmd_vel")
         near.arbiter.add(self._hold, PROGRAM)
-        self._gatherer = Gatherer(near.info.model, motors_on=False)
+        self._gatherer = SnapshotBuilder(near.info.model, motors_on=False)
         self.supervisor = TopicSupervisor(near.info, self._publish, self._switch)
         self.far = TopicRobot(self.supervisor)
 
@@ -57,12 +57,12 @@ class Bench:
 
     def say(self, snapshot: Snapshot) -> None:
         """Pass a reading on."""
-        told, now = reading(snapshot), asyncio.get_running_loop().time()
+        told, now = update(snapshot), asyncio.get_running_loop().time()
         pose, cloud, bumpers, motors = Blank(), Blank(), Blank(), Blank()
-        convert.odometry(pose, told)
-        clouds.sonar_cloud(cloud, told)
-        convert.bumpers(bumpers, told)
-        convert.motors(motors, told)
+        motion.odometry(pose, told)
+        sensors.sonar_cloud(cloud, told)
+        sensors.bumpers(bumpers, told)
+        sensors.motors(motors, told)
         self._gatherer.pose(pose)
         self._gatherer.sonar_cloud(cloud, now)
         self._gatherer.bumpers(bumpers)

@@ -1,11 +1,16 @@
+from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
-from pioneer3.ros.interface.topics import TOPICS, Profile, Topic, command_names, topics_of
-from pioneer3.ros.messages import convert
-from pioneer3.ros.messages.conventions import Conventions
-from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Sonar
-from tests.unit.ros.support import P3AT, Blank, reading, seen
+from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.ros.messages import sensors
+from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
+from pioneer3.ros.messages.update import ImuUpdate, MessageOptions, ScanUpdate
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.topics import COMMANDS, TOPICS, Topic, Update, published, topics_of
+from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Scan, Sonar
+from tests.unit.ros.support import P3AT, Blank, seen, update
 
 ROSARIA = {
+    "~cmd_vel": "geometry_msgs/Twist",
     "~pose": "nav_msgs/Odometry",
     "/tf": "tf2_msgs/TFMessage",
     "~bumper_state": "rosaria/BumperState",
@@ -17,6 +22,7 @@ ROSARIA = {
     "~battery_state_of_charge": "std_msgs/Float32",
 }
 STANDARD = {
+    "cmd_vel": "geometry_msgs/Twist",
     "odom": "nav_msgs/Odometry",
     "/tf": "tf2_msgs/TFMessage",
     "/tf_static": "tf2_msgs/TFMessage",
@@ -30,9 +36,11 @@ STANDARD = {
     "compass": "std_msgs/Float32",
     "dio": "std_msgs/UInt16",
     "aio": "std_msgs/Float32MultiArray",
+    "imu/data_raw": "sensor_msgs/Imu",
+    "scan": "sensor_msgs/LaserScan",
+    "/diagnostics": "diagnostic_msgs/DiagnosticArray",
     **{f"sonar/range_{number}": "sensor_msgs/Range" for number in range(16)},
 }
-"""facts.md 14.6; `scan`, `imu/data_raw` and `/diagnostics` do not come from readings."""
 LATCHED = {
     "~battery_recharge_state",
     "~motors_state",
@@ -54,34 +62,62 @@ def named(name: str) -> Topic:
 
 def test_only_rosarias_name_has_bumpers_that_are_not_there() -> None:
     fills = {name: topic.fill for topic in TOPICS for name in topic.names(Profile.BOTH)}
-    assert fills["~bumper_state"] is convert.rosarias_bumpers
-    assert fills["bumper_state"] is convert.bumpers
+    assert fills["~bumper_state"] is sensors.rosarias_bumpers
+    assert fills["bumper_state"] is sensors.bumpers
 
 
 def test_the_compatible_names_types_and_latches_are_rosarias() -> None:
     found = rows(Profile.COMPATIBILITY)
-    assert {name: topic.kind for name, topic in found.items()} == {
+    assert {name: topic.type_name for name, topic in found.items()} == {
         **ROSARIA,
         "/tf_static": "tf2_msgs/TFMessage",  # which RosAria leaves out, so that nothing is shown
+        "/diagnostics": "diagnostic_msgs/DiagnosticArray",
     }
 
 
 def test_the_standard_names_and_types_are_those_of_today() -> None:
-    assert {name: topic.kind for name, topic in rows(Profile.STANDARD).items()} == STANDARD
+    assert {name: topic.type_name for name, topic in rows(Profile.STANDARD).items()} == STANDARD
 
 
 def test_both_at_once_is_all_of_them() -> None:
-    both = {name: topic.kind for name, topic in rows(Profile.BOTH).items()}
+    both = {name: topic.type_name for name, topic in rows(Profile.BOTH).items()}
     assert both == {**ROSARIA, **STANDARD}
     assert {name for name, topic in rows(Profile.BOTH).items() if topic.latched} == LATCHED
 
 
-def test_every_row_fills_a_message() -> None:
-    now = seen(sonar=Sonar(ranges=(1.0,) * 16), inputs=Inputs(compass=0.5))
+def make(type_name: str) -> Blank:
+    """Return an empty message."""
+    return Blank(kind=type_name)
+
+
+def update_of(source: type[Update]) -> Update:
+    """Return an update of this kind."""
+    if source is ScanUpdate:
+        scan = Scan(
+            stamp=5.0,
+            sequence=1,
+            sensor_in_robot=Pose2(),
+            robot_in_odom=Pose2(),
+            angles=(0.0,),
+            ranges=(1.0,),
+        )
+        return ScanUpdate(scan=scan, frame="laser", stamp="now")
+    if source is ImuUpdate:
+        gyro = GyroReading(stamp=5.0, heading=0.0, rate=0.1, temperature_raw=0)
+        return ImuUpdate(gyro=gyro, frame="imu_link", stamp="now")
+    if source is DiagnosticsUpdate:
+        return DiagnosticsUpdate(found=(), node="/n", hardware="h", stamp="now", make=make)
+    return update(seen(sonar=Sonar(ranges=(1.0,) * 16), inputs=Inputs(compass=0.5)))
+
+
+def test_every_row_fills_a_message_or_parses_one() -> None:
     for topic in topics_of(P3AT):
-        message = Blank()
-        topic.fill(message, reading(now))
-        assert vars(message)
+        assert (topic.fill is None) is (topic is COMMANDS)
+        assert (topic.parse is None) is (topic is not COMMANDS)
+        if topic.fill:
+            message = Blank()
+            topic.fill(message, update_of(topic.source))
+            assert vars(message)
 
 
 def test_a_robot_without_sonars_has_no_topics_for_them() -> None:
@@ -92,17 +128,17 @@ def test_a_robot_without_sonars_has_no_topics_for_them() -> None:
 
 
 def test_a_transducer_is_told_of_when_it_was_read() -> None:
-    now = reading(seen(sonar=Sonar(ranges=(1.0,) * 16, fresh=(3, 4))))
-    known = [number for number in range(16) if named(f"sonar/range_{number}").known(now)]
+    now = update(seen(sonar=Sonar(ranges=(1.0,) * 16, fresh=(3, 4))))
+    known = [number for number in range(16) if named(f"sonar/range_{number}").has_data(now)]
     assert known == [3, 4]
-    assert not named("sonar/points").known(reading(seen(sonar=Sonar(ranges=(1.0,) * 16))))
+    assert not named("sonar/points").has_data(update(seen(sonar=Sonar(ranges=(1.0,) * 16))))
 
 
 def test_what_a_robot_does_not_have_is_not_told() -> None:
-    bare = reading(seen(battery=Battery(voltage=0.0)))
+    bare = update(seen(battery=Battery(voltage=0.0)))
     for name in ("bumpers/points", "compass", "battery_state", "~battery_state_of_charge"):
-        assert not named(name).known(bare)
-    whole = reading(
+        assert not named(name).has_data(bare)
+    whole = update(
         seen(
             battery=Battery(voltage=12.0, charge=0.5),
             bumpers=Bumpers(rear=(False,)),
@@ -110,33 +146,44 @@ def test_what_a_robot_does_not_have_is_not_told() -> None:
         )
     )
     for name in ("bumpers/points", "compass", "battery_state", "~battery_state_of_charge"):
-        assert named(name).known(whole)
+        assert named(name).has_data(whole)
 
 
 def test_what_is_sent_on_change_changes_with_what_it_tells_of() -> None:
-    recharge, motors = named("~battery_recharge_state").told, named("~motors_state").told
+    recharge, motors = named("~battery_recharge_state").changes, named("~motors_state").changes
     assert recharge is not None
     assert motors is not None
     docked = Battery(voltage=12.0, charging=Charging.BULK)
-    now = reading(seen())
-    assert recharge(now) != recharge(reading(seen(battery=docked)))
-    assert recharge(now) == recharge(reading(seen(battery=Battery(voltage=9.0))))
-    assert motors(now) != motors(reading(seen(motors=Motors(enabled=True))))
+    now = update(seen())
+    assert recharge(now) != recharge(update(seen(battery=docked)))
+    assert recharge(now) == recharge(update(seen(battery=Battery(voltage=9.0))))
+    assert motors(now) != motors(update(seen(motors=Motors(enabled=True))))
 
 
 def test_without_a_robot_nobody_hears_that_it_is_safe_to_drive() -> None:
-    assert named("emergency_stop").unknown is True
-    assert named("motors_state").unknown is False
+    assert named("emergency_stop").when_lost is True
+    assert named("motors_state").when_lost is False
 
 
 def test_the_tree_of_frames_can_be_left_to_others() -> None:
-    alone = Conventions(odometry_in_tree=False, description=False)
-    assert not named("/tf").wanted(alone)
-    assert not named("/tf_static").wanted(alone)
-    assert named("/tf").wanted(Conventions(odometry_in_tree=False, wheels_in_tree=True))
+    alone = MessageOptions(odometry_tf=False, description=False)
+    assert not named("/tf").enabled(alone)
+    assert not named("/tf_static").enabled(alone)
+    assert named("/tf").enabled(MessageOptions(odometry_tf=False, wheels_tf=True))
 
 
 def test_commands_are_private_only_where_rosaria_has_them_so() -> None:
-    assert command_names(Profile.COMPATIBILITY, "cmd_vel") == ("~cmd_vel",)
-    assert command_names(Profile.STANDARD, "cmd_vel") == ("cmd_vel",)
-    assert command_names(Profile.BOTH, "cmd_vel") == ("~cmd_vel", "cmd_vel")
+    assert COMMANDS.names(Profile.COMPATIBILITY) == ("~cmd_vel",)
+    assert COMMANDS.names(Profile.STANDARD) == ("cmd_vel",)
+    assert COMMANDS.names(Profile.BOTH) == ("~cmd_vel", "cmd_vel")
+
+
+def test_topics_that_the_options_do_not_want_are_not_published() -> None:
+    names = {
+        name
+        for topic in published(P3AT, MessageOptions(ranges=False, cloud=False), Profile.STANDARD)
+        for name in topic.names(Profile.STANDARD)
+    }
+    assert "odom" in names
+    assert not {name for name in names if name.startswith("sonar")}
+    assert "cmd_vel" not in names

@@ -6,18 +6,18 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of
-from pioneer3.ros.description.frames import Frames
 from pioneer3.ros.description.tree import (
+    Frames,
     bumper_corners,
     bumper_segments,
     tree_of,
     wheel_joint_names,
 )
 from pioneer3.ros.description.urdf import describe
-from pioneer3.ros.messages import convert, transforms
-from pioneer3.ros.messages.conventions import Conventions
-from pioneer3.ros.ros1.showing import MODELS
-from tests.unit.ros.support import P3AT, Blank, reading, seen
+from pioneer3.ros.messages import motion
+from pioneer3.ros.messages.update import MessageOptions
+from pioneer3.ros.ros1.package import MODELS
+from tests.unit.ros.support import P3AT, Blank, seen, update
 
 EVERY = [load_model(name) for name in model_names()]
 UNKNOWN = generic_model("p9", max_speed=inf, max_turn_rate=0.0)
@@ -168,11 +168,11 @@ def test_a_base_may_be_the_footprint_and_what_is_in_its_own_coordinates() -> Non
 
 
 def test_transforms_lead_from_odometry_to_every_link_with_the_prefix() -> None:
-    told = Conventions(prefix="r1/", wheels_in_tree=True)
+    told = MessageOptions(prefix="r1/", wheels_tf=True)
     still, moving = Blank(), Blank()
-    now = reading(seen(), told)
-    transforms.fixed(still, now)
-    transforms.moving(moving, now)
+    now = update(seen(), told)
+    motion.fixed_transforms(still, now)
+    motion.moving_transforms(moving, now)
     tree = {
         each.child_frame_id: each.header.frame_id
         for each in [*still.transforms, *moving.transforms]
@@ -187,9 +187,9 @@ def test_transforms_lead_from_odometry_to_every_link_with_the_prefix() -> None:
 
 def test_the_transform_of_the_robot_says_what_odometry_says() -> None:
     message, pose = Blank(), Blank()
-    now = reading(seen(Pose2(2.0, 3.0, -1.0)))
-    transforms.moving(message, now)
-    convert.odometry(pose, now)
+    now = update(seen(Pose2(2.0, 3.0, -1.0)))
+    motion.moving_transforms(message, now)
+    motion.odometry(pose, now)
     (transform,) = message.transforms
     assert transform.header == pose.header
     assert transform.child_frame_id == pose.child_frame_id == "base_link"
@@ -200,9 +200,9 @@ def test_the_transform_of_the_robot_says_what_odometry_says() -> None:
 def test_wheels_are_either_moving_or_fixed_never_both() -> None:
     for turning in (True, False):
         still, moving = Blank(), Blank()
-        now = reading(seen(), Conventions(wheels_in_tree=turning), turned=(pi, 0.0))
-        transforms.fixed(still, now)
-        transforms.moving(moving, now)
+        now = update(seen(), MessageOptions(wheels_tf=turning), turned=(pi, 0.0))
+        motion.fixed_transforms(still, now)
+        motion.moving_transforms(moving, now)
         of = {
             where: {t.child_frame_id: t.transform.rotation for t in m.transforms}
             for where, m in (("still", still), ("moving", moving))
@@ -215,5 +215,5 @@ def test_wheels_are_either_moving_or_fixed_never_both() -> None:
 
 def test_a_tree_left_to_others_has_no_robot_in_it() -> None:
     message = Blank()
-    transforms.moving(message, reading(seen(), Conventions(odometry_in_tree=False)))
+    motion.moving_transforms(message, update(seen(), MessageOptions(odometry_tf=False)))
     assert message.transforms == []

@@ -1,7 +1,7 @@
 """The tree of frames on a robot: the one source of URDF, static and moving transforms."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from math import cos, pi, sin
 from typing import Final, NamedTuple
@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.ros.description.frames import Frames
 
 TINY: Final = 1e-9
 HERE: Final = (0.0, 0.0, 0.0)
@@ -19,6 +18,45 @@ BUMPER_HEIGHT: Final = 0.09
 """Of the middle of a bumper above the floor [m]."""
 SCAN_HEIGHT: Final = 0.116
 """Of a laser's plane above what it stands on: that of a SICK LMS 200 [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frames:
+    """Names of the frames, without a leading slash.
+
+    Attributes:
+        odom: Fixed where the robot began.
+        base: The robot: on the floor, in the centre of its rotation.
+        footprint: The same under its other name (REP 120).
+        bumpers: Of the bumpers; the robot's own pose.
+        sonar: Of all sonars together; the robot's own pose: their points are in robot coordinates.
+        sonar_prefix: Before the number of a transducer, which looks along its frame's x axis.
+        laser: Of the laser range finder.
+        imu: Of the gyro.
+    """
+
+    odom: str = "odom"
+    base: str = "base_link"
+    footprint: str = "base_footprint"
+    bumpers: str = "bumpers"
+    sonar: str = "sonar"
+    sonar_prefix: str = "sonar_"
+    laser: str = "laser"
+    imu: str = "imu_link"
+
+    def transducer(self, number: int) -> str:
+        """Return the frame of one sonar transducer."""
+        return f"{self.sonar_prefix}{number}"
+
+    @property
+    def bumper_link(self) -> str:
+        """The link of the bumpers, also where their messages name the base."""
+        return "bumpers" if self.bumpers == self.base else self.bumpers
+
+    def with_prefix(self, prefix: str) -> "Frames":
+        """Return the names of one of many robots, such as `robot1/base_link`."""
+        names = {each.name: prefix + getattr(self, each.name) for each in fields(self)}
+        return replace(self, **names)
 
 
 class Quaternion(NamedTuple):

@@ -1,4 +1,4 @@
-"""How it stands with the robot, part by part, for diagnostic_msgs.
+"""The state of the robot, part by part, for diagnostic_msgs.
 
 Needs no ROS. Names, levels and keys stay the same, so that monitors can be set up for them.
 """
@@ -40,7 +40,7 @@ POWER: Final = (
 )
 
 
-class Level(IntEnum):
+class DiagnosticLevel(IntEnum):
     """Numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
@@ -49,9 +49,12 @@ class Level(IntEnum):
     STALE = 3
 
 
+OK, WARN, ERROR, STALE = DiagnosticLevel
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Health:
-    """What is known at one moment.
+    """All that a diagnosis looks at.
 
     Attributes:
         info: Of the robot last connected.
@@ -73,18 +76,18 @@ class Health:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Condition:
-    """One part of the robot.
+class DiagnosticStatus:
+    """The state of one part of the robot, as in diagnostic_msgs/DiagnosticStatus.
 
     Attributes:
         part: Its name.
-        level: How bad it is.
+        level: OK, WARN, ERROR or STALE.
         message: In words.
         values: Numbers and texts by stable keys.
     """
 
     part: str
-    level: Level
+    level: DiagnosticLevel
     message: str
     values: tuple[tuple[str, str], ...] = ()
 
@@ -92,16 +95,16 @@ class Condition:
         return f"{self.part}: {self.message}"
 
 
-def conditions(health: Health) -> tuple[Condition, ...]:
-    """Return how each part is; without a robot all but the link are stale."""
+def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
+    """Return the state of each part; without a robot all but the link are stale."""
     snapshot = health.snapshot
     if snapshot is None:
         gone = f"no robot is connected{f': {health.lost}' if health.lost else ''}"
-        link = Condition(
-            part="Link", level=Level.ERROR, message=gone, values=(("url", health.info.url),)
+        link = DiagnosticStatus(
+            part="Link", level=ERROR, message=gone, values=(("url", health.info.url),)
         )
         return link, *(
-            Condition(part=part, level=Level.STALE, message="no robot is connected")
+            DiagnosticStatus(part=part, level=STALE, message="no robot is connected")
             for part in PARTS
         )
     return _link(health, snapshot), *(check(health, snapshot) for check in PARTS.values())
@@ -113,32 +116,43 @@ def hardware_id(info: RobotInfo) -> str:
     return " ".join(filter(None, (info.identity.name, serial)))
 
 
-def fill(
-    message: Any,
-    found: Sequence[Condition],
-    *,
-    stamp: Any,
-    node: str,
-    hardware: str,
-    make: Callable[[str], Any],
-) -> None:
-    """Fill a diagnostic_msgs/DiagnosticArray; `node` comes before the name of each part."""
-    message.header.stamp = stamp
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DiagnosticsUpdate:
+    """A new diagnosis.
+
+    Attributes:
+        found: State of each part.
+        node: Name of the node; it comes before the name of each part.
+        hardware: Identity of the robot.
+        stamp: When, as the middleware writes times.
+        make: Returns an empty message of the type named.
+    """
+
+    found: Sequence[DiagnosticStatus]
+    node: str
+    hardware: str
+    stamp: Any
+    make: Callable[[str], Any]
+
+
+def diagnostics(message: Any, update: DiagnosticsUpdate) -> None:
+    """Fill a diagnostic_msgs/DiagnosticArray."""
+    message.header.stamp = update.stamp
     message.status = []
-    for each in found:
-        status = make("diagnostic_msgs/DiagnosticStatus")
+    for each in update.found:
+        status = update.make("diagnostic_msgs/DiagnosticStatus")
         status.level = int(each.level)
-        status.name = f"{node.lstrip('/')}: {each.part}"
-        status.message, status.hardware_id = each.message, hardware
+        status.name = f"{update.node.lstrip('/')}: {each.part}"
+        status.message, status.hardware_id = each.message, update.hardware
         status.values = []
         for key, value in each.values:
-            pair = make("diagnostic_msgs/KeyValue")
+            pair = update.make("diagnostic_msgs/KeyValue")
             pair.key, pair.value = key, value
             status.values.append(pair)
         message.status.append(status)
 
 
-def _link(health: Health, now: Snapshot) -> Condition:
+def _link(health: Health, now: Snapshot) -> DiagnosticStatus:
     link, config = now.link, health.info.config
     cycle = (config.sip_cycle_ms or 0) * MS if config else 0.0
     expected = 1 / (cycle or USUAL_CYCLE)
@@ -149,9 +163,9 @@ def _link(health: Health, now: Snapshot) -> Condition:
         f"{link.rate:.1f} readings/s, {expected:g} expected" if slow else "",
         f"{link.bad_checksums} of {frames} frames spoilt" if noisy else "",
     ]
-    return Condition(
+    return DiagnosticStatus(
         part="Link",
-        level=Level.WARN if slow or noisy else Level.OK,
+        level=WARN if slow or noisy else OK,
         message="; ".join(filter(None, words)) or "connected",
         values=(
             ("url", health.info.url),
@@ -165,18 +179,18 @@ def _link(health: Health, now: Snapshot) -> Condition:
     )
 
 
-def _motors(health: Health, now: Snapshot) -> Condition:
+def _motors(health: Health, now: Snapshot) -> DiagnosticStatus:
     motors, faults = now.motors, _faults(now, DRIVE)
-    level, message = Level.OK, "on" if motors.enabled else "off"
+    level, message = OK, "on" if motors.enabled else "off"
     if motors.stalled:
-        level, message = Level.WARN, f"the {_stalled(motors)} stalled: something blocks them"
+        level, message = WARN, f"the {_stalled(motors)} stalled: something blocks them"
     if faults:
-        level, message = Level.ERROR, faults
+        level, message = ERROR, faults
     if motors.stop_button:
-        level, message = Level.ERROR, "the stop button on the robot is pressed"
+        level, message = ERROR, "the stop button on the robot is pressed"
     if health.emergency:
-        level, message = Level.ERROR, "the emergency stop is latched"
-    return Condition(
+        level, message = ERROR, "the emergency stop is latched"
+    return DiagnosticStatus(
         part="Motors",
         level=level,
         message=message,
@@ -195,18 +209,18 @@ def _motors(health: Health, now: Snapshot) -> Condition:
     )
 
 
-def _battery(health: Health, now: Snapshot) -> Condition:
+def _battery(health: Health, now: Snapshot) -> DiagnosticStatus:
     battery, faults = now.battery, _faults(now, POWER)
     config = health.info.config
     shutdown = (config.shutdown_decivolts or 0) * DECIVOLT if config else 0.0
-    level, message = Level.OK, f"{battery.voltage:.1f} V"
+    level, message = OK, f"{battery.voltage:.1f} V"
     if battery.low:
-        level, message = Level.WARN, f"{message}: low, charge it soon"
+        level, message = WARN, f"{message}: low, charge it soon"
     if faults:
-        level, message = Level.WARN, f"{message}: {faults}"
+        level, message = WARN, f"{message}: {faults}"
     if 0 < battery.voltage <= shutdown:
-        level, message = Level.ERROR, f"{message}: at {shutdown:g} V the robot shuts down"
-    return Condition(
+        level, message = ERROR, f"{message}: at {shutdown:g} V the robot shuts down"
+    return DiagnosticStatus(
         part="Battery",
         level=level,
         message=message,
@@ -219,13 +233,13 @@ def _battery(health: Health, now: Snapshot) -> Condition:
     )
 
 
-def _sonar(_: Health, now: Snapshot) -> Condition:
+def _sonar(_: Health, now: Snapshot) -> DiagnosticStatus:
     sonar = now.sonar
     known = [metres for metres in sonar.ranges if metres == metres]  # noqa: PLR0124
     nearest = sonar.nearest
-    return Condition(
+    return DiagnosticStatus(
         part="Sonar",
-        level=Level.OK,
+        level=OK,
         message=f"{len(known)} of {len(sonar.ranges)} transducers read" if sonar.enabled else "off",
         values=(
             ("enabled", _yes(sonar.enabled)),
@@ -236,12 +250,12 @@ def _sonar(_: Health, now: Snapshot) -> Condition:
     )
 
 
-def _odometry(_: Health, now: Snapshot) -> Condition:
+def _odometry(_: Health, now: Snapshot) -> DiagnosticStatus:
     faults, state = _faults(now, ENCODERS), now.odometry
     here, speed = state.robot_in_odom, state.twist
-    return Condition(
+    return DiagnosticStatus(
         part="Odometry",
-        level=Level.ERROR if faults else Level.OK,
+        level=ERROR if faults else OK,
         message=faults or f"{speed.v:.2f} m/s, {speed.w:.2f} rad/s",
         values=(
             ("x", f"{here.x:.3f}"),
@@ -253,11 +267,11 @@ def _odometry(_: Health, now: Snapshot) -> Condition:
     )
 
 
-def _command(health: Health, _: Snapshot) -> Condition:
+def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
     why = health.why_not_moving
-    return Condition(
+    return DiagnosticStatus(
         part="Command",
-        level=Level.WARN if health.refused else Level.OK,
+        level=WARN if health.refused else OK,
         message=health.refused or why or "moving",
         values=(
             ("driver", health.driver or ""),
@@ -267,7 +281,7 @@ def _command(health: Health, _: Snapshot) -> Condition:
     )
 
 
-PARTS: Final[dict[str, Callable[[Health, Snapshot], Condition]]] = {
+PARTS: Final[dict[str, Callable[[Health, Snapshot], DiagnosticStatus]]] = {
     "Motors": _motors,
     "Battery": _battery,
     "Sonar": _sonar,

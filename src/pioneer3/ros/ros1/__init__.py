@@ -1,1 +1,1 @@
-"""The edge to ROS 1: the node, and programs on topics. The only part that imports rospy."""
+"""ROS 1: nodes and clients on rospy. The only part that imports it."""

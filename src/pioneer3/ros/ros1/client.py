@@ -1,11 +1,13 @@
-"""Programs on ROS 1 that drive robots by their topics, from any computer."""
+"""Programs on ROS 1 that find robots and drive them by their topics, from any computer."""
 
 import asyncio
 import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from contextlib import AsyncExitStack, asynccontextmanager, closing, suppress
 from functools import partial
+from socket import create_connection
 from typing import Any, Final
+from urllib.parse import urlsplit
 
 from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError, LinkError, NoRobotError
@@ -14,23 +16,48 @@ from pioneer3.models import find_model, load_model
 from pioneer3.robot.identity import SIMULATOR_SERIAL
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.interface.graph import TWIST, RobotTopics
-from pioneer3.ros.interface.parameters import MODEL, SIMULATED
-from pioneer3.ros.remote import TopicRobot, TopicSupervisor
-from pioneer3.ros.ros1.ears import Ears
-from pioneer3.ros.ros1.messages import message_class
+from pioneer3.ros.client.graph import TWIST, RobotTopics, robots_on
+from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
+from pioneer3.ros.client.snapshots import SnapshotSubscriber
+from pioneer3.ros.node.parameters import MODEL, SIMULATED
+from pioneer3.ros.ros1.middleware import Publisher, RospyTopics, find_rospy
 from pioneer3.ros.ros1.start import stay_on_this_computer
 from pioneer3.state import Identity
 from pioneer3.tasks import running
 
+ALIVE: Final = 0.5
+"""A node that takes no connection within this time [s] has gone."""
 FIRST: Final = 5.0
-"""Longest wait for the first reading [s]."""
+"""Longest wait for the first snapshot [s]."""
 FAREWELL: Final = 0.1
 """rospy sends in threads of its own; a stop needs this long to be on its way [s]."""
 SERVED: Final = 0.5
 """A service that does not answer within this time [s] is not there."""
 UNKNOWN_MODEL: Final = "p3at-sh"
-"""What a robot is taken for whose node does not tell: the largest."""
+"""The model of a robot whose node does not name one: the largest."""
+
+
+def find_robots() -> list[RobotTopics]:
+    """Return the robots on the master whose nodes are alive.
+
+    Raises:
+        ConfigError: ROS 1 is not installed.
+        NoRobotError: there is no master.
+    """
+    find_rospy()
+    import rosgraph  # noqa: PLC0415
+
+    uri = rosgraph.get_master_uri()
+    master = rosgraph.Master("/pioneer3")
+    try:
+        publishers, subscribers, _ = master.getSystemState()
+        types = dict(master.getTopicTypes())
+        found = robots_on(publishers, subscribers, types)
+        return [robot for robot in found if _is_alive(master.lookupNode(robot.node))]
+    except (OSError, rosgraph.MasterException) as error:
+        raise NoRobotError(
+            f"there is no ROS master at {uri} ({error}): start roscore, or set ROS_MASTER_URI"
+        ) from error
 
 
 async def run_program(
@@ -89,15 +116,13 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
 
 async def _unless_shut_down(ended: asyncio.Event, work: Coroutine[Any, Any, None]) -> None:
     """Do `work`, or as much of it as there is time for until the node is shut down."""
-    working, ending = asyncio.create_task(work), asyncio.create_task(ended.wait())
-    try:
-        await asyncio.wait({working, ending}, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for task in (working, ending):
-            task.cancel()
-        await asyncio.gather(working, ending, return_exceptions=True)
-    if not working.cancelled():
-        working.result()
+
+    async def working() -> None:
+        await work
+        ended.set()
+
+    async with running(working()):
+        await ended.wait()
 
 
 @asynccontextmanager
@@ -112,16 +137,15 @@ async def _joined_all(
 
 @asynccontextmanager
 async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[TopicRobot]:
-    import rospy  # noqa: PLC0415
-
     info = await asyncio.to_thread(_info, topics, model)
-    twists = rospy.Publisher(topics.commands, message_class(TWIST), queue_size=1, tcp_nodelay=True)
+    middleware = RospyTopics()
+    publisher = middleware.advertise(topics.commands, TWIST, queue=1)
     supervisor = TopicSupervisor(
-        info, partial(_publish, twists), partial(_switch_motors, topics.node)
+        info, partial(_publish, middleware, publisher), partial(_switch_motors, topics.node)
     )
     robot = TopicRobot(supervisor)
-    ears = Ears(topics, info.model, supervisor)
-    await asyncio.to_thread(ears.open)
+    subscriber = SnapshotSubscriber(topics, info.model, supervisor.take, middleware)
+    await asyncio.to_thread(subscriber.open)
     try:
         async with running(supervisor.run()):
             try:
@@ -132,11 +156,11 @@ async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[Topic
                 ) from None
             yield robot
     finally:
-        await asyncio.to_thread(ears.close)
+        await asyncio.to_thread(subscriber.close)
 
 
 def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
-    """Return what the node of a robot says of it."""
+    """Return the identity of a robot by its node's parameters."""
     import rospy  # noqa: PLC0415
 
     said = str(rospy.get_param(f"{topics.node}/{MODEL}", UNKNOWN_MODEL))
@@ -152,10 +176,10 @@ def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
     )
 
 
-def _publish(twists: Any, wanted: Twist2) -> None:
-    message = message_class(TWIST)()
+def _publish(middleware: RospyTopics, publisher: Publisher, wanted: Twist2) -> None:
+    message = middleware.make(TWIST)
     message.linear.x, message.angular.z = wanted.v, wanted.w
-    twists.publish(message)
+    publisher.publish(message)
 
 
 def _switch_motors(node: str, on: bool) -> None:
@@ -174,3 +198,13 @@ def _switch_motors(node: str, on: bool) -> None:
         rospy.logwarn(f"{node} has no service {name}")
 
     asyncio.get_running_loop().run_in_executor(None, call)
+
+
+def _is_alive(uri: str) -> bool:
+    """Return whether a node answers at its address: one that was killed stays registered."""
+    address = urlsplit(uri)
+    try:
+        with closing(create_connection((address.hostname, address.port), ALIVE)):
+            return True
+    except OSError:
+        return False

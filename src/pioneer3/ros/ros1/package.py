@@ -2,13 +2,17 @@
 
 import shlex
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from textwrap import indent
 from typing import Final
 
 from pioneer3 import __version__
 from pioneer3.errors import ConfigError
-from pioneer3.ros.ros1.messages import BUMPER_KIND, BUMPER_STATE
-from pioneer3.ros.ros1.showing import showing_files
+from pioneer3.models import load_model
+from pioneer3.ros.description.tree import Frames, tree_of
+from pioneer3.ros.description.urdf import describe
+from pioneer3.ros.ros1.middleware import BUMPER_STATE, BUMPER_TYPE
 
 NAME: Final = "pioneer3"
 MANIFEST: Final = """<?xml version="1.0"?>
@@ -40,7 +44,7 @@ PROGRAMS: Final = {
     "wander": "wander",
     "android_teleop": "android_teleop",
 }
-"""What `rosrun` finds, and the command of `pioneer3 ros1` that it runs."""
+"""The programs that `rosrun` finds, and their commands of `pioneer3 ros1`."""
 MESSAGES: Final = """from genpy.dynamic import generate_dynamic
 
 BumperState = generate_dynamic({kind!r}, {definition!r})[{kind!r}]
@@ -60,14 +64,58 @@ LAUNCH: Final = """<launch>
   <include if="$(arg rviz)" file="$(find pioneer3)/launch/rviz.launch" />
 </launch>
 """
+DisplayProperties = Mapping[str, str | int | float]
+"""Properties of a display, by their names in rviz."""
+MODELS: Final = ("p3at", "p3at-sh", "p3dx", "p3dx-sh")
+"""Those that the package has a description of; a node describes whatever robot it has."""
+TRANSDUCERS: Final = 16
+"""Of a Pioneer with both rows of sonars."""
+RVIZ_LAUNCH: Final = """<launch>
+  <!-- a model's name, such as p3at, to see a recording: no node describes the robot then -->
+  <arg name="model" default="" />
+  <param if="$(eval arg('model') != '')" name="robot_description"
+    textfile="$(find pioneer3)/urdf/$(arg model).urdf" />
+  <node pkg="rviz" type="rviz" name="rviz" args="-d $(find pioneer3)/rviz/pioneer3.rviz" />
+</launch>
+"""
+RVIZ_CONFIG: Final = """Panels:
+  - Class: rviz/Displays
+    Name: Displays
+    Splitter Ratio: 0.5
+  - Class: rviz/Views
+    Name: Views
+Visualization Manager:
+  Class: ""
+  Global Options:
+    Background Color: 245; 245; 245
+    Fixed Frame: odom
+    Frame Rate: 30
+  Tools:
+    - Class: rviz/Interact
+    - Class: rviz/MoveCamera
+    - Class: rviz/FocusCamera
+    - Class: rviz/Measure
+  Views:
+    Current:
+      Class: rviz/ThirdPersonFollower
+      Distance: 3
+      Name: Current View
+      Pitch: 0.6
+      Target Frame: base_link
+      Yaw: 2.6
+  Displays:
+{displays}Window Geometry:
+  Height: 850
+  Width: 1300
+"""
 
 
 def install_package(folder: Path, python: str = sys.executable) -> Path:
     """Write ROS packages into `folder`, which belongs on ROS_PACKAGE_PATH; return ours.
 
     The programs of `pioneer3` run with `python`; `rosaria` has the node under RosAria's own name,
-    for launch files and habits, and its message, which ROS's tools need to show it. What an earlier
-    version wrote is written anew.
+    for launch files and habits, and its message, which ROS's tools need to show it. The files of an
+    earlier version are replaced.
 
     Raises:
         ConfigError: it cannot be written there.
@@ -84,11 +132,11 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
         package / "package.xml": MANIFEST.format(name=NAME, version=__version__),
         **launchers,
         package / "launch" / "pioneer3.launch": LAUNCH,
-        **showing_files(package),
+        **_rviz_files(package),
         rosaria / "manifest.xml": DRY_MANIFEST,
         rosaria / "msg" / "BumperState.msg": BUMPER_STATE.partition("=")[0],
         module / "__init__.py": "",
-        module / "msg" / "__init__.py": MESSAGES.format(kind=BUMPER_KIND, definition=BUMPER_STATE),
+        module / "msg" / "__init__.py": MESSAGES.format(kind=BUMPER_TYPE, definition=BUMPER_STATE),
     }
     try:
         for path, text in files.items():
@@ -99,3 +147,66 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
     except OSError as error:
         raise ConfigError(f"cannot write the package to {folder}: {error}") from error
     return package
+
+
+def _rviz_files(package: Path) -> dict[Path, str]:
+    """Return the contents of the files in `package`, by path."""
+    return {
+        package / "launch" / "rviz.launch": RVIZ_LAUNCH,
+        package / "rviz" / "pioneer3.rviz": RVIZ_CONFIG.format(displays="".join(_displays())),
+        **{package / "urdf" / f"{name}.urdf": _urdf(name) for name in MODELS},
+    }
+
+
+def _urdf(name: str) -> str:
+    model, frames = load_model(name), Frames()
+    return describe(model, tree_of(model, frames), frames, laser=False)
+
+
+def _displays() -> Iterator[str]:
+    yield _display("Grid", "Grid", {"Color": "160; 160; 160", "Plane Cell Count": 20})
+    yield _display("RobotModel", "Robot", {"Robot Description": "robot_description"})
+    yield _display("TF", "Frames", {"Marker Scale": 0.3, "Show Names": "true"}, enabled=False)
+    yield _display("LaserScan", "Laser", {"Topic": "scan", **_points("200; 0; 0", 3)})
+    yield _display("PointCloud2", "Sonar", {"Topic": "sonar/points", **_points("0; 90; 200", 5)})
+    rosarias: DisplayProperties = {"Topic": "RosAria/sonar", **_points("0; 90; 200", 5)}
+    yield _display("PointCloud", "Sonar of RosAria", rosarias, enabled=False)
+    touched: DisplayProperties = {"Topic": "bumpers/points", **_points("255; 120; 0", 12)}
+    yield _display("PointCloud2", "Bumpers", touched)
+    poses: DisplayProperties = {
+        "Topic": "odom",
+        "Keep": 100,
+        "Position Tolerance": 0.1,
+        "Angle Tolerance": 0.1,
+    }
+    yield _display("Odometry", "Odometry", poses, enabled=False)
+    yield "    - Class: rviz/Group\n      Name: Ranges\n      Enabled: true\n      Displays:\n"
+    for number in range(TRANSDUCERS):
+        beam: DisplayProperties = {
+            "Topic": f"sonar/range_{number}",
+            "Alpha": 0.15,
+            "Color": "0; 150; 90",
+        }
+        yield indent(_display("Range", f"Range {number}", beam), "    ")
+
+
+def _points(color: str, size: int) -> DisplayProperties:
+    """Return how points look: they stay for half a second, as each transducer pings that often."""
+    return {
+        "Color": color,
+        "Color Transformer": "FlatColor",
+        "Decay Time": 0.5,
+        "Position Transformer": "XYZ",
+        "Size (Pixels)": size,
+        "Style": "Points",
+    }
+
+
+def _display(kind: str, name: str, properties: DisplayProperties, *, enabled: bool = True) -> str:
+    lines = [
+        f"- Class: rviz/{kind}",
+        f"  Name: {name}",
+        f"  Enabled: {str(enabled).lower()}",
+        *(f"  {key}: {value}" for key, value in properties.items()),
+    ]
+    return "".join(f"    {line}\n" for line in lines)

@@ -1,93 +1,56 @@
 """dynamic_reconfigure in ROS 1: a server without a generated configuration."""
 
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any, Final
 
-from pioneer3.arcos.reports import Config
 from pioneer3.errors import ConfigError
-from pioneer3.limits import Limits
-from pioneer3.ros.interface.settings import (
-    PARAMETERS,
-    Parameter,
-    in_force,
-    parameters_of,
-    settled,
-    written,
-)
+from pioneer3.ros.node.driving_parameters import PARAMETERS, DrivingParameter, DrivingParameters
 
 LEVEL: Final = 0
 
 
 class Reconfigure:
-    """The server of the node's own parameters.
+    """The server of the driving parameters; made in a thread, as it talks to the master."""
 
-    Made in a thread: it talks to the master.
-
-    Args:
-        limits: The robot's own.
-        config: What the robot sent of itself, if it did.
-        given: Parameters that somebody has written below the node's name.
-        apply: Given all values whenever one has been set; by one of rospy's threads.
-
-    Raises:
-        ConfigError: a given one is not a number.
-    """
-
-    def __init__(
-        self,
-        limits: Limits,
-        config: Config | None,
-        given: dict[str, Any],
-        apply: Callable[[dict[str, float]], None],
-    ) -> None:
+    def __init__(self, parameters: DrivingParameters) -> None:
         import rospy  # noqa: PLC0415
         from dynamic_reconfigure.server import Server  # noqa: PLC0415
 
-        self._limits = limits
-        self._parameters = parameters_of(limits, config)
-        self._apply = apply
-        self._given = {each.name: given[each.name] for each in PARAMETERS if each.name in given}
-        self._values = in_force(limits)
-        self._lock = threading.Lock()
-        wanted = {**self._values, **written(given)}
-        for name, value in settled(wanted, limits, self._parameters).items():
-            rospy.set_param(f"~{name}", value)  # the server takes what it finds for the present
-        Server(_description(self._parameters), self._set)
+        self._parameters = parameters
+        for name, value in parameters.wanted.items():
+            rospy.set_param(f"~{name}", value)  # the server takes them for the present values
+        Server(_description(parameters.parameters), self._set)
 
     def forget(self) -> None:
-        """Leave on the parameter server what was there: the next node must not take it for new."""
+        """Put back the earlier parameters: the next node must not take these for new ones."""
         import rospy  # noqa: PLC0415
 
+        before = self._parameters.before
         with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
             for each in PARAMETERS:
-                if each.name in self._given:
-                    rospy.set_param(f"~{each.name}", self._given[each.name])
+                if each.name in before:
+                    rospy.set_param(f"~{each.name}", before[each.name])
                 else:
                     rospy.delete_param(f"~{each.name}")
 
     def _set(self, config: Any, _level: int) -> Any:
-        """Take new values, in rospy's thread; return those that hold."""
+        """Take new values, in rospy's thread; return those in force."""
         import rospy  # noqa: PLC0415
 
-        with self._lock:
-            try:
-                values = settled(config, self._limits, self._parameters)
-            except ConfigError as error:
-                rospy.logwarn(str(error))
-                values = self._values
-            if values != self._values:
-                self._values = values
-                self._apply(values)
+        try:
+            values = self._parameters.set(config)
+        except ConfigError as error:
+            rospy.logwarn(str(error))
+            values = dict(self._parameters.values)
         config.update(values)
         return config
 
 
-def _description(parameters: Sequence[Parameter]) -> Any:
-    """Return what a generated configuration module would hold."""
-    told = [
+def _description(parameters: Sequence[DrivingParameter]) -> Any:
+    """Return the content of a generated configuration module."""
+    listed = [
         {
             "name": each.name,
             "type": "int" if each.whole else "double",
@@ -108,7 +71,7 @@ def _description(parameters: Sequence[Parameter]) -> Any:
             "type": "",
             "state": True,
             "groups": [],
-            "parameters": told,
+            "parameters": listed,
         },
     )
 

@@ -2,7 +2,7 @@
 
 import asyncio
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import isinf
@@ -14,19 +14,20 @@ from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_port
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.interface.lab import NODE, lab_node
-from pioneer3.ros.interface.parameters import (
+from pioneer3.ros.node.driving_parameters import NAMES
+from pioneer3.ros.node.names import NODE, lab_node
+from pioneer3.ros.node.node import RobotNode
+from pioneer3.ros.node.parameters import (
     LONG,
     MODEL,
     SIMULATED,
-    Parameters,
-    doubts,
+    NodeParameters,
+    RawParameters,
     read_parameters,
+    unused_parameters,
 )
-from pioneer3.ros.interface.settings import NAMES
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
-from pioneer3.ros.ros1.node import Ros1Node
-from pioneer3.ros.ros1.rospy_path import find_rospy
+from pioneer3.ros.ros1.middleware import RospyMiddleware, find_rospy
 from pioneer3.runtime.connect import connect_async
 
 LAB_NAME: Final = "_lab_name:="
@@ -35,7 +36,7 @@ LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What the command line says; it comes before the ROS parameters of the same name.
+    """Options of the command line; they come before the ROS parameters of the same name.
 
     Attributes:
         port: URL of the robot.
@@ -73,8 +74,8 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
     )
     watch = MasterWatch(rospy.get_name(), rospy.logwarn)
     try:
-        given = rospy.get_param("~", {})
-        parameters = _parameters(given)
+        raw = rospy.get_param("~", {})
+        parameters = _parameters(raw)
         watch.start()
         port = options.port or parameters.port or await simulator_or_robot(tell)
         baud = options.baud or parameters.baud
@@ -87,7 +88,7 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
         ) as robot:
             tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
             await asyncio.to_thread(_introduce, robot.info)
-            node = Ros1Node(robot, parameters, given)
+            node = RobotNode(robot, parameters, RospyMiddleware(), raw)
             watch.on_registered = node.describe_robot
             await node.run(lambda: tell(f"node {rospy.get_name()} on {master}"))
     finally:
@@ -135,7 +136,7 @@ async def simulator_or_robot(tell: Callable[[str], None]) -> str:
 
 
 def _introduce(info: RobotInfo) -> None:
-    """Let programs know what the robot is."""
+    """Let programs know the robot's model, and whether it is a simulator."""
     import rospy  # noqa: PLC0415
 
     rospy.set_param(f"~{MODEL}", info.model.name)
@@ -143,7 +144,7 @@ def _introduce(info: RobotInfo) -> None:
 
 
 def _forget(arguments: Sequence[str]) -> None:
-    """Take off the parameter server what was said for this run only: it would hold for the next."""
+    """Delete the parameters that were for this run only: they would hold for the next one."""
     import rospy  # noqa: PLC0415
 
     private = [each[1:] for each in arguments if each.startswith("_") and each[1:2] != "_"]
@@ -152,12 +153,12 @@ def _forget(arguments: Sequence[str]) -> None:
             rospy.delete_param(f"~{name}")
 
 
-def _parameters(given: Mapping[str, object]) -> Parameters:
-    """Return what is written below the node's name, and say what of it means nothing."""
+def _parameters(raw: RawParameters) -> NodeParameters:
+    """Return the parameters below the node's name, and warn of those that are unused or unsafe."""
     import rospy  # noqa: PLC0415
 
-    parameters = read_parameters(given)
-    for sentence in doubts(given, parameters.profile, NAMES):
+    parameters = read_parameters(raw)
+    for sentence in unused_parameters(raw, parameters.profile, NAMES):
         rospy.logwarn(sentence)
     if parameters.timeout > LONG:
         length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"

@@ -1,0 +1,41 @@
+"""A phone that publishes its rates of turning, as keys of a keyboard."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import suppress
+from typing import Any, Final
+
+from pioneer3.ros.node.middleware import Sender, Topics
+from pioneer3.teleop.flick import key_of
+from pioneer3.teleop.keyboard import Key
+
+IMU: Final = "sensor_msgs/Imu"
+SILENT: Final = 0.5
+"""A phone that publishes nothing for this long [s] has gone: the robot stops."""
+QUEUE: Final = 100
+"""A flick is a few messages long; none of them may be dropped."""
+
+
+async def flicks(topic: str, middleware: Topics) -> AsyncIterator[Key]:
+    """Yield a key for each message of a phone that is flicked, a stop when it falls silent."""
+    loop, keys = asyncio.get_running_loop(), asyncio.Queue[Key | None]()
+
+    def receive(message: Any, _: Sender) -> None:
+        turns = message.angular_velocity
+        with suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(keys.put_nowait, key_of(turns.x, turns.y, turns.z))
+
+    subscription = await asyncio.to_thread(middleware.subscribe, topic, IMU, receive, queue=QUEUE)
+    drives = False
+    try:
+        while True:
+            try:
+                async with asyncio.timeout(SILENT if drives else None):
+                    key = await keys.get()
+            except TimeoutError:
+                key = Key.STOP
+            if key is not None:
+                drives = key is not Key.STOP
+                yield key
+    finally:
+        subscription.unregister()

@@ -1,0 +1,217 @@
+"""A robot on the other side of topics, driven by the same arbiter and rules as one at a cable."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from dataclasses import replace
+from math import inf
+from typing import Final
+
+from pioneer3.arcos import commands
+from pioneer3.behaviors.action import Stack
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.robot.explain import why_not_moving
+from pioneer3.robot.feed import Feed
+from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
+from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.runtime.arbiter import Arbiter
+from pioneer3.runtime.driven import LOST_AFTER, readings
+from pioneer3.runtime.motions import run_mode
+from pioneer3.state import Motors, Snapshot
+
+LOOK: Final = 0.05
+"""Pause between two looks for expired requests [s]."""
+SILENT: Final = 1.0
+"""Without a snapshot for this long [s], nobody drives."""
+STUCK: Final = 1.5
+"""Told to move and standing for this long [s] is stalled: topics do not tell it."""
+
+
+class TopicSupervisor:
+    """Turns decisions of the pilot into messages, and hands it snapshots to observe.
+
+    A velocity goes out with each snapshot, and at once when it changes. Without a request nothing
+    goes out: somebody else may drive.
+
+    Args:
+        info: Of the robot.
+        publish: Sends a velocity.
+        switch: Asks for power on the motors, or none.
+    """
+
+    def __init__(
+        self,
+        info: RobotInfo,
+        publish: Callable[[Twist2], None],
+        switch: Callable[[bool], None],
+    ) -> None:
+        self.pilot = Pilot()
+        self.snapshots: Feed[Snapshot] = Feed()
+        self.status: Feed[Status] = Feed()
+        self.info: RobotInfo | None = info
+        self.on_reading: Callable[[Snapshot], None] = lambda snapshot: None
+        self._publish = publish
+        self._switch = switch
+        self._fresh: Snapshot | None = None
+        self._sent = STILL
+        self._moved_at = -inf
+        self._clock = asyncio.get_running_loop().time
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest snapshot, or `None` while the topics are silent."""
+        return self._fresh
+
+    async def run(self) -> None:
+        """Let requests expire, and notice silence; cancelled, it stops the robot."""
+        try:
+            while True:
+                await asyncio.sleep(LOOK)
+                now = self._clock()
+                if self._fresh is not None and now - self._fresh.stamp > SILENT:
+                    self._lose(now)
+                self.pilot.tick(now)
+                self._flush()
+        finally:
+            if not self._sent.is_zero:
+                self.stop()
+            for feed in (self.snapshots, self.status):
+                feed.close()
+
+    def take(self, snapshot: Snapshot) -> None:
+        """Take a snapshot made from the topics, and act on it."""
+        assert self.info is not None
+        now = self._clock()
+        if self._fresh is None:
+            self.pilot.session_opened(
+                self.info.limits, now, settable_speed=False, settable_acceleration=False
+            )
+            self.status.publish(Status(Connection.CONNECTED, self.info.url))
+        self._fresh = snapshot = self._with_stall(snapshot, now)
+        self.pilot.observe(snapshot, now)
+        self.on_reading(snapshot)
+        self.snapshots.publish(snapshot)
+        self._flush(again=True)
+
+    def drive(self, command: VelocityCommand) -> str | None:
+        """See :meth:`Pilot.drive`; the robot's node keeps its own accelerations."""
+        refused = self.pilot.drive(command, self._clock())
+        self._flush()
+        return refused
+
+    def stop(self) -> None:
+        """Stop, whoever has been driving."""
+        self.pilot.stop(self._clock())
+        self._send(STILL)
+        self._flush()
+
+    def emergency_stop(self) -> None:
+        """Stop, motors off, latched in this program."""
+        self.pilot.emergency_stop(self._clock())
+        self._send(STILL)
+        self._switch(False)
+        self._flush()
+
+    def reset_emergency_stop(self) -> None:
+        """Release the latch; the motors stay off."""
+        self.pilot.reset_emergency_stop()
+
+    def set_motors(self, *, on: bool) -> str | None:
+        """Ask for power on the motors, or none; return why not, or `None`."""
+        refused = self.pilot.set_motors(on=on, now=self._clock())
+        if refused is None:
+            self._send(STILL)
+            self._switch(on)
+        self._flush()
+        return refused
+
+    def why_not_moving(self, decided: str | None = None) -> str | None:
+        """Return the reason why the robot stands still, or `None` while it moves."""
+        return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
+
+    def _with_stall(self, snapshot: Snapshot, now: float) -> Snapshot:
+        """Return `snapshot`, its wheels stalled if they have not moved as they were told to."""
+        measured = snapshot.odometry.twist
+        moves = abs(measured.v) >= STANDING.v or abs(measured.w) >= STANDING.w
+        if moves or self._sent.is_zero or not snapshot.motors.enabled:
+            self._moved_at = now
+        if now - self._moved_at < STUCK:
+            return snapshot
+        self._moved_at = now
+        stalled = Motors(enabled=True, left_stalled=True, right_stalled=True)
+        return replace(snapshot, motors=stalled)
+
+    def _lose(self, now: float) -> None:
+        self._fresh = None
+        why = f"its topics are silent for {SILENT:g} s"
+        self.pilot.session_lost(why, now)
+        self._send(STILL)
+        self.status.publish(Status(Connection.LOST, why))
+
+    def _flush(self, *, again: bool = False) -> None:
+        """Send the decision of the pilot, or the last velocity `again`.
+
+        Its commands about power are left to the node, which has a pilot, too.
+        """
+        v, wanted = 0.0, None
+        for command in self.pilot.outgoing():
+            match command:
+                case commands.Vel():
+                    v = command.speed
+                case commands.RVel():
+                    wanted = Twist2(v, command.rate)
+                case commands.Stop():
+                    wanted = STILL
+        if wanted is None and again:
+            wanted = self._sent
+        if wanted is not None and not (wanted.is_zero and self._sent.is_zero):
+            self._send(wanted)
+
+    def _send(self, twist: Twist2) -> None:
+        self._sent = twist
+        self._publish(twist)
+
+
+class TopicRobot:
+    """A robot as programs see it that reach it by topics only.
+
+    Args:
+        supervisor: Of its topics.
+    """
+
+    def __init__(self, supervisor: TopicSupervisor) -> None:
+        self.supervisor = supervisor
+        self.arbiter = Arbiter(supervisor)
+
+    @property
+    def info(self) -> RobotInfo:
+        """Its identity and limits; its URL is the name of its node."""
+        assert self.supervisor.info is not None
+        return self.supervisor.info
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest snapshot, or `None` while the topics are silent."""
+        return self.supervisor.snapshot
+
+    def snapshots(
+        self, seconds: float = inf, patience: float = LOST_AFTER
+    ) -> AsyncIterator[Snapshot]:
+        """See :meth:`Robot.snapshots`."""
+        return readings(self.supervisor, seconds, patience)
+
+    async def run(self, mode: Stack, seconds: float = inf) -> None:
+        """Let `mode` drive for `seconds`; see :meth:`Robot.run`."""
+        until = asyncio.get_running_loop().time() + seconds
+        await run_mode(mode, self.arbiter, self.snapshots(seconds), until=until)
+
+    def why_not_moving(self) -> str | None:
+        """Return in one sentence why the robot stands still, or `None` while it moves."""
+        return self.arbiter.why_not_moving()
+
+    def stop(self) -> None:
+        """Stand still, whoever drives."""
+        self.arbiter.stop()
+
+    def emergency_stop(self) -> None:
+        """Stop, motors off, latched."""
+        self.arbiter.emergency_stop()

@@ -1,0 +1,178 @@
+"""From the topics of one robot back to snapshots of it."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from math import atan2, hypot, inf, isfinite, nan, pi
+from typing import Any, Final
+
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.models import RobotModel
+from pioneer3.robot.assemble import SONAR_MAX
+from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
+from pioneer3.ros.node.middleware import Sender, Subscription, Topics
+from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot, Sonar
+
+TOGETHER: Final = 0.01
+"""Messages of one snapshot come over several connections, all within this time [s]."""
+ROUNDED: Final = 1e-3
+"""Points are in 32 bits: an echo this near to the farthest there is [m] is none."""
+RING: Final = 0.32
+"""Each transducer fires once in this time [s]: the same distance again is a new one then."""
+
+
+class SnapshotBuilder:
+    """Keeps the newest message of each type; makes a snapshot of them.
+
+    Args:
+        model: Of the robot.
+        motors_on: Whether the motors are taken to be on until somebody tells.
+    """
+
+    def __init__(self, model: RobotModel, *, motors_on: bool = True) -> None:
+        self._model = model
+        self._odometry: Odometry | None = None
+        self._battery = Battery(voltage=nan)
+        self._motors = Motors(enabled=motors_on)
+        self._bumpers = Bumpers()
+        self._ranges = [nan] * len(model.sonars)
+        self._heard_at = [-inf] * len(model.sonars)
+        self._fresh: set[int] = set()
+        self._sequence = 0
+
+    def pose(self, message: Any) -> None:
+        """Take a nav_msgs/Odometry; one that is not finite is left out."""
+        place, turned = message.pose.pose.position, message.pose.pose.orientation
+        twist = message.twist.twist
+        v, w, half = twist.linear.x, twist.angular.z, self._model.wheel_base / 2
+        here = Pose2(place.x, place.y, _heading(turned))
+        if all(map(isfinite, (here.x, here.y, here.theta, v, w))):
+            self._odometry = Odometry(
+                robot_in_odom=here,
+                twist=Twist2(v, w),
+                left_speed=v - w * half,
+                right_speed=v + w * half,
+            )
+
+    def sonar_cloud(self, message: Any, now: float) -> None:
+        """Take a sensor_msgs/PointCloud with a point for each transducer, as RosAria's."""
+        for number, (point, mount) in enumerate(
+            zip(message.points, self._model.sonars, strict=False)
+        ):
+            self.sonar_range(number, hypot(point.x - mount.x, point.y - mount.y), now)
+
+    def sonar_range(self, number: int, metres: float, now: float) -> None:
+        """Take the distance that one transducer measured at `now` [m, s]; more than 5 m is none."""
+        if number >= len(self._ranges):
+            return
+        measured = metres if metres < SONAR_MAX - ROUNDED else inf
+        if measured != self._ranges[number] or now - self._heard_at[number] >= RING:
+            self._fresh.add(number)
+            self._ranges[number], self._heard_at[number] = measured, now
+
+    def bumpers(self, message: Any) -> None:
+        """Take a rosaria/BumperState."""
+        front, rear = map(bool, message.front_bumpers), map(bool, message.rear_bumpers)
+        self._bumpers = Bumpers(front=tuple(front), rear=tuple(rear)[::-1])
+
+    def motors(self, message: Any) -> None:
+        """Take a std_msgs/Bool."""
+        self._motors = Motors(enabled=bool(message.data))
+
+    def voltage(self, volts: float) -> None:
+        """Take the battery's voltage [V]."""
+        self._battery = Battery(voltage=volts)
+
+    def snapshot(self, now: float) -> Snapshot | None:
+        """Return the snapshot at `now` [s, monotonic]; `None` before the first pose."""
+        if self._odometry is None:
+            return None
+        fresh, self._fresh = sorted(self._fresh), set()
+        self._sequence += 1
+        return Snapshot(
+            stamp=now,
+            sequence=self._sequence,
+            odometry=self._odometry,
+            battery=self._battery,
+            motors=self._motors,
+            sonar=Sonar(ranges=tuple(self._ranges), fresh=tuple(fresh), enabled=bool(fresh)),
+            bumpers=self._bumpers,
+        )
+
+
+class SnapshotSubscriber:
+    """Subscribes to the topics of a robot, and makes snapshots of them.
+
+    Args:
+        topics: Of the robot.
+        model: Of the robot.
+        take: Given each snapshot, in the loop.
+        middleware: Where the topics are.
+    """
+
+    def __init__(
+        self,
+        topics: RobotTopics,
+        model: RobotModel,
+        take: Callable[[Snapshot], None],
+        middleware: Topics,
+    ) -> None:
+        self._topics = topics
+        self._motors = topics.topic("std_msgs/Bool", "motors_state")
+        self._builder = SnapshotBuilder(model, motors_on=self._motors is None)
+        self._take = take
+        self._middleware = middleware
+        self._loop = asyncio.get_running_loop()
+        self._subscriptions: list[Subscription] = []
+        self._open = True
+
+    def open(self) -> None:
+        """Subscribe, in a thread."""
+        build, clock = self._builder, self._loop.time
+        self._subscribe(self._topics.pose, ODOMETRY, self._begin)
+        for type_name, ending, receive in (
+            ("sensor_msgs/PointCloud", "sonar", lambda m: build.sonar_cloud(m, clock())),
+            ("rosaria/BumperState", "", build.bumpers),
+            ("std_msgs/Bool", "motors_state", build.motors),
+            ("std_msgs/Float64", "battery_voltage", lambda m: build.voltage(m.data)),
+            ("sensor_msgs/BatteryState", "", lambda m: build.voltage(m.voltage)),
+        ):
+            if name := self._topics.topic(type_name, ending):
+                self._subscribe(name, type_name, receive)
+        for number, name in self._topics.numbered("sensor_msgs/Range").items():
+            self._subscribe(name, "sensor_msgs/Range", partial(self._range, number))
+
+    def close(self) -> None:
+        """Subscribe no more, in a thread."""
+        self._open = False
+        for subscription in self._subscriptions:
+            subscription.unregister()
+
+    def _subscribe(self, name: str, type_name: str, take: Callable[[Any], None]) -> None:
+        def receive(message: Any, _: Sender) -> None:
+            with suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(take, message)
+
+        self._subscriptions.append(self._middleware.subscribe(name, type_name, receive, queue=1))
+
+    def _range(self, number: int, message: Any) -> None:
+        metres = inf if message.range >= message.max_range else message.range
+        self._builder.sonar_range(number, metres, self._loop.time())
+
+    def _begin(self, message: Any) -> None:
+        self._builder.pose(message)
+        self._loop.call_later(TOGETHER, self._end)
+
+    def _end(self) -> None:
+        snapshot = self._builder.snapshot(self._loop.time())
+        if snapshot is not None and self._open:
+            self._take(snapshot)
+
+
+def _heading(turned: Any) -> float:
+    """Return the yaw of a quaternion [rad], in (-pi, pi]."""
+    theta = 2 * atan2(turned.z, turned.w)
+    if theta > pi:
+        return theta - 2 * pi
+    return theta + 2 * pi if theta <= -pi else theta

@@ -1,0 +1,134 @@
+"""Odometry, wheels and transforms to ROS messages, and a `Twist` to ours."""
+
+from collections.abc import Iterator, Sequence
+from math import pi, sin
+from typing import Any, Final
+
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.models import RobotModel, shape_of
+from pioneer3.robot.limits import checked
+from pioneer3.ros.description.tree import Joint
+from pioneer3.ros.messages.update import DRIVING, STANDING, StateUpdate, fill_header, fill_pose
+from pioneer3.state import Odometry
+
+STRAIGHT: Final = 1e-6
+"""A smaller turn is none [rad]."""
+
+
+def odometry(message: Any, update: StateUpdate) -> None:
+    """Fill a nav_msgs/Odometry: pose in the odom frame, twist in the robot's own."""
+    fill_header(message, update.stamp, update.frames.odom)
+    message.child_frame_id = update.frames.base
+    state = update.snapshot.odometry
+    pose, twist = message.pose, message.twist
+    fill_pose(pose.pose.position, pose.pose.orientation, state.robot_in_odom)
+    twist.twist.linear.x, twist.twist.angular.z = state.twist.v, state.twist.w
+    pose.covariance = covariance(state, update.options.pose_variances)
+    twist.covariance = covariance(state, update.options.twist_variances)
+
+
+def covariance(state: Odometry, driving: Sequence[float] = DRIVING) -> list[float]:
+    """Return the 36 numbers, row by row: x, y, z, roll, pitch, yaw on the diagonal."""
+    still = state.left_speed == 0 and state.right_speed == 0
+    matrix = [0.0] * 36
+    matrix[::7] = map(min, STANDING, driving) if still else driving
+    return matrix
+
+
+def wanted_twist(message: Any) -> Twist2:
+    """Return the forward speed [m/s] and turn rate [rad/s] of a geometry_msgs/Twist.
+
+    Its other fields do not apply to a robot that moves in a plane and not sideways.
+
+    Raises:
+        CommandError: not finite.
+    """
+    return checked(message.linear.x, message.angular.z)
+
+
+def moving_transforms(message: Any, update: StateUpdate) -> None:
+    """Fill a tf2_msgs/TFMessage: the robot in the odom frame, and turning wheels if wanted."""
+    options = update.options
+    message.transforms = []
+    if options.odometry_tf:
+        transform = update.make("geometry_msgs/TransformStamped")
+        fill_header(transform, update.stamp, update.frames.odom)
+        transform.child_frame_id = update.frames.base
+        inner = transform.transform
+        fill_pose(inner.translation, inner.rotation, update.snapshot.odometry.robot_in_odom)
+        message.transforms.append(transform)
+    if options.wheels_tf:
+        message.transforms += wheels(update, update.turned)
+
+
+def fixed_transforms(message: Any, update: StateUpdate) -> None:
+    """Fill a tf2_msgs/TFMessage with what never moves, and wheels that do not turn in the tree."""
+    message.transforms = [_transform(update, joint) for joint in update.tree.fixed]
+    if not update.options.wheels_tf:
+        message.transforms += wheels(update, (0.0, 0.0))
+
+
+def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[Any]:
+    """Yield the transform of each wheel; `turned` is left and right [rad]."""
+    for number, joint in enumerate(update.tree.wheels):
+        yield _transform(update, joint, turned[number % 2])
+
+
+def _transform(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Any:
+    prefix = update.options.prefix
+    transform = update.make("geometry_msgs/TransformStamped")
+    fill_header(transform, update.stamp, prefix + joint.parent)
+    transform.child_frame_id = prefix + joint.child
+    at, rotation = transform.transform.translation, transform.transform.rotation
+    at.x, at.y, at.z = joint.x, joint.y, joint.z
+    rotation.x, rotation.y, rotation.z, rotation.w = joint.rotation(turned)
+    return transform
+
+
+class WheelAngles:
+    """Adds up how far the wheels have turned, from odometry: Pioneers tell no more by themselves.
+
+    Attributes:
+        turned: Angles of the left wheels and of the right ones since the beginning [rad].
+    """
+
+    def __init__(self) -> None:
+        self.turned = (0.0, 0.0)
+        self._before: Pose2 | None = None
+
+    def update(self, odometry: Odometry, model: RobotModel) -> tuple[float, float]:
+        """Take the next reading; return :attr:`turned`."""
+        here = odometry.robot_in_odom
+        if self._before is not None:
+            way, angle = _arc(self._before.inverse() @ here)
+            across = angle * model.wheel_base / 2
+            radius = shape_of(model).wheel_radius
+            left, right = self.turned
+            self.turned = left + (way - across) / radius, right + (way + across) / radius
+        self._before = here
+        return self.turned
+
+    def jumped(self) -> None:
+        """Take the next reading as the present pose: odometry was set."""
+        self._before = None
+
+
+def joint_states(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/JointState with every driven wheel [rad, rad/s]."""
+    fill_header(message, update.stamp, "")
+    radius = shape_of(update.model).wheel_radius
+    state = update.snapshot.odometry
+    speeds = (state.left_speed / radius, state.right_speed / radius)
+    message.name = [joint.name for joint in update.tree.wheels]
+    pairs = len(message.name) // 2
+    message.position = list(update.turned) * pairs
+    message.velocity = list(speeds) * pairs
+    message.effort = []
+
+
+def _arc(step: Pose2) -> tuple[float, float]:
+    """Return the length [m] and the angle [rad] of the arc that leads to `step`."""
+    half = step.theta / 2
+    chord = Pose2(theta=-half) @ step  # along x, but for slipping sideways
+    shrunk = sin(half) / half if abs(half) > STRAIGHT and abs(half) < pi else 1.0
+    return chord.x / shrunk, step.theta

@@ -1,0 +1,262 @@
+"""Sonars, laser, gyro, bumpers, battery and inputs to ROS messages."""
+
+import struct
+from collections.abc import Callable, Sequence
+from math import cos, inf, isfinite, nan, sin
+from typing import Any, Final
+
+from pioneer3.models import RobotModel
+from pioneer3.robot.assemble import SONAR_MAX
+from pioneer3.ros.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
+from pioneer3.ros.messages.update import (
+    UNMEASURED,
+    Beam,
+    ImuUpdate,
+    NoEcho,
+    ScanUpdate,
+    StateUpdate,
+    fill_header,
+)
+from pioneer3.state import Bumpers, Charging, Sonar
+
+FLOAT32: Final = 7
+"""`PointField.FLOAT32`."""
+ULTRASOUND: Final = 0
+"""`Range.ULTRASOUND`."""
+SCAN_MAX: Final = 32.766
+"""Farthest that a simulator's laser can tell [m] (protocol.md 5.13)."""
+GYRO_VARIANCE: Final = 2.8e-4
+"""Of a rate [rad^2/s^2]: a step of the converter is 0.95 degrees per second (protocol.md 5.4)."""
+NOT_THERE: Final = [-1.0, *[0.0] * 8]
+"""Covariance of a quantity that a sensor does not measure (sensor_msgs/Imu)."""
+RECHARGE_STATES: Final = {
+    Charging.UNKNOWN: -1,
+    Charging.NONE: 0,
+    Charging.BULK: 1,
+    Charging.OVERCHARGE: 2,
+    Charging.FLOAT: 3,
+    Charging.BALANCE: 4,
+}
+"""Numbers of `battery_recharge_state`; protocol.md 4.2, and -1 while it is not known."""
+ROSARIAS_BUMPERS: Final = 5
+"""Segments in front, and as many behind."""
+SUPPLY_STATUS: Final = {
+    Charging.UNKNOWN: 0,
+    Charging.NONE: 2,
+    Charging.BULK: 1,
+    Charging.OVERCHARGE: 1,
+    Charging.FLOAT: 1,
+    Charging.BALANCE: 1,
+}
+"""`POWER_SUPPLY_STATUS` of sensor_msgs/BatteryState: unknown, discharging, charging."""
+
+
+def rosarias_bumpers(message: Any, update: StateUpdate) -> None:
+    """Fill a rosaria/BumperState as :func:`bumpers`; a robot without has five that nothing touches.
+
+    RosAria takes their number from a file, and its clients read five of each, unchecked.
+    """
+    bumpers(message, update)
+    message.front_bumpers = message.front_bumpers or [False] * ROSARIAS_BUMPERS
+    message.rear_bumpers = message.rear_bumpers or [False] * ROSARIAS_BUMPERS
+
+
+def bumpers(message: Any, update: StateUpdate) -> None:
+    """Fill a rosaria/BumperState: both rows from left to right (protocol.md 4.7)."""
+    fill_header(message, update.stamp, update.frames.bumpers)
+    message.front_bumpers, message.rear_bumpers = bumper_rows(update.snapshot.bumpers)
+
+
+def bumper_rows(state: Bumpers) -> tuple[list[bool], list[bool]]:
+    """Return front and rear, each from left to right."""
+    return list(state.front), list(reversed(state.rear))
+
+
+def touches(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/PointCloud2 with the middle of each bumper segment that is pressed."""
+    fill_header(message, update.stamp, update.frames.base)
+    state, model = update.snapshot.bumpers, update.model
+    pressed = [
+        (pose.x, pose.y)
+        for segments, rear in ((state.front, False), (state.rear, True))
+        for pose, hit in zip(
+            bumper_segments(model, len(segments), rear=rear), segments, strict=True
+        )
+        if hit
+    ]
+    _cloud2(message, update.make, pressed, BUMPER_HEIGHT)
+    message.is_dense = True
+
+
+def voltage(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Float64 [V]."""
+    message.data = update.snapshot.battery.voltage
+
+
+def recharge_state(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Int8 with one of :data:`RECHARGE_STATES`."""
+    message.data = RECHARGE_STATES[update.snapshot.battery.charging]
+
+
+def charge(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Float32, 0 to 1; NaN where the robot cannot tell."""
+    known = update.snapshot.battery.charge
+    message.data = nan if known is None else known
+
+
+def battery(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/BatteryState; what the robot does not measure is NaN."""
+    state = update.snapshot.battery
+    fill_header(message, update.stamp, update.frames.base)
+    message.voltage = state.voltage
+    message.current = message.charge = message.capacity = message.design_capacity = nan
+    if hasattr(message, "temperature"):  # not every version of the message has it
+        message.temperature = nan
+    message.percentage = nan if state.charge is None else state.charge
+    message.power_supply_status = SUPPLY_STATUS[state.charging]
+    message.power_supply_technology = getattr(message, "POWER_SUPPLY_TECHNOLOGY_VRLA", 0)
+    message.present = True
+
+
+def emergency_stop(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Bool: whether the robot is stopped, by our latch or by its own button."""
+    message.data = update.stopped
+
+
+def compass(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Float32 with the heading as the robot's compass states it [rad]."""
+    message.data = update.snapshot.inputs.compass
+
+
+def digital(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/UInt16: inputs in the low byte, outputs in the high one."""
+    lines = update.snapshot.inputs
+    message.data = lines.digital_in & 0xFF | (lines.digital_out & 0xFF) << 8
+
+
+def analog(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Float32MultiArray: the number of the selected port, and its voltage [V]."""
+    lines = update.snapshot.inputs
+    message.data = [float(lines.analog_port), lines.analog]
+
+
+def motors(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/Bool: whether the motors have power."""
+    message.data = update.snapshot.motors.enabled
+
+
+def sonar_cloud(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/PointCloud with a point for every transducer, in their order."""
+    fill_header(message, update.stamp, update.frames.sonar)
+    message.points = []
+    for x, y in sonar_points(update.snapshot.sonar, update.model):
+        point = update.make("geometry_msgs/Point32")
+        point.x, point.y, point.z = x, y, 0.0
+        message.points.append(point)
+
+
+def sonar_cloud2(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/PointCloud2 with a point for every transducer, in their order."""
+    fill_header(message, update.stamp, update.frames.sonar)
+    _cloud2(message, update.make, sonar_points(update.snapshot.sonar, update.model))
+    message.is_dense = False  # as RosAria says it, though every point is a number
+
+
+def echoes(message: Any, update: StateUpdate) -> None:
+    """Fill a sensor_msgs/PointCloud2 with what has been heard since the last update.
+
+    Echoes that are older belong to a place where the robot no longer is, so they are left out.
+    """
+    fill_header(message, update.stamp, update.frames.base)
+    sonar, height = update.snapshot.sonar, update.options.sonar_height
+    points = sonar_points(sonar, update.model)
+    heard = [
+        points[number]
+        for number in sonar.fresh
+        if number < len(points) and isfinite(sonar.ranges[number])
+    ]
+    _cloud2(
+        message, update.make, heard, height_of_sonars(update.model) if height is None else height
+    )
+    message.is_dense = True
+
+
+def sonar_points(sonar: Sonar, model: RobotModel) -> list[tuple[float, float]]:
+    """Return where each transducer's echo came from, in the robot's frame [m].
+
+    Without an echo, and before the first one, it is as far away as echoes are heard from: clients
+    of RosAria read a point of each transducer, unchecked.
+    """
+    points = []
+    for number, mount in enumerate(model.sonars):
+        measured = sonar.ranges[number] if number < len(sonar.ranges) else nan
+        metres = measured if isfinite(measured) else SONAR_MAX
+        points.append((mount.x + metres * cos(mount.theta), mount.y + metres * sin(mount.theta)))
+    return points
+
+
+def _cloud2(
+    message: Any,
+    make: Callable[[str], Any],
+    points: Sequence[tuple[float, float]],
+    height: float = 0.0,
+) -> None:
+    """One row of points, three 32-bit floats each."""
+    message.fields = []
+    for offset, name in ((0, "x"), (4, "y"), (8, "z")):
+        field = make("sensor_msgs/PointField")
+        field.name, field.offset, field.datatype, field.count = name, offset, FLOAT32, 1
+        message.fields.append(field)
+    message.height, message.width = 1, len(points)
+    message.is_bigendian = False
+    message.point_step, message.row_step = 12, 12 * len(points)
+    message.data = b"".join(struct.pack("<3f", x, y, height) for x, y in points)
+
+
+def range_of(number: int) -> Callable[[Any, StateUpdate], None]:
+    """Return the function that fills a sensor_msgs/Range of one transducer, along its frame's x."""
+
+    def fill(message: Any, update: StateUpdate) -> None:
+        beam = update.options.beam
+        fill_header(message, update.stamp, update.frames.transducer(number))
+        message.radiation_type = ULTRASOUND
+        message.field_of_view = beam.field_of_view
+        message.min_range, message.max_range = beam.nearest, beam.farthest
+        message.range = bounded_range(update.snapshot.sonar.ranges[number], beam)
+
+    return fill
+
+
+def bounded_range(metres: float, beam: Beam) -> float:
+    """Return `metres`, `inf` without an echo, as a Range within its bounds [m]."""
+    if metres > beam.farthest:
+        return inf if beam.no_echo is NoEcho.INF else beam.farthest
+    if metres < beam.nearest:
+        return -inf if beam.no_echo is NoEcho.INF else beam.nearest
+    return metres
+
+
+def scan(message: Any, update: ScanUpdate) -> None:
+    """Fill a sensor_msgs/LaserScan; `inf` where nothing answered (REP 117)."""
+    sweep = update.scan
+    fill_header(message, update.stamp, update.frame)
+    count = len(sweep.angles)
+    message.angle_min, message.angle_max = sweep.angles[0], sweep.angles[-1]
+    span = message.angle_max - message.angle_min
+    message.angle_increment = span / (count - 1) if count > 1 else 0.0
+    message.time_increment, message.scan_time = 0.0, update.period  # simulators look all at once
+    message.range_min, message.range_max = 0.0, SCAN_MAX
+    message.ranges = list(sweep.ranges)
+    message.intensities = list(map(float, sweep.reflectances))
+
+
+def imu(message: Any, update: ImuUpdate) -> None:
+    """Fill a sensor_msgs/Imu: the rate of turning, and that there is nothing else."""
+    fill_header(message, update.stamp, update.frame)
+    message.orientation.w = 1.0
+    message.orientation_covariance = list(NOT_THERE)
+    message.linear_acceleration_covariance = list(NOT_THERE)
+    message.angular_velocity.z = update.gyro.rate
+    variances = [0.0] * 9
+    variances[::4] = UNMEASURED, UNMEASURED, GYRO_VARIANCE
+    message.angular_velocity_covariance = variances

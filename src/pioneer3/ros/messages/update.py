@@ -1,0 +1,144 @@
+"""The input of every conversion to ROS messages, and the options that shape the messages.
+
+Conversions fill messages and do not make them, because each middleware has its own classes with the
+same fields. They need no ROS. Distances [m] and angles [rad] are ROS's units too (REP 103).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import cos, sin
+from typing import Any, Final
+
+from pioneer3.geometry import Pose2
+from pioneer3.models import RobotModel
+from pioneer3.robot.assemble import SONAR_MAX
+from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.ros.description.tree import Frames, Tree
+from pioneer3.state import Scan, Snapshot
+
+UNMEASURED: Final = 1e6
+"""Variance of z, roll and pitch, which a robot on wheels does not measure."""
+DRIVING: Final = (1e-3, 1e-3, UNMEASURED, UNMEASURED, UNMEASURED, 0.03)
+"""Variances x, y, z [m^2], roll, pitch, yaw [rad^2] while the wheels turn."""
+STANDING: Final = (1e-9, 1e-9, UNMEASURED, UNMEASURED, UNMEASURED, 1e-9)
+"""The same while they stand still: nothing is added to the error there already is."""
+
+
+class NoEcho(StrEnum):
+    """The range in a sensor_msgs/Range without an echo."""
+
+    MAX_RANGE = "max_range"
+    INF = "inf"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beam:
+    """The beam of a sonar transducer.
+
+    Attributes:
+        field_of_view: Width of the cone [rad].
+        nearest: Shortest range it can tell [m].
+        farthest: Longest one [m].
+        no_echo: The range without an echo: ROS's range layers drop infinity, REP 117 wants it.
+    """
+
+    field_of_view: float = 0.5236
+    nearest: float = 0.15
+    farthest: float = SONAR_MAX
+    no_echo: NoEcho = NoEcho.MAX_RANGE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MessageOptions:
+    """The options of messages that ROS leaves open.
+
+    Attributes:
+        frames: Names of the frames, without the prefix.
+        prefix: Before every name of a frame, such as `robot1/`.
+        odometry_tf: Whether `/tf` has the robot's pose.
+        ranges: Whether each transducer has a topic.
+        cloud: Whether all echoes have one.
+        description: Whether the robot is described: `/tf_static` and `robot_description`.
+        wheels_tf: Whether `/tf` has the turning wheels; else `/tf_static` has them.
+        pose_variances: While the wheels turn; x, y, z [m^2], roll, pitch, yaw [rad^2].
+        twist_variances: The same of the velocities.
+        beam: Of the sonars.
+        sonar_height: Above the floor [m]; `None` for the model's.
+        wheel_joints: Names of joints: left before right, front before rear; none for the default.
+    """
+
+    frames: Frames = field(default_factory=Frames)
+    prefix: str = ""
+    odometry_tf: bool = True
+    ranges: bool = True
+    cloud: bool = True
+    description: bool = True
+    wheels_tf: bool = False
+    pose_variances: tuple[float, ...] = DRIVING
+    twist_variances: tuple[float, ...] = DRIVING
+    beam: Beam = field(default_factory=Beam)
+    sonar_height: float | None = None
+    wheel_joints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateUpdate:
+    """A new snapshot of the robot, and all that its conversion needs.
+
+    Attributes:
+        snapshot: Of the robot.
+        model: Of the robot.
+        tree: Of the frames on it, without the prefix.
+        frames: Names of frames, with the prefix.
+        options: Of messages.
+        turned: Angles of the left wheels and of the right ones [rad].
+        emergency: Whether the emergency stop is latched.
+        stamp: When the snapshot arrived, as the middleware writes times; so in all updates.
+        make: Returns an empty message of the type named, such as `geometry_msgs/Point32`.
+    """
+
+    snapshot: Snapshot
+    model: RobotModel
+    tree: Tree
+    frames: Frames
+    options: MessageOptions
+    turned: tuple[float, float] = (0.0, 0.0)
+    emergency: bool = False
+    stamp: Any
+    make: Callable[[str], Any]
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the emergency stop is latched, or the robot's own button pressed."""
+        return self.emergency or self.snapshot.motors.stop_button
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanUpdate:
+    """A new scan of the laser range finder; `period` is the time since the last one [s], or 0."""
+
+    scan: Scan
+    frame: str
+    stamp: Any
+    period: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImuUpdate:
+    """A new sample of the gyro."""
+
+    gyro: GyroReading
+    frame: str
+    stamp: Any
+
+
+def fill_header(message: Any, stamp: Any, frame: str) -> None:
+    """Fill the std_msgs/Header of a message."""
+    message.header.stamp, message.header.frame_id = stamp, frame
+
+
+def fill_pose(position: Any, orientation: Any, pose: Pose2) -> None:
+    """Fill a position and a quaternion, which are empty."""
+    position.x, position.y = pose.x, pose.y
+    orientation.z, orientation.w = sin(pose.theta / 2), cos(pose.theta / 2)

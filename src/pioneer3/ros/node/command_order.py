@@ -1,0 +1,156 @@
+"""Which commands count: of one publisher after a silence, of several in which order. Pure."""
+
+from collections import deque
+from math import inf, isfinite
+from statistics import median
+from typing import Final, NamedTuple
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.geometry import STILL, Twist2
+from pioneer3.stops import Stop, leads_away
+
+WAIT: Final = 0.005
+"""A zero to all robots waits this long [s] for the command to this one that goes with it."""
+LATE: Final = 0.02
+"""A zero to all robots that comes this soon [s] after such a command went before it."""
+FEWEST: Final = 3
+"""As many commands in a row make a stream."""
+SLOWEST: Final = 0.2
+"""A stream with a longer period [s] cannot be told from a person who presses a key again."""
+ROOM: Final = 1.5
+"""How much longer than its period the pause within a stream may be."""
+
+
+class Unpaired(NamedTuple):
+    """A command without its partner: its sender, and when it arrived [s]."""
+
+    sender: str
+    at: float
+
+
+class NewestCommand:
+    """Lets the last command to arrive decide, whatever topic it came on.
+
+    The lab's keys for several robots send a zero to all robots and at once the command to one of
+    them. Connections swap such pairs: 16 % of them with rospy, and then the robot stands. So:
+
+    1. A zero to all waits for :data:`WAIT`. A command that arrives in this time takes its place.
+    2. A command to this robot and a zero to all of the same sender belong together, in whatever
+       order they come, if the zero arrived less than `WAIT` before it or :data:`LATE` after it. The
+       zero is dropped then. Each has one such partner at most.
+    3. Any other command decides at once, unless a newer one has. A newer zero of anybody else is
+       never dropped.
+
+    Attributes:
+        deadline: When :meth:`due` must be called [s, as every `now`].
+    """
+
+    def __init__(self) -> None:
+        self.deadline = inf
+        self._newest = -inf
+        self._zero: Unpaired | None = None
+        self._alone: Unpaired | None = None
+
+    def take(self, twist: Twist2, now: float, *, sender: str, shared: bool) -> Twist2 | None:
+        """Return what to do now, or `None` for nothing, or nothing yet.
+
+        Args:
+            twist: The command.
+            now: When it arrived; a slow one may come after newer ones.
+            sender: Node that sent it.
+            shared: Whether it is to all robots.
+        """
+        command = Unpaired(sender, now)
+        if shared and twist.is_zero:
+            self._wait(command)
+            return None
+        partner = not shared and not twist.is_zero and _belong_together(self._zero, command)
+        if now < self._newest and not partner:
+            return None
+        self.deadline, self._newest, self._zero = inf, max(self._newest, now), None
+        self._alone = None if shared or twist.is_zero or partner else command
+        return twist
+
+    def due(self, now: float) -> Twist2 | None:
+        """Return the zero that has waited long enough, or `None`."""
+        if now < self.deadline:
+            return None
+        self.deadline, self._alone = inf, None
+        return STILL
+
+    def _wait(self, zero: Unpaired) -> None:
+        """Take a zero to all."""
+        if _belong_together(zero, self._alone):
+            self._alone = None
+        elif zero.at >= self._newest:
+            self._newest, self._zero = zero.at, zero
+            self.deadline = min(self.deadline, zero.at + WAIT)
+
+
+def _belong_together(zero: Unpaired | None, command: Unpaired | None) -> bool:
+    if zero is None or command is None or zero.sender != command.sender:
+        return False
+    return -WAIT < zero.at - command.at < LATE
+
+
+class CommandStream:
+    """The commands of one publisher, over one connection.
+
+    A publisher that was frozen, or cut off, goes on with its old stream. A person who presses a key
+    again looks the same for one command. So the first command after a silence waits for the next
+    one, a little longer than the stream's period: if one comes in this time, it is the old stream,
+    which is ignored until it has a zero or leads away.
+
+    Args:
+        name: Shown to people.
+        timeout: How long a command lasts [s]; `inf` until the next one.
+
+    Attributes:
+        name: The same.
+        deadline: When :meth:`due` must be called [s, as every `now`].
+    """
+
+    def __init__(self, name: str, timeout: float) -> None:
+        self.name = name
+        self.deadline = inf
+        self._timeout = timeout
+        self._hold = Hold(name, streams=isfinite(timeout))
+        self._pauses: deque[float] = deque(maxlen=5)
+        self._twist = STILL
+        self._at = -inf
+
+    @property
+    def waits(self) -> bool:
+        """Whether the last command waits to be told from an old stream."""
+        return isfinite(self.deadline)
+
+    def take(self, twist: Twist2, now: float, last: Stop) -> str | None:
+        """Take a command; return why it is ignored after the stop `last`, or `None`."""
+        came_back, pause = self._hold.fell_silent(now), now - self._at
+        leaves = twist.is_zero or leads_away(twist, self._twist)
+        self._twist, self._at = twist, now
+        if came_back and not self.waits and not leaves:
+            if self._is_stream():
+                self.deadline = now + ROOM * median(self._pauses)
+                return None
+            self._hold.release()
+        self.deadline = inf
+        if pause < self._timeout and not twist.is_zero:
+            self._pauses.append(pause)
+        else:
+            self._pauses.clear()
+        self._hold.set(twist, now, self._timeout, last)
+        return self._hold.ignored(last)
+
+    def due(self, now: float, last: Stop) -> Twist2 | None:
+        """Return the command that has turned out to be a new one, if any."""
+        if now < self.deadline:
+            return None
+        self.deadline = inf
+        self._pauses.clear()
+        self._hold.release()
+        self._hold.set(self._twist, now, self._timeout, last)
+        return self._twist
+
+    def _is_stream(self) -> bool:
+        return len(self._pauses) >= FEWEST - 1 and median(self._pauses) <= SLOWEST

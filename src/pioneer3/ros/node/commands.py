@@ -1,0 +1,179 @@
+"""Commands from topics to the robot; threads of the middleware hand them over to the loop."""
+
+import asyncio
+import threading
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import partial
+from math import inf, isfinite
+from typing import Any, Final, NamedTuple
+
+from pioneer3.behaviors.actions import Hold
+from pioneer3.errors import CommandError
+from pioneer3.geometry import Twist2
+from pioneer3.ros.node.command_order import CommandStream, NewestCommand
+from pioneer3.ros.node.middleware import Middleware, Sender
+from pioneer3.ros.node.names import CommandName
+from pioneer3.ros.node.topics import COMMANDS
+from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.runtime.robot import Robot
+from pioneer3.stops import Stop
+
+QUEUE: Final = 10
+"""Messages that wait in a connection: to drop one would part a zero from its command."""
+PENDING: Final = 100
+"""Commands that wait for the loop."""
+REMEMBERED: Final = 64
+"""Publishers that are remembered."""
+
+
+class Received(NamedTuple):
+    """A message: whether it is to all robots, its sender, when it came [s]."""
+
+    message: Any
+    shared: bool
+    sender: Sender
+    at: float
+
+
+class Commands:
+    """Drives `robot` by the messages on its command topics.
+
+    Args:
+        robot: Connected.
+        timeout: How long a message lasts [s]; `inf` until the next one.
+        warn: Given a sentence when a message is refused.
+    """
+
+    def __init__(self, robot: Robot, timeout: float, warn: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._timeout = timeout
+        self._warn = warn
+        self._hold = Hold("cmd_vel")
+        self._newest = NewestCommand()
+        self._streams: OrderedDict[int, tuple[Sender, CommandStream]] = OrderedDict()
+        self._refusal: str | None = None
+        self._told: str | None = None
+        self._pending: deque[Received] = deque(maxlen=PENDING)
+        self._lock = threading.Lock()
+        self._loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+        self._expiry: asyncio.TimerHandle | None = None
+        self._expired_of: deque[str] = deque(maxlen=REMEMBERED)
+
+    def subscribe(self, topics: Iterable[CommandName], middleware: Middleware) -> None:
+        """Subscribe to `topics`, in a thread."""
+        known = set()
+        for topic in topics:
+            name = middleware.resolve(topic.name)
+            if name not in known:
+                known.add(name)
+                receive = partial(self.receive, topic.shared)
+                middleware.subscribe(name, COMMANDS.type_name, receive, queue=QUEUE)
+
+    def begin(self) -> None:
+        """Take part in driving."""
+        self._robot.arbiter.add(self._hold, PROGRAM)
+
+    def end(self) -> None:
+        """Drive no more."""
+        for timer in (self._timer, self._expiry):
+            if timer is not None:
+                timer.cancel()
+        self._robot.arbiter.remove(self._hold)
+
+    def receive(self, shared: bool, message: Any, sender: Sender) -> None:
+        """Take a message, in any thread; those that come together wake the loop once."""
+        with self._lock:
+            waiting = bool(self._pending)
+            self._pending.append(Received(message, shared, sender, self._loop.time()))
+        if not waiting:
+            with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+                self._loop.call_soon_threadsafe(self._drive)
+
+    def _drive(self) -> None:
+        with self._lock:
+            received = list(self._pending)
+            self._pending.clear()
+        self._refusal, now = None, self._loop.time()
+        decided: list[tuple[str, Twist2 | None]] = []
+        for each in received:
+            decided.append(("", self._newest.due(each.at)))
+            decided.append((each.sender.node, self._understand(each)))
+        decided.append(("", self._newest.due(now)))
+        for _, stream in self._streams.values():
+            decided.append((stream.name, stream.due(now, self._last_stop)))
+        wanted = [(name, twist) for name, twist in decided if twist is not None][-1:]
+        for name, twist in wanted:
+            self._hold.release()  # its stream has decided that this counts
+            self._refusal = self._robot.arbiter.hold(self._hold, twist, self._timeout)
+            self._expect_more(name, twist)
+        if received:
+            self._tell()
+        self._wait()
+
+    @property
+    def _last_stop(self) -> Stop:
+        return self._robot.arbiter.last_stop
+
+    def _understand(self, received: Received) -> Twist2 | None:
+        """Return the motion that one message asks for, or `None` for none yet."""
+        assert COMMANDS.parse is not None
+        sender, at = received.sender, received.at
+        try:
+            twist = COMMANDS.parse(received.message)
+        except CommandError as error:
+            self._refusal = str(error)
+            return None
+        stream = self._stream(sender)
+        self._refusal = stream.take(twist, at, self._last_stop)
+        if self._refusal is not None or stream.waits:
+            return None
+        return self._newest.take(twist, at, sender=sender.node, shared=received.shared)
+
+    def _stream(self, sender: Sender) -> CommandStream:
+        """Return the stream of the publisher at the other end of a connection."""
+        key = id(sender.connection)
+        if key not in self._streams:  # with the sender, so that no other object gets this id
+            self._streams[key] = (sender, CommandStream(sender.node, self._timeout))
+        self._streams.move_to_end(key)
+        while len(self._streams) > REMEMBERED:
+            self._streams.popitem(last=False)
+        return self._streams[key][1]
+
+    def _wait(self) -> None:
+        """Look again when a command that waits is due."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        deadlines = (stream.deadline for _, stream in self._streams.values())
+        deadline = min(self._newest.deadline, *deadlines, inf)
+        if isfinite(deadline):
+            self._timer = self._loop.call_at(deadline, self._drive)
+
+    def _expect_more(self, sender: str, twist: Twist2) -> None:
+        """Look whether `sender` has fallen silent when its command expires."""
+        if self._expiry is not None:
+            self._expiry.cancel()
+            self._expiry = None
+        if isfinite(self._timeout) and not twist.is_zero:
+            self._expiry = self._loop.call_later(self._timeout, self._expired, sender)
+
+    def _expired(self, sender: str) -> None:
+        """Say why the robot stops, once for each sender; another stop has its own reason."""
+        stopped = self._hold.ignored(self._last_stop) is not None
+        if stopped or self._robot.snapshot is None or sender in self._expired_of:
+            return
+        self._expired_of.append(sender)
+        self._warn(
+            f"cmd_vel of {sender} has expired: nothing came for {self._timeout:g} s, so the robot"
+            " stops. A program that sends more rarely needs a longer ~cmd_vel_timeout, such as"
+            " _cmd_vel_timeout:=1.5; with 0, which is unsafe, its last command lasts for ever"
+        )
+
+    def _tell(self) -> None:
+        """Say why commands are ignored, once."""
+        if self._refusal is not None and self._refusal != self._told:
+            self._warn(f"cmd_vel is ignored: {self._refusal} (a zero lets go)")
+        self._told = self._refusal

@@ -1,0 +1,261 @@
+"""RosAria's nine parameters of driving, which may change at run time, within their bounds."""
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Final
+
+from pioneer3.arcos import commands
+from pioneer3.arcos.commands import Command
+from pioneer3.arcos.reports import Config
+from pioneer3.errors import ConfigError
+from pioneer3.limits import Limits
+from pioneer3.units import DEGREE, MM
+
+Values = Mapping[str, float]
+"""Value of each parameter, by name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivingParameter:
+    """One parameter: a number.
+
+    Attributes:
+        name: In RosAria.
+        standard: Name of the parameter in today's packages, where there is one.
+        low: Least value.
+        high: Greatest value.
+        default: As RosAria has it; for whole numbers it leaves the robot as it is.
+        whole: Whether it is a whole number.
+    """
+
+    name: str
+    standard: str | None = None
+    low: float
+    high: float
+    default: float
+    whole: bool = False
+    description: str
+
+    def bounded(self, value: object) -> float:
+        """Return `value` within the bounds, whole if need be.
+
+        Raises:
+            ConfigError: it is not a finite number.
+        """
+        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            raise ConfigError(f"~{self.name} must be a number, not {value!r}")
+        inside = min(max(value, self.low), self.high)
+        return round(inside) if self.whole else float(inside)
+
+
+PARAMETERS: Final = (
+    DrivingParameter(
+        name="trans_accel",
+        standard="max_linear_acceleration",
+        low=0.0,
+        high=9.999,
+        default=0.3,
+        description="Acceleration [m/s^2]; 0 is the robot's own",
+    ),
+    DrivingParameter(
+        name="trans_decel",
+        standard="max_linear_deceleration",
+        low=0.0,
+        high=9.999,
+        default=0.3,
+        description="Deceleration [m/s^2]; 0 is the robot's own",
+    ),
+    DrivingParameter(
+        name="lat_accel",
+        low=0.0,
+        high=0.0001,
+        default=0.0,
+        description="No Pioneer drives sideways",
+    ),
+    DrivingParameter(
+        name="lat_decel",
+        low=0.0,
+        high=0.0001,
+        default=0.0,
+        description="No Pioneer drives sideways",
+    ),
+    DrivingParameter(
+        name="rot_accel",
+        standard="max_angular_acceleration",
+        low=0.0,
+        high=174.5,
+        default=1.745,
+        description="Acceleration of turning [rad/s^2]; 0 is the robot's own",
+    ),
+    DrivingParameter(
+        name="rot_decel",
+        standard="max_angular_deceleration",
+        low=0.0,
+        high=174.5,
+        default=1.745,
+        description="Deceleration of turning [rad/s^2]; 0 is the robot's own",
+    ),
+    DrivingParameter(
+        name="TicksMM",
+        standard="ticks_mm",
+        low=0,
+        high=200,
+        default=0,
+        whole=True,
+        description="Encoder ticks per mm; 0 is the robot's own",
+    ),
+    DrivingParameter(
+        name="DriftFactor",
+        standard="drift_factor",
+        low=-99999,
+        high=32767,
+        default=-99999,
+        whole=True,
+        description="Correction of the left encoder [1/8192]; -99999 is the robot's own",
+    ),
+    DrivingParameter(
+        name="RevCount",
+        standard="rev_count",
+        low=0,
+        high=65535,
+        default=0,
+        whole=True,
+        description="Encoder ticks of half a turn; 0 is the robot's own",
+    ),
+)
+NAMES: Final = tuple(name for each in PARAMETERS for name in (each.name, each.standard) if name)
+"""All their names."""
+ACCELERATIONS: Final = {
+    "trans_accel": "acceleration",
+    "trans_decel": "deceleration",
+    "rot_accel": "turn_acceleration",
+    "rot_decel": "turn_deceleration",
+}
+"""The limit of the driver that each one sets."""
+BRAKES: Final = {"trans_decel": 0.3, "rot_decel": 1.745}
+"""Least decelerations, which every stop needs: those of firmware as it is delivered."""
+LEAST_DRIFT: Final = -32768
+"""Least value that the command can carry; all below means the robot's own."""
+
+
+def parameters_of(limits: Limits, config: Config | None) -> tuple[DrivingParameter, ...]:
+    """Return the parameters for a robot: nothing beyond the accelerations that it can do.
+
+    The highest accelerations are those of its CONFIG; where that is missing, those in use.
+    """
+    own = own_values(limits)
+    speed = (config.accel_top_mm_s2 or 0) * MM if config else 0.0
+    turn = (config.rotation_accel_top_deg_s2 or 0) * DEGREE if config else 0.0
+    tops = {
+        "trans_accel": speed or max(own["trans_accel"], own["trans_decel"]),
+        "rot_accel": turn or max(own["rot_accel"], own["rot_decel"]),
+    }
+    tops |= {"trans_decel": tops["trans_accel"], "rot_decel": tops["rot_accel"]}
+    return tuple(
+        replace(each, high=top, default=min(each.default, top))
+        if (top := tops.get(each.name)) is not None
+        else each
+        for each in PARAMETERS
+    )
+
+
+def by_name(raw: Mapping[str, object]) -> dict[str, object]:
+    """Return the values in `raw`, which may have either name, by RosAria's names."""
+    found = {}
+    for each in PARAMETERS:
+        for name in (each.standard, each.name):
+            if name is not None and name in raw:
+                found[each.name] = raw[name]
+    return found
+
+
+def own_values(limits: Limits) -> dict[str, float]:
+    """Return the values before anybody has set one."""
+    known = {name: getattr(limits, field) for name, field in ACCELERATIONS.items()}
+    return {each.name: known.get(each.name, each.default) for each in PARAMETERS}
+
+
+def within_bounds(
+    wanted: Mapping[str, object],
+    limits: Limits,
+    parameters: Sequence[DrivingParameter] = PARAMETERS,
+) -> dict[str, float]:
+    """Return `wanted` within the bounds of `parameters`; where it says 0, the robot's own `limits`.
+
+    Raises:
+        ConfigError: something is not a finite number.
+    """
+    own = own_values(limits)
+    inside = {each.name: each.bounded(wanted.get(each.name, 0)) for each in parameters}
+    inside["lat_accel"] = inside["lat_decel"] = 0.0
+    for name in ACCELERATIONS:
+        least = min(BRAKES.get(name, 0.0), own[name])
+        inside[name] = max(inside[name], least) if inside[name] else own[name]
+    return inside
+
+
+def changed(limits: Limits, values: Values) -> Limits:
+    """Return `limits` with the accelerations of `values`."""
+    return replace(limits, **{field: values[name] for name, field in ACCELERATIONS.items()})
+
+
+def to_send(values: Values) -> list[Command]:
+    """Return the commands that tell the robot of its wheels; none for what is its own."""
+    sent: list[Command] = []
+    if values["TicksMM"] > 0:
+        sent.append(commands.TicksMM(ticks_per_mm=int(values["TicksMM"])))
+    if values["DriftFactor"] >= LEAST_DRIFT:
+        sent.append(commands.DriftFactor(correction=int(values["DriftFactor"])))
+    if values["RevCount"] > 0:
+        sent.append(commands.RevCount(ticks=int(values["RevCount"])))
+    return sent
+
+
+class DrivingParameters:
+    """The values of the parameters of one robot.
+
+    Args:
+        limits: The robot's own.
+        config: The robot's report of itself, if it has sent one.
+        raw: Parameters that somebody has written below the node's name.
+        apply: Given all values whenever one has been set; by the thread that set it.
+
+    Attributes:
+        parameters: With the bounds of this robot.
+        before: The values that were written before the node began, by name.
+        wanted: Those to begin with, once somebody calls :meth:`set`.
+        values: In force.
+
+    Raises:
+        ConfigError: one in `raw` is not a number.
+    """
+
+    def __init__(
+        self,
+        limits: Limits,
+        config: Config | None,
+        raw: Mapping[str, object],
+        apply: Callable[[Values], None],
+    ) -> None:
+        self.parameters = parameters_of(limits, config)
+        self.before = {each.name: raw[each.name] for each in PARAMETERS if each.name in raw}
+        self.values = own_values(limits)
+        self.wanted = within_bounds({**self.values, **by_name(raw)}, limits, self.parameters)
+        self._limits = limits
+        self._apply = apply
+        self._lock = threading.Lock()
+
+    def set(self, wanted: Mapping[str, object]) -> dict[str, float]:
+        """Take new values; return those in force now.
+
+        Raises:
+            ConfigError: something is not a finite number; nothing changes.
+        """
+        with self._lock:
+            values = within_bounds(wanted, self._limits, self.parameters)
+            if values != self.values:
+                self.values = values
+                self._apply(values)
+            return values

@@ -1,0 +1,102 @@
+"""The part of a ROS middleware that nodes and clients need; `ros1` has it for rospy.
+
+Calls that set something up or take it away talk to others and may take their time: they are made in
+a thread, never in the event loop.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Protocol
+
+from pioneer3.ros.node.driving_parameters import DrivingParameters
+
+QUEUE: Final = 10
+"""Messages that wait for a slow subscriber."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sender:
+    """The publisher of a message.
+
+    Attributes:
+        node: Its node.
+        connection: The same object for all messages over one connection.
+    """
+
+    node: str
+    connection: object
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """Response of a service: whether it did its work, and a sentence for a person."""
+
+    success: bool
+    message: str
+
+
+class Publisher(Protocol):
+    """A publisher on one topic; a slow subscriber never holds it up."""
+
+    @property
+    def subscribed(self) -> bool:
+        """Whether anybody subscribes."""
+
+    def publish(self, message: Any) -> None:
+        """Send a message, or the content of one that has a single field."""
+
+
+class Subscription(Protocol):
+    """A subscription to one topic."""
+
+    def unregister(self) -> None:
+        """Receive no more."""
+
+
+class Topics(Protocol):
+    """Publishing and subscribing."""
+
+    def make(self, type_name: str) -> Any:
+        """Return an empty message of a type such as `nav_msgs/Odometry`."""
+
+    def resolve(self, name: str) -> str:
+        """Return the full name of a topic after remapping."""
+
+    def advertise(
+        self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
+    ) -> Publisher:
+        """Return a publisher; of `queue` messages that wait for a subscriber the newest stay."""
+
+    def subscribe(
+        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+    ) -> Subscription:
+        """Call `receive` with each message, in any thread; of `queue` that wait the newest stay."""
+
+
+class Middleware(Topics, Protocol):
+    """All that a node needs."""
+
+    @property
+    def name(self) -> str:
+        """Full name of the node."""
+
+    def stamp(self, age: float) -> Any:
+        """Return the ROS time of the moment `age` seconds ago."""
+
+    def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
+        """Offer a service; `handle` is called with requests, in any thread."""
+
+    def describe(self, urdf: str) -> None:
+        """Publish the description of the robot."""
+
+    def reconfigure(self, parameters: DrivingParameters) -> None:
+        """Let people see and set parameters while the node runs."""
+
+    def forget(self) -> None:
+        """Take back the description and the parameters: the node ends."""
+
+    def on_shutdown(self, call: Callable[[], None]) -> None:
+        """Call `call`, in any thread, when somebody shuts the node down."""
+
+    def warn(self, sentence: str) -> None:
+        """Log a warning."""

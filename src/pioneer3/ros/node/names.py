@@ -1,0 +1,68 @@
+"""The names in both profiles, and the names that the lab's ROS programs have built in."""
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from pioneer3.errors import ConfigError
+
+NODE: Final = "RosAria"
+ALL_ROBOTS: Final = f"/{NODE}/cmd_vel"
+"""Every robot of the lab listens to it."""
+SHAPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+NUMBERED: Final = re.compile(r"p3[a-z]+_(\d.*)")
+"""Such as p3at_1_113, which the lab's topics call p1_113."""
+
+
+class Profile(StrEnum):
+    """The names in use: those of RosAria, those of today's ROS packages, or both at once."""
+
+    COMPATIBILITY = "compatibility"
+    STANDARD = "standard"
+    BOTH = "both"
+
+    def choose(self, compatibility: str | None, standard: str | None) -> tuple[str, ...]:
+        """Return the names that count of one in RosAria and one of today, without repetition."""
+        by_profile = {
+            Profile.COMPATIBILITY: [compatibility],
+            Profile.STANDARD: [standard],
+            Profile.BOTH: [compatibility, standard],
+        }
+        return tuple(dict.fromkeys(name for name in by_profile[self] if name is not None))
+
+
+@dataclass(frozen=True, slots=True)
+class CommandName:
+    """Name of a topic of geometry_msgs/Twist.
+
+    Attributes:
+        name: `~` for below the node's own.
+        shared: Whether all robots listen to it.
+    """
+
+    name: str
+    shared: bool = False
+
+
+def checked_lab_name(value: object) -> str:
+    """Return the name of a robot in the lab, such as `p3at_1_113`.
+
+    Raises:
+        ConfigError: ROS cannot have a topic with that name.
+    """
+    if not isinstance(value, str) or not SHAPE.fullmatch(value):
+        raise ConfigError(f"~lab_name must be a name such as p3at_1_113, not {value!r}")
+    return value
+
+
+def lab_node(lab_name: str) -> str:
+    """Return the name of the robot's node: `RosAria_p3at_1_113`."""
+    return f"{NODE}_{checked_lab_name(lab_name)}"
+
+
+def lab_commands(lab_name: str) -> tuple[CommandName, CommandName]:
+    """Return the topics with commands for all robots, and for this one: `cmd_vel_p1_113`."""
+    numbered = NUMBERED.fullmatch(lab_name)
+    short = f"p{numbered[1]}" if numbered else lab_name
+    return CommandName(ALL_ROBOTS, shared=True), CommandName(f"{ALL_ROBOTS}_{short}")

@@ -1,0 +1,249 @@
+"""A robot as a ROS node, over any middleware; `ros1` runs it on rospy."""
+
+import asyncio
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from functools import partial
+from math import inf
+from typing import Final
+
+from pioneer3.arcos.commands import Command
+from pioneer3.errors import CommandError
+from pioneer3.models import RobotModel
+from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.robot.supervisor import Connection
+from pioneer3.ros.description.tree import Tree, tree_of
+from pioneer3.ros.description.urdf import describe
+from pioneer3.ros.messages.diagnostics import (
+    DiagnosticStatus,
+    DiagnosticsUpdate,
+    Health,
+    diagnose,
+    hardware_id,
+)
+from pioneer3.ros.messages.motion import WheelAngles
+from pioneer3.ros.messages.update import ImuUpdate, ScanUpdate, StateUpdate
+from pioneer3.ros.node.commands import Commands
+from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
+from pioneer3.ros.node.middleware import Middleware
+from pioneer3.ros.node.parameters import NodeParameters
+from pioneer3.ros.node.publishing import Publishing
+from pioneer3.ros.node.services import Services
+from pioneer3.ros.node.topics import SLOWLY, Topic, command_topics, published
+from pioneer3.runtime.robot import Robot
+from pioneer3.state import Bumpers, Scan, Snapshot
+from pioneer3.tasks import running
+
+LONGEST_PERIOD: Final = 1.0
+"""Scans that are farther apart [s] do not tell their period."""
+
+
+class RobotNode:
+    """Publishes the state of `robot` and drives it by `cmd_vel`.
+
+    Args:
+        robot: Connected.
+        parameters: Of the node.
+        middleware: Where the node has its name already.
+        raw: All parameters that are written below the node's name.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        parameters: NodeParameters,
+        middleware: Middleware,
+        raw: Mapping[str, object] | None = None,
+    ) -> None:
+        self._robot = robot
+        self._parameters = parameters
+        self._middleware = middleware
+        self._raw = dict(raw or {})
+        self._loop = asyncio.get_running_loop()
+        options, self._model = parameters.options, robot.info.model
+        self._frames = options.frames.with_prefix(options.prefix)
+        self._tree = self._tree_of(self._model)
+        self._wheels = WheelAngles()
+        self._sent: list[Command] = []
+        self._scanned_at = -inf
+        self._commands = Commands(robot, parameters.timeout, middleware.warn)
+        topics = published(self._model, options, parameters.profile)
+        self._publishing = Publishing(topics, parameters.profile, middleware)
+        self._services = Services(
+            robot,
+            sonar=parameters.sonar,
+            diagnose=self._diagnose,
+            moved=self._wheels.jumped,
+            warn=middleware.warn,
+        )
+        self._ended = asyncio.Event()
+
+    async def run(self, ready: Callable[[], None]) -> None:
+        """Serve until somebody shuts the node down, or until cancelled; then the robot stands.
+
+        `ready` is called when everything is advertised.
+        """
+        self._middleware.on_shutdown(lambda: self._hand_over(self._ended.set))
+        self._commands.begin()
+        await asyncio.to_thread(self._advertise)
+        self._services.session_began()
+        ready()
+        try:
+            async with running(
+                self._publish_state(),
+                self._publish_diagnostics(),
+                self._publishing.publish_device(
+                    ScanUpdate, self._robot.laser.values, self._scan_update
+                ),
+                self._publishing.publish_device(
+                    ImuUpdate, self._robot.devices.gyro.values, self._imu_update
+                ),
+                self._follow_link(),
+            ):
+                await self._ended.wait()
+        finally:
+            self._commands.end()
+            self._robot.stop()
+            await asyncio.to_thread(self._middleware.forget)
+
+    def describe_robot(self) -> None:
+        """Publish its description, in a thread: with bumpers and laser if the robot has them."""
+        options = self._parameters.options
+        if not options.description:
+            return
+        latest = self._robot.supervisor.snapshots.latest
+        touch = latest.bumpers if latest else Bumpers()
+        urdf = describe(
+            self._model,
+            self._tree,
+            options.frames,
+            bumpers=(len(touch.front), len(touch.rear)),
+            laser=bool(self._robot.laser.presence.there),
+        )
+        self._middleware.describe(urdf)
+
+    def _advertise(self) -> None:
+        """Tell the others, in a thread: that may take its time, and the robot must not wait."""
+        profile, info = self._parameters.profile, self._robot.info
+        self._publishing.advertise(self._is_available)
+        self._services.advertise(profile, self._middleware)
+        self.describe_robot()
+        topics = command_topics(profile, self._parameters.lab_name)
+        self._commands.subscribe(topics, self._middleware)
+        self._middleware.reconfigure(
+            DrivingParameters(info.limits, info.config, self._raw, self._reconfigured)
+        )
+
+    def _is_available(self, topic: Topic) -> bool:
+        """Return whether the robot has the device that a topic is published from."""
+        if topic.source is ScanUpdate:
+            return bool(self._robot.laser.presence.there)
+        if topic.source is ImuUpdate:
+            return bool(self._robot.devices.gyro.presence.there)
+        return True
+
+    async def _publish_state(self) -> None:
+        async for snapshot in self._robot.snapshots(patience=inf):
+            self._publishing.publish(self._state_update(snapshot))
+
+    def _state_update(self, snapshot: Snapshot) -> StateUpdate:
+        model = self._robot.info.model
+        if model is not self._model:
+            self._model, self._tree = model, self._tree_of(model)
+        return StateUpdate(
+            snapshot=snapshot,
+            model=model,
+            tree=self._tree,
+            frames=self._frames,
+            options=self._parameters.options,
+            turned=self._wheels.update(snapshot.odometry, model),
+            emergency=self._robot.supervisor.pilot.emergency,
+            stamp=self._stamp(snapshot.stamp),
+            make=self._middleware.make,
+        )
+
+    def _scan_update(self, scan: Scan) -> ScanUpdate:
+        pause, self._scanned_at = scan.stamp - self._scanned_at, scan.stamp
+        return ScanUpdate(
+            scan=scan,
+            frame=self._frames.laser,
+            stamp=self._stamp(scan.stamp),
+            period=pause if pause < LONGEST_PERIOD else 0.0,
+        )
+
+    def _imu_update(self, gyro: GyroReading) -> ImuUpdate:
+        return ImuUpdate(gyro=gyro, frame=self._frames.imu, stamp=self._stamp(gyro.stamp))
+
+    async def _publish_diagnostics(self) -> None:
+        """Publish also while the robot is lost."""
+        while True:
+            if self._publishing.has_subscribers(DiagnosticsUpdate):
+                update = DiagnosticsUpdate(
+                    found=self._diagnose(),
+                    node=self._middleware.name,
+                    hardware=hardware_id(self._robot.info),
+                    stamp=self._middleware.stamp(0.0),
+                    make=self._middleware.make,
+                )
+                self._publishing.publish(update)
+            await asyncio.sleep(SLOWLY)
+
+    def _diagnose(self) -> tuple[DiagnosticStatus, ...]:
+        """Return the state of each part of the robot now."""
+        robot, status = self._robot, self._robot.supervisor.status.latest
+        lost = status is not None and status.connection is not Connection.CONNECTED
+        return diagnose(
+            Health(
+                info=robot.info,
+                snapshot=robot.snapshot,
+                lost=status.message if status is not None and lost else "",
+                emergency=robot.supervisor.pilot.emergency,
+                driver=robot.arbiter.driver,
+                why_not_moving=robot.why_not_moving(),
+                refused=robot.supervisor.pilot.blocked,
+            )
+        )
+
+    async def _follow_link(self) -> None:
+        """Log losses of the link; latched messages must not outlive what they are about."""
+        logged, warn = None, self._middleware.warn
+        async for status in self._robot.supervisor.status.values():
+            if status.connection is Connection.LOST:
+                self._publishing.lose_robot()
+                if status != logged:
+                    warn(f"LOST THE ROBOT: {status.message}; nothing is published meanwhile")
+                logged = status
+            elif status.connection is Connection.CONNECTED:
+                warn(f"connected again: {status.message}")
+                self._send(self._sent)  # it may have been switched off and on
+                self._services.session_began()
+
+    def _reconfigured(self, values: Values) -> None:
+        """Take new values of the driving parameters, in any thread."""
+        self._hand_over(lambda: self._set(values))
+
+    def _set(self, values: Values) -> None:
+        """Drive by `values` from now on, and tell the robot those that are new to it."""
+        new = [command for command in to_send(values) if command not in self._sent]
+        self._sent = to_send(values)
+        self._robot.supervisor.change_limits(partial(changed, values=values))
+        self._send(new)
+
+    def _send(self, several: Iterable[Command]) -> None:
+        """Tell the robot; one that is away is told when it is back."""
+        with suppress(CommandError):
+            for command in several:
+                self._robot.send(command)
+
+    def _hand_over(self, function: Callable[[], object]) -> None:
+        """Let the loop call `function`."""
+        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+            self._loop.call_soon_threadsafe(function)
+
+    def _stamp(self, moment: float) -> object:
+        """Return the ROS time of `moment` [s, monotonic]."""
+        return self._middleware.stamp(self._loop.time() - moment)
+
+    def _tree_of(self, model: RobotModel) -> Tree:
+        options = self._parameters.options
+        return tree_of(model, options.frames, options.wheel_joints, options.sonar_height)

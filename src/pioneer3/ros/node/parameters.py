@@ -1,0 +1,279 @@
+"""The node's own parameters, as somebody has written them on the ROS parameter server."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from enum import StrEnum
+from math import inf, isfinite, pi
+from typing import Final, TypeGuard, TypeVar
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.description.tree import Frames
+from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
+from pioneer3.ros.node.names import Profile, checked_lab_name
+
+E = TypeVar("E", bound=StrEnum)
+RawParameters = Mapping[str, object]
+"""Parameters as somebody has written them below the node's name: anything may be there."""
+
+TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
+"""Silence of cmd_vel after which the robot stops [s]."""
+SHORTEST: Final = 0.1
+"""No publisher keeps pace with a shorter timeout [s]."""
+LONG: Final = 2.0
+"""With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
+FRAMES: Final = {
+    Profile.COMPATIBILITY: ("odom_frame", "base_link_frame"),
+    Profile.STANDARD: ("odom_frame_id", "base_frame_id"),
+    Profile.BOTH: ("odom_frame_id", "base_frame_id"),
+}
+"""Parameters for the names of the two frames."""
+LASER_FRAME: Final = {
+    Profile.COMPATIBILITY: "laser_frame",
+    Profile.STANDARD: "laser",
+    Profile.BOTH: "laser",
+}
+"""RosAria's name, and today's."""
+OTHERS: Final = (
+    "profile",
+    "port",
+    "baud",
+    "cmd_vel_timeout",
+    "lab_name",
+    "bumpers_frame",
+    "sonar_frame",
+    "laser_frame_id",
+    "frame_prefix",
+    "publish_tf",
+    "publish_description",
+    "pose_covariance_diagonal",
+    "twist_covariance_diagonal",
+    "use_sonar",
+    "sonar_publish_ranges",
+    "sonar_publish_cloud",
+    "sonar_frame_prefix",
+    "sonar_fov_rad",
+    "sonar_min_range_m",
+    "sonar_max_range_m",
+    "sonar_z_offset_m",
+    "sonar_no_echo",
+    "wheel_joint_names",
+    "auto_enable_motors",
+    "max_linear_velocity",
+    "max_angular_velocity",
+)
+MODEL: Final = "robot_model"
+SIMULATED: Final = "simulated"
+"""Parameters that the node writes itself while it runs: the robot's model, and whether it is a
+simulator."""
+IGNORED: Final = ("debug_aria", "aria_log_filename", "publish_aria_lasers")
+"""Parameters of RosAria that have no effect here."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeParameters:
+    """The parameters of a node, checked.
+
+    Attributes:
+        profile: Which names it uses.
+        port: URL of the robot; `None` to look for it.
+        baud: Serial speed to try first.
+        timeout: Silence of cmd_vel after which the robot stops [s]; `inf` for never.
+        lab_name: What the lab calls the robot, such as `p3at_1_113`; `None` elsewhere.
+        max_speed: Never to be exceeded [m/s], or `None` for the robot's own.
+        max_turn_rate: Never to be exceeded [rad/s], or `None` for the robot's own.
+        auto_enable: Whether a fresh command switches the motors on.
+        sonar: Whether the sonars ping.
+        options: Of messages.
+    """
+
+    profile: Profile = Profile.COMPATIBILITY
+    port: str | None = None
+    baud: int | None = None
+    timeout: float = TIMEOUT[Profile.COMPATIBILITY]
+    lab_name: str | None = None
+    max_speed: float | None = None
+    max_turn_rate: float | None = None
+    auto_enable: bool = True
+    sonar: bool = True
+    options: MessageOptions = field(
+        default_factory=lambda: MessageOptions(frames=Frames(laser="laser_frame"))
+    )
+
+
+def read_parameters(raw: RawParameters) -> NodeParameters:
+    """Return the parameters of a node.
+
+    Raises:
+        ConfigError: a value is of the wrong kind or out of range.
+    """
+    profile = choice(raw, "profile", Profile.COMPATIBILITY)
+    return NodeParameters(
+        profile=profile,
+        port=_port(raw.get("port")),
+        baud=_baud(raw.get("baud", 0)),
+        timeout=_timeout(raw.get("cmd_vel_timeout", TIMEOUT[profile])),
+        lab_name=checked_lab_name(raw["lab_name"]) if raw.get("lab_name") else None,
+        max_speed=_maximum(raw, "max_linear_velocity"),
+        max_turn_rate=_maximum(raw, "max_angular_velocity"),
+        auto_enable=flag(raw, "auto_enable_motors", default=True),
+        sonar=flag(raw, "use_sonar", default=True),
+        options=_options(raw, profile),
+    )
+
+
+def unused_parameters(
+    raw: Iterable[str], profile: Profile, others: Iterable[str] = ()
+) -> list[str]:
+    """Return a sentence for each parameter in `raw` that changes nothing.
+
+    `others` are known elsewhere.
+    """
+    known = {*OTHERS, MODEL, SIMULATED, *FRAMES[profile], *others}
+    sentences = []
+    for name in sorted(set(raw) - known):
+        if name in IGNORED:
+            sentences.append(f"parameter ~{name} of RosAria has no effect here")
+        else:
+            close = get_close_matches(name, known, 1)
+            hint = f"; did you mean ~{close[0]}?" if close else ""
+            sentences.append(f"parameter ~{name} is unknown{hint}")
+    return sentences
+
+
+def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
+    prefix = raw.get("frame_prefix", "")
+    if not isinstance(prefix, str):
+        raise ConfigError(f"~frame_prefix must be text such as robot1/, not {prefix!r}")
+    description = flag(raw, "publish_description", default=True)
+    beam = Beam(
+        field_of_view=number(raw, "sonar_fov_rad", Beam().field_of_view, 0.01, pi),
+        nearest=number(raw, "sonar_min_range_m", Beam().nearest, 0.0, Beam().farthest),
+        farthest=number(raw, "sonar_max_range_m", Beam().farthest, 0.1, Beam().farthest),
+        no_echo=choice(raw, "sonar_no_echo", NoEcho.MAX_RANGE),
+    )
+    if beam.nearest >= beam.farthest:
+        raise ConfigError("~sonar_min_range_m must be less than ~sonar_max_range_m")
+    high = raw.get("sonar_z_offset_m")
+    return MessageOptions(
+        frames=_frames(raw, profile),
+        prefix=prefix.lstrip("/"),
+        odometry_tf=flag(raw, "publish_tf", default=True),
+        ranges=flag(raw, "sonar_publish_ranges", default=True),
+        cloud=flag(raw, "sonar_publish_cloud", default=True),
+        description=description,
+        wheels_tf=description and profile is not Profile.COMPATIBILITY,
+        pose_variances=numbers(raw, "pose_covariance_diagonal", DRIVING),
+        twist_variances=numbers(raw, "twist_covariance_diagonal", DRIVING),
+        beam=beam,
+        sonar_height=None if high is None else number(raw, "sonar_z_offset_m", 0, -1, 3),
+        wheel_joints=words(raw, "wheel_joint_names"),
+    )
+
+
+def _frames(raw: RawParameters, profile: Profile) -> Frames:
+    odom, base_frame = FRAMES[profile]
+    default = Frames()
+    base = frame(raw, base_frame, default.base)
+    return Frames(
+        odom=frame(raw, odom, default.odom),
+        base=base,
+        bumpers=frame(
+            raw, "bumpers_frame", base if profile is Profile.STANDARD else default.bumpers
+        ),
+        sonar=frame(raw, "sonar_frame", default.sonar),
+        sonar_prefix=frame(raw, "sonar_frame_prefix", default.sonar_prefix),
+        laser=frame(raw, "laser_frame_id", LASER_FRAME[profile]),
+    )
+
+
+def _maximum(raw: RawParameters, name: str) -> float | None:
+    return number(raw, name, 0.0, 0.001, 10.0) if name in raw else None
+
+
+def _port(value: object) -> str | None:
+    """Return a URL; RosAria writes TCP as `host:8101`."""
+    if value is None or value in ("", "auto"):
+        return None
+    if not isinstance(value, str):
+        raise ConfigError(f"~port must be text such as /dev/ttyUSB0, not {value!r}")
+    return f"tcp://{value}" if re.fullmatch(r"[\w.-]+:\d+", value) else value
+
+
+def _baud(value: object) -> int | None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ConfigError(f"~baud must be a whole number, 0 for any, not {value!r}")
+    return value or None
+
+
+def _timeout(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ConfigError(f"~cmd_vel_timeout must be a number of seconds, not {value!r}")
+    if value != 0 and value < SHORTEST:
+        raise ConfigError(
+            f"~cmd_vel_timeout must be {SHORTEST:g} s or more, or 0 for never, not {value:g}"
+        )
+    return float(value) or inf
+
+
+def number(raw: RawParameters, name: str, default: float, low: float, high: float) -> float:
+    """Return a number between `low` and `high`.
+
+    Raises:
+        ConfigError: it is not a number, or out of range; so do all of these.
+    """
+    value = raw.get(name, default)
+    if not _is_number(value) or not low <= value <= high:
+        raise ConfigError(f"~{name} must be a number from {low:g} to {high:g}, not {value!r}")
+    return float(value)
+
+
+def numbers(raw: RawParameters, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+    """Return a list of positive numbers, as many as in `default`."""
+    value = raw.get(name, list(default))
+    several = value if isinstance(value, list) else []
+    good = [float(each) for each in several if _is_number(each) and each > 0]
+    if not len(default) == len(several) == len(good):
+        raise ConfigError(
+            f"~{name} must be a list of {len(default)} positive numbers, not {value!r}"
+        )
+    return tuple(good)
+
+
+def flag(raw: RawParameters, name: str, *, default: bool) -> bool:
+    """Return true or false."""
+    value = raw.get(name, default)
+    if not isinstance(value, bool):
+        raise ConfigError(f"~{name} must be true or false, not {value!r}")
+    return value
+
+
+def choice(raw: RawParameters, name: str, default: E) -> E:
+    """Return a member of the enumeration of `default`."""
+    value = raw.get(name, default)
+    kinds = type(default)
+    try:
+        return kinds(str(value))
+    except ValueError:
+        raise ConfigError(f"~{name} must be {' or '.join(kinds)}, not {value!r}") from None
+
+
+def words(raw: RawParameters, name: str) -> tuple[str, ...]:
+    """Return a list of words; none where there is no such parameter."""
+    value = raw.get(name, [])
+    if not isinstance(value, list) or not all(isinstance(each, str) and each for each in value):
+        raise ConfigError(f"~{name} must be a list of names, not {value!r}")
+    return tuple(value)
+
+
+def frame(raw: RawParameters, name: str, default: str) -> str:
+    """Return the name of a frame; tf2 has none with a leading slash."""
+    value = raw.get(name, default)
+    if not isinstance(value, str) or not value.strip("/"):
+        raise ConfigError(f"~{name} must be the name of a frame, not {value!r}")
+    return value.lstrip("/")
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return not isinstance(value, bool) and isinstance(value, int | float) and isfinite(value)

@@ -1,0 +1,126 @@
+"""Publishes the topics of the table: each one when it is due, and has subscribers."""
+
+import asyncio
+from collections.abc import AsyncGenerator, Callable, Sequence
+from contextlib import aclosing
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, Final, TypeVar
+
+from pioneer3.errors import DeviceError
+from pioneer3.ros.messages.update import StateUpdate
+from pioneer3.ros.node.middleware import Middleware, Publisher
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.topics import Topic, Update
+
+V = TypeVar("V")
+
+LOST: Final = object()
+"""Last content of a latched topic while there is no robot."""
+EARLY: Final = 0.05
+"""Snapshots come a little early or late: a topic that is due this soon [s] is due."""
+LOOK: Final = 0.2
+"""Pause between two looks whether a device has subscribers [s]."""
+PAUSE: Final = 0.5
+"""Pause after a device turned out to be missing [s]."""
+
+
+@dataclass(slots=True)
+class _Row:
+    """A topic, the publishers of its names, its last content, and when that was sent [s]."""
+
+    topic: Topic
+    publishers: list[Publisher] = field(default_factory=list)
+    content: object = None
+    at: float = -inf
+
+    @property
+    def subscribed(self) -> bool:
+        return any(each.subscribed for each in self.publishers)
+
+    def is_due(self, update: Update) -> bool:
+        """Return whether to publish now, and take note of it."""
+        topic = self.topic
+        if not (topic.latched or self.subscribed) or not topic.has_data(update):
+            return False
+        if topic.changes is None or not isinstance(update, StateUpdate):
+            self.content = None
+            return True
+        content, now = topic.changes(update), update.snapshot.stamp
+        waited = topic.period is not None and now - self.at >= topic.period - EARLY
+        if content == self.content and not waited:
+            return False
+        self.content, self.at = content, now
+        return True
+
+    def publish(self, message: Any) -> None:
+        for publisher in self.publishers:
+            publisher.publish(message)
+
+
+class Publishing:
+    """The publishers of `topics`, by their names in `profile`."""
+
+    def __init__(self, topics: Sequence[Topic], profile: Profile, middleware: Middleware) -> None:
+        self._rows = [_Row(topic) for topic in topics]
+        self._profile = profile
+        self._middleware = middleware
+
+    def advertise(self, available: Callable[[Topic], bool]) -> None:
+        """Advertise the topics that are `available`, in a thread."""
+        for row in self._rows:
+            topic = row.topic
+            if available(topic):
+                row.publishers = [
+                    self._middleware.advertise(name, topic.type_name, latched=topic.latched)
+                    for name in topic.names(self._profile)
+                ]
+
+    def publish(self, update: Update) -> None:
+        """Publish the topics of this kind of update that are due."""
+        for row in self._rows:
+            if isinstance(update, row.topic.source) and row.is_due(update):
+                assert row.topic.fill is not None
+                message = self._middleware.make(row.topic.type_name)
+                row.topic.fill(message, update)
+                row.publish(message)
+
+    def has_subscribers(self, source: type[Update]) -> bool:
+        """Return whether anybody subscribes to a topic of this kind of update."""
+        return any(row.subscribed for row in self._rows if row.topic.source is source)
+
+    def lose_robot(self) -> None:
+        """Publish on latched topics, once, that nothing is known: they must not outlive it."""
+        for row in self._rows:
+            topic = row.topic
+            if topic.latched and topic.when_lost is not None and row.content is not LOST:
+                row.content = LOST
+                row.publish(topic.when_lost)
+
+    async def publish_device(
+        self,
+        source: type[Update],
+        values: Callable[[], AsyncGenerator[V, None]],
+        update_of: Callable[[V], Update],
+    ) -> None:
+        """Read a device while its topic has subscribers; without that topic, do nothing.
+
+        Args:
+            source: Kind of update.
+            values: Yields readings of the device.
+            update_of: Makes an update of a reading.
+        """
+        while any(row.publishers for row in self._rows if row.topic.source is source):
+            if not self.has_subscribers(source):
+                await asyncio.sleep(LOOK)
+                continue
+            try:
+                async with aclosing(values()) as readings:
+                    async for reading in readings:
+                        if not self.has_subscribers(source):
+                            break
+                        self.publish(update_of(reading))
+                    else:
+                        return
+            except DeviceError:  # another robot is at the other end now
+                await asyncio.sleep(PAUSE)

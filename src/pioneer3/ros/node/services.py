@@ -1,0 +1,187 @@
+"""The table of services, and their work. Requests come in other threads and wait for the loop."""
+
+import asyncio
+from collections.abc import Callable, Sequence
+from concurrent.futures import TimeoutError as NoAnswerError
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final
+
+from pioneer3.arcos import commands
+from pioneer3.errors import CommandError
+from pioneer3.geometry import ORIGIN
+from pioneer3.ros.messages.diagnostics import DiagnosticLevel, DiagnosticStatus
+from pioneer3.ros.node.middleware import Middleware, Response
+from pioneer3.ros.node.names import Profile
+from pioneer3.runtime.robot import Robot
+
+PATIENCE: Final = 2.0
+"""Longest wait for the loop [s]."""
+EMPTY: Final = "std_srvs/Empty"
+TRIGGER: Final = "std_srvs/Trigger"
+SET_BOOL: Final = "std_srvs/SetBool"
+
+
+class Services:
+    """The services of `robot`.
+
+    Args:
+        robot: Connected.
+        sonar: Whether the sonars are to ping at first.
+        diagnose: Returns the state of each part of the robot.
+        moved: Called when odometry has been set.
+        warn: Given a sentence when something is refused that has no response.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        sonar: bool,
+        diagnose: Callable[[], Sequence[DiagnosticStatus]],
+        moved: Callable[[], None],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._robot = robot
+        self._sonar = sonar
+        self._diagnose = diagnose
+        self._moved = moved
+        self._warn = warn
+        self._auto_enable = robot.supervisor.pilot.auto_enable
+        self._loop = asyncio.get_running_loop()
+
+    def advertise(self, profile: Profile, middleware: Middleware) -> None:
+        """Offer the services of `profile`, in a thread."""
+        for service in SERVICES:
+            for name in service.names(profile):
+                middleware.serve(name, service.type_name, partial(self._serve, service))
+
+    def session_began(self) -> None:
+        """Switch the sonars off where the parameters say so: every session begins with them on."""
+        if not self._sonar:
+            self.switch_sonar(on=False)
+
+    def switch_motors(self, *, on: bool) -> Response:
+        """Stop, then switch; motors that were switched off stay so until somebody asks again."""
+        refused = self._robot.arbiter.set_motors(on=on)
+        if refused is None:
+            self._robot.supervisor.pilot.auto_enable = on and self._auto_enable
+        return Response(refused is None, refused or f"the motors go {'on' if on else 'off'}")
+
+    def switch_sonar(self, *, on: bool) -> Response:
+        """Switch the sonars on or off."""
+        self._sonar = on
+        try:
+            self._robot.send(commands.Sonar(on=on))
+        except CommandError as error:
+            return Response(False, str(error))
+        return Response(True, f"the sonars go {'on' if on else 'off'}")
+
+    def emergency_stop(self) -> Response:
+        """Stop as hard as possible, motors off, latched."""
+        self._robot.emergency_stop()
+        return Response(True, "stopped; e_stop_reset releases it")
+
+    def reset_emergency_stop(self) -> Response:
+        """Release the latch; the motors stay off."""
+        self._robot.reset_emergency_stop()
+        snapshot = self._robot.snapshot
+        if snapshot is not None and snapshot.motors.stop_button:
+            return Response(False, "the stop button on the robot is pressed: pull it out")
+        return Response(True, "released; the motors stay off until the next command")
+
+    def reset_odometry(self) -> Response:
+        """Stop, and call the present place 0, 0, 0; the robot itself is told nothing."""
+        self._robot.stop()
+        self._robot.supervisor.assembler.odometer.restart(ORIGIN)
+        self._moved()
+        return Response(True, "this place is 0, 0, 0 now")
+
+    def self_test(self) -> Response:
+        """Return the faults of the robot in a sentence."""
+        wrong = [each for each in self._diagnose() if each.level is not DiagnosticLevel.OK]
+        broken = any(each.level is not DiagnosticLevel.WARN for each in wrong)
+        return Response(not broken, "; ".join(str(each) for each in wrong) or "all is well")
+
+    def _serve(self, service: "Service", request: Any) -> Response:
+        """Let the loop act; return what came of it. In a thread of the middleware."""
+
+        async def acting() -> Response:
+            return service.act(self, request)
+
+        try:
+            response = asyncio.run_coroutine_threadsafe(acting(), self._loop).result(PATIENCE)
+        except (RuntimeError, NoAnswerError, asyncio.CancelledError):
+            response = Response(False, "the node is ending")
+        if service.type_name == EMPTY and not response.success:
+            self._warn(f"{service.standard} is refused: {response.message}")
+        return response
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Service:
+    """One row of the table.
+
+    Attributes:
+        compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
+        standard: Name in the other profiles.
+        type_name: Type of the service.
+        act: Does the work in the loop, given the request.
+        note: For the docs.
+    """
+
+    compatibility: str | None = None
+    standard: str
+    type_name: str
+    act: Callable[[Services, Any], Response]
+    note: str = ""
+
+    def names(self, profile: Profile) -> tuple[str, ...]:
+        """Return its names in `profile`."""
+        return profile.choose(self.compatibility, self.standard)
+
+
+SERVICES: Final = (
+    Service(
+        compatibility="~enable_motors",
+        standard="enable_motors",
+        type_name=EMPTY,
+        act=lambda services, _: services.switch_motors(on=True),
+    ),
+    Service(
+        compatibility="~disable_motors",
+        standard="disable_motors",
+        type_name=EMPTY,
+        act=lambda services, _: services.switch_motors(on=False),
+        note="the robot stops first",
+    ),
+    Service(
+        standard="e_stop_trigger",
+        type_name=TRIGGER,
+        act=lambda services, _: services.emergency_stop(),
+        note="latched",
+    ),
+    Service(
+        standard="e_stop_reset",
+        type_name=TRIGGER,
+        act=lambda services, _: services.reset_emergency_stop(),
+        note="the motors stay off until the next command",
+    ),
+    Service(
+        standard="reset_odometry",
+        type_name=TRIGGER,
+        act=lambda services, _: services.reset_odometry(),
+        note="stops; this place is 0, 0, 0. The robot's own counters go on",
+    ),
+    Service(
+        standard="sonar/enable",
+        type_name=SET_BOOL,
+        act=lambda services, request: services.switch_sonar(on=bool(request.data)),
+    ),
+    Service(
+        standard="self_test",
+        type_name=TRIGGER,
+        act=lambda services, _: services.self_test(),
+        note="the faults in `/diagnostics`, in a sentence",
+    ),
+)

@@ -1,0 +1,212 @@
+"""The middleware of ROS 1: topics, services, parameters and time, by rospy's public functions."""
+
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.description.urdf import MAKER
+from pioneer3.ros.node.driving_parameters import DrivingParameters
+from pioneer3.ros.node.middleware import QUEUE, Response, Sender
+from pioneer3.ros.ros1.reconfigure import Reconfigure
+
+DESCRIPTION: Final = "robot_description"
+"""The parameter in which rviz looks for the robot's description."""
+PLACES: Final = (
+    Path("/usr/lib/python3/dist-packages"),
+    Path("/opt/ros/noetic/lib/python3/dist-packages"),
+)
+"""Debian's own packages, and Ubuntu's ROS Noetic."""
+PACKAGES: Final = (
+    "python3-roslaunch python3-rospy rosout python3-rostopic python3-rosservice python3-rosparam"
+    " python3-rosnode python3-rosmsg rosbash python3-rosbag python3-dynamic-reconfigure"
+    " python3-nav-msgs python3-sensor-msgs python3-geometry-msgs python3-std-srvs python3-tf2-msgs"
+    " python3-diagnostic-msgs ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs"
+    " ros-std-srvs ros-tf2-msgs ros-diagnostic-msgs"
+)
+"""What the node and ROS's own command-line tools need of Debian 12."""
+BUMPER_TYPE: Final = "rosaria/BumperState"
+BUMPER_STATE: Final = """Header header
+bool[] front_bumpers
+bool[] rear_bumpers
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+"""
+"""Of RosAria's own message, md5sum f81947761ff7e166a3bbaf937b9869b5: no package need bring it."""
+
+
+def find_rospy(places: Sequence[Path] = PLACES) -> None:
+    """Make `import rospy` work, from one of `places` if need be.
+
+    The place comes last in the search path: where both have a package, ours is taken.
+
+    Raises:
+        ConfigError: ROS 1 is not installed; the message has the command that installs it.
+    """
+    if find_spec("rospy") is not None:
+        return
+    for place in places:
+        if (place / "rospy").is_dir():
+            sys.path.append(str(place))
+            return
+    raise ConfigError(
+        "ROS 1 is not installed on this computer; on Debian 12 run:\n"
+        f"sudo apt-get update && sudo apt-get install -y --no-install-recommends {PACKAGES}"
+    )
+
+
+@cache
+def message_class(type_name: str) -> Any:
+    """Return the class of a message type such as `nav_msgs/Odometry`."""
+    if type_name == BUMPER_TYPE:
+        from genpy.dynamic import generate_dynamic  # noqa: PLC0415
+
+        return generate_dynamic(type_name, BUMPER_STATE)[type_name]
+    package, name = type_name.split("/")
+    return getattr(import_module(f"{package}.msg"), name)
+
+
+class Publisher:
+    """A `rospy.Publisher`.
+
+    With a bounded queue, rospy gives each connection a thread, and drops the oldest message where
+    one is full: no subscriber holds up another. Without a bound it would block the publisher.
+    """
+
+    def __init__(self, name: str, type_name: str, *, latched: bool, queue: int) -> None:
+        import rospy  # noqa: PLC0415
+
+        self._publisher = rospy.Publisher(
+            name,
+            message_class(type_name),
+            queue_size=queue,
+            latch=latched,
+            tcp_nodelay=True,
+        )
+
+    @property
+    def subscribed(self) -> bool:
+        """Whether anybody subscribes."""
+        return bool(self._publisher.get_num_connections())
+
+    def publish(self, message: Any) -> None:
+        """Send a message."""
+        self._publisher.publish(message)
+
+
+class RospyTopics:
+    """Publishing and subscribing; :func:`find_rospy` comes first."""
+
+    def make(self, type_name: str) -> Any:
+        """Return an empty message."""
+        return message_class(type_name)()
+
+    def resolve(self, name: str) -> str:
+        """Return the full name of a topic after remapping."""
+        import rospy  # noqa: PLC0415
+
+        return str(rospy.resolve_name(name))
+
+    def advertise(
+        self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
+    ) -> Publisher:
+        """Return a publisher."""
+        return Publisher(name, type_name, latched=latched, queue=queue)
+
+    def subscribe(
+        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+    ) -> Any:
+        """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
+        import rospy  # noqa: PLC0415
+
+        def received(message: Any) -> None:
+            header = message._connection_header
+            receive(message, Sender(header.get("callerid", ""), header))
+
+        return rospy.Subscriber(
+            name, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
+        )
+
+
+class RospyMiddleware(RospyTopics):
+    """All that a node needs; `rospy.init_node` comes first."""
+
+    def __init__(self) -> None:
+        self._described: str | None = None
+        self._reconfigure: Reconfigure | None = None
+
+    @property
+    def name(self) -> str:
+        """Full name of the node."""
+        import rospy  # noqa: PLC0415
+
+        return str(rospy.get_name())
+
+    def stamp(self, age: float) -> Any:
+        """Return the ROS time of the moment `age` seconds ago."""
+        import rospy  # noqa: PLC0415
+
+        return rospy.Time.from_sec(max(0.0, rospy.get_rostime().to_sec() - age))
+
+    def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
+        """Offer a service of the package `std_srvs`."""
+        import rospy  # noqa: PLC0415
+        from std_srvs import srv  # noqa: PLC0415
+
+        kind = type_name.removeprefix("std_srvs/")
+
+        def handled(request: Any) -> Any:
+            response, result = getattr(srv, f"{kind}Response")(), handle(request)
+            for field in response.__slots__:  # EmptyResponse has none
+                setattr(response, field, getattr(result, field))
+            return response
+
+        rospy.Service(name, getattr(srv, kind), handled)
+
+    def describe(self, urdf: str) -> None:
+        """Set `robot_description`, unless it has a description that is not of this package."""
+        import rospy  # noqa: PLC0415
+
+        there = rospy.get_param(DESCRIPTION, "")
+        if there and MAKER not in str(there):
+            rospy.logwarn(
+                f"{rospy.resolve_name(DESCRIPTION)} is somebody else's: it stays as it is"
+            )
+            return
+        if there != urdf:
+            rospy.set_param(DESCRIPTION, urdf)
+        self._described = urdf
+
+    def reconfigure(self, parameters: DrivingParameters) -> None:
+        """Offer dynamic_reconfigure."""
+        self._reconfigure = Reconfigure(parameters)
+
+    def forget(self) -> None:
+        """Leave the parameter server as it was."""
+        import rospy  # noqa: PLC0415
+
+        with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
+            if self._described is not None and rospy.get_param(DESCRIPTION, "") == self._described:
+                rospy.delete_param(DESCRIPTION)
+        if self._reconfigure is not None:
+            self._reconfigure.forget()
+
+    def on_shutdown(self, call: Callable[[], None]) -> None:
+        """Call `call` in a thread of rospy's when somebody shuts the node down."""
+        import rospy  # noqa: PLC0415
+
+        rospy.on_shutdown(call)
+
+    def warn(self, sentence: str) -> None:
+        """Log a warning."""
+        import rospy  # noqa: PLC0415
+
+        rospy.logwarn(sentence)

@@ -1,0 +1,94 @@
+"""A ROS middleware without ROS: it keeps all that is published, offered and logged."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+from pioneer3.ros.node.driving_parameters import DrivingParameters
+from pioneer3.ros.node.middleware import QUEUE, Response, Sender
+from tests.unit.ros.support import Blank
+
+SOMEBODY = Sender("/somebody", object())
+
+
+@dataclass
+class FakePublisher:
+    """A publisher that keeps its messages."""
+
+    type_name: str
+    latched: bool
+    subscribed: bool = False
+    messages: list[Any] = field(default_factory=list)
+
+    def publish(self, message: Any) -> None:
+        self.messages.append(message)
+
+
+class FakeSubscription:
+    """A subscription that nothing ends."""
+
+    def unregister(self) -> None:
+        pass
+
+
+class FakeMiddleware:
+    """A middleware in which a test is everybody else."""
+
+    name = "/RosAria"
+
+    def __init__(self) -> None:
+        self.publishers: dict[str, FakePublisher] = {}
+        self.receivers: dict[str, Callable[[Any, Sender], None]] = {}
+        self.services: dict[str, Callable[[Any], Response]] = {}
+        self.description: str | None = None
+        self.parameters: DrivingParameters | None = None
+        self.warnings: list[str] = []
+        self.shut_down: Callable[[], None] = lambda: None
+        self.forgotten = False
+
+    def drive(self, name: str, speed: float) -> None:
+        """Publish a Twist on a command topic."""
+        zero = SimpleNamespace(x=0.0, y=0.0, z=0.0)
+        linear = SimpleNamespace(x=speed, y=0.0, z=0.0)
+        self.receivers[name](SimpleNamespace(linear=linear, angular=zero), SOMEBODY)
+
+    def make(self, type_name: str) -> Any:
+        return Blank(kind=type_name)
+
+    def resolve(self, name: str) -> str:
+        return name.replace("~", "/RosAria/") if name[0] in "~/" else f"/{name}"
+
+    def stamp(self, age: float) -> Any:
+        return -age
+
+    def advertise(
+        self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
+    ) -> FakePublisher:
+        assert name not in self.publishers
+        self.publishers[name] = FakePublisher(type_name, latched)
+        return self.publishers[name]
+
+    def subscribe(
+        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+    ) -> FakeSubscription:
+        self.receivers[name] = receive
+        return FakeSubscription()
+
+    def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
+        self.services[name] = handle
+
+    def describe(self, urdf: str) -> None:
+        self.description = urdf
+
+    def reconfigure(self, parameters: DrivingParameters) -> None:
+        self.parameters = parameters
+
+    def forget(self) -> None:
+        self.forgotten = True
+
+    def on_shutdown(self, call: Callable[[], None]) -> None:
+        self.shut_down = call
+
+    def warn(self, sentence: str) -> None:
+        self.warnings.append(sentence)

@@ -1,0 +1,144 @@
+"""A node over a middleware without ROS: a simulated robot below it. Virtual time."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from threading import Thread
+from types import SimpleNamespace
+
+import pytest
+
+from pioneer3 import Robot, connect_async
+from pioneer3.ros.node.middleware import Response
+from pioneer3.ros.node.node import RobotNode
+from pioneer3.ros.node.parameters import read_parameters
+from pioneer3.tasks import running
+from tests.support import SimulatedRobot
+from tests.unit.ros.fakes import FakeMiddleware
+
+
+@dataclass
+class Running:
+    """A node, its middleware, and the robot."""
+
+    sim: SimulatedRobot
+    robot: Robot
+    middleware: FakeMiddleware
+
+    async def subscribe(self, name: str, seconds: float = 1.0) -> list[object]:
+        """Subscribe to a topic for a while; return its messages."""
+        publisher = self.middleware.publishers[name]
+        publisher.subscribed = True
+        await asyncio.sleep(seconds)
+        publisher.subscribed = False
+        return publisher.messages
+
+    async def call(self, name: str, **request: bool) -> Response:
+        """Call a service as a middleware does, in another thread."""
+        responses: list[Response] = []
+        handle = self.middleware.services[name]
+        thread = Thread(target=lambda: responses.append(handle(SimpleNamespace(**request))))
+        thread.start()
+        while thread.is_alive():
+            thread.join(0.001)
+            await asyncio.sleep(0.001)
+        return responses[0]
+
+
+@pytest.fixture(autouse=True)
+def _one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Virtual time does not wait for other threads."""
+
+    async def at_once(function: Callable[..., object], *arguments: object) -> object:
+        return function(*arguments)
+
+    monkeypatch.setattr(asyncio, "to_thread", at_once)
+
+
+@asynccontextmanager
+async def a_node(**raw: object) -> AsyncIterator[Running]:
+    """Run a node with these parameters."""
+    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+        middleware, ready = FakeMiddleware(), asyncio.Event()
+        node = RobotNode(robot, read_parameters(raw), middleware, raw)
+        async with running(node.run(ready.set)):
+            await ready.wait()
+            yield Running(sim, robot, middleware)
+
+
+async def test_it_publishes_what_somebody_subscribes_to() -> None:
+    async with a_node(profile="standard") as the:
+        assert 9 <= len(await the.subscribe("odom")) <= 11
+        assert len(await the.subscribe("/diagnostics", 3.0)) in {2, 3, 4}
+        assert the.middleware.publishers["sonar/points"].messages == []
+
+
+async def test_scans_are_asked_for_while_somebody_subscribes() -> None:
+    async with a_node(profile="standard") as the:
+        await asyncio.sleep(1.0)
+        assert the.robot.laser.latest is None
+        scans = await the.subscribe("scan", 3.0)
+        assert len(scans) > 10
+        await asyncio.sleep(2.0)
+        before = the.robot.laser.latest
+        await asyncio.sleep(2.0)
+        assert the.robot.laser.latest is before
+
+
+async def test_commands_drive_and_the_end_of_the_node_stops() -> None:
+    async with a_node(cmd_vel_timeout=0) as the:
+        the.middleware.drive("/RosAria/cmd_vel", 0.3)
+        await asyncio.sleep(2.0)
+        assert the.sim.body.drive.linear.velocity == pytest.approx(0.3)
+        the.middleware.shut_down()
+        await asyncio.sleep(2.0)
+        assert the.sim.body.drive.linear.velocity == 0.0
+        assert the.middleware.forgotten
+
+
+async def test_services_act_and_respond() -> None:
+    async with a_node(profile="both") as the:
+        assert (await the.call("~enable_motors")).success
+        assert (await the.call("e_stop_trigger")).success
+        assert the.robot.supervisor.pilot.emergency
+        refused = await the.call("enable_motors")
+        assert not refused.success
+        assert any("enable_motors is refused" in warning for warning in the.middleware.warnings)
+        assert "the emergency stop is latched" in (await the.call("self_test")).message
+        assert (await the.call("e_stop_reset")).success
+        assert (await the.call("sonar/enable", data=False)).success
+        assert (await the.call("reset_odometry")).success
+
+
+async def test_rosarias_profile_has_its_two_services_only() -> None:
+    async with a_node() as the:
+        assert set(the.middleware.services) == {"~enable_motors", "~disable_motors"}
+
+
+async def test_driving_parameters_change_the_limits() -> None:
+    async with a_node(trans_accel=0.5) as the:
+        parameters = the.middleware.parameters
+        assert parameters is not None
+        assert parameters.wanted["trans_accel"] == 0.5
+        parameters.set({**parameters.wanted, "trans_accel": 0.2})
+        await asyncio.sleep(0.1)
+        assert the.robot.info.limits.acceleration == 0.2
+
+
+async def test_a_lost_robot_is_logged_and_said_on_latched_topics() -> None:
+    async with a_node() as the:
+        await the.sim.unplug()
+        await asyncio.sleep(5.0)
+        assert the.middleware.warnings[0].startswith("LOST THE ROBOT")
+        assert the.middleware.publishers["~motors_state"].messages[-1] is False
+        the.sim.plugged = True
+        await asyncio.sleep(10.0)
+        assert the.middleware.warnings[-1].startswith("connected again")
+
+
+async def test_the_robot_is_described_unless_the_parameters_say_no() -> None:
+    async with a_node() as the:
+        assert "<robot" in (the.middleware.description or "")
+    async with a_node(publish_description=False) as the:
+        assert the.middleware.description is None
