@@ -1,3 +1,4 @@
+from docs.reference.ros_tables import PAGE, filled
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.robot.devices.gyro import GyroReading
@@ -187,3 +188,8 @@ def test_topics_that_the_options_do_not_want_are_not_published() -> None:
     assert "odom" in names
     assert not {name for name in names if name.startswith("sonar")}
     assert "cmd_vel" not in names
+
+
+def test_the_tables_in_the_docs_are_up_to_date() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert text == filled(text), "run: uv run python -m docs.reference.ros_tables"

@@ -73,7 +73,8 @@ class Topic:
         return profile.choose(self.compatibility, self.standard)
 
 
-def _transducer(number: int) -> Topic:
+def transducer_topic(number: int) -> Topic:
+    """Return the topic of one sonar transducer."""
     return Topic(
         standard=f"sonar/range_{number}",
         type_name="sensor_msgs/Range",
@@ -261,7 +262,7 @@ TOPICS: Final = (
 
 def topics_of(model: RobotModel) -> tuple[Topic, ...]:
     """Return the table for a robot of this kind: a Range of each of its transducers is in it."""
-    return (*TOPICS, *(_transducer(number) for number in range(len(model.sonars))))
+    return (*TOPICS, *(transducer_topic(number) for number in range(len(model.sonars))))
 
 
 def published(model: RobotModel, options: MessageOptions, profile: Profile) -> list[Topic]:

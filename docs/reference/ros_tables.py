@@ -1,0 +1,77 @@
+"""Write the tables of docs/how-to/ros1.md from the table of topics and that of services.
+
+    uv run python -m docs.reference.ros_tables
+
+A line `<!-- made: what -->` begins a table; whatever follows it up to `<!-- end -->` is replaced.
+"""
+
+import re
+from pathlib import Path
+
+from docs.reference.protocol_tables import BLOCK, table
+from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
+from pioneer3.ros.messages.update import ImuUpdate, ScanUpdate, StateUpdate
+from pioneer3.ros.node.services import SERVICES
+from pioneer3.ros.node.topics import TOPICS, Direction, Topic, transducer_topic
+
+PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
+EVERY = {
+    StateUpdate: "with every snapshot",
+    ScanUpdate: "with every scan",
+    ImuUpdate: "with every sample",
+    DiagnosticsUpdate: "",
+}
+
+
+def code(name: str | None) -> str:
+    """Return a name in code."""
+    return f"`{name}`" if name else ""
+
+
+def when(topic: Topic) -> str:
+    """Return when messages of a topic come."""
+    if topic.direction is Direction.SUBSCRIBED:
+        return "subscribed to"
+    period = f"every {topic.period:g} s" if topic.period else ""
+    each = "on change" if topic.changes else EVERY[topic.source]
+    latched = "latched" if topic.latched else ""
+    return ", ".join(filter(None, (latched, period, each)))
+
+
+def topics() -> str:
+    """Return the table of topics."""
+    first = transducer_topic(0)
+    rows = [
+        (
+            code(topic.compatibility),
+            f"{code(topic.standard)} …" if topic is first else code(topic.standard),
+            topic.type_name,
+            when(topic),
+            topic.note,
+        )
+        for topic in (*TOPICS, first)
+    ]
+    return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
+
+
+def services() -> str:
+    """Return the table of services."""
+    rows = [
+        (code(each.compatibility), code(each.standard), each.type_name, each.note)
+        for each in SERVICES
+    ]
+    return table(("`compatibility`", "`standard`", "type", ""), rows)
+
+
+def filled(text: str) -> str:
+    """Return the page with its tables made anew."""
+    makers = {"topics": topics, "services": services}
+
+    def made(block: re.Match[str]) -> str:
+        return f"<!-- made: {block[1]} -->\n\n{makers[block[1]]()}\n\n<!-- end -->\n"
+
+    return BLOCK.sub(made, text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
