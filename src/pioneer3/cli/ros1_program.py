@@ -1,4 +1,4 @@
-"""What the demos on ROS 1 topics share: which robot, and to be a node while it is driven."""
+"""The common part of the demos on ROS 1 topics: the robot, and a node that drives it."""
 
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""The robot in ROS: conversions, and the nodes that use them."""
+"""The robot in ROS: messages, nodes and clients over any middleware, and the edge to ROS 1."""

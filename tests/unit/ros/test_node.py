@@ -1,7 +1,7 @@
 """A node over a middleware without ROS: a simulated robot below it. Virtual time."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from threading import Thread
@@ -46,21 +46,23 @@ class Running:
         return responses[0]
 
 
-@pytest.fixture(autouse=True)
-def _one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Virtual time does not wait for other threads."""
-
-    async def at_once(function: Callable[..., object], *arguments: object) -> object:
-        return function(*arguments)
-
-    monkeypatch.setattr(asyncio, "to_thread", at_once)
-
-
 @asynccontextmanager
 async def a_node(**raw: object) -> AsyncIterator[Running]:
     """Run a node with these parameters."""
+    middleware = FakeMiddleware()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(asyncio, "to_thread", middleware.at_once)
+        async with a_node_over(middleware, raw) as the:
+            yield the
+
+
+@asynccontextmanager
+async def a_node_over(
+    middleware: FakeMiddleware, raw: Mapping[str, object]
+) -> AsyncIterator[Running]:
+    """Run a node over this middleware."""
     async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
-        middleware, ready = FakeMiddleware(), asyncio.Event()
+        ready = asyncio.Event()
         node = RobotNode(robot, read_parameters(raw), middleware, raw)
         async with running(node.run(ready.set)):
             await ready.wait()

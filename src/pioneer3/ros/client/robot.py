@@ -23,7 +23,7 @@ LOOK: Final = 0.05
 SILENT: Final = 1.0
 """Without a snapshot for this long [s], nobody drives."""
 STUCK: Final = 1.5
-"""Told to move and standing for this long [s] is stalled: topics do not tell it."""
+"""A robot that stands for this long [s] though it should move is stalled: no topic says so."""
 
 
 class TopicSupervisor:
@@ -99,7 +99,7 @@ class TopicSupervisor:
         return refused
 
     def stop(self) -> None:
-        """Stop, whoever has been driving."""
+        """Stop, whichever action has been driving."""
         self.pilot.stop(self._clock())
         self._send(STILL)
         self._flush()
@@ -129,7 +129,7 @@ class TopicSupervisor:
         return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
 
     def _with_stall(self, snapshot: Snapshot, now: float) -> Snapshot:
-        """Return `snapshot`, its wheels stalled if they have not moved as they were told to."""
+        """Return `snapshot`, its wheels stalled if they have not moved as commanded."""
         measured = snapshot.odometry.twist
         moves = abs(measured.v) >= STANDING.v or abs(measured.w) >= STANDING.w
         if moves or self._sent.is_zero or not snapshot.motors.enabled:
@@ -209,7 +209,7 @@ class TopicRobot:
         return self.arbiter.why_not_moving()
 
     def stop(self) -> None:
-        """Stand still, whoever drives."""
+        """Stop, whichever action drives."""
         self.arbiter.stop()
 
     def emergency_stop(self) -> None:

@@ -27,7 +27,7 @@ class SnapshotBuilder:
 
     Args:
         model: Of the robot.
-        motors_on: Whether the motors are taken to be on until somebody tells.
+        motors_on: Whether the motors count as on before a message says so.
     """
 
     def __init__(self, model: RobotModel, *, motors_on: bool = True) -> None:

@@ -1,1 +1,1 @@
-"""What a robot looks like and where everything on it is, from its model. Needs no ROS."""
+"""Frames, links and shapes of a robot, from its model. Needs no ROS."""

@@ -13,11 +13,11 @@ from pioneer3.models import RobotModel, shape_of
 TINY: Final = 1e-9
 HERE: Final = (0.0, 0.0, 0.0)
 ARC: Final = 0.75 * pi
-"""That all segments of one bumper take together, seen from the robot's centre (protocol.md 4.7)."""
+"""Angle of all segments of one bumper together, seen from the robot's centre (protocol.md 4.7)."""
 BUMPER_HEIGHT: Final = 0.09
 """Of the middle of a bumper above the floor [m]."""
 SCAN_HEIGHT: Final = 0.116
-"""Of a laser's plane above what it stands on: that of a SICK LMS 200 [m]."""
+"""Height of a laser's plane above its base: that of a SICK LMS 200 [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -39,7 +39,7 @@ ARRAY: Final = 0.05
 BUMPER: Final = 0.025
 """Thickness of a bumper [m]."""
 ARM: Final = 0.05
-"""How far what holds a bumper reaches into the body [m]."""
+"""Length of a bumper's support inside the body [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -246,7 +246,7 @@ def _transducer() -> tuple[Solid, ...]:
 
 
 def _bumpers(model: RobotModel, front: int, rear: int) -> tuple[Solid, ...]:
-    """A row of straight pieces around each end, and what holds it."""
+    """A row of straight pieces around each end, and its supports."""
     ends = _ends(model)
     solids: list[Solid] = []
     for corners, end in (

@@ -15,9 +15,9 @@ from pioneer3.state import Motors, Snapshot
 from pioneer3.units import DECIVOLT, MS
 
 USUAL_CYCLE: Final = 0.1
-"""Between two readings, where CONFIG does not say [s] (protocol.md 4.1)."""
+"""Between two snapshots, where CONFIG does not say [s] (protocol.md 4.1)."""
 SLOW: Final = 0.85
-"""Share of the readings expected below which it is a warning."""
+"""Share of the expected snapshots below which it is a warning."""
 NOISY: Final = 0.001
 """Share of spoilt frames above which it is a warning."""
 ENCODERS: Final = Fault.ENCODER_DEGRADATION | Fault.ENCODER_FAILURE | Fault.GYRO_FAULT
@@ -58,10 +58,10 @@ class Health:
 
     Attributes:
         info: Of the robot last connected.
-        snapshot: The latest reading, or `None` while the link is lost.
+        snapshot: The latest one, or `None` while the link is lost.
         lost: Why it is lost, if it is.
         emergency: Whether the emergency stop is latched.
-        driver: Who drives, or `None`.
+        driver: The action that drives, or `None`.
         why_not_moving: A sentence, or `None` while the robot moves.
         refused: Why commands are ignored, or `None`.
     """

@@ -62,7 +62,7 @@ def moving_transforms(message: Any, update: StateUpdate) -> None:
 
 
 def fixed_transforms(message: Any, update: StateUpdate) -> None:
-    """Fill a tf2_msgs/TFMessage with what never moves, and wheels that do not turn in the tree."""
+    """Fill a tf2_msgs/TFMessage with joints that never move, and wheels unless `/tf` has them."""
     message.transforms = [_transform(update, joint) for joint in update.tree.fixed]
     if not update.options.wheels_tf:
         message.transforms += wheels(update, (0.0, 0.0))
@@ -86,7 +86,7 @@ def _transform(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Any:
 
 
 class WheelAngles:
-    """Adds up how far the wheels have turned, from odometry: Pioneers tell no more by themselves.
+    """Adds up the turns of the wheels, from odometry: Pioneers report no more by themselves.
 
     Attributes:
         turned: Angles of the left wheels and of the right ones since the beginning [rad].
@@ -97,7 +97,7 @@ class WheelAngles:
         self._before: Pose2 | None = None
 
     def update(self, odometry: Odometry, model: RobotModel) -> tuple[float, float]:
-        """Take the next reading; return :attr:`turned`."""
+        """Take the next odometry; return :attr:`turned`."""
         here = odometry.robot_in_odom
         if self._before is not None:
             way, angle = _arc(self._before.inverse() @ here)
@@ -109,7 +109,7 @@ class WheelAngles:
         return self.turned
 
     def jumped(self) -> None:
-        """Take the next reading as the present pose: odometry was set."""
+        """Take the next odometry as the present pose: somebody has set it."""
         self._before = None
 
 

@@ -24,7 +24,7 @@ FLOAT32: Final = 7
 ULTRASOUND: Final = 0
 """`Range.ULTRASOUND`."""
 SCAN_MAX: Final = 32.766
-"""Farthest that a simulator's laser can tell [m] (protocol.md 5.13)."""
+"""Longest range of a simulator's laser [m] (protocol.md 5.13)."""
 GYRO_VARIANCE: Final = 2.8e-4
 """Of a rate [rad^2/s^2]: a step of the converter is 0.95 degrees per second (protocol.md 5.4)."""
 NOT_THERE: Final = [-1.0, *[0.0] * 8]
@@ -99,13 +99,13 @@ def recharge_state(message: Any, update: StateUpdate) -> None:
 
 
 def charge(message: Any, update: StateUpdate) -> None:
-    """Fill a std_msgs/Float32, 0 to 1; NaN where the robot cannot tell."""
+    """Fill a std_msgs/Float32, 0 to 1; NaN where the robot does not know."""
     known = update.snapshot.battery.charge
     message.data = nan if known is None else known
 
 
 def battery(message: Any, update: StateUpdate) -> None:
-    """Fill a sensor_msgs/BatteryState; what the robot does not measure is NaN."""
+    """Fill a sensor_msgs/BatteryState, with NaN for all that the robot does not measure."""
     state = update.snapshot.battery
     fill_header(message, update.stamp, update.frames.base)
     message.voltage = state.voltage
@@ -163,7 +163,7 @@ def sonar_cloud2(message: Any, update: StateUpdate) -> None:
 
 
 def echoes(message: Any, update: StateUpdate) -> None:
-    """Fill a sensor_msgs/PointCloud2 with what has been heard since the last update.
+    """Fill a sensor_msgs/PointCloud2 with the echoes since the last update.
 
     Echoes that are older belong to a place where the robot no longer is, so they are left out.
     """

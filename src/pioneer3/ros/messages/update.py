@@ -38,7 +38,7 @@ class Beam:
 
     Attributes:
         field_of_view: Width of the cone [rad].
-        nearest: Shortest range it can tell [m].
+        nearest: Shortest range [m].
         farthest: Longest one [m].
         no_echo: The range without an echo: ROS's range layers drop infinity, REP 117 wants it.
     """

@@ -16,7 +16,7 @@ LATE: Final = 0.02
 FEWEST: Final = 3
 """As many commands in a row make a stream."""
 SLOWEST: Final = 0.2
-"""A stream with a longer period [s] cannot be told from a person who presses a key again."""
+"""A stream with a longer period [s] looks like a person who presses a key again."""
 ROOM: Final = 1.5
 """How much longer than its period the pause within a stream may be."""
 
@@ -52,7 +52,7 @@ class NewestCommand:
         self._alone: Unpaired | None = None
 
     def take(self, twist: Twist2, now: float, *, sender: str, shared: bool) -> Twist2 | None:
-        """Return what to do now, or `None` for nothing, or nothing yet.
+        """Return the motion to begin now, or `None` for none yet.
 
         Args:
             twist: The command.
@@ -121,7 +121,7 @@ class CommandStream:
 
     @property
     def waits(self) -> bool:
-        """Whether the last command waits to be told from an old stream."""
+        """Whether the last command waits until it is clear that it is not of an old stream."""
         return isfinite(self.deadline)
 
     def take(self, twist: Twist2, now: float, last: Stop) -> str | None:

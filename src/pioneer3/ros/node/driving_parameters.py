@@ -202,7 +202,7 @@ def changed(limits: Limits, values: Values) -> Limits:
 
 
 def to_send(values: Values) -> list[Command]:
-    """Return the commands that tell the robot of its wheels; none for what is its own."""
+    """Return the commands that tell the robot of its wheels; none for values that are its own."""
     sent: list[Command] = []
     if values["TicksMM"] > 0:
         sent.append(commands.TicksMM(ticks_per_mm=int(values["TicksMM"])))

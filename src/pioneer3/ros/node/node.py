@@ -35,7 +35,7 @@ from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import running
 
 LONGEST_PERIOD: Final = 1.0
-"""Scans that are farther apart [s] do not tell their period."""
+"""Scans that are farther apart [s] have no period."""
 
 
 class RobotNode:
@@ -205,7 +205,7 @@ class RobotNode:
         )
 
     async def _follow_link(self) -> None:
-        """Log losses of the link; latched messages must not outlive what they are about."""
+        """Log losses of the link; latched messages must not outlive the robot."""
         logged, warn = None, self._middleware.warn
         async for status in self._robot.supervisor.status.values():
             if status.connection is Connection.LOST:

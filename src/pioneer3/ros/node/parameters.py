@@ -80,7 +80,7 @@ class NodeParameters:
         port: URL of the robot; `None` to look for it.
         baud: Serial speed to try first.
         timeout: Silence of cmd_vel after which the robot stops [s]; `inf` for never.
-        lab_name: What the lab calls the robot, such as `p3at_1_113`; `None` elsewhere.
+        lab_name: The robot's name in the lab, such as `p3at_1_113`; `None` elsewhere.
         max_speed: Never to be exceeded [m/s], or `None` for the robot's own.
         max_turn_rate: Never to be exceeded [rad/s], or `None` for the robot's own.
         auto_enable: Whether a fresh command switches the motors on.

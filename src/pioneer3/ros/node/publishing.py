@@ -107,19 +107,19 @@ class Publishing:
 
         Args:
             source: Kind of update.
-            values: Yields readings of the device.
-            update_of: Makes an update of a reading.
+            values: Yields values of the device.
+            update_of: Makes an update of a value.
         """
         while any(row.publishers for row in self._rows if row.topic.source is source):
             if not self.has_subscribers(source):
                 await asyncio.sleep(LOOK)
                 continue
             try:
-                async with aclosing(values()) as readings:
-                    async for reading in readings:
+                async with aclosing(values()) as found:
+                    async for value in found:
                         if not self.has_subscribers(source):
                             break
-                        self.publish(update_of(reading))
+                        self.publish(update_of(value))
                     else:
                         return
             except DeviceError:  # another robot is at the other end now

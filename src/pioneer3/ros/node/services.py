@@ -91,7 +91,7 @@ class Services:
         return Response(True, "released; the motors stay off until the next command")
 
     def reset_odometry(self) -> Response:
-        """Stop, and call the present place 0, 0, 0; the robot itself is told nothing."""
+        """Stop, and call the present place 0, 0, 0; the robot itself does not know."""
         self._robot.stop()
         self._robot.supervisor.assembler.odometer.restart(ORIGIN)
         self._moved()
@@ -104,7 +104,7 @@ class Services:
         return Response(not broken, "; ".join(str(each) for each in wrong) or "all is well")
 
     def _serve(self, service: "Service", request: Any) -> Response:
-        """Let the loop act; return what came of it. In a thread of the middleware."""
+        """Act in the loop; return the response. In a thread of the middleware."""
 
         async def acting() -> Response:
             return service.act(self, request)

@@ -20,7 +20,7 @@ Update = StateUpdate | ScanUpdate | ImuUpdate | DiagnosticsUpdate
 
 
 class Direction(StrEnum):
-    """Who sends the messages of a topic."""
+    """Whether the node sends the messages of a topic or receives them."""
 
     PUBLISHED = "published"
     SUBSCRIBED = "subscribed"

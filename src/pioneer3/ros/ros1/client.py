@@ -32,7 +32,7 @@ FIRST: Final = 5.0
 FAREWELL: Final = 0.1
 """rospy sends in threads of its own; a stop needs this long to be on its way [s]."""
 SERVED: Final = 0.5
-"""A service that does not answer within this time [s] is not there."""
+"""A service that does not respond within this time [s] is not there."""
 UNKNOWN_MODEL: Final = "p3at-sh"
 """The model of a robot whose node does not name one: the largest."""
 
@@ -75,7 +75,7 @@ async def run_program(
         name: Of the node, unless `arguments` have another.
         arguments: ROS's own.
         robots: On the master.
-        model: What they are; if `None`, what their nodes say.
+        model: Their model; if `None`, that in the parameters of their nodes.
         work: Drives them.
 
     Raises:

@@ -20,7 +20,7 @@ SURVEY_EVERY: Final = 2
 
 
 async def wait_for_master(uri: str, tell: Callable[[str], None]) -> None:
-    """Return as soon as something listens where the master should; `tell` why that takes time."""
+    """Return as soon as something listens at `uri`; `tell` why that takes time."""
     address = urlsplit(uri)
     told = False
     while True:

@@ -29,7 +29,7 @@ PACKAGES: Final = (
     " python3-diagnostic-msgs ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs"
     " ros-std-srvs ros-tf2-msgs ros-diagnostic-msgs"
 )
-"""What the node and ROS's own command-line tools need of Debian 12."""
+"""Packages of Debian 12 for the node and ROS's own command-line tools."""
 BUMPER_TYPE: Final = "rosaria/BumperState"
 BUMPER_STATE: Final = """Header header
 bool[] front_bumpers
