@@ -9,9 +9,9 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.stops import Stop, leads_away
 
-WAIT: Final = 0.005
+WAIT: Final = 0.01
 """A zero to all robots waits this long [s] for the command to this one that goes with it."""
-LATE: Final = 0.02
+LATE: Final = 0.05
 """A zero to all robots that comes this soon [s] after such a command went before it."""
 FEWEST: Final = 3
 """As many commands in a row make a stream."""
@@ -35,11 +35,9 @@ class NewestCommand:
     them. Connections swap such pairs: 16 % of them with rospy, and then the robot stands. So:
 
     1. A zero to all waits for :data:`WAIT`. A command that arrives in this time takes its place.
-    2. A command to this robot and a zero to all of the same sender belong together, in whatever
-       order they come, if the zero arrived less than `WAIT` before it or :data:`LATE` after it. The
-       zero is dropped then. Each has one such partner at most.
-    3. Any other command decides at once, unless a newer one has. A newer zero of anybody else is
-       never dropped.
+    2. A zero to all that arrives less than :data:`LATE` after a command to this robot, from the
+       same sender, belongs to it and is dropped, unless another zero does already.
+    3. Any other command decides at once. A later zero of anybody else is never dropped.
 
     Attributes:
         deadline: When :meth:`due` must be called [s, as every `now`].
@@ -47,16 +45,15 @@ class NewestCommand:
 
     def __init__(self) -> None:
         self.deadline = inf
-        self._newest = -inf
         self._zero: Unpaired | None = None
         self._alone: Unpaired | None = None
 
     def take(self, twist: Twist2, now: float, *, sender: str, shared: bool) -> Twist2 | None:
-        """Return the motion to begin now, or `None` for none yet.
+        """Return the motion to begin now, or `None` for none yet; :meth:`due` comes first.
 
         Args:
             twist: The command.
-            now: When it arrived; a slow one may come after newer ones.
+            now: When it arrived, in this order.
             sender: Node that sent it.
             shared: Whether it is to all robots.
         """
@@ -64,33 +61,25 @@ class NewestCommand:
         if shared and twist.is_zero:
             self._wait(command)
             return None
-        partner = not shared and not twist.is_zero and _belong_together(self._zero, command)
-        if now < self._newest and not partner:
-            return None
-        self.deadline, self._newest, self._zero = inf, max(self._newest, now), None
-        self._alone = None if shared or twist.is_zero or partner else command
+        paired = self._zero is not None and self._zero.sender == sender
+        self.deadline, self._zero = inf, None
+        self._alone = None if shared or twist.is_zero or paired else command
         return twist
 
     def due(self, now: float) -> Twist2 | None:
         """Return the zero that has waited long enough, or `None`."""
         if now < self.deadline:
             return None
-        self.deadline, self._alone = inf, None
+        self.deadline, self._zero, self._alone = inf, None, None
         return STILL
 
     def _wait(self, zero: Unpaired) -> None:
         """Take a zero to all."""
-        if _belong_together(zero, self._alone):
+        alone = self._alone
+        if alone and alone.sender == zero.sender and zero.at - alone.at < LATE:
             self._alone = None
-        elif zero.at >= self._newest:
-            self._newest, self._zero = zero.at, zero
-            self.deadline = min(self.deadline, zero.at + WAIT)
-
-
-def _belong_together(zero: Unpaired | None, command: Unpaired | None) -> bool:
-    if zero is None or command is None or zero.sender != command.sender:
-        return False
-    return -WAIT < zero.at - command.at < LATE
+        else:
+            self._zero, self.deadline = zero, min(self.deadline, zero.at + WAIT)
 
 
 class CommandStream:
