@@ -141,6 +141,11 @@ def test_what_is_unpacked_of_texts_in_a_picture_is_little() -> None:
     assert peak < 10_000_000
 
 
+def test_a_picture_with_an_odd_animation_is_read_without_a_warning() -> None:
+    raw = PNG_SIGNATURE + GRAY[8:33] + chunk(b"acTL", bytes(8)) + GRAY[33:]
+    assert parse_image(HERE, raw).shades.shape == (2, 2)
+
+
 def test_an_interlaced_picture_is_read() -> None:
     # one pixel of the first of the seven passes
     image = parse_image(HERE, png((1, 1, 8, 0), bytes([0, 200]), interlace=1))

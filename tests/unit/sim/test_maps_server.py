@@ -114,6 +114,7 @@ def test_a_bare_picture_asks_for_its_yaml(tmp_path: Path) -> None:
         (YAML + "hello\n", "5: not valid YAML: could not find expected ':'"),
         ("hello\n", "1: line: expected 'key: value'"),
         (YAML + "k: \0\n", "not valid YAML: unacceptable character #x0000"),
+        (YAML + 'k: "\\UFFFFFFFF"\n', "not valid YAML: "),
         (YAML + "k: *a\n", "4: not valid YAML: found undefined alias"),
         (YAML + "--- \nk: 1\n", "4: not valid YAML: but found another document"),
     ],

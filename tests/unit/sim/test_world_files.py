@@ -175,6 +175,8 @@ def test_an_unknown_name_is_a_one_line_error(name: str) -> None:
         ("world = 1", "w.toml: world: expected a table, got 1"),
         ("[world]\n[[robots]]", "w.toml: robots: unknown key, did you mean robot?"),
         ("[world]\nsead = 1", "w.toml:2: world.sead: unknown key, did you mean seed?"),
+        ("[world]\n['a - at `$.world`']", "w.toml: a - at `$.world`: unknown key"),
+        ("[world]\n'a - at `$.b' = 1", "w.toml:1: world.a - at `$.b: unknown key"),
         ("[world]\nzzz = 1", "world.zzz: unknown key, known are name, map, seed"),
         ("[world]\nseed = -1", "w.toml:2: world.seed: -1 is out of range, expected 0 to"),
         ("[world]\nseed = 1.5", "world.seed: expected a whole number, got 1.5"),

@@ -1,6 +1,7 @@
 """Pictures of maps: reads PGM and PNG, writes both, with Pillow."""
 
 import struct
+import warnings
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -27,8 +28,11 @@ LARGEST_UNPACKED = 64 << 20
 """Of the pixels in memory [bytes]: a small file may hold gigabytes."""
 MOST_SLOW_PIXELS = 1 << 22
 """Of a PGM picture as text or with an unusual largest shade; Pillow reads a million a second."""
-_DAMAGED = (EOFError, IndexError, OSError, OverflowError, struct.error, SyntaxError, TypeError)
-"""Errors of Pillow about bad files, and ValueError."""
+_DAMAGED = (
+    *(ArithmeticError, AssertionError, EOFError, LookupError, OSError, SyntaxError),
+    *(TypeError, ValueError, struct.error),
+)
+"""Errors of Pillow about bad files."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,19 +67,21 @@ def parse_image(path: Path, raw: bytes) -> Image:
     from PIL.PpmImagePlugin import PpmImageFile  # noqa: PLC0415
 
     try:
-        if raw.startswith(PNG_SIGNATURE):
-            PngImageFile(BytesIO(raw)).verify()  # reading alone ignores checksums
-            picture: ImageFile = PngImageFile(BytesIO(raw))
-        elif raw.startswith(PGM_SIGNATURES):
-            picture = PpmImageFile(BytesIO(_without_comments(raw)))
-        else:
-            raise wrong(path, " header: neither a PGM (P2, P5) nor a PNG picture")
-        _check_size(path, picture)
-        picture.load()
-        return _gray(picture)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a picture with oddities is read or refused
+            if raw.startswith(PNG_SIGNATURE):
+                PngImageFile(BytesIO(raw)).verify()  # reading alone ignores checksums
+                picture: ImageFile = PngImageFile(BytesIO(raw))
+            elif raw.startswith(PGM_SIGNATURES):
+                picture = PpmImageFile(BytesIO(_without_comments(raw)))
+            else:
+                raise wrong(path, " header: neither a PGM (P2, P5) nor a PNG picture")
+            _check_size(path, picture)
+            picture.load()
+            return _gray(picture)
     except ConfigError:
         raise
-    except (*_DAMAGED, ValueError) as error:
+    except _DAMAGED as error:
         raise wrong(path, f" picture: damaged or cut off: {one_line(error)}") from None
 
 

@@ -236,7 +236,7 @@ def _fields(path: Path, text: str) -> dict[str, Field]:
         number = error.problem_mark.line + 1 if error.problem_mark else 1
         problem = f"{number}: not valid YAML: {one_line(error.problem or error)}"
         raise wrong(path, problem) from None
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, OverflowError) as error:
         raise wrong(path, f" not valid YAML: {one_line(error)}") from None
     if root is not None and not isinstance(root, yaml.MappingNode):
         line = Line(path, root.start_mark.line + 1, "")

@@ -263,6 +263,8 @@ def _converted(source: _Source, data: dict[str, object], kind: type[Table]) -> T
     """
     import msgspec  # noqa: PLC0415
 
+    if unknown := _unknown_key(source, "", data, kind):
+        raise unknown  # here, as msgspec names no place in the topmost table
     try:
         table = msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
@@ -285,19 +287,27 @@ def _complaint(
         value = value[int(part) if part.isdecimal() else part]
         if not part.isdecimal():
             hint = _keys(hint)[part]
-    below = f"{place}." if place else ""
-    if problem.startswith("Object contains unknown field"):
-        known = tuple(_keys(hint))
-        key = next(key for key in value if key not in known)
-        close = get_close_matches(key[:LONGEST_KEY], known, n=1)
-        advice = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}"
-        named = key if key.isprintable() and 0 < len(key) <= LONGEST_KEY else shown(key)
-        return source.wrong(below + named, f"unknown key, {advice}")
+    if problem.startswith("Object") and (unknown := _unknown_key(source, place, value, hint)):
+        return unknown
     if missing := re.match(r"Object missing required field `(\w+)`", problem):
         if missing[1] == "world":
             return ConfigError(f"{source.name}: world: missing; a world starts with [world]")
-        return source.wrong(below + missing[1], "missing, add it")
+        return source.wrong(f"{place}.{missing[1]}".lstrip("."), "missing, add it")
     return source.wrong(place, _misfit(place, value, hint, problem))
+
+
+def _unknown_key(
+    source: _Source, place: str, table: dict[str, object], hint: object
+) -> ConfigError | None:
+    """Return the error about the first unknown key of a table, if there is one."""
+    known = _keys(hint)
+    key = next((key for key in table if key not in known), None)
+    if key is None:
+        return None
+    close = get_close_matches(key[:LONGEST_KEY], known, n=1)
+    advice = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}"
+    named = key if key.isprintable() and 0 < len(key) <= LONGEST_KEY else shown(key)
+    return source.wrong(f"{place}.{named}" if place else named, f"unknown key, {advice}")
 
 
 def _misfit(place: str, value: object, hint: object, problem: str) -> str:
