@@ -59,12 +59,12 @@ def warning(text: str, line: int | None = None) -> Finding:
     return Finding(level=Severity.WARNING, text=text, line=line)
 
 
-def some(findings: Iterable[Finding], what: str) -> Iterator[Finding]:
-    """Yield the first :data:`MOST` of `findings`, and the number of other `what`."""
+def some(findings: Iterable[Finding], kind: str) -> Iterator[Finding]:
+    """Yield the first :data:`MOST` of `findings`, and the number of others of this `kind`."""
     found: Sequence[Finding] = tuple(findings)
     yield from found[:MOST]
     if len(found) > MOST:
-        yield Finding(level=found[0].level, text=f"and {len(found) - MOST} more {what}")
+        yield Finding(level=found[0].level, text=f"and {len(found) - MOST} more {kind}")
 
 
 def check_world(name_or_path: str | Path, model: RobotModel) -> tuple[Finding, ...]:

@@ -131,7 +131,7 @@ def _make_room(source: str, world: WorldFile, targets: tuple[Path, ...], *, forc
         except (OSError, ValueError):
             continue  # writing says why
         if same:
-            raise ConfigError(f"{_shown(target)}: is what is read; choose another name")
+            raise ConfigError(f"{_shown(target)}: is the source; choose another name")
         if there and not force:
             raise ConfigError(f"{_shown(target)}: is there already; --force writes over it")
 
@@ -143,7 +143,7 @@ def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ..
         counts |= {"movable boxes": len(world.movable), "objects": len(line_map.objects)}
     if ending not in {".map", ".yaml"}:
         return ()
-    return tuple(f"{count} {what}" for what, count in counts.items() if count)
+    return tuple(f"{count} {name}" for name, count in counts.items() if count)
 
 
 def _unknown(ending: str) -> str:

@@ -142,7 +142,7 @@ def test_nothing_is_written_over_unless_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"is there already; --force"):
         convert("office", target)
     assert convert("office", target, force=True) == 0
-    with pytest.raises(ConfigError, match="is what is read"):
+    with pytest.raises(ConfigError, match="is the source"):
         convert(str(target), target, force=True)
 
 

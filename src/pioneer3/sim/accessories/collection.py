@@ -124,7 +124,7 @@ class Accessories:
         Args:
             now: [s].
             cycle: Whether a standard report follows: then streams are due too. Without it only
-                answers: what was wanted once, and bytes from an AUX port.
+                answers: reports requested once, and bytes from an AUX port.
         """
         return [report for accessory in self._all for report in accessory.reports(now, cycle=cycle)]
 

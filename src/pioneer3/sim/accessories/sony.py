@@ -100,9 +100,9 @@ class SonyEvi:
             self._say(ACK, now)
             self._say(DONE, done)
 
-    def _inquire(self, what: bytes, now: float) -> bytes | None:
+    def _inquire(self, inquiry: bytes, now: float) -> bytes | None:
         position = self.position(now)
-        match what:
+        match inquiry:
             case b"\x04\x00":
                 return b"\x02" if self._powered else b"\x03"
             case b"\x04\x47":

@@ -96,7 +96,7 @@ class Firmware:
     def watchdog(self) -> float:
         """Silence of the host that stops the robot [s], 0 for never; may be set at any time.
 
-        CONFIG goes on to tell the one from the start, which is what a host's own clock shows.
+        CONFIG keeps the value from the start, which is in the host's own seconds.
         """
         return self.device.watchdog
 
@@ -108,7 +108,7 @@ class Firmware:
     def due(self) -> float:
         """When to call :meth:`tick` next [s]; `inf` while there is no session.
 
-        Earlier calls do no harm. What the host says may bring it forward.
+        Earlier calls do no harm. Commands of the host may make it earlier.
         """
         if not self.device.is_open:
             return inf

@@ -194,7 +194,7 @@ def parse_aria(path: Path, text: str, refuse: Refuse = _raise) -> AriaFile:
     Args:
         path: The file, for messages and the map's name.
         text: All of it.
-        refuse: Called with what is wrong with a line; if it returns, the line is left out.
+        refuse: Called with the error of a bad line; if it returns, the line is left out.
 
     Raises:
         ConfigError: It is no such map; one line, `path:line: field: why`.

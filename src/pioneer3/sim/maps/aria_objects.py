@@ -125,8 +125,8 @@ def rectangle(
 ) -> tuple[tuple[float, float], ...]:
     """Return the corners of an area, in order [m].
 
-    ARIA's code turns the two given corners by `theta` [rad] about the origin of the map, whatever
-    its documents say (facts.md 10.2).
+    ARIA's code turns the two given corners by `theta` [rad] about the origin of the map, unlike its
+    documents (facts.md 10.2).
     """
     c, s = cos(theta), sin(theta)
     corners = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))

@@ -144,7 +144,7 @@ def touched(walls: Float, bounds: Bounds, cell: float) -> Bool:
     height, width = shape_of(bounds, cell)
     cells = np.zeros((height, width), dtype=np.bool_)
     points = samples(walls, cell / 2)
-    # what lies on an edge but for rounding belongs to the cell beyond it
+    # a point that lies on an edge, except for rounding, belongs to the cell beyond it
     places = (points - (bounds.x_min, bounds.y_min)) / cell + EDGE
     columns, rows = np.floor(places).astype(np.int64).T
     cells[rows.clip(0, height - 1), columns.clip(0, width - 1)] = True
@@ -153,7 +153,7 @@ def touched(walls: Float, bounds: Bounds, cell: float) -> Bool:
 
 def shape_of(bounds: Bounds, cell: float) -> tuple[int, int]:
     """Return height and width [cells] of a picture of `bounds`, at least one each."""
-    # what is a whole number of cells but for rounding takes no cell more
+    # a size of whole cells, except for rounding, takes no cell more
     width = ceil((bounds.x_max - bounds.x_min) / cell - EDGE)
     height = ceil((bounds.y_max - bounds.y_min) / cell - EDGE)
     return max(1, height), max(1, width)

@@ -26,9 +26,8 @@ class Pacer:
     Attributes:
         lock_step: A cycle of 100 ms begins only when every host has sent a valid packet since its
             last report, or :attr:`patience` has passed. A host whose watchdog has expired is not
-            waited for, and without hosts time runs at :attr:`speed`. What hosts
-            send during a cycle is taken at its end, so one packet, or one write, per report makes
-            a run repeatable.
+            waited for, and without hosts time runs at :attr:`speed`. Bytes of a cycle are taken
+            at its end, so one packet, or one write, per report makes a run repeatable.
         patience: [s, real].
     """
 

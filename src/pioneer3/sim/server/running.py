@@ -35,7 +35,7 @@ SOMEWHERE = ("192.0.2.1", 9)
 def url_of(host: str, port: int) -> str:
     """Return the URL of a port that listens at `host`.
 
-    Who listens at all addresses of this machine is reached at the one that other machines see.
+    A port at all addresses of this machine is reached at the one that other machines see.
     """
     reached = machine_address() if host in ANY else host
     return f"tcp://[{reached}]:{port}" if ":" in reached else f"tcp://{reached}:{port}"
@@ -222,20 +222,20 @@ class RunningSimulation:
         """Take a box or a person out of the world."""
         self.world.remove_obstacle(obstacle)
 
-    def move(self, what: SimulatedRobot | Obstacle, pose: Pose2) -> None:
+    def move(self, item: SimulatedRobot | Obstacle, pose: Pose2) -> None:
         """Put a robot, a box or a person elsewhere; a robot's odometry does not change.
 
         Raises:
             CommandError: A robot would stand in something there, or something on a robot.
         """
-        if not isinstance(what, SimulatedRobot):
-            self._refuse_on_robots(_outline(what, pose), pose)
-            self.world.move_obstacle(what, pose)
-        elif self.has_room(what.model, pose, but=what):
-            what.body.robot_in_world = pose
+        if not isinstance(item, SimulatedRobot):
+            self._refuse_on_robots(_outline(item, pose), pose)
+            self.world.move_obstacle(item, pose)
+        elif self.has_room(item.model, pose, but=item):
+            item.body.robot_in_world = pose
         else:
             raise CommandError(
-                f"{what.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
+                f"{item.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
             )
 
     def has_room(self, model: RobotModel, pose: Pose2, but: SimulatedRobot | None = None) -> bool:

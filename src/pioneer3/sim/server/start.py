@@ -92,7 +92,7 @@ async def _serve(
     try:
         await robot.port.serve(link)
     finally:
-        if robot in running.robots:  # nobody else has taken it away
+        if robot in running.robots:  # it has not been removed in the meantime
             await running.remove_robot(robot)
 
 

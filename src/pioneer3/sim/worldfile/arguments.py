@@ -30,7 +30,7 @@ class WorldOverrides:
         starts: One for all robots, or one for each.
         equipment: Of all robots, in addition to their own.
         seed: Of all random numbers.
-        keep_session: Sessions outlive their programs, whatever the world says.
+        keep_session: Sessions outlive their programs, even if the world says no.
         own_ports: Robots keep the ports that the world file gives them.
         factory: The model of the robot that every client of one port gets; empty for none.
     """

@@ -1,6 +1,6 @@
 """Reads and writes world files: TOML with the tables of :mod:`pioneer3.sim.worldfile.schema`.
 
-Whatever is wrong with a file is one line: the file, the line, the key, the problem and a hint.
+An error is one line of text: the file, the line, the key, the problem and a hint.
 """
 
 import re
