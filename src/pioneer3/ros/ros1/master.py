@@ -120,8 +120,8 @@ class MasterWatch:
     def _knows_us(self) -> bool:
         from rosgraph import MasterException  # noqa: PLC0415
 
-        try:
-            self._master.lookupNode(self._name)
+        try:  # a node is known to a new master by its first log message; its services are not
+            self._master.lookupService(f"{self._name}/get_loggers")
         except MasterException:
             return False
         return True
