@@ -6,9 +6,9 @@ from contextlib import contextmanager
 import pytest
 from playwright.sync_api import Browser, Page
 
-from pioneer3.web.access.addresses import lan_addresses
-from pioneer3.web.access.invite import pairing_url
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.hosts import lan_addresses
+from pioneer3.web.access.invitations import pairing_url
+from pioneer3.web.access.sessions import Role
 from tests.browser.conftest import Product, wait_for_the_robot
 
 needs_network = pytest.mark.skipif(

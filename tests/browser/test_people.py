@@ -8,7 +8,7 @@ import zxingcpp
 from playwright.sync_api import Browser, ViewportSize, expect
 
 from pioneer3.sim.maps.image import read_image
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting

@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 from pioneer3.web.client import Client
 from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import needs_network, two

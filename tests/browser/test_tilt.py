@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from pioneer3.web.access.addresses import lan_addresses
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.hosts import lan_addresses
+from pioneer3.web.access.sessions import Role
 from tests.browser.conftest import Product, running_product
 from tests.browser.hands import Visit, visit
 from tests.browser.test_page import SLACK, speed, until

@@ -59,7 +59,7 @@ async def test_one_that_is_lost_is_named_and_the_others_go_on() -> None:
 async def test_one_that_is_not_there_is_looked_for_until_it_comes(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(hosting, "AGAIN", 0.2)
+    monkeypatch.setattr(hosting, "RETRY_PERIOD", 0.2)
     told: list[str] = []
     page, port = Page(), closed_port()
     async with simulated() as here:

@@ -15,10 +15,9 @@ from websockets.exceptions import InvalidStatus
 from pioneer3 import connect_async
 from pioneer3.cli.main import execute
 from pioneer3.errors import ConfigError
-from pioneer3.web.access.addresses import lan_addresses
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind
-from pioneer3.web.access.sharing import certificate_for, others_urls
+from pioneer3.web.access.certificate import certificate_for
+from pioneer3.web.access.hosts import lan_addresses, others_urls
+from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import Served, serve

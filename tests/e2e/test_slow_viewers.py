@@ -18,7 +18,7 @@ from pioneer3.web import client
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
-from pioneer3.web.websocket import ShortSocket
+from pioneer3.web.websocket import BoundedWebSocket
 from tests.support import SimulatedRobot, until
 
 pytestmark = pytest.mark.realtime
@@ -69,22 +69,22 @@ async def snapshots(page: ClientConnection) -> AsyncIterator[int]:
 
 
 @pytest.fixture
-def sockets(monkeypatch: pytest.MonkeyPatch) -> list[ShortSocket]:
+def sockets(monkeypatch: pytest.MonkeyPatch) -> list[BoundedWebSocket]:
     """Collect the server's sides of all WebSockets, and lose patience soon."""
-    seen: list[ShortSocket] = []
-    made = ShortSocket.connection_made
+    seen: list[BoundedWebSocket] = []
+    made = BoundedWebSocket.connection_made
 
-    def note(self: ShortSocket, transport: asyncio.BaseTransport) -> None:
+    def note(self: BoundedWebSocket, transport: asyncio.BaseTransport) -> None:
         seen.append(self)
         made(self, transport)
 
-    monkeypatch.setattr(ShortSocket, "connection_made", note)
+    monkeypatch.setattr(BoundedWebSocket, "connection_made", note)
     monkeypatch.setattr(client, "PATIENCE", 3.0)
     return seen
 
 
 async def test_viewers_that_read_nothing_delay_nobody_and_cost_no_more_than_a_message(
-    sockets: list[ShortSocket],
+    sockets: list[BoundedWebSocket],
 ) -> None:
     async with served() as (sim, page, where), connect(f"ws://{where}/ws") as ann:
         stalled = [await stall(where) for _ in range(STALLED)]
@@ -109,7 +109,7 @@ async def test_viewers_that_read_nothing_delay_nobody_and_cost_no_more_than_a_me
 
 
 async def test_a_viewer_that_reads_nothing_is_sent_away_and_its_buffer_is_freed(
-    sockets: list[ShortSocket],
+    sockets: list[BoundedWebSocket],
 ) -> None:
     async with served() as (_, page, where):
         with await stall(where) as viewer:
@@ -125,7 +125,7 @@ async def test_a_viewer_that_reads_nothing_is_sent_away_and_its_buffer_is_freed(
 
 
 async def test_a_viewer_that_wakes_up_in_time_goes_on_with_the_newest(
-    sockets: list[ShortSocket],
+    sockets: list[BoundedWebSocket],
 ) -> None:
     async with served() as (_, page, where):
         robot = page.robots[1].robot
@@ -143,5 +143,5 @@ async def test_a_viewer_that_wakes_up_in_time_goes_on_with_the_newest(
         assert len(page.clients.connected) == 1
 
 
-def _waiting(one: ShortSocket) -> int:
+def _waiting(one: BoundedWebSocket) -> int:
     return one.transport.get_write_buffer_size()

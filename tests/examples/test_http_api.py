@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import connect_async
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind
+from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene

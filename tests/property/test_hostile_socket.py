@@ -9,8 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pioneer3.web import requests
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind
+from pioneer3.web.access.sessions import Kind, Role
 from tests.unit.web.asking import ELSEWHERE, LAN
 from tests.unit.web.browser import Browser, playground
 

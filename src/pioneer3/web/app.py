@@ -14,9 +14,14 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
-from pioneer3.web import problem
-from pioneer3.web.access.gate import POLICY_VIOLATION, Gate, session_of
-from pioneer3.web.access.names import LOCAL_NAMES
+from pioneer3.web.access.hosts import LOCAL_NAMES
+from pioneer3.web.access.middleware import (
+    POLICY_VIOLATION,
+    AccessMiddleware,
+    respond_to_failure,
+    respond_to_http_exception,
+    session_of,
+)
 from pioneer3.web.api.routes import api_routes
 from pioneer3.web.client import Client
 from pioneer3.web.page import Page
@@ -63,11 +68,11 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
             Mount("/static", StaticFiles(directory=STATIC)),
         ],
         exception_handlers={
-            HTTPException: problem.of_http_exception,
-            Exception: problem.of_failure,
+            HTTPException: respond_to_http_exception,
+            Exception: respond_to_failure,
         },
     )
-    return Gate(app, page.access, names)
+    return AccessMiddleware(app, page.access, names)
 
 
 @cache

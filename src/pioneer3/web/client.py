@@ -16,8 +16,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from pioneer3.errors import CommandError
 from pioneer3.robot.limits import checked
 from pioneer3.web import requests
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Session
+from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.broadcast import Channel
 from pioneer3.web.messages import EditRefused, Message, Pong, Refused, Told, encode
 from pioneer3.web.page import Page

@@ -1,4 +1,4 @@
-"""Keeps several robots at one page: one that is lost or not there ends none of the others."""
+"""Connects a page to several robots; a robot that is lost or not there ends none of the others."""
 
 import asyncio
 import logging
@@ -19,8 +19,8 @@ from pioneer3.web.scene import RemoteWorld, Scene
 
 log = logging.getLogger(__name__)
 
-AGAIN = 5.0
-"""Until a robot that is not there is looked for again [s]."""
+RETRY_PERIOD = 5.0
+"""Pause before another attempt to connect to a robot [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,14 +28,14 @@ class Target:
     """A robot to connect to.
 
     Attributes:
-        url: Where it is.
-        scene: What surrounds it.
-        name: What people call it; empty for its own name.
+        url: Its address.
+        scene: Its surroundings.
+        name: Shown to people; empty for its own name.
         baud: Serial speed to try first.
-        model: Used whatever the robot says it is.
+        model: Used in place of the model that the robot reports.
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire.
-        timing: How patient to be.
+        timing: Time limits of the link.
     """
 
     url: str
@@ -52,37 +52,41 @@ class Target:
 async def hosted(
     page: Page, targets: Sequence[Target], tell: Callable[[str], None]
 ) -> AsyncIterator[None]:
-    """Show every robot of `targets` at `page` while the block lasts, once each has been tried.
+    """Show every robot of `targets` at `page` while the block lasts, after one attempt for each.
 
-    Of several, those that are not there are looked for again and again; `tell` says which.
+    Of several robots, those that are not there are tried again and again; `tell` says which.
 
     Raises:
         LinkError, NoRobotError: none of them is there.
         ConfigError: an option is wrong.
     """
-    alone = len(targets) == 1
-    keepers = [Keeper(page, n, target, tell, alone=alone) for n, target in enumerate(targets, 1)]
-    async with running(*(keeper.keep() for keeper in keepers)):
-        for keeper in keepers:
-            await keeper.tried.wait()
-        failures = [keeper.failure for keeper in keepers if keeper.failure is not None]
-        if len(failures) == len(keepers):
+    single = len(targets) == 1
+    connections = [
+        RobotConnection(page, n, target, tell, single=single) for n, target in enumerate(targets, 1)
+    ]
+    async with running(*(connection.keep_open() for connection in connections)):
+        for connection in connections:
+            await connection.tried.wait()
+        failures = [
+            connection.failure for connection in connections if connection.failure is not None
+        ]
+        if len(failures) == len(connections):
             raise failures[0]
         for failure in failures:
-            tell(f"Not there: {failure}; it is looked for every {AGAIN:.0f} s")
+            tell(f"Not there: {failure}; it is looked for every {RETRY_PERIOD:.0f} s")
         yield
 
 
-class Keeper:
-    """Connects to one robot, and again if that fails; `number` is what the page knows it by.
+class RobotConnection:
+    """Connects to one robot, and again if that fails; `number` is its number on the page.
 
     Attributes:
         tried: Set after the first attempt.
-        failure: Why that failed, `None` if it did not.
+        failure: The error of that attempt, `None` if it succeeded.
     """
 
     def __init__(
-        self, page: Page, number: int, target: Target, tell: Callable[[str], None], *, alone: bool
+        self, page: Page, number: int, target: Target, tell: Callable[[str], None], *, single: bool
     ) -> None:
         self.tried = asyncio.Event()
         self.failure: Exception | None = None
@@ -90,25 +94,25 @@ class Keeper:
         self._number = number
         self._target = target
         self._tell = tell
-        self._alone = alone
+        self._single = single
 
-    async def keep(self) -> None:
+    async def keep_open(self) -> None:
         """Serve the robot until cancelled."""
         while True:
             try:
                 await self._serve()
             except (LinkError, NoRobotError) as error:
-                if self._alone:
+                if self._single:
                     raise
                 self._note(error)
                 if self._target.record is not None:
                     self._target.record.unlink(missing_ok=True)  # the next attempt makes it anew
             except Exception as error:
-                if self._alone or not self.tried.is_set():
+                if self._single or not self.tried.is_set():
                     raise
                 log.exception("%s failed", self._target.url)
                 self._tell(f"{self._target.url} failed: {error!r}")
-            await asyncio.sleep(AGAIN)
+            await asyncio.sleep(RETRY_PERIOD)
 
     async def _serve(self) -> None:
         target = self._target
@@ -124,16 +128,16 @@ class Keeper:
             self._in_scene(robot) as scene,
             self._page.hosting(robot, scene, target.name, self._number) as view,
         ):
-            self._tell(f"Connected to a {kind(robot.info)}: {_who(robot, view.name)}")
+            self._tell(f"Connected to a {kind(robot.info)}: {_title(robot, view.name)}")
             self.tried.set()
-            which = "" if self._alone else f"{view.name}: "
+            which = "" if self._single else f"{view.name}: "
             async for status in robot.supervisor.status.values():
                 self._tell(f"{which}{status.connection.value}: {status.message}")
             await asyncio.get_running_loop().create_future()  # the page of a recording stays
 
     @asynccontextmanager
     async def _in_scene(self, robot: Robot) -> AsyncIterator[Scene]:
-        """Yield what surrounds `robot`: another program's simulator is asked for it."""
+        """Yield the surroundings of `robot`; a simulator in another program is asked for them."""
         scene = self._target.scene
         if scene.simulated:
             yield scene
@@ -148,7 +152,7 @@ class Keeper:
             self.tried.set()
 
 
-def _who(robot: Robot, name: str) -> str:
+def _title(robot: Robot, name: str) -> str:
     info = robot.info
     speed = f" at {info.speed} baud" if info.speed else ""
     return f"{name}, {info.model.title} ({info.model.name}), on {info.url}{speed}"

@@ -1,4 +1,4 @@
-"""The main job: robots or an embedded simulator, their drivers, and the page, in one loop."""
+"""`pioneer3 run`: robots or an embedded simulator, their drivers, and the page, in one loop."""
 
 import asyncio
 import re
@@ -16,22 +16,22 @@ from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
-from pioneer3.web.access.certificate import digest
-from pioneer3.web.access.names import is_loopback
+from pioneer3.web.access.certificate import certificate_for, digest
+from pioneer3.web.access.hosts import is_loopback
+from pioneer3.web.access.invitations import invitation_lines
 from pioneer3.web.access.sessions import free_name
-from pioneer3.web.access.sharing import certificate_for, invitation_lines
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
 
 PATIENT = Timing(silence=inf)
-"""Towards a simulator in this program: it may be paused, and when it ends, so does the link."""
+"""For a simulator in this program: it may be paused, and when it ends, so does the link."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """What to run.
+    """Options of `pioneer3 run`.
 
     Attributes:
         ports: URLs of the robots; none starts a simulator.
@@ -46,7 +46,7 @@ class Options:
         host: Address the page is served on; from elsewhere than this machine it takes pairing.
         cert: The owner's certificate for https; `None` makes one where others are let in.
         key: Its private key.
-        show_tokens: Whether `tell` writes to where nothing is kept, so that it may show tokens.
+        show_tokens: Whether the output of `tell` is not stored, so that it may show tokens.
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire; of several robots each has its own, with its
             name added.
@@ -97,7 +97,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
         await stack.enter_async_context(hosted(page, _with_options(targets, options), tell))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
-        for line in _how_to_come_in(page, options):
+        for line in _pairing_lines(page, options):
             tell(line)
         await asyncio.get_running_loop().create_future()
     return 0
@@ -154,7 +154,7 @@ def _simulated(running: RunningSimulation) -> list[Target]:
 
 
 def _with_options(targets: Sequence[Target], options: Options) -> list[Target]:
-    """Return `targets` with what is the same for all, and each with a file of its own."""
+    """Return `targets` with the options that are the same for all, each with its own file."""
     files: list[Path | None] = [options.record] * len(targets)
     if options.record is not None and len(targets) > 1:
         files = own_files(options.record, targets)
@@ -165,7 +165,7 @@ def _with_options(targets: Sequence[Target], options: Options) -> list[Target]:
 
 
 def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
-    """Return `walk-bob.txt` for `walk.txt` and bob; who has no name goes by the address."""
+    """Return `walk-bob.txt` for `walk.txt` and bob; a robot without a name has its address."""
     labels: list[str] = []
     for target in targets:
         words = re.findall(r"[\w.]+", target.name or target.url.partition(":")[2])
@@ -173,8 +173,8 @@ def own_files(path: Path, targets: Sequence[Target]) -> list[Path | None]:
     return [path.with_stem(f"{path.stem}-{label}") for label in labels]
 
 
-def _how_to_come_in(page: Page, options: Options) -> Iterator[str]:
-    """Yield what others need who want to join, or why they cannot; nothing where nobody shall."""
+def _pairing_lines(page: Page, options: Options) -> Iterator[str]:
+    """Yield instructions for other devices, or the reason why they cannot connect."""
     if is_loopback(options.host):
         return
     if not page.access.urls:
@@ -187,5 +187,5 @@ def _how_to_come_in(page: Page, options: Options) -> Iterator[str]:
     if page.access.authority is not None:
         yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
     if options.show_tokens:
-        yield from invitation_lines(page.access)
+        yield from invitation_lines(page.access.urls[0], page.access.invitations)
     yield "Who is in, one more invitation, showing somebody out: pioneer3 access --help"

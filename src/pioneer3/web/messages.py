@@ -17,7 +17,7 @@ from pioneer3.robot.config_table import Row
 from pioneer3.robot.supervisor import Connection
 from pioneer3.sim.maps.line_map import Role as ObjectRole
 from pioneer3.teleop.gamepad import Scheme
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 
 Placed = tuple[float, float, float]
 """x, y [m], theta [rad], to a millimetre."""

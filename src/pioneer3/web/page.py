@@ -14,8 +14,7 @@ from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, device
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Session, free_name
+from pioneer3.web.access.sessions import Role, Session, free_name
 from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.editor import Editor

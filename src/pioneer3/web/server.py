@@ -12,17 +12,16 @@ import uvicorn
 from pioneer3.errors import LinkError, PortBusyError
 from pioneer3.tasks import running
 from pioneer3.web.access.certificate import Certificate
-from pioneer3.web.access.names import is_loopback, own_names
-from pioneer3.web.access.sharing import others_urls
+from pioneer3.web.access.hosts import is_loopback, others_urls, own_names
 from pioneer3.web.app import make_app
-from pioneer3.web.connections import BACKLOG, Limits, Server
+from pioneer3.web.connections import BACKLOG, ConnectionLimits, Server
 from pioneer3.web.page import Page
-from pioneer3.web.websocket import ShortSocket
+from pioneer3.web.websocket import BoundedWebSocket
 
 GOODBYE = 1
-"""How long open pages are waited for at the end [s]."""
+"""Longest wait for open pages at the end [s]."""
 NEXT_PORTS = 100
-"""So far from the page's port https may be."""
+"""The port for https is one of so many after the page's."""
 ANY = frozenset({"0.0.0.0", "::"})
 """Hosts that mean every address of this machine."""
 FRAME_LIMIT = 4096
@@ -46,19 +45,19 @@ async def serve(
     certificate: Certificate | None = None,
     taken: Collection[int] = (),
 ) -> AsyncIterator[Served]:
-    """Serve `page`; yield where.
+    """Serve `page`; yield its addresses.
 
     Args:
-        page: What is served.
-        host: Address to listen on; who comes from elsewhere needs a session of :attr:`Page.access`.
+        page: The page.
+        host: Address to listen on; other machines need a session of :attr:`Page.access`.
         port: TCP port; 0 takes a free one.
         certificate: To serve https with as well, on the next free port.
-        taken: Ports that are somebody else's, though perhaps at another address.
+        taken: Ports that are in use, though perhaps at another address.
 
     Raises:
         PortBusyError, LinkError: the ports cannot be listened on.
     """
-    names, limits = own_names(host), Limits()
+    names, limits = own_names(host), ConnectionLimits()
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(running(page.run()))
         plain = _listen(host, port, stack)
@@ -82,13 +81,13 @@ async def serve(
 async def _running(
     page: Page,
     names: frozenset[str],
-    limits: Limits,
+    limits: ConnectionLimits,
     listeners: list[socket.socket],
     certificate: Certificate | None = None,
 ) -> AsyncIterator[None]:
     config = uvicorn.Config(
         make_app(page, names),
-        ws=ShortSocket,
+        ws=BoundedWebSocket,
         ws_max_size=FRAME_LIMIT,
         ws_per_message_deflate=False,
         log_config=None,
@@ -111,7 +110,7 @@ async def _running(
 
 
 def _listen(host: str, port: int, stack: AsyncExitStack) -> list[socket.socket]:
-    """Listen at `host`, and always at this very machine, where no token is needed."""
+    """Listen at `host`, and always at the loopback address, where no token is needed."""
     with ExitStack() as opened:
         listeners = [opened.enter_context(_bind(host, port))]
         if not is_loopback(host) and host not in ANY:
@@ -142,7 +141,7 @@ def _port(listeners: list[socket.socket]) -> int:
 
 
 def local_host(host: str) -> str:
-    """Return where this very machine finds a server on `host`."""
+    """Return the address of a server on `host` for this machine."""
     return host if is_loopback(host) else "127.0.0.1"
 
 

@@ -1,4 +1,4 @@
-"""uvicorn's WebSocket, kept short both ways: nothing piles up for a page, or because of one."""
+"""uvicorn's WebSocket with bounded buffers and a rate limit for what a page sends."""
 
 import asyncio
 import socket
@@ -11,34 +11,34 @@ from websockets.frames import Frame
 from pioneer3.web.messages import Told, encode
 
 UNSENT = 16_384
-"""What the system keeps for a page beyond what is on its way [bytes]; a frame more is kept here."""
-LAST_WORDS = 1.0
-"""How long a page that took nothing is given to hear why it is sent away [s]."""
+"""Unsent bytes that the system keeps for a page; one more frame is kept here."""
+CLOSE_TIME = 1.0
+"""Time for the close frame of a page that took nothing [s]."""
 RATE = 60.0
 """Frames that a page may send [1/s]; one that drives sends 15, and some more for what it shows."""
 ENOUGH, TOO_MANY = 120, 240
-"""Frames beyond that rate: who sends more is told, and heard no more but for stops; then closed."""
+"""Frames beyond that rate: above the first only stops are accepted, above the second none."""
 SLICE = 1024
-"""Bytes of a page that are read at once; then all others have their turn."""
+"""Bytes of a page that are read at once; then the others have their turn."""
 MOST_UNREAD = 65_536
 """A page that has sent so much more than could be read is closed [bytes]."""
 POLICY_VIOLATION = 1008
 FLOODS = "this page sends too much"
 STOPS = b"stop"
-"""Is in every request to stop."""
+"""Every request to stop contains it."""
 
 
-class ShortSocket(WebSocketsSansIOProtocol):
+class BoundedWebSocket(WebSocketsSansIOProtocol):
     """A WebSocket that takes the next message when the last has been handed to the network.
 
     `state["hang_up"](code, reason)` of the ASGI scope closes one that takes nothing any more. One
-    that says more than a page has to say is told, and closed if it goes on: what it drives stops.
+    that sends too much is told, and closed if it goes on: the robot that it drives stops.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._unread = bytearray()
-        self._reading = self._told = self._deaf = False
+        self._reading = self._told = self._closing = False
         self._frames, self._counted_at = 0.0, self.loop.time()
 
     def connection_made(self, transport: BaseTransport) -> None:
@@ -52,18 +52,18 @@ class ShortSocket(WebSocketsSansIOProtocol):
         super().connection_made(transport)
 
     def data_received(self, data: bytes) -> None:
-        """Read what has come, a little at a time."""
-        if self._deaf:
+        """Read the data, a little at a time."""
+        if self._closing:
             return
         self._unread += data
         if len(self._unread) > MOST_UNREAD:
-            self._show_out()
+            self._disconnect()
         elif not self._reading:
             self._read_on()
 
     def handle_text(self, event: Frame) -> None:
-        """Hear a message, unless there were too many; a stop is always heard."""
-        if not self._deaf and (self._count() <= ENOUGH or STOPS in event.data or not event.fin):
+        """Accept a message unless there were too many; a stop is always accepted."""
+        if not self._closing and (self._count() <= ENOUGH or STOPS in event.data or not event.fin):
             super().handle_text(event)
 
     def handle_bytes(self, event: Frame) -> None:
@@ -85,7 +85,7 @@ class ShortSocket(WebSocketsSansIOProtocol):
         part = bytes(self._unread[:SLICE])
         del self._unread[:SLICE]
         super().data_received(part)
-        self._reading = bool(self._unread) and not self._deaf
+        self._reading = bool(self._unread) and not self._closing
         if self._reading:
             self.loop.call_soon(self._read_on)
 
@@ -97,7 +97,7 @@ class ShortSocket(WebSocketsSansIOProtocol):
         if self._frames <= ENOUGH:
             self._told = False
         elif self._frames > TOO_MANY:
-            self._show_out()
+            self._disconnect()
         elif not self._told:
             self._told = True
             self._tell(f"{FLOODS}: only stops are heard")
@@ -108,11 +108,11 @@ class ShortSocket(WebSocketsSansIOProtocol):
             self.conn.send_text(encode(Told(message)).encode())
             self.transport.write(b"".join(self.conn.data_to_send()))
 
-    def _show_out(self) -> None:
-        """Hear no more, and let the application know that this page is gone."""
-        if self._deaf:
+    def _disconnect(self) -> None:
+        """Accept no more, and tell the application that this page is gone."""
+        if self._closing:
             return
-        self._deaf = True
+        self._closing = True
         self._unread.clear()
         self.queue.put_nowait(
             {"type": "websocket.disconnect", "code": POLICY_VIOLATION, "reason": FLOODS}
@@ -120,7 +120,7 @@ class ShortSocket(WebSocketsSansIOProtocol):
         self._hang_up(POLICY_VIOLATION, FLOODS)
 
     def _hang_up(self, code: int, reason: str) -> None:
-        """Say why, if that still gets through; then drop the connection and all that waits."""
+        """Send the reason, if that is possible; then drop the connection and its unsent data."""
         self.conn.fail(code, reason)
         self.transport.write(b"".join(self.conn.data_to_send()))
-        self.loop.call_later(LAST_WORDS, self.transport.abort)
+        self.loop.call_later(CLOSE_TIME, self.transport.abort)

@@ -18,8 +18,8 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web import live as live_module
-from pioneer3.web.access import sharing
-from pioneer3.web.access.role import Role
+from pioneer3.web.access import hosts
+from pioneer3.web.access.sessions import Role
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.live import Options, live
 from pioneer3.web.page import Page
@@ -195,7 +195,7 @@ async def test_a_person_at_a_terminal_is_shown_a_code_and_two_tokens() -> None:
 async def test_who_wants_others_in_but_has_no_network_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(sharing, "lan_addresses", lambda host: [])
+    monkeypatch.setattr(hosts, "lan_addresses", lambda host: [])
     lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No stranger")
     assert "this computer has no address in a network" in lines[-1]
 

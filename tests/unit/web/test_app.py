@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from pioneer3.web.access.names import LOCAL_NAMES, is_ours, own_names
+from pioneer3.web.access.hosts import LOCAL_NAMES, is_ours, own_names
 from tests.unit.web.browser import Browser, product
 
 POLICY_VIOLATION = 1008

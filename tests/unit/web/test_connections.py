@@ -15,7 +15,14 @@ from websockets.exceptions import InvalidStatus
 from pioneer3 import connect_async
 from pioneer3.web import connections
 from pioneer3.web.access import certificate
-from pioneer3.web.connections import KEPT_BACK, Caller, Callers, Entrance, Limits, Stage
+from pioneer3.web.connections import (
+    KEPT_BACK,
+    Acceptor,
+    Connection,
+    ConnectionLimits,
+    ConnectionPool,
+    Phase,
+)
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
@@ -161,41 +168,41 @@ class OutOfFiles(socket.socket):
 @pytest.mark.realtime
 async def test_without_a_free_file_somebody_makes_room() -> None:
     closed: list[str] = []
-    limits = Limits(KEPT_BACK + ROOM)
-    limits.callers.add(Caller("10.0.0.1", 1e9, lambda: closed.append("the idle one")))
+    limits = ConnectionLimits(KEPT_BACK + ROOM)
+    limits.pool.add(Connection("10.0.0.1", 1e9, lambda: closed.append("the idle one")))
     with OutOfFiles() as listener:
         listener.bind(("127.0.0.1", 0))
         listener.listen()
         listener.setblocking(False)
-        entrance = Entrance(listener, limits, lambda _: asyncio.Protocol(), None)
+        acceptor = Acceptor(listener, limits, lambda _: asyncio.Protocol(), None)
         with dial("{}:{}".format(*listener.getsockname())):
-            await until(lambda: len(limits.callers) == 1 and closed)
-            limits.callers.close_silent()
-        entrance.close()
+            await until(lambda: len(limits.pool) == 1 and closed)
+            limits.pool.close_silent()
+        acceptor.close()
     assert closed == ["the idle one"]
 
 
-def callers(most: int, *who: tuple[str, Stage]) -> tuple[Callers, list[str]]:
+def callers(most: int, *who: tuple[str, Phase]) -> tuple[ConnectionPool, list[str]]:
     """Return connections, by address and stage, and who of them is closed from now on."""
-    them, closed = Callers(most), list[str]()
+    them, closed = ConnectionPool(most), list[str]()
     for number, (address, stage) in enumerate(who):
-        caller = Caller(address, 10.0, lambda n=number, a=address: closed.append(f"{a}{n}"))  # type: ignore[misc]
+        caller = Connection(address, 10.0, lambda n=number, a=address: closed.append(f"{a}{n}"))  # type: ignore[misc]
         them.add(caller)
-        caller.stage = stage
+        caller.phase = stage
     return them, closed
 
 
 def test_who_has_the_most_connections_loses_the_oldest_silent_one() -> None:
-    crowd = [("a", Stage.ASKING), ("a", Stage.ANSWERED), ("a", Stage.NEW), ("a", Stage.NEW)]
-    them, closed = callers(6, ("b", Stage.NEW), *crowd, ("c", Stage.NEW))
+    crowd = [("a", Phase.ACTIVE), ("a", Phase.ANSWERED), ("a", Phase.NEW), ("a", Phase.NEW)]
+    them, closed = callers(6, ("b", Phase.NEW), *crowd, ("c", Phase.NEW))
     for _ in range(4):
-        them.add(Caller("d", 10.0, lambda: closed.append("d")))
+        them.add(Connection("d", 10.0, lambda: closed.append("d")))
     assert closed == ["a3", "a4", "a2", "d"]
     assert len(them) == 6
 
 
 def test_who_is_overdue_is_closed() -> None:
-    them, closed = callers(9, ("a", Stage.NEW), ("b", Stage.ASKING))
+    them, closed = callers(9, ("a", Phase.NEW), ("b", Phase.ACTIVE))
     them.close_overdue(9.9)
     assert closed == []
     them.close_overdue(10.0)
@@ -204,6 +211,6 @@ def test_who_is_overdue_is_closed() -> None:
 
 def test_files_are_kept_back_for_the_robot() -> None:
     for files in (256, 1024, 100_000):
-        limits = Limits(files)
-        room = 2 * limits.callers._most + limits.most_sockets  # a request may read a file
+        limits = ConnectionLimits(files)
+        room = 2 * limits.pool._most + limits.most_sockets  # a request may read a file
         assert room <= files - KEPT_BACK

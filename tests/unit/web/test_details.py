@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos.reports import Config, Io, Report
 from pioneer3.web import messages
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 from pioneer3.web.details import PERIOD, Details
 from tests.unit.web.browser import Browser, Product, playground, product
 from tests.unit.web.test_roles import arrive

@@ -6,7 +6,7 @@ from math import hypot, pi
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 from pioneer3.web.control import KEPT
 from tests.unit.web.browser import Browser, playground, product
 from tests.unit.web.test_roles import arrive

@@ -4,8 +4,7 @@ import asyncio
 
 import pytest
 
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind
+from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.client import ONLY_DRIVERS, REVOKED
 from tests.unit.web.asking import ELSEWHERE, LAN, Script
 from tests.unit.web.browser import Browser, Playground, Product, playground, product

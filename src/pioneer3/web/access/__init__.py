@@ -1,1 +1,1 @@
-"""Who may come in, and what they may do: pairing, roles, sessions, host names, certificates."""
+"""Access to the page: pairing, roles, sessions, rate limits, host names, certificates."""

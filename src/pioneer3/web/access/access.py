@@ -1,28 +1,74 @@
-"""The doorkeeper: everything about who is in."""
+"""Decides who is let in: pairing, sessions of requests, and rate limits."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
+from pioneer3.web.access.hosts import is_from_here
 from pioneer3.web.access.invitations import Invitations
-from pioneer3.web.access.names import is_from_here
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind, Session, Sessions
-from pioneer3.web.access.throttle import NO_LIMIT, Rate, Throttle
+from pioneer3.web.access.sessions import Kind, Role, Session, Sessions
 
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """A `burst` of attempts in a row; after these, one more each `pause` [s]."""
+
+    burst: int
+    pause: float
+
+
+GUESSES, GUESSES_IN_ALL = Rate(10, 6.0), Rate(60, 1.0)
+"""Tokens from one address, and from everywhere."""
+NO_LIMIT = Rate(1, 0.0)
+MOST_KEYS = 10_000
 REQUESTS, VISITS, STOPS = Rate(1000, 0.005), Rate(80, 0.25), Rate(50, 0.05)
-"""From one address: of HTTP, and WebSockets; from one session for each robot: stops."""
+"""From one address: HTTP requests, and WebSockets; from one session for each robot: stops."""
 STOP = re.compile(r"/api/(robots/\d+/)?(emergency_)?stop")
 DEVICES = (("iPad", "tablet"), ("Tablet", "tablet"), ("Mobi", "phone"), ("Mozilla", "laptop"))
 
 
+class RateLimiter:
+    """Counts attempts, per key and in all. `clock` returns the time [s, monotonic].
+
+    Each count drains by one per pause, a leaky bucket.
+    """
+
+    def __init__(
+        self, clock: Callable[[], float], each: Rate = GUESSES, every: Rate = GUESSES_IN_ALL
+    ) -> None:
+        self._clock = clock
+        self._each = each
+        self._every = every
+        self._all = -inf
+        self._by_key: dict[str, float] = {}
+
+    def wait(self, key: str) -> float:
+        """Note an attempt of `key`, such as an address; return how long it must wait [s], or 0."""
+        now, each, every = self._clock(), self._each, self._every
+        if len(self._by_key) >= MOST_KEYS:
+            self._by_key = {k: full for k, full in self._by_key.items() if full > now}
+        one = max(now, self._by_key.get(key, -inf)) + each.pause
+        all_ = max(now, self._all) + every.pause
+        late = max(one - now - each.burst * each.pause, all_ - now - every.burst * every.pause)
+        if late > 0 or len(self._by_key) >= MOST_KEYS:
+            return late if late > 0 else each.pause
+        self._by_key[key], self._all = one, all_
+        return 0.0
+
+
 class Access:
-    """Who may come in. `clock` returns the time [s, monotonic].
+    """Decides who is let in. `clock` returns the time [s, monotonic].
 
     Attributes:
-        here: The session of everybody at this very machine, who needs no token.
-        authority: Certificate to trust so that https is trusted; `None` where there is none.
-        urls: Where others find the page, the best first; empty where only this machine does.
+        here: The session of all requests from this machine, which need no token.
+        authority: Certificate of the authority that signed ours; `None` where there is none.
+        urls: Addresses of the page for other machines, the best first; empty where only this
+            machine can reach it.
+        sessions: The sessions of other machines.
+        invitations: The tokens that open them.
+        pairing_limiter: Slows down attempts to guess tokens.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -31,9 +77,9 @@ class Access:
         self.authority: Path | None = None
         self.sessions = Sessions(clock)
         self.invitations = Invitations(clock)
-        self.throttle = Throttle(clock)
+        self.pairing_limiter = RateLimiter(clock)
         self._requests, self._visits, self._stops = (
-            Throttle(clock, rate, NO_LIMIT) for rate in (REQUESTS, VISITS, STOPS)
+            RateLimiter(clock, rate, NO_LIMIT) for rate in (REQUESTS, VISITS, STOPS)
         )
 
     def pair(
@@ -54,9 +100,9 @@ class Access:
         return self.sessions.open(name, granted, Kind.BROWSER, others=others)
 
     def session(self, peer: str, headers: Mapping[str, str], cookie: str | None) -> Session | None:
-        """Return whose request this is, `None` for a stranger's.
+        """Return the session of a request, or `None`.
 
-        A secret that is shown must be good, on this very machine too.
+        A secret that is sent must be good, also on this machine.
         """
         word, _, bearer = headers.get("authorization", "").partition(" ")
         if word:
@@ -67,13 +113,13 @@ class Access:
         return session
 
     def is_stop(self, session: Session | None, path: str) -> bool:
-        """Whether this is a request to stop, of somebody who may."""
+        """Whether this is a request to stop, with a session."""
         return session is not None and STOP.fullmatch(path) is not None
 
-    def is_too_much(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
-        """Note a request, or the `visit` of a page; return whether `peer` asks too much.
+    def exceeds_rate(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
+        """Count a request, or the `visit` of a page; return whether `peer` exceeds its rate.
 
-        Stops are counted apart, so that a flood of other requests keeps none of them out.
+        Stops are counted apart, so that a flood of other requests blocks none of them.
         """
         if visit:
             return self._visits.wait(peer) > 0
@@ -83,5 +129,5 @@ class Access:
 
 
 def device(user_agent: str) -> str:
-    """Return what a browser runs on, in a word, for those who choose no name."""
+    """Return the kind of device that a browser runs on, in a word."""
     return next((name for mark, name in DEVICES if mark in user_agent), "script")

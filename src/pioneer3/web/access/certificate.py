@@ -1,11 +1,12 @@
-"""The certificate for https: the owner's, or one of our own making, kept for this user alone.
+"""The certificate for https: the owner's, or one that is made here and kept for this user alone.
 
-An authority is made on first use, which phones can be told to trust, and a certificate signed by
-it for the addresses of today. The authority may vouch for private networks and our own names only,
-so that nobody who steals its key can pose as the rest of the world.
+A certificate authority is made on first use, which phones can be told to trust, and a certificate
+signed by it for the present addresses. The authority may sign for private networks and our own
+names only, so that its key, if it is stolen, is of no use against the rest of the world.
 """
 
 import os
+import socket
 import stat
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.errors import ConfigError
+from pioneer3.web.access.hosts import is_loopback, lan_addresses
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -29,7 +31,7 @@ class Certificate:
     Attributes:
         chain: The certificate.
         key: Its private key.
-        authority: What to trust so that it is trusted; `None` where the owner takes care of that.
+        authority: Certificate of the authority that signed it; `None` for the owner's certificate.
     """
 
     chain: Path
@@ -53,29 +55,29 @@ def owners(chain: Path, key: Path) -> Certificate:
 
 
 def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
-    """Return where ours is kept."""
+    """Return the folder of our own certificate."""
     base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
     return Path(base) / "pioneer3" / "tls"
 
 
 def own(folder: Path, names: Sequence[str]) -> Certificate:
-    """Return a certificate for `names`, host names and addresses; made anew when it must be.
+    """Return a certificate for `names`, host names and addresses; a new one when that is necessary.
 
-    Names that the authority may not vouch for are left out: public addresses that it was not made
+    Names that the authority may not sign for are left out: public addresses that it was not made
     with, and the host's own if it has been renamed.
 
     Raises:
         ConfigError: the folder cannot be written to.
     """
-    from pioneer3.web.access import authority  # noqa: PLC0415
+    from pioneer3.web.access import certificate_authority  # noqa: PLC0415
 
     certificate = Certificate(folder / "server.pem", folder / "server.key", folder / "ca.pem")
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        made = authority.load_or_make(folder, names)
-        ours = [name for name in names if authority.may_vouch_for(made.certificate, name)]
+        made = certificate_authority.load_or_make(folder, names)
+        ours = [name for name in names if certificate_authority.may_sign(made.certificate, name)]
         if not _is_good(certificate, made.certificate, ours):
-            authority.sign(made, ours, certificate.chain, certificate.key)
+            certificate_authority.sign(made, ours, certificate.chain, certificate.key)
     except (OSError, ValueError) as error:
         raise ConfigError(f"{folder}: cannot keep the certificate there: {error}") from None
     return certificate
@@ -94,10 +96,10 @@ def is_private(path: Path) -> bool:
 
 
 def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[str]) -> bool:
-    """Whether a certificate made before still serves."""
+    """Whether a certificate that was made before is still good."""
     from cryptography import x509  # noqa: PLC0415
 
-    from pioneer3.web.access.authority import names_in  # noqa: PLC0415
+    from pioneer3.web.access.certificate_authority import names_in  # noqa: PLC0415
 
     try:
         certificate = x509.load_pem_x509_certificate(known.chain.read_bytes())
@@ -109,3 +111,20 @@ def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[
         return False
     lasts = certificate.not_valid_after_utc - datetime.now(UTC) > RENEW_BEFORE
     return lasts and set(names) <= names_in(certificate)
+
+
+def certificate_for(host: str, cert: Path | None, key: Path | None) -> Certificate | None:
+    """Return the certificate for https at `host`: the owner's, or ours where others can connect.
+
+    Raises:
+        ConfigError: the owner's is incomplete or wrong, or ours cannot be kept.
+    """
+    if cert is not None and key is not None:
+        return owners(cert, key)
+    if cert is not None or key is not None:
+        raise ConfigError("--cert and --key belong together: the certificate and its private key")
+    if is_loopback(host):
+        return None
+    name = socket.gethostname().lower()
+    names = [name, f"{name}.local", "localhost", "127.0.0.1", *lan_addresses(host)]
+    return own(state_folder(), list(dict.fromkeys(names)))

@@ -1,23 +1,37 @@
-"""Who has been let in, until they are shown out."""
+"""Roles and sessions: the permissions of a browser or a script, until they are revoked."""
 
 import asyncio
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
+from hashlib import sha256
 from itertools import count
-
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.secret import fingerprint, new_secret
+from secrets import token_urlsafe
 
 IDLE = 12 * 3600.0
 """A session that is not used for this long ends [s]."""
 MOST = 200
 NAME = 40
 """Longest name [characters]."""
+SECRET_BYTES = 32
+"""Entropy of a secret: 256 bits, where 128 would do."""
+LONGEST_SECRET = 128
+"""No secret has more characters."""
+
+
+class Role(StrEnum):
+    """Permissions. Viewers look, and stop the robot. Drivers do the rest as well."""
+
+    VIEWER = "viewer"
+    DRIVER = "driver"
+
+    def covers(self, needed: "Role") -> bool:
+        """Whether this role has all permissions of `needed`."""
+        return self is Role.DRIVER or needed is Role.VIEWER
 
 
 class Kind(StrEnum):
-    """What a session belongs to."""
+    """The kind of client that a session belongs to."""
 
     HERE = "here"
     BROWSER = "browser"
@@ -26,14 +40,14 @@ class Kind(StrEnum):
 
 @dataclass(slots=True, eq=False, kw_only=True)
 class Session:
-    """Somebody at one browser, or one script.
+    """The login of one browser or one script.
 
     Attributes:
-        id: Told to people; of no use to who wants to come in.
+        id: Shown to people; it is no secret.
         name: Shown to all.
         parent: Id of the session that made this one, empty for none.
-        seen: When it was last used [s, monotonic].
-        ended: Set when it is revoked: whatever it has open must close.
+        seen: Time of its last use [s, monotonic].
+        ended: Set when it is revoked: its connections must close.
     """
 
     id: str
@@ -46,7 +60,7 @@ class Session:
 
 
 class Sessions:
-    """Opens, finds and ends sessions. They live as long as the program; nothing is on disk.
+    """Opens, finds and ends sessions. They are kept in memory only.
 
     `clock` returns the time [s, monotonic].
 
@@ -57,28 +71,28 @@ class Sessions:
     def __init__(self, clock: Callable[[], float]) -> None:
         self.on_end: Callable[[Session], None] = lambda _: None
         self._clock = clock
-        self._by_mark: dict[bytes, Session] = {}
+        self._by_fingerprint: dict[bytes, Session] = {}
         self._count = count(1)
 
     def make_room(self) -> None:
-        """End what is idle.
+        """End idle sessions.
 
         Raises:
-            OverflowError: there is no room for another one.
+            OverflowError: there is no room for another session.
         """
         self._end_idle()
-        if len(self._by_mark) >= MOST:
+        if len(self._by_fingerprint) >= MOST:
             raise OverflowError(f"there are {MOST} sessions already; revoke some first")
 
     def open(
         self, name: str, role: Role, kind: Kind, parent: str = "", others: Iterable[str] = ()
     ) -> tuple[Session, str]:
-        """Return a new session and its secret, which nobody can ask for again.
+        """Return a new session and its secret, which is not kept.
 
-        It is called `name`, or something like it that no session is called, nor any of `others`.
+        Its name is `name`, with a number if another session or one of `others` has that name.
 
         Raises:
-            OverflowError: there are too many.
+            OverflowError: there are too many sessions.
         """
         self.make_room()
         free = free_name(clean_name(name) or kind, {*self.names, *others})
@@ -91,42 +105,44 @@ class Sessions:
             seen=self._clock(),
         )
         secret = new_secret()
-        self._by_mark[fingerprint(secret)] = session
+        self._by_fingerprint[fingerprint(secret)] = session
         return session, secret
 
     @property
     def names(self) -> set[str]:
-        """What all are called."""
-        return {session.name for session in self._by_mark.values()}
+        """The names of all sessions."""
+        return {session.name for session in self._by_fingerprint.values()}
 
     def find(self, secret: str) -> Session | None:
-        """Return the session of `secret`, and note that it is used."""
+        """Return the session of `secret`, and note its use."""
         self._end_idle()
-        session = self._by_mark.get(fingerprint(secret))
+        session = self._by_fingerprint.get(fingerprint(secret))
         if session is not None:
             session.seen = self._clock()
         return session
 
     def revoke(self, id_: str) -> bool:
-        """End a session and those that it made; return whether there was one."""
-        ending = [s for s in self._by_mark.values() if id_ in {s.id, s.parent}]
+        """End a session and those that it made; return whether it was there."""
+        ending = [s for s in self._by_fingerprint.values() if id_ in {s.id, s.parent}]
         for session in ending:
             self._end(session)
         return any(session.id == id_ for session in ending)
 
     def listed(self) -> list[Session]:
-        """Return all, the oldest first."""
+        """Return all sessions, the oldest first."""
         self._end_idle()
-        return list(self._by_mark.values())
+        return list(self._by_fingerprint.values())
 
     def _end_idle(self) -> None:
         now = self._clock()
-        for session in list(self._by_mark.values()):
+        for session in list(self._by_fingerprint.values()):
             if now - session.seen >= IDLE:
                 self._end(session)
 
     def _end(self, session: Session) -> None:
-        self._by_mark = {mark: s for mark, s in self._by_mark.items() if s is not session}
+        self._by_fingerprint = {
+            key: s for key, s in self._by_fingerprint.items() if s is not session
+        }
         session.ended.set()
         self.on_end(session)
 
@@ -137,8 +153,21 @@ def clean_name(text: str) -> str:
     return " ".join(printable.split())[:NAME].strip()
 
 
-def free_name(wish: str, taken: set[str]) -> str:
-    """Return `wish`, or `wish 2`, `wish 3` if that is taken."""
-    if wish not in taken:
-        return wish
-    return next(name for n in count(2) if (name := f"{wish} {n}") not in taken)
+def free_name(wanted: str, taken: set[str]) -> str:
+    """Return `wanted`, or `wanted 2`, `wanted 3` if that is taken."""
+    if wanted not in taken:
+        return wanted
+    return next(name for n in count(2) if (name := f"{wanted} {n}") not in taken)
+
+
+def new_secret() -> str:
+    """Return a secret for a URL, a cookie or a header."""
+    return token_urlsafe(SECRET_BYTES)
+
+
+def fingerprint(secret: str) -> bytes:
+    """Return the hash that is kept in place of `secret`.
+
+    Looking it up leaks nothing by its timing: a caller who guesses does not choose the hash.
+    """
+    return sha256(secret[: LONGEST_SECRET + 1].encode("utf-8", "replace")).digest()

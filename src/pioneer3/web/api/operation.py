@@ -1,69 +1,78 @@
 """One operation of the API: declared once, served and documented from that."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from http import HTTPStatus
 from inspect import cleandoc
 from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_type_hints
 
 import msgspec
+from starlette.types import Scope
 
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Session
+from pioneer3 import __version__
+from pioneer3.web.access.middleware import MEDIA_TYPE, ErrorResponse
+from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.page import Page
-from pioneer3.web.problem import Problem
 from pioneer3.web.requests import TOO_DEEP
 from pioneer3.web.robot_view import RobotView
 
 Method = Literal["GET", "POST", "PUT", "DELETE"]
+Json = dict[str, object]
+"""An object of JSON that is written as it is."""
+PERMISSIONS = {
+    None: "For everybody.",
+    Role.VIEWER: "For everybody with a session.",
+    Role.DRIVER: "For drivers.",
+}
 
 
 @dataclass(slots=True, kw_only=True)
-class Call:
+class ApiRequest:
     """One request to the API.
 
     Attributes:
-        page: What it is about.
-        session: Who asks; `None` for a stranger, where strangers may ask.
-        scope: ASGI's.
-        path: What stood in the braces of the path.
-        at: The robot that the path names, `None` where it names none.
-        address: Where the request came from.
-        cookie: What to set in the browser, `None` for nothing.
+        page: The page that it is sent to.
+        session: The caller's session; `None` where a caller needs none.
+        scope: The ASGI scope.
+        path: The parameters in the path.
+        named: The robot that the path names, `None` where it names none.
+        address: IP address of the caller.
+        cookie: The Set-Cookie header of the answer, `None` for none.
     """
 
     page: Page
     session: Session | None
-    scope: Mapping[str, Any]
+    scope: Scope
     path: Mapping[str, str]
-    at: RobotView | None = None
+    named: RobotView | None = None
     address: str = ""
     cookie: str | None = None
 
     @property
-    def who(self) -> Session:
-        """Who asks, where only those who are in may ask."""
+    def caller(self) -> Session:
+        """The caller's session, where one is needed."""
         assert self.session is not None
         return self.session
 
     @property
     def view(self) -> RobotView:
-        """The robot that it is about, where the path names one."""
-        assert self.at is not None
-        return self.at
+        """The robot that the path names, where it names one."""
+        assert self.named is not None
+        return self.named
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Operation:
-    """What a method on a path does.
+    """A method on a path.
 
     Attributes:
-        act: Carries it out.
-        needs: Role of who may ask, `None` for everybody.
-        body: Type of what the request carries, `None` for nothing.
+        act: Carries out a request.
+        needs: Role that a caller needs, `None` for no session.
+        body: Type of the request's body, `None` for none.
         answer: Type of the answer, `NoneType` for none.
-        problems: Statuses of the problems that it may answer with.
+        errors: Statuses of its error responses.
     """
 
     method: Method
@@ -72,7 +81,7 @@ class Operation:
     needs: Role | None
     body: Any
     answer: Any
-    problems: tuple[int, ...]
+    errors: tuple[int, ...]
 
     @property
     def name(self) -> str:
@@ -81,7 +90,7 @@ class Operation:
 
     @property
     def text(self) -> tuple[str, str]:
-        """What it does: a sentence, and the rest."""
+        """Its description: the first sentence, and the rest."""
         first, _, rest = cleandoc(self.act.__doc__ or "").partition("\n")
         return first, rest.strip()
 
@@ -96,17 +105,17 @@ def operation(
     path: str,
     act: Callable[..., Any],
     needs: Role | None,
-    *problems: int,
+    *errors: int,
 ) -> Operation:
-    """Return the operation whose types and words are those of `act`.
+    """Return the operation with the types and the docstring of `act`.
 
-    `act` takes a :class:`Call`, and a `body` if requests carry one; it returns the answer or a
-    :class:`Problem`.
+    `act` takes an :class:`ApiRequest`, and a `body` if requests have one; it returns the answer or
+    an :class:`ErrorResponse`.
     """
     hints = get_type_hints(act, include_extras=True)
     answer = hints.pop("return")
     if isinstance(answer, UnionType):
-        rest = [kind for kind in get_args(answer) if kind is not Problem]
+        rest = [kind for kind in get_args(answer) if kind is not ErrorResponse]
         answer = rest[0] if len(rest) == 1 else NoneType
     usual = {403} | ({401} if needs else set()) | ({400, 413, 415} if "body" in hints else set())
     return Operation(
@@ -116,7 +125,7 @@ def operation(
         needs=needs,
         body=hints.get("body"),
         answer=answer,
-        problems=tuple(sorted({*usual, *problems, 421, 429})),
+        errors=tuple(sorted({*usual, *errors, 421, 429})),
     )
 
 
@@ -124,9 +133,81 @@ def decode(operation: Operation, data: bytes) -> Any:
     """Return the body in `data`, checked.
 
     Raises:
-        msgspec.MsgspecError, UnicodeError: it is none; the message says what is wrong with it.
+        msgspec.MsgspecError, UnicodeError: the body is invalid; the message says why.
     """
     try:
         return msgspec.json.decode(data or b"{}", type=operation.body)
     except RecursionError:
         raise msgspec.ValidationError(TOO_DEEP) from None
+
+
+def openapi(operations: Sequence[Operation]) -> bytes:
+    """Return the JSON document that describes `operations` (OpenAPI 3.1)."""
+    kinds = [kind for one in operations for kind in (one.body, one.answer) if _has_schema(kind)]
+    schemas, components = msgspec.json.schema_components(
+        [*kinds, ErrorResponse], ref_template="#/components/schemas/{name}"
+    )
+    refs = iter(schemas)
+    paths: dict[str, Json] = {}
+    for one in operations:
+        described = _describe(one)
+        if _has_schema(one.body):
+            described["requestBody"] = {"required": True, "content": _content(next(refs))}
+        success: Json = {"description": "Done."}
+        if _has_schema(one.answer):
+            success["content"] = _content(next(refs))
+        status = "200" if "content" in success else "204"
+        described["responses"] = {status: success, **_errors(one, schemas[-1])}
+        paths.setdefault(one.path, {})[one.method.lower()] = described
+    document = {
+        "openapi": "3.1.0",
+        "info": {
+            "title": "pioneer3",
+            "version": __version__,
+            "description": "Drive a Pioneer 3. SI units, angles counter-clockwise.",
+        },
+        "paths": paths,
+        "components": {
+            "schemas": components,
+            "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
+        },
+    }
+    return msgspec.json.encode(document)
+
+
+def _has_schema(kind: object) -> bool:
+    return kind not in {None, NoneType}
+
+
+def _content(schema: Json, media_type: str = "application/json") -> Json:
+    return {media_type: {"schema": schema}}
+
+
+def _errors(one: Operation, schema: Json) -> Json:
+    return {
+        str(status): {
+            "description": HTTPStatus(status).phrase,
+            "content": _content(schema, MEDIA_TYPE),
+        }
+        for status in one.errors
+    }
+
+
+def _describe(one: Operation) -> Json:
+    summary, rest = one.text
+    return {
+        "operationId": one.name,
+        "summary": summary,
+        "description": f"{rest}\n\n{PERMISSIONS[one.needs]}".strip(),
+        "tags": [one.path.split("/")[2]],
+        "security": [{"token": []}] if one.needs else [],
+        "parameters": [
+            {
+                "name": name,
+                "in": "path",
+                "required": True,
+                "schema": {"type": "integer"} if name == "robot" else {"type": "string"},
+            }
+            for name in one.parameters
+        ],
+    }

@@ -1,4 +1,4 @@
-"""Serves the operations."""
+"""Routes to the operations of the API."""
 
 from collections.abc import Mapping
 from inspect import isawaitable
@@ -9,14 +9,12 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route
 
 from pioneer3.errors import CommandError
-from pioneer3.web.access.gate import session_of
-from pioneer3.web.access.role import Role
-from pioneer3.web.api.access_calls import ACCESS
-from pioneer3.web.api.openapi import openapi
-from pioneer3.web.api.operation import Call, Operation, decode
-from pioneer3.web.api.robot_calls import ROBOTS
+from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
+from pioneer3.web.access.sessions import Role
+from pioneer3.web.api.access_operations import ACCESS
+from pioneer3.web.api.operation import ApiRequest, Operation, decode, openapi
+from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
-from pioneer3.web.problem import Problem, answer
 from pioneer3.web.robot_view import RobotView
 
 OPERATIONS = (*ROBOTS, *ACCESS)
@@ -25,8 +23,8 @@ JSON = "application/json"
 
 
 def api_routes(page: Page) -> list[BaseRoute]:
-    """Return a route for each path, and one for the document that describes them all."""
-    document = msgspec.json.encode(openapi(OPERATIONS))
+    """Return a route for each path, and one for the OpenAPI document."""
+    document = openapi(OPERATIONS)
 
     async def describe(_: Request) -> Response:
         return Response(document, media_type=JSON)
@@ -49,22 +47,22 @@ def _route(page: Page, path: str) -> Route:
 async def _serve(page: Page, operation: Operation, request: Request) -> Response:
     session = session_of(request)
     if refused := _refuse(operation, session.role if session else None):
-        return answer(refused)
-    call = Call(
+        return respond(refused)
+    call = ApiRequest(
         page=page,
         session=session,
         scope=request.scope,
         path=request.path_params,
-        at=_named(page, request.path_params),
+        named=_named(page, request.path_params),
         address=request.client.host if request.client else "",
     )
-    if "robot" in call.path and call.at is None:
-        return answer(Problem(404, f"there is no robot {call.path['robot'][:20]}"))
+    if "robot" in call.path and call.named is None:
+        return respond(ErrorResponse(404, f"there is no robot {call.path['robot'][:20]}"))
     result = await _carry_out(operation, call, request)
     if isawaitable(result):
         result = await result
-    if isinstance(result, Problem):
-        return answer(result)
+    if isinstance(result, ErrorResponse):
+        return respond(result)
     headers = {"Set-Cookie": call.cookie} if call.cookie else None
     if result is None:
         return Response(status_code=204, headers=headers)
@@ -72,41 +70,43 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
 
 
 def _named(page: Page, path: Mapping[str, str]) -> RobotView | None:
-    """Return the robot whose number stands in `path`, written as it is told."""
+    """Return the robot of the number in `path`, if it is written as in the list of robots."""
     by_number = {str(number): view for number, view in page.robots.items()}
     return by_number.get(path.get("robot", ""))
 
 
-async def _carry_out(operation: Operation, call: Call, request: Request) -> object:
+async def _carry_out(operation: Operation, call: ApiRequest, request: Request) -> object:
     if operation.body is None:
         return operation.act(call)
     data = await _read(request)
-    if isinstance(data, Problem):
+    if isinstance(data, ErrorResponse):
         return data
     try:
         return operation.act(call, decode(operation, data))
     except (msgspec.MsgspecError, UnicodeError, CommandError) as error:
-        return Problem(400, str(error))
+        return ErrorResponse(400, str(error))
 
 
-async def _read(request: Request) -> bytes | Problem:
-    """Return the body. Forms of foreign pages can send no JSON."""
+async def _read(request: Request) -> bytes | ErrorResponse:
+    """Return the body. Forms of other pages cannot send JSON."""
     kind = request.headers.get("content-type", JSON).partition(";")[0].strip().lower()
     data = bytearray()
     async for chunk in request.stream():
         data += chunk
         if len(data) > LONGEST_BODY:
-            return Problem(413, f"longer than {LONGEST_BODY} bytes")
+            return ErrorResponse(413, f"longer than {LONGEST_BODY} bytes")
     if data and kind != JSON:
-        return Problem(415, f"{JSON} is expected, not {kind[:80]}")
+        return ErrorResponse(415, f"{JSON} is expected, not {kind[:80]}")
     return bytes(data)
 
 
-def _refuse(operation: Operation, role: Role | None) -> Problem | None:
+def _refuse(operation: Operation, role: Role | None) -> ErrorResponse | None:
     if operation.needs is None:
         return None
     if role is None:
-        return Problem(401, "pair this browser, or send a bearer token; see docs/how-to/share.md")
+        return ErrorResponse(
+            401, "pair this browser, or send a bearer token; see docs/how-to/share.md"
+        )
     if not role.covers(operation.needs):
-        return Problem(403, "you are a viewer: you may look, and stop the robot")
+        return ErrorResponse(403, "you are a viewer: you may look, and stop the robot")
     return None

@@ -1,17 +1,20 @@
-"""What the API is asked and answers. SI units, angles counter-clockwise [rad]."""
+"""Bodies of requests and answers of the API. SI units, angles counter-clockwise [rad]."""
 
 from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
-from pioneer3.web.access.role import Role
+from pioneer3.geometry import Pose2, Twist2
+from pioneer3.state import Battery, Bumpers
+from pioneer3.web.access.sessions import Role
+from pioneer3.web.messages import Motors, Sonar
 
 Name = Annotated[str, Meta(max_length=40)]
 
 
 class Body(msgspec.Struct, forbid_unknown_fields=True):
-    """Anything a request carries."""
+    """The body of a request."""
 
 
 class Velocity(Body):
@@ -21,20 +24,20 @@ class Velocity(Body):
     w: float = 0.0
 
 
-class Switch(Body):
-    """Something on or off."""
+class MotorPower(Body):
+    """The motors' power."""
 
     on: bool
 
 
-class Wanted(Body):
-    """Whether to take the wheel from who has it: the robot stops first."""
+class ControlRequest(Body):
+    """Whether to take control from another who has it: the robot stops first."""
 
     take_over: bool = False
 
 
-class Answered(msgspec.Struct):
-    """It was done. `why` says why the robot stands still, and is null while it moves."""
+class CommandResult(msgspec.Struct):
+    """It was done. `why` is the reason for the robot to stand still, null while it moves."""
 
     why: str | None
 
@@ -52,64 +55,24 @@ class Robot(msgspec.Struct):
     max_turn_rate: float
 
 
-class Pose(msgspec.Struct):
-    """A place: x, y [m], theta [rad]."""
-
-    x: float
-    y: float
-    theta: float
-
-
-class Sonar(msgspec.Struct):
-    """Ranges [m] from the front left on; null where nothing echoed."""
-
-    enabled: bool
-    ranges: list[float | None]
-
-
-class Battery(msgspec.Struct):
-    """Voltage [V] and charge, from 0 to 1 or null where the robot cannot tell."""
-
-    voltage: float
-    charge: float | None
-    charging: str
-    low: bool
-
-
-class Motors(msgspec.Struct):
-    """The drive."""
-
-    enabled: bool
-    stalled: bool
-    moving: bool
-    stop_button: bool
-
-
-class Bumpers(msgspec.Struct):
-    """Contact by segment: front from left to right, rear from right to left."""
-
-    front: list[bool]
-    rear: list[bool]
-
-
 class Snapshot(msgspec.Struct):
     """One reading of everything; `sequence` counts them. Poses are in odometry's frame."""
 
     sequence: int
-    pose: Pose
-    velocity: Velocity
+    pose: Pose2
+    velocity: Twist2
     sonar: Sonar
     battery: Battery
     motors: Motors
     bumpers: Bumpers
-    faults: list[str]
+    faults: tuple[str, ...]
     emergency_stop: bool
     why: str | None
     driver: str | None
 
 
 class ModeState(msgspec.Struct):
-    """The mode that runs, and who decides what in it; how the last one ended, in words."""
+    """The running mode and the decisions of its actions; how the last one ended, in words."""
 
     mode: str | None
     decided: list[str]
@@ -117,15 +80,15 @@ class ModeState(msgspec.Struct):
     done: bool
 
 
-class WheelState(msgspec.Struct):
-    """Who has the wheel, null for nobody, and whether that is you."""
+class ControlState(msgspec.Struct):
+    """Name of the operator who has control, null for nobody, and whether that is you."""
 
     holder: str | None
     yours: bool
 
 
-class Pairing(Body):
-    """A one-time token, the name to be shown by, and the role if it shall be less than offered."""
+class PairingRequest(Body):
+    """A one-time token, the name to show, and the role if it shall be less than the token's."""
 
     token: Annotated[str, Meta(max_length=128)]
     name: Name = ""
@@ -133,7 +96,7 @@ class Pairing(Body):
 
 
 class Me(msgspec.Struct):
-    """Who you are here. `invites` says whether you may let others in, `urls` where they come in."""
+    """Your session; whether it may invite others, and the addresses of the page for them."""
 
     id: str
     name: str
@@ -143,7 +106,7 @@ class Me(msgspec.Struct):
 
 
 class SessionInfo(msgspec.Struct):
-    """Somebody who is in; `idle` is how long ago they were last heard of [s]."""
+    """A session; `idle` is the time since its last use [s]."""
 
     id: str
     name: str
@@ -153,8 +116,8 @@ class SessionInfo(msgspec.Struct):
     yours: bool
 
 
-class Invite(Body):
-    """What the one who comes may do."""
+class InvitationRequest(Body):
+    """The role of the new session."""
 
     role: Role = Role.DRIVER
 
@@ -168,15 +131,15 @@ class Invitation(msgspec.Struct):
     seconds: float
 
 
-class TokenWish(Body):
-    """What the script is called, and what it may do."""
+class TokenRequest(Body):
+    """The name of the script, and its role."""
 
     name: Name = "script"
     role: Role = Role.DRIVER
 
 
 class Token(msgspec.Struct):
-    """A bearer token. It is shown this once."""
+    """A bearer token. It is shown only once."""
 
     id: str
     name: str

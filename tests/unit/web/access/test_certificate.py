@@ -13,9 +13,8 @@ from cryptography.hazmat.primitives.serialization import Encoding
 
 from pioneer3.errors import ConfigError
 from pioneer3.web.access import certificate
-from pioneer3.web.access.authority import DAYS, load_or_make, names_in, sign
-from pioneer3.web.access.certificate import Certificate, own, owners, state_folder
-from pioneer3.web.access.sharing import certificate_for
+from pioneer3.web.access.certificate import Certificate, certificate_for, own, owners, state_folder
+from pioneer3.web.access.certificate_authority import DAYS, load_or_make, names_in, sign
 
 NAMES = ["lab-pc", "lab-pc.local", "192.168.0.7"]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from pioneer3.web.access.invitations import MOST, TERM, Invitations
-from pioneer3.web.access.role import Role
+from pioneer3.web.access.sessions import Role
 
 
 class Clock:

@@ -2,8 +2,7 @@
 
 import pytest
 
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import IDLE, MOST, NAME, Kind, Session, Sessions, clean_name
+from pioneer3.web.access.sessions import IDLE, MOST, NAME, Kind, Role, Session, Sessions, clean_name
 from tests.unit.web.access.test_invitations import Clock
 
 DRIVER, VIEWER = Role.DRIVER, Role.VIEWER

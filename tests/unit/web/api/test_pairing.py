@@ -5,9 +5,9 @@ from http.cookies import SimpleCookie
 
 import pytest
 
+from pioneer3.web.access.access import GUESSES
 from pioneer3.web.access.invitations import TERM
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.throttle import GUESSES
+from pioneer3.web.access.sessions import Role
 from tests.unit.web.asking import LAN, Answer, Script, stranger
 from tests.unit.web.browser import product
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pioneer3.web.access.names import is_from_here, is_loopback, is_own_origin
+from pioneer3.web.access.hosts import is_from_here, is_loopback, is_own_origin
 
 HERE = {"host": "localhost:8080"}
 

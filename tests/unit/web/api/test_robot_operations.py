@@ -1,15 +1,15 @@
 """The API for scripts: what it does with the robot. Virtual time."""
 
 import asyncio
+import json
 from math import pi
 
 import pytest
 
 from pioneer3.behaviors.modes import MODES
 from pioneer3.tasks import running
-from pioneer3.web.access.role import Role
-from pioneer3.web.access.sessions import Kind
-from pioneer3.web.api.openapi import openapi
+from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.api.operation import openapi
 from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
 from pioneer3.web.control import KEPT
 from pioneer3.web.modes import Follow, Goto, Wander
@@ -262,11 +262,11 @@ async def test_an_error_of_ours_is_a_problem_with_the_usual_headers(
 
 
 def test_the_document_names_every_operation_once() -> None:
-    document = openapi(OPERATIONS)
+    document = json.loads(openapi(OPERATIONS))
     names = [one["operationId"] for path in document["paths"].values() for one in path.values()]
     assert sorted(names) == sorted({one.name for one in OPERATIONS})
     assert all(one["summary"] for path in document["paths"].values() for one in path.values())
-    assert "Problem" in document["components"]["schemas"]
+    assert "ErrorResponse" in document["components"]["schemas"]
 
 
 def test_modes_are_called_as_everywhere() -> None:

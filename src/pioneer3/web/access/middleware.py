@@ -1,17 +1,21 @@
-"""The rules of the house, for every request: our names, our pages, who it is, safe headers."""
+"""Checks of every request: host name, origin, session and rate. Safe headers, error responses."""
 
 import asyncio
 from collections.abc import Mapping
+from http import HTTPStatus
 
+import msgspec
 from starlette.datastructures import Headers
-from starlette.requests import HTTPConnection
+from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pioneer3.web.access.access import Access
-from pioneer3.web.access.names import is_ours, is_own_origin
+from pioneer3.web.access.hosts import is_ours, is_own_origin
 from pioneer3.web.access.sessions import Session
-from pioneer3.web.problem import Problem, answer
 
+MEDIA_TYPE = "application/problem+json"
 HEADERS = {
     b"content-security-policy": (
         b"default-src 'self'; object-src 'none'; form-action 'self'; frame-ancestors 'none'; "
@@ -25,17 +29,55 @@ HEADERS = {
     b"cache-control": b"no-cache",
 }
 POLICY_VIOLATION = 1008
-TOO_MUCH = Problem(429, "too many requests from your address; stops are counted apart")
 SECURE = frozenset({"https", "wss"})
 
 
-class Gate:
-    """Refuses what is not for us (DNS rebinding, foreign pages), and says who is asking.
+class ErrorResponse(msgspec.Struct, frozen=True):
+    """The reason for not carrying out a request (RFC 9457, problem details).
+
+    Attributes:
+        status: The HTTP status.
+        detail: The reason, for people.
+        title: The status in words.
+    """
+
+    status: int
+    detail: str
+    title: str = ""
+
+
+def respond(error: ErrorResponse, headers: dict[str, str] | None = None) -> Response:
+    """Return the HTTP response for `error`."""
+    titled = msgspec.structs.replace(error, title=HTTPStatus(error.status).phrase)
+    return Response(
+        msgspec.json.encode(titled),
+        error.status,
+        headers={"WWW-Authenticate": "Bearer"} if error.status == 401 else headers,
+        media_type=MEDIA_TYPE,
+    )
+
+
+def respond_to_http_exception(_: Request, error: Exception) -> Response:
+    """Return the response for a path or a method that does not exist."""
+    assert isinstance(error, HTTPException)
+    return respond(ErrorResponse(error.status_code, error.detail), dict(error.headers or {}))
+
+
+def respond_to_failure(_: Request, error: Exception) -> Response:
+    """Return the response for a failure of the server; the log has the rest."""
+    return respond(ErrorResponse(500, "an error of the server; its log says more"))
+
+
+TOO_MUCH = ErrorResponse(429, "too many requests from your address; stops are counted apart")
+
+
+class AccessMiddleware:
+    """Refuses requests by DNS rebinding, of other pages and above the rate; finds their sessions.
 
     Args:
-        app: Served behind it; finds its caller by :func:`session_of`.
-        access: Who is in.
-        names: Host names this server goes by.
+        app: The application behind it; it finds the session with :func:`session_of`.
+        access: Knows the sessions.
+        names: Host names of this server.
     """
 
     def __init__(self, app: ASGIApp, access: Access, names: frozenset[str]) -> None:
@@ -59,32 +101,32 @@ class Gate:
             await send({"type": "websocket.close", "code": POLICY_VIOLATION})
         else:
             headers = {"Connection": "close"} if refused is TOO_MUCH else None
-            await answer(refused, headers)(scope, receive, send_with_headers)
+            await respond(refused, headers)(scope, receive, send_with_headers)
 
-    def _identify(self, scope: Scope) -> Problem | None:
-        """Note who asks; return why a request goes no further, or `None`."""
+    def _identify(self, scope: Scope) -> ErrorResponse | None:
+        """Find the session of a request; return the refusal, or `None`."""
         headers = Headers(scope=scope)
         if not is_ours(headers.get("host"), self._names):
-            return Problem(421, "this server does not go by that host name")
+            return ErrorResponse(421, "this server does not go by that host name")
         if not is_own_origin(headers):
-            return Problem(403, "another web page asked for this; only our own may")
+            return ErrorResponse(403, "another web page asked for this; only our own may")
         cookie = HTTPConnection(scope).cookies.get(cookie_name(scope))
         session = self._access.session(_peer(scope), headers, cookie)
         scope.setdefault("state", {})["session"] = session
         return None
 
-    async def _refuse_flood(self, scope: Scope) -> Problem | None:
-        """Return why this is one request too many, or `None`; all but stops wait for their turn.
+    async def _refuse_flood(self, scope: Scope) -> ErrorResponse | None:
+        """Return the refusal of a request above the rate, or `None`; all but stops take turns.
 
-        One has its turn in a round of the loop, so that rounds stay short: whatever the crowd, a
-        stop takes some of them from the network to the robot.
+        One request has its turn in each round of the loop, so that rounds stay short: with any
+        number of requests, a stop takes a few rounds from the network to the robot.
         """
         session, path = scope["state"]["session"], scope["path"]
         if not self._access.is_stop(session, path):
             async with self._turn:
                 await asyncio.sleep(0)
         visit = scope["type"] == "websocket"
-        too_much = self._access.is_too_much(_peer(scope), session, path, visit=visit)
+        too_much = self._access.exceeds_rate(_peer(scope), session, path, visit=visit)
         return TOO_MUCH if too_much else None
 
 
@@ -93,7 +135,7 @@ def _peer(scope: Scope) -> str:
 
 
 def session_of(connection: HTTPConnection) -> Session | None:
-    """Return whose request or WebSocket this is, `None` for a stranger's."""
+    """Return the session of a request or a WebSocket, or `None`."""
     session = connection.scope["state"]["session"]
     assert session is None or isinstance(session, Session)
     return session

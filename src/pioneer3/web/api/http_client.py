@@ -1,4 +1,4 @@
-"""Asks a server that runs on this very computer, where no token is needed."""
+"""A client of the API on this computer, where no token is needed."""
 
 from http.client import HTTPConnection, HTTPException
 from typing import TypeVar
@@ -6,8 +6,8 @@ from typing import TypeVar
 import msgspec
 
 from pioneer3.errors import CommandError, LinkError
+from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.api.types import Invitation, SessionInfo
-from pioneer3.web.problem import Problem
 
 T = TypeVar("T")
 PATIENCE = 5.0
@@ -15,7 +15,7 @@ PATIENCE = 5.0
 
 
 def sessions(port: int) -> list[SessionInfo]:
-    """Return who is in.
+    """Return the sessions.
 
     Raises:
         LinkError, CommandError: nothing answers on this TCP port, or not as asked.
@@ -24,7 +24,7 @@ def sessions(port: int) -> list[SessionInfo]:
 
 
 def revoke(port: int, session: str) -> None:
-    """Show somebody out, by the number of their session; raises as :func:`sessions` does."""
+    """End the session of this number; raises as :func:`sessions` does."""
     if not session.isalnum():
         raise CommandError(f"{session}: sessions have numbers; see: pioneer3 access list")
     _ask(port, "DELETE", f"/api/sessions/{session}", type(None))
@@ -51,7 +51,7 @@ def _ask(port: int, method: str, path: str, kind: type[T], body: object = None) 
         connection.close()
     try:
         if response.status >= 400:
-            raise CommandError(msgspec.json.decode(answer, type=Problem).detail)
+            raise CommandError(msgspec.json.decode(answer, type=ErrorResponse).detail)
         return msgspec.json.decode(answer or b"null", type=kind)
     except msgspec.MsgspecError:
         raise LinkError(f"127.0.0.1:{port}: something else answers there") from None

@@ -1,4 +1,4 @@
-"""Makes certificates (X.509) with a small authority of our own."""
+"""A small certificate authority (X.509) of our own."""
 
 import os
 import socket
@@ -13,30 +13,30 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from pioneer3.web.access.names import parsed
+from pioneer3.web.access.hosts import parsed
 
 AUTHORITY_YEARS = 10
 DAYS = 397
 """iOS takes 825 days from an authority that its user trusts, 398 from the others."""
-MAY_VOUCH_FOR = (
+PRIVATE_NETWORKS = (
     *("10.0.0.0/8", "172.16.0.0/12", "192.168.0.0/16", "169.254.0.0/16", "100.64.0.0/10"),
     *("127.0.0.0/8", "fc00::/7", "fe80::/10", "::1/128"),
 )
-"""Networks that are nobody's on the internet."""
+"""Networks that do not exist on the internet."""
 
 
 @dataclass(frozen=True, slots=True)
-class Authority:
+class CertificateAuthority:
     """Signs certificates."""
 
     certificate: x509.Certificate
     key: ec.EllipticCurvePrivateKey
 
 
-def load_or_make(folder: Path, names: Sequence[str]) -> Authority:
+def load_or_make(folder: Path, names: Sequence[str]) -> CertificateAuthority:
     """Return the authority kept in `folder`; the first time, or when it has expired, a new one.
 
-    A new one may vouch for the addresses among `names` as well: some laboratories have public ones.
+    A new one may sign for the addresses among `names` as well: some laboratories have public ones.
     """
     chain, key = folder / "ca.pem", folder / "ca.key"
     if chain.exists() and key.exists():
@@ -44,14 +44,14 @@ def load_or_make(folder: Path, names: Sequence[str]) -> Authority:
         secret = serialization.load_pem_private_key(key.read_bytes(), None)
         lasts = known.not_valid_after_utc - datetime.now(UTC)
         if isinstance(secret, ec.EllipticCurvePrivateKey) and lasts > timedelta(days=DAYS):
-            return Authority(known, secret)
+            return CertificateAuthority(known, secret)
     made = _make([address for name in names if (address := parsed(name)) is not None])
     write_private(key, _pem(made.key))
     chain.write_bytes(made.certificate.public_bytes(serialization.Encoding.PEM))
     return made
 
 
-def sign(authority: Authority, names: Sequence[str], chain: Path, key: Path) -> None:
+def sign(authority: CertificateAuthority, names: Sequence[str], chain: Path, key: Path) -> None:
     """Write a certificate for `names`, host names and addresses, and its key."""
     secret = ec.generate_private_key(ec.SECP256R1())
     builder = _builder(_name(names[0]), authority.certificate.subject, secret, timedelta(days=DAYS))
@@ -68,8 +68,8 @@ def sign(authority: Authority, names: Sequence[str], chain: Path, key: Path) -> 
     chain.write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
 
 
-def may_vouch_for(authority: x509.Certificate, name: str) -> bool:
-    """Whether a certificate for `name` is worth anything; one wrong name spoils all of it."""
+def may_sign(authority: x509.Certificate, name: str) -> bool:
+    """Whether the authority may sign for `name`; one wrong name makes a certificate invalid."""
     constraints = authority.extensions.get_extension_for_class(x509.NameConstraints).value
     allowed = [each.value for each in constraints.permitted_subtrees or ()]
     address = parsed(name)
@@ -85,7 +85,7 @@ def names_in(certificate: x509.Certificate) -> set[str]:
 
 
 def write_private(path: Path, data: bytes) -> None:
-    """Write a file that nobody else can read, at no time."""
+    """Write a file that no other user can read at any time."""
     draft = path.with_name(f".{path.name}.new")
     draft.unlink(missing_ok=True)
     with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
@@ -93,12 +93,12 @@ def write_private(path: Path, data: bytes) -> None:
     draft.replace(path)
 
 
-def _make(addresses: Sequence[IPv4Address | IPv6Address]) -> Authority:
+def _make(addresses: Sequence[IPv4Address | IPv6Address]) -> CertificateAuthority:
     secret = ec.generate_private_key(ec.SECP256R1())
     host = socket.gethostname()
     name = _name(f"pioneer3 on {host}"[:64])
     own = [x509.DNSName(each) for each in ("localhost", "local", host.lower())]
-    networks = [x509.IPAddress(ip_network(each)) for each in (*MAY_VOUCH_FOR, *addresses)]
+    networks = [x509.IPAddress(ip_network(each)) for each in (*PRIVATE_NETWORKS, *addresses)]
     certificate = (
         _builder(name, name, secret, timedelta(days=365 * AUTHORITY_YEARS))
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), True)
@@ -119,7 +119,7 @@ def _make(addresses: Sequence[IPv4Address | IPv6Address]) -> Authority:
         )
         .sign(secret, hashes.SHA256())
     )
-    return Authority(certificate, secret)
+    return CertificateAuthority(certificate, secret)
 
 
 def _builder(

@@ -1,0 +1,190 @@
+"""The operations of the API on robots."""
+
+from math import inf
+
+from pioneer3.robot.limits import checked
+from pioneer3.state import Snapshot
+from pioneer3.web import messages
+from pioneer3.web.access.middleware import ErrorResponse
+from pioneer3.web.access.sessions import Role
+from pioneer3.web.api import types
+from pioneer3.web.api.operation import ApiRequest, operation
+from pioneer3.web.modes import Goto, Mode
+from pioneer3.web.robot_view import RobotView
+
+
+def list_robots(request: ApiRequest) -> list[types.Robot]:
+    """List the robots."""
+    return [describe(view) for view in request.page.robots.values()]
+
+
+def get_snapshot(request: ApiRequest) -> types.Snapshot | ErrorResponse:
+    """Return the newest reading of the robot."""
+    snapshot = request.view.robot.snapshot
+    if snapshot is None:
+        return ErrorResponse(409, "the robot is not connected")
+    return read(request.view, snapshot)
+
+
+def emergency_stop_all(request: ApiRequest) -> None:
+    """Stop all robots as hard as possible, motors off, until each is reset."""
+    request.page.emergency_stop()
+
+
+def stop(request: ApiRequest) -> types.CommandResult | ErrorResponse:
+    """Stop the robot, whoever drives."""
+    request.view.robot.arbiter.stop()
+    return _result(request)
+
+
+def emergency_stop(request: ApiRequest) -> types.CommandResult | ErrorResponse:
+    """Stop as hard as possible, motors off, until it is reset."""
+    request.view.robot.emergency_stop()
+    return _result(request)
+
+
+def reset_emergency_stop(request: ApiRequest) -> types.CommandResult | ErrorResponse:
+    """Release the emergency stop. The motors stay off."""
+    request.view.robot.reset_emergency_stop()
+    return _result(request)
+
+
+def switch_motors(
+    request: ApiRequest, body: types.MotorPower
+) -> types.CommandResult | ErrorResponse:
+    """Stop, then switch the motors' power."""
+    if refused := _refused(request.view.robot.arbiter.set_motors(on=body.on)):
+        return refused
+    return _result(request)
+
+
+def drive(request: ApiRequest, body: types.Velocity) -> types.CommandResult | ErrorResponse:
+    """Drive at a velocity, for half a second unless it is sent again.
+
+    Takes control if it is free. Send it 10 to 20 times a second, and 0, 0 in the end.
+    """
+    twist = checked(body.v, body.w)
+    if refused := _refused(request.view.control.drive(request.caller, twist)):
+        return refused
+    return _result(request)
+
+
+def get_wheel(request: ApiRequest) -> types.ControlState | ErrorResponse:
+    """Return who has control of the robot."""
+    holder = request.view.control.holder
+    return types.ControlState(holder.name if holder else None, holder is request.caller)
+
+
+def take_wheel(
+    request: ApiRequest, body: types.ControlRequest
+) -> types.ControlState | ErrorResponse:
+    """Take control for 5 s, or renew that.
+
+    It is yours for longer while you drive, or a mode that you started runs.
+    """
+    control = request.view.control
+    if body.take_over:
+        control.take_over(request.caller)
+    elif refused := control.take(request.caller, keep=True):
+        return ErrorResponse(409, refused)
+    return get_wheel(request)
+
+
+def give_up_wheel(request: ApiRequest) -> ErrorResponse | None:
+    """Give up control; the robot stops. Nothing happens if it is not yours."""
+    request.view.control.release(request.caller)
+    return None
+
+
+def get_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
+    """Return the running mode, or how the last one ended."""
+    arbiter = request.view.robot.arbiter
+    ended = arbiter.ended
+    return types.ModeState(
+        mode=arbiter.mode.name if arbiter.mode else None,
+        decided=list(arbiter.told) if arbiter.mode else [],
+        ended=f"{ended.mode.name}: {ended.why}" if ended else None,
+        done=ended is not None and ended.done,
+    )
+
+
+def start_mode(request: ApiRequest, body: Mode) -> types.ModeState | ErrorResponse:
+    """Stop, then start a mode.
+
+    Takes control if it is free; it is yours while the mode runs.
+    """
+    refused = request.view.control.start_mode(request.caller, body, patience=inf)
+    return _refused(refused) or get_mode(request)
+
+
+def end_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
+    """End the mode; its motion ends at once."""
+    return _refused(request.view.control.end_mode(request.caller)) or get_mode(request)
+
+
+def goto(request: ApiRequest, body: Goto) -> types.ModeState | ErrorResponse:
+    """Drive to a point: the same as that mode."""
+    return start_mode(request, body)
+
+
+def describe(view: RobotView) -> types.Robot:
+    """Return the description of a robot, with the state of its connection."""
+    robot = view.robot
+    info, status = robot.info, robot.supervisor.status.latest
+    return types.Robot(
+        number=view.number,
+        name=view.name,
+        model=info.model.name,
+        title=info.model.title,
+        url=info.url,
+        connection=status.connection.value if status else "connecting",
+        max_speed=info.limits.max_speed,
+        max_turn_rate=info.limits.max_turn_rate,
+    )
+
+
+def read(view: RobotView, now: Snapshot) -> types.Snapshot:
+    """Return a reading and the driver."""
+    driver = view.control.driver()
+    return types.Snapshot(
+        sequence=now.sequence,
+        pose=now.odometry.robot_in_odom,
+        velocity=now.odometry.twist,
+        sonar=messages.Sonar.of(now.sonar),
+        battery=now.battery,
+        motors=messages.Motors.of(now.motors),
+        bumpers=now.bumpers,
+        faults=now.faults,
+        emergency_stop=view.robot.supervisor.pilot.emergency,
+        why=view.robot.why_not_moving(),
+        driver=driver if driver is None or isinstance(driver, str) else driver.name,
+    )
+
+
+def _refused(refused: str | None) -> ErrorResponse | None:
+    return ErrorResponse(409, refused) if refused else None
+
+
+def _result(request: ApiRequest) -> types.CommandResult:
+    return types.CommandResult(request.view.robot.why_not_moving())
+
+
+ROBOT = "/api/robots/{robot}"
+VIEWER, DRIVER = Role.VIEWER, Role.DRIVER
+ROBOTS = (
+    operation("GET", "/api/robots", list_robots, VIEWER),
+    operation("POST", "/api/emergency_stop", emergency_stop_all, VIEWER),
+    operation("GET", f"{ROBOT}/snapshot", get_snapshot, VIEWER, 404, 409),
+    operation("POST", f"{ROBOT}/stop", stop, VIEWER, 404),
+    operation("POST", f"{ROBOT}/emergency_stop", emergency_stop, VIEWER, 404),
+    operation("POST", f"{ROBOT}/reset", reset_emergency_stop, DRIVER, 404),
+    operation("PUT", f"{ROBOT}/motors", switch_motors, DRIVER, 404, 409),
+    operation("POST", f"{ROBOT}/drive", drive, DRIVER, 404, 409),
+    operation("GET", f"{ROBOT}/wheel", get_wheel, VIEWER, 404),
+    operation("PUT", f"{ROBOT}/wheel", take_wheel, DRIVER, 404, 409),
+    operation("DELETE", f"{ROBOT}/wheel", give_up_wheel, DRIVER, 404),
+    operation("GET", f"{ROBOT}/mode", get_mode, VIEWER, 404),
+    operation("PUT", f"{ROBOT}/mode", start_mode, DRIVER, 404, 409),
+    operation("DELETE", f"{ROBOT}/mode", end_mode, DRIVER, 404, 409),
+    operation("POST", f"{ROBOT}/goto", goto, DRIVER, 404, 409),
+)
