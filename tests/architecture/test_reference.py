@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference import message_types
 from docs.reference.protocol_tables import PAGES, filled
 from pioneer3.arcos import commands, reports
 
@@ -68,3 +69,10 @@ def test_no_page_is_cited_that_is_not_here() -> None:
         for page in PAGE.findall(text):
             assert Path(page).name in pages, f"{name} cites {page}"
         assert not ELSEWHERE.search(text), name
+
+
+def test_the_types_of_messages_are_up_to_date() -> None:
+    todo = "run: uv run docs/reference/message_types.py"
+    assert message_types.SCHEMA.read_text(encoding="utf-8") == message_types.schema(), todo
+    told = message_types.DECLARATIONS.read_text(encoding="utf-8")
+    assert told == message_types.declarations(), todo

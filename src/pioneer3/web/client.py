@@ -211,7 +211,7 @@ class Client:
             case requests.WatchDetails() | requests.AskConfig() | requests.WatchLasers():
                 self._subscribe(request)
                 return None
-            case requests.StartMode() | requests.Goto() | requests.EndMode():
+            case requests.StartMode() | requests.GotoPlace() | requests.EndMode():
                 refused = self._change_mode(self._page.robot(request.robot), request)
             case requests.RobotRequest():
                 refused = self._drive(self._page.robot(request.robot), request)

@@ -241,7 +241,7 @@ class Control:
             self._watch_silence(mode, patience)
         return refused
 
-    def goto(self, operator: Operator, request: requests.Goto) -> PathCheck:
+    def goto(self, operator: Operator, request: requests.GotoPlace) -> PathCheck:
         """Drive straight to a place of the map; return the reasons against it.
 
         The operator must stay connected.

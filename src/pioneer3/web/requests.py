@@ -81,7 +81,7 @@ class StartMode(RobotRequest, tag="start_mode"):
     mode: Mode
 
 
-class Goto(RobotRequest, tag="goto"):
+class GotoPlace(RobotRequest, tag="goto"):
     """Drive straight to a place of the map, and turn to a heading there if one is given."""
 
     x: Metre
@@ -199,7 +199,7 @@ DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
 ControlRequest = TakeWheel | TakeOver | HandOver | GiveUpWheel
 """Changes who has control of a robot."""
-ModeRequest = StartMode | Goto | EndMode
+ModeRequest = StartMode | GotoPlace | EndMode
 """Starts or ends a mode."""
 ViewRequest = WatchDetails | AskConfig | WatchLasers
 """Changes the subscriptions of this client alone."""

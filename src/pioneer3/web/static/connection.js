@@ -48,7 +48,11 @@ export class Connection {
     this.#onChange();
   }
 
-  /** Sends now or not at all: nothing is kept for a later connection. Returns whether it was sent. */
+  /**
+   * Sends now or not at all: nothing is kept for a later connection. Returns whether it was sent.
+   *
+   * @param {import("./messages.d.ts").ToServer} message
+   */
   send(message) {
     if (!this.open) return false;
     this.#socket.send(JSON.stringify(message));

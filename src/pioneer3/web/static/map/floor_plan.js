@@ -12,12 +12,12 @@ const [OCCUPIED, FREE] = [1, 2]; // as the server has them; the shades are 85 ti
 export class FloorPlan {
   #tiles = new Map(); // "column row" -> {path, count, box}
   #grids = [];
-  /** Objects that the map names: {role, kind, name, x, y, theta, heads, forbidden, solid, points}. */
+  /** Objects that the map names. @type {import("../messages.d.ts").MapObject[]} */
   objects;
   /** Extent of walls, cells and objects, or null without any. */
   bounds = null;
 
-  /** @param map of the server @param grids [OccupancyGrid], read from it */
+  /** @param {import("../messages.d.ts").Drawing | null} map @param grids [OccupancyGrid], read from it */
   constructor(map = null, grids = []) {
     this.objects = map?.objects ?? [];
     this.#grids = grids;

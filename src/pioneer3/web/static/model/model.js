@@ -4,6 +4,7 @@ import { Robot } from "./robot.js";
 import { World } from "./world.js";
 
 export class Model {
+  /** @type {import("../messages.d.ts").Hello | null} */
   hello = null;
   /** id -> Robot, in the server's order. */
   robots = new Map();
@@ -13,11 +14,11 @@ export class Model {
   viewer = false;
   /** Number of this page's guest, by which drivers are told apart. */
   guest = null;
-  /** Control leases that are held: [{robot, id, name}]. */
+  /** Control leases that are held. @type {import("../messages.d.ts").Holder[]} */
   leases = [];
   #selected = null;
 
-  /** Takes one message of the server. */
+  /** Takes one message of the server. @param {import("../messages.d.ts").ToPage} message */
   receive(message) {
     if (message.type === "hello") this.#takeHello(message);
     else if (message.type === "status") this.#takeStatus(message);
@@ -68,7 +69,7 @@ export class Model {
     return [...this.robots.values()].filter((robot) => this.holderOf(robot)?.id === this.guest);
   }
 
-  /** The holder of a Robot's control lease: {id, name}, or undefined for nobody. */
+  /** The holder of a Robot's control lease, or undefined for nobody. @returns {import("../messages.d.ts").Holder | undefined} */
   holderOf(robot) {
     return this.leases.find((lease) => lease.robot === robot.id);
   }

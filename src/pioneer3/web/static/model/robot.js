@@ -8,9 +8,11 @@ const JUMP = 1.0; // m; a farther step is a new trail
 const TRAIL = 3000; // points
 
 export class Robot {
-  /** Its part of the server's hello: {id, name, connection, url, robot: its shape, limits}. */
+  /** Its part of the server's hello. @type {import("../messages.d.ts").Robot} */
   hello;
+  /** @type {import("../messages.d.ts").Snapshot | null} */
   snapshot = null;
+  /** @type {import("../messages.d.ts").Status | null} */
   status = null;
   /** Whether the user drags it in the editor: that leaves no trail. */
   lifted = false;
@@ -51,6 +53,7 @@ export class Robot {
     this.#leaveTrail(snapshot.pose);
   }
 
+  /** @param {import("../messages.d.ts").Sweep} sweep */
   takeScan(sweep) {
     this.points = pointsOf(sweep);
     this.#scannedAt = performance.now();

@@ -3,12 +3,13 @@
 import { PoseInterpolator } from "./interpolation.js";
 
 export class World {
-  /** id -> {id, kind, name, front, rear, side, ..., pose: {x, y, theta}} */
+  /** id -> thing, without its pose */
   things = new Map();
-  /** {paused, speed, factor, time}, or null before the first message. */
+  /** Null before the first message. @type {import("../messages.d.ts").Clock | null} */
   clock = null;
   #drawn = new Map(); // id -> PoseInterpolator
 
+  /** @param {import("../messages.d.ts").World} message */
   receive({ all, things, moved, gone, clock }) {
     const now = performance.now();
     if (all) this.clear();

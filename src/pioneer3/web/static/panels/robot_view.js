@@ -69,6 +69,7 @@ export class RobotView {
     showRoundTrip(this.#trip, roundTrip);
   }
 
+  /** @param {import("../messages.d.ts").Details | import("../messages.d.ts").NoDetails} details */
   showDetails(details) {
     if (!details.known) return;
     const { wheels, stalls, link, gyro } = details;

@@ -1,0 +1,680 @@
+// Made by docs/reference/message_types.py from pioneer3.web.messages and requests.
+
+/** All robots. `models` is null where the world cannot be changed. */
+export interface Hello {
+  type: "hello";
+  version: string;
+  robots: Robot[];
+  models: Model[] | null;
+  gamepad: Scheme;
+}
+
+/** A robot. `robot` and `limits` are null until it has been connected to. */
+export interface Robot {
+  id: number;
+  name: string;
+  connection: "ROBOT" | "SIMULATOR";
+  url: string;
+  robot: Shape | null;
+  limits: SpeedLimits | null;
+  laser: boolean;
+}
+
+/** A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]. */
+export interface Shape {
+  name: string;
+  model: string;
+  title: string;
+  length_front: number;
+  length_rear: number;
+  width: number;
+  sonars: SonarMount[];
+  front_bumpers: number;
+  rear_bumpers: number;
+  sonar_max: number;
+}
+
+/** Where a sonar transducer sits [m] and looks [rad], in the robot's frame. */
+export interface SonarMount {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** Highest speeds, and those that a page begins with [m/s, rad/s]. */
+export interface SpeedLimits {
+  speed: number;
+  turn_rate: number;
+  default_speed: number;
+  default_turn_rate: number;
+}
+
+/** A type of robot that can be added to the simulated world. */
+export interface Model {
+  name: string;
+  title: string;
+}
+
+/** Which button does what, and how fast. */
+export interface Scheme {
+  deadman: number;
+  turbo: number;
+  stop: number;
+  emergency_stop: number;
+  reset: number;
+  forward_axis: number;
+  turn_axis: number;
+  dead_zone: number;
+  speed: number;
+  turn_rate: number;
+  turbo_speed: number;
+  turbo_turn_rate: number;
+}
+
+/** The state of the connection to a robot. */
+export interface Status {
+  type: "status";
+  robot: number;
+  state: Connection;
+  message: string;
+}
+
+/** State of the connection to the robot. */
+export type Connection = "closed" | "connected" | "connecting" | "lost";
+
+/** New snapshots, of one or several robots. */
+export interface Robots {
+  type: "robots";
+  snapshots: Snapshot[];
+}
+
+/** A reading of a robot, ten times a second. Poses are in the map. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+export interface Snapshot {
+  robot: number;
+  sequence: number;
+  pose: Pose2;
+  twist: Twist2;
+  sonar: Sonar;
+  bumpers: Bumpers;
+  battery: Battery;
+  motors: Motors;
+  link: Link;
+  faults: string[];
+  why: string | null;
+  standing: "fault" | "idle" | "normal" | null;
+  emergency_stop: boolean;
+  driver: Driver | null;
+  mode: string | null;
+  decided: string[];
+  ended: ModeEnd | null;
+  commanded: Twist2 | null;
+  target: Target | null;
+}
+
+/** Position [m] and heading [rad] in some frame. */
+export interface Pose2 {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** Body velocity: `v` forward [m/s], `w` counter-clockwise [rad/s]. */
+export interface Twist2 {
+  v: number;
+  w: number;
+}
+
+/** Ranges from the front left on [m]; null where nothing echoed. */
+export interface Sonar {
+  ranges: (number | null)[];
+  enabled: boolean;
+}
+
+/** Contact by segment; front from left to right, rear from right to left (protocol.md 4.7). */
+export interface Bumpers {
+  front: boolean[];
+  rear: boolean[];
+}
+
+/** Energy. */
+export interface Battery {
+  voltage: number;
+  charge: number | null;
+  charging: Charging;
+  low: boolean;
+}
+
+/** What the charger does (protocol.md 4.2). */
+export type Charging = "balance" | "bulk" | "float" | "not charging" | "overcharge" | "unknown";
+
+/** The drive. */
+export interface Motors {
+  enabled: boolean;
+  stalled: boolean;
+  moving: boolean;
+  stop_button: boolean;
+}
+
+/** Reports per second [1/s], and counts of bad frames, reports and sessions. */
+export interface Link {
+  rate: number;
+  bad_checksums: number;
+  reports: number;
+  sessions: number;
+}
+
+/** A driver; `id` is the number of a client, null for a script or an action. */
+export interface Driver {
+  id: number | null;
+  name: string;
+}
+
+/** The mode that ended last, whether it was done, and the reason. */
+export interface ModeEnd {
+  mode: string;
+  done: boolean;
+  why: string;
+}
+
+/** The place that a mode drives to, in the map; `person` if it follows a person there. */
+export interface Target {
+  x: number;
+  y: number;
+  heading: number | null;
+  person: boolean;
+}
+
+/** New sweeps, of one or several lasers, for clients that subscribed to them. */
+export interface Scans {
+  type: "scans";
+  scans: Sweep[];
+}
+
+/** A sweep of a laser. `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
+export interface Sweep {
+  robot: number;
+  pose: [number, number, number];
+  first: number;
+  step: number;
+  ranges: number[];
+}
+
+/** The map, null where none is known. */
+export interface Map {
+  type: "map";
+  map: Drawing | null;
+}
+
+/** A map: walls as lines x0, y0, x1, y1 [m], grids, and named places. */
+export interface Drawing {
+  name: string;
+  walls: [number, number, number, number][];
+  cells: MapCells[];
+  objects: MapObject[];
+}
+
+/** A grid as a grey PNG picture in base64; its first row is the lowest, which `corner` is at. */
+export interface MapCells {
+  png: string;
+  side: number;
+  corner: [number, number, number];
+}
+
+/** A named place, line or area; `heads` if its heading `theta` means anything. */
+export interface MapObject {
+  role: "area" | "dock" | "goal" | "home" | "line" | "place";
+  kind: string;
+  name: string;
+  x: number;
+  y: number;
+  theta: number;
+  heads: boolean;
+  forbidden: boolean;
+  solid: boolean;
+  points: [number, number][];
+}
+
+/** Changes of the simulated world. `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are the ids of those removed. With `all` set, `things` is complete. */
+export interface World {
+  type: "world";
+  all: boolean;
+  things: (Box | Person | SimulatedRobot)[];
+  moved: [number, number, number, number][];
+  gone: number[];
+  clock: Clock | null;
+}
+
+/** A box. */
+export interface Box {
+  kind: "box";
+  walks: boolean;
+  id: number;
+  name: string;
+  front: number;
+  rear: number;
+  side: number;
+  pose: [number, number, number];
+}
+
+/** A person. */
+export interface Person {
+  kind: "person";
+  walks: boolean;
+  id: number;
+  name: string;
+  front: number;
+  rear: number;
+  side: number;
+  pose: [number, number, number];
+}
+
+/** A simulated robot; `own` is the number of a robot that the page drives, null of others. */
+export interface SimulatedRobot {
+  kind: "robot";
+  id: number;
+  name: string;
+  front: number;
+  rear: number;
+  side: number;
+  pose: [number, number, number];
+  model: string;
+  title: string;
+  url: string;
+  own: number | null;
+  connected: boolean;
+  stop_button: boolean;
+  plugged: boolean;
+  charge: number;
+}
+
+/** The simulated time [s], null while it runs, and how fast it runs. */
+export interface Clock {
+  paused: boolean;
+  speed: number;
+  factor: number;
+  time: number | null;
+}
+
+/** The client that this is sent to, the operators who have control, and all clients. */
+export interface People {
+  type: "people";
+  id: number;
+  name: string;
+  role: Role;
+  wheels: Holder[];
+  guests: Client[];
+}
+
+/** Permissions. Viewers look, and stop the robot. Drivers do the rest as well. */
+export type Role = "driver" | "viewer";
+
+/** The operator who has control of a robot; `id` is null for a script. */
+export interface Holder {
+  robot: number;
+  id: number | null;
+  name: string;
+}
+
+/** A client of the page. */
+export interface Client {
+  id: number;
+  name: string;
+  role: Role;
+}
+
+/** News for this client alone. */
+export interface Told {
+  type: "told";
+  message: string;
+}
+
+/** The reason to refuse a request. */
+export interface Refused {
+  type: "refused";
+  message: string;
+}
+
+/** The reason to refuse a change of the simulated world. */
+export interface EditRefused {
+  type: "edit_refused";
+  message: string;
+}
+
+/** The number of the thing that was added to the simulated world. */
+export interface Added {
+  type: "added";
+  id: number | null;
+}
+
+/** The answer to a ping. */
+export interface Pong {
+  type: "pong";
+  t: number;
+}
+
+/** More about a robot than a snapshot has. */
+export interface Details {
+  type: "details";
+  robot: number;
+  known: true;
+  findings: Finding[];
+  pose: Pose2;
+  encoder: Pose2;
+  twist: Twist2;
+  commanded: Twist2 | null;
+  wheels: Sides;
+  stalls: Stalls;
+  temperature: number | null;
+  compass: number | null;
+  flags: string[];
+  faults: string[] | null;
+  charger_power: boolean;
+  link: LinkDetails;
+  lines: Lines;
+  gyro: Gyro;
+}
+
+/** One check and its outcome. */
+export interface Finding {
+  check: string;
+  level: Level;
+  found: string;
+  meaning: string;
+  advice: string;
+  code: number;
+}
+
+/** How bad it is. */
+export type Level = "fail" | "ok" | "warn";
+
+/** Speeds of the left and the right wheel [m/s]. */
+export interface Sides {
+  left: number;
+  right: number;
+}
+
+/** Whether the left and the right wheels are blocked. */
+export interface Stalls {
+  left: boolean;
+  right: boolean;
+}
+
+/** The link; `speed` in baud, null where it has none. */
+export interface LinkDetails {
+  url: string;
+  speed: number | null;
+  reports: number;
+  bad_checksums: number;
+  bytes_skipped: number;
+  rate: number;
+  sessions: number;
+}
+
+/** Digital and analog lines; `analog` [V] is null where the robot does not tell them all. */
+export interface Lines {
+  digital_in: boolean[];
+  digital_out: boolean[];
+  analog: number[] | null;
+  selected: AnalogPort;
+}
+
+/** The selected analog port and its voltage [V]. */
+export interface AnalogPort {
+  port: number;
+  voltage: number;
+}
+
+/** The gyro's presence in words, its heading [rad] and rate [rad/s]. */
+export interface Gyro {
+  words: string;
+  heading: number | null;
+  rate: number | null;
+}
+
+/** The robot is not connected. */
+export interface NoDetails {
+  type: "details";
+  robot: number;
+  known: false;
+}
+
+/** The robot's CONFIG, and the reason for not asking it anew, or null. */
+export interface Config {
+  type: "config";
+  robot: number;
+  rows: Row[];
+  error: string | null;
+}
+
+/** One field of CONFIG, for people. */
+export interface Row {
+  group: string;
+  field: string;
+  value: string;
+  unit: string;
+  meaning: string;
+}
+
+/** Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go. */
+export interface Drive {
+  type: "drive";
+  v: number;
+  w: number;
+  input?: "gamepad" | "keyboard" | "tilt" | "touch";
+  robot?: number | null;
+}
+
+/** Stop the robot, whoever drives. */
+export interface Stop {
+  type: "stop";
+  robot?: number | null;
+}
+
+/** Stop as hard as possible until it is reset; without a number, stop all robots. */
+export interface EmergencyStop {
+  type: "emergency_stop";
+  robot?: number | null;
+}
+
+/** End the emergency stop. The motors stay off. */
+export interface ResetEmergencyStop {
+  type: "reset_emergency_stop";
+  robot?: number | null;
+}
+
+/** Switch the motors' power. */
+export interface SwitchMotors {
+  type: "motors";
+  on: boolean;
+  robot?: number | null;
+}
+
+/** Take control if it is free, and keep it. */
+export interface TakeWheel {
+  type: "take_wheel";
+  robot?: number | null;
+}
+
+/** Stop the robot, then take control, whoever has it now. */
+export interface TakeOver {
+  type: "take_over";
+  robot?: number | null;
+}
+
+/** Stop the robot, and pass control on to the client of number `to`. */
+export interface HandOver {
+  type: "hand_over";
+  to: number;
+  robot?: number | null;
+}
+
+/** Give up control; the robot stops. */
+export interface GiveUpWheel {
+  type: "give_up_wheel";
+  robot?: number | null;
+}
+
+/** Stop, then start a mode; the place of a `goto` is in odometry's frame. */
+export interface StartMode {
+  type: "start_mode";
+  mode: Wander | Follow | Goto | Turn;
+  robot?: number | null;
+}
+
+/** Drive about and keep clear of what is in the way, for some seconds at most. */
+export interface Wander {
+  mode: "wander";
+  preset?: "aria" | "explore" | "lab";
+  speed?: number | null;
+  seconds?: number;
+}
+
+/** Follow the person in front at a distance [m], as the rule's own if null. */
+export interface Follow {
+  mode: "follow";
+  rule?: "lab" | "tracking";
+  keep?: number | null;
+  seconds?: number;
+}
+
+/** Drive to a point of odometry's frame [m], and turn to a heading if that is given [rad]. */
+export interface Goto {
+  mode: "goto";
+  x: number;
+  y: number;
+  heading?: number | null;
+  speed?: number;
+  seconds?: number;
+}
+
+/** Turn on the spot by an angle [rad], at a rate of so much at most [rad/s]. */
+export interface Turn {
+  mode: "turn";
+  angle: number;
+  rate?: number;
+  seconds?: number;
+}
+
+/** Drive straight to a place of the map, and turn to a heading there if one is given. */
+export interface GotoPlace {
+  type: "goto";
+  x: number;
+  y: number;
+  heading?: number | null;
+  speed?: number;
+  robot?: number | null;
+}
+
+/** End the mode; its motion ends at once. */
+export interface EndMode {
+  type: "end_mode";
+  robot?: number | null;
+}
+
+/** Open the details of the robot in place of any other's, or close them. */
+export interface WatchDetails {
+  type: "watch_details";
+  on: boolean;
+  robot?: number | null;
+}
+
+/** Ask the robot for its CONFIG. */
+export interface AskConfig {
+  type: "ask_config";
+  robot?: number | null;
+}
+
+/** Subscribe to the lasers' sweeps, or end that; lasers are on while anybody subscribes. */
+export interface WatchLasers {
+  type: "watch_lasers";
+  on: boolean;
+}
+
+/** Ask for a pong with the same `t`. */
+export interface Ping {
+  type: "ping";
+  t: number;
+}
+
+/** Put a box into the simulated world; x, y is its middle. */
+export interface AddBox {
+  type: "add_box";
+  x: number;
+  y: number;
+  theta: number;
+  length: number;
+  width: number;
+}
+
+/** Put a person into the simulated world, who stands at a point or walks along several. */
+export interface AddPerson {
+  type: "add_person";
+  path: [number, number][];
+}
+
+/** Put one more robot, of a shipped model, into the simulated world. */
+export interface AddRobot {
+  type: "add_robot";
+  model: string;
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** Put a thing somewhere else. */
+export interface Move {
+  type: "move";
+  id: number;
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** Take a thing out of the simulated world. */
+export interface Remove {
+  type: "remove";
+  id: number;
+}
+
+/** Press or release the red button on a simulated robot. */
+export interface PressStopButton {
+  type: "stop_button";
+  id: number;
+  pressed: boolean;
+}
+
+/** Pull the cable out of a simulated robot, or put it in again. */
+export interface PlugCable {
+  type: "cable";
+  id: number;
+  plugged: boolean;
+}
+
+/** Drain or fill the battery of a simulated robot, to this share of its capacity. */
+export interface SetCharge {
+  type: "charge";
+  id: number;
+  charge: number;
+}
+
+/** Stop simulated time, or let it pass again. */
+export interface Pause {
+  type: "pause";
+  paused: boolean;
+}
+
+/** Let some simulated time pass [s], then stand still. */
+export interface Step {
+  type: "step";
+  seconds: number;
+}
+
+/** Let simulated time pass so many times as fast as real time. */
+export interface SetSpeed {
+  type: "speed";
+  speed: number;
+}
+
+export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeWheel | TakeOver | HandOver | GiveUpWheel | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
