@@ -105,7 +105,7 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
     wait_for_the_robot(second)
     drive(page, product)
     second.keyboard.down("ArrowDown")
-    expect(second.locator("#toast")).to_contain_text("has the wheel")
+    expect(second.locator("#toast")).to_contain_text("has control")
     assert product.simulation.body.drive.linear.velocity > 0.25
     second.keyboard.up("ArrowDown")
     second.locator("#driver").click()
@@ -118,7 +118,7 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
     until(lambda: product.simulation.body.drive.linear.velocity < -0.25)
     page.keyboard.up("ArrowUp")
     page.keyboard.down("ArrowUp")  # and presses again, in vain
-    expect(page.locator("#toast")).to_contain_text("has the wheel")
+    expect(page.locator("#toast")).to_contain_text("has control")
     assert product.simulation.body.drive.linear.velocity < -0.25
     assert stopped_after(product, lambda: second.keyboard.press("Space")) < BAR
 

@@ -143,7 +143,7 @@ def test_a_second_page_sees_who_started_it_and_can_only_end_it(
     expect(second.locator("#card-title")).to_have_text("Wander, started by laptop")
     open_view(second, "modes")
     second.locator("#follow-start").click()
-    expect(second.locator("#toast")).to_contain_text("has the wheel")
+    expect(second.locator("#toast")).to_contain_text("has control")
     assert running(product) == "wander"
     expect(second.locator("#card-end")).to_have_text("End wander")
     second.locator("#card-end").click()

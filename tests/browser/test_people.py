@@ -68,7 +68,7 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, share
         bob.click("#driver")
         bob.click("#lease-take-over")
         until(lambda: speed(shared) == 0.0, 2.0)
-        expect(ann.locator("#driver")).to_have_text("Bob has the wheel")
+        expect(ann.locator("#driver")).to_have_text("Bob has control")
         expect(ann.locator("#toast")).to_contain_text("Bob")
         bob.keyboard.down("ArrowUp")  # while ann still holds her key
         until(lambda: speed(shared) > 0.25)
@@ -86,7 +86,7 @@ def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: P
         bob.click("#lease-take-over")
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
         expect(ann.locator("#view-modes .mode-state")).to_have_text("Wander ended: Bob took over.")
-        expect(ann.locator("#why")).to_have_text("Bob has the wheel.")
+        expect(ann.locator("#why")).to_have_text("Bob has control.")
         ann.wait_for_timeout(500)
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
 
@@ -108,14 +108,14 @@ def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> 
     with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         ann.click("#driver")
         ann.click("#lease-take")
-        expect(ann.locator("#people-lease")).to_have_text("You have the wheel.")
-        expect(ann.locator("#driver")).to_have_text("You have the wheel")
-        ann.get_by_label("Hand the wheel to Bob").click()
-        expect(ann.locator("#people-lease")).to_have_text("Bob has the wheel.")
-        expect(bob.locator("#toast")).to_have_text("laptop has handed you the wheel")
+        expect(ann.locator("#people-lease")).to_have_text("You have control.")
+        expect(ann.locator("#driver")).to_have_text("You have control")
+        ann.get_by_label("Hand control to Bob").click()
+        expect(ann.locator("#people-lease")).to_have_text("Bob has control.")
+        expect(bob.locator("#toast")).to_have_text("laptop has handed control to you")
         bob.click("#driver")
         bob.click("#lease-release")
-        expect(ann.locator("#people-lease")).to_have_text("The wheel is free.")
+        expect(ann.locator("#people-lease")).to_have_text("Nobody has control.")
 
 
 def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(

@@ -166,14 +166,14 @@ def test_the_wheel_that_is_taken_is_the_selected_robots(page: Page, product: Pro
     page.keyboard.press("2")
     page.locator("#driver").click()
     page.locator("#lease-take").click()
-    expect(page.locator("#people-lease")).to_have_text("You have the wheel of bob.")
+    expect(page.locator("#people-lease")).to_have_text("You have control of bob.")
     assert [view.control.holder is not None for view in product.web.robots.values()] == [
         False,
         True,
         False,
     ]
     page.keyboard.press("1")
-    expect(page.locator("#people-lease")).to_have_text("The wheel of alice is free.")
+    expect(page.locator("#people-lease")).to_have_text("Nobody has control of alice.")
 
 
 def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(

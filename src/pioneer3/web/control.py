@@ -278,7 +278,7 @@ class Control:
         """
         holder = self.holder
         if holder is not None and holder is not operator:
-            return f"{holder.name} has the wheel"
+            return f"{holder.name} has control"
         self._lease.take(operator, self._clock(), KEPT if keep else None)
         if keep or holder is None:
             self._keeper = operator if keep else None
@@ -304,11 +304,11 @@ class Control:
     def hand_over(self, operator: Operator, to: Operator) -> str | None:
         """Stop the robot, and pass control on to another; return the reason not to, or `None`."""
         if self.holder is not operator:
-            return "you do not have the wheel"
+            return "you do not have control"
         self._inputs.stop()
         self._stopping_until = self._clock() + STOPPING
         self._pass_to(to)
-        self._tell(to, f"{operator.name} has handed you the wheel")
+        self._tell(to, f"{operator.name} has handed control to you")
         return None
 
     def release(self, operator: Operator) -> None:

@@ -98,7 +98,7 @@ async def test_the_first_drives_and_the_second_is_refused() -> None:
         bob.drive(-0.3)
         await driving
         assert the.speed == pytest.approx(0.3)
-        assert bob.all("refused") == [{"type": "refused", "message": "script has the wheel"}]
+        assert bob.all("refused") == [{"type": "refused", "message": "script has control"}]
         assert ann.all("refused") == []
         assert ann.driver == "you"
         assert bob.driver == "script"

@@ -28,7 +28,7 @@ async def test_who_asks_for_the_wheel_keeps_it_while_they_are_heard_of() -> None
         assert control.take(ANN, keep=True) is None
         for _ in range(10):
             await asyncio.sleep(KEPT - 0.1)
-            assert control.drive(BOB, FORWARD) == "ann has the wheel"
+            assert control.drive(BOB, FORWARD) == "ann has control"
             control.keep_alive(ANN)
         await asyncio.sleep(KEPT)
         assert control.holder is None
@@ -53,7 +53,7 @@ async def test_a_take_over_stops_the_robot_first() -> None:
         the.control.take_over(BOB)
         assert the.control.holder is BOB
         assert the.control.drive(BOB, BACK) == "the robot is still stopping"
-        assert the.control.drive(ANN, FORWARD) == "bob has the wheel"
+        assert the.control.drive(ANN, FORWARD) == "bob has control"
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
         await hold(the, BOB, BACK, 1.5)
@@ -82,12 +82,12 @@ async def test_taking_over_what_is_yours_changes_nothing() -> None:
 async def test_handing_over_stops_the_robot_and_passes_the_wheel() -> None:
     async with product() as the:
         await hold(the, ANN, FORWARD, 1.5)
-        assert the.control.hand_over(BOB, ANN) == "you do not have the wheel"
+        assert the.control.hand_over(BOB, ANN) == "you do not have control"
         assert the.control.hand_over(ANN, BOB) is None
         assert the.control.holder is BOB
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
-        assert the.control.drive(ANN, FORWARD) == "bob has the wheel"
+        assert the.control.drive(ANN, FORWARD) == "bob has control"
 
 
 async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
@@ -97,8 +97,8 @@ async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
         await asyncio.sleep(10.0)
         assert the.travelled > 0.3
         assert control.holder is control.driver() is ANN
-        assert control.start(BOB, wander(), 20.0) == "ann has the wheel"
-        assert control.end_mode(BOB) == "ann has the wheel"
+        assert control.start(BOB, wander(), 20.0) == "ann has control"
+        assert control.end_mode(BOB) == "ann has control"
         await asyncio.sleep(10.1)
         assert control.holder is None
         assert the.robot.arbiter.ended is not None
@@ -149,10 +149,10 @@ async def test_pages_take_hand_over_and_give_up_the_wheel_openly() -> None:
         bob.say("hand_over", to=ann.latest("people")["id"])
         await asyncio.sleep(0.2)
         reasons = [message["message"] for message in bob.all("refused")]
-        assert reasons == ["phone has the wheel", "you do not have the wheel"]
+        assert reasons == ["phone has control", "you do not have control"]
         ann.say("hand_over", to=bob.latest("people")["id"])
         await asyncio.sleep(0.2)
-        assert bob.latest("told")["message"] == "phone has handed you the wheel"
+        assert bob.latest("told")["message"] == "phone has handed control to you"
         ann.say("take_over")
         await asyncio.sleep(0.2)
         assert bob.latest("told")["message"] == "phone took over; you watch now"
@@ -169,7 +169,7 @@ async def test_a_page_that_only_lies_open_keeps_the_wheel_by_its_pings() -> None
             await asyncio.sleep(1.0)
         bob.drive(0.3)
         await asyncio.sleep(0.1)
-        assert bob.latest("refused")["message"] == "script has the wheel"
+        assert bob.latest("refused")["message"] == "script has control"
         await ann.leave()
         assert the.control.holder is None
 

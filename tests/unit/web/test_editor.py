@@ -144,7 +144,7 @@ async def test_nobody_drives_a_robot_that_somebody_else_drags() -> None:
         await asyncio.sleep(0.1)
         bob.drive(0.3)
         await asyncio.sleep(TERM)
-        assert bob.all("refused")[0]["message"] == "script has the wheel"
+        assert bob.all("refused")[0]["message"] == "script has control"
         await bob.keep_driving(0.3, 1.5)
         assert the.simulation.robots[0].body.drive.linear.velocity == pytest.approx(0.3)
 

@@ -142,7 +142,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
             assert drive.linear.velocity > 0.2
             bob.say("end_mode")
             await asyncio.sleep(SOON)
-            assert bob.latest("refused")["message"].endswith("has the wheel")
+            assert bob.latest("refused")["message"].endswith("has control")
         await asyncio.sleep(1.0)
         assert drive.linear.velocity == 0.0
 
@@ -153,7 +153,7 @@ async def test_who_has_not_the_wheel_sends_it_nowhere() -> None:
         await asyncio.sleep(SOON)
         bob.say("goto", x=6, y=0)
         await asyncio.sleep(SOON)
-        assert bob.latest("refused")["message"].endswith("has the wheel")
+        assert bob.latest("refused")["message"].endswith("has control")
         assert newest(bob)["mode"] is None
 
 

@@ -148,7 +148,7 @@ async def test_the_wheel_lost_in_the_middle_ends_every_input(source: Input) -> N
         bob.say("take_over")
         await asyncio.sleep(1.0)
         assert the.speed == wanted(the) == 0.0
-        assert ann.latest("refused")["message"].endswith("has the wheel")
+        assert ann.latest("refused")["message"].endswith("has control")
         await grip.let_go()
 
 

@@ -98,7 +98,7 @@ async def test_only_who_has_the_wheel_starts_and_ends_modes() -> None:
         bob.say("end_mode")
         bob.say("goto", x=1, y=1)
         await ann.stay(1.0)
-        assert [m["message"] for m in bob.all("refused")] == ["script has the wheel"] * 3
+        assert [m["message"] for m in bob.all("refused")] == ["script has control"] * 3
         assert ann.snapshot["mode"] == "wander"
         assert the.speed > 0.1
 

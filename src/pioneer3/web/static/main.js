@@ -201,7 +201,7 @@ function show() {
 function hint() {
   if (model.viewer) return WATCHING;
   const holder = people.holder;
-  if (holder && holder !== "you") return `${holder} has the wheel.`;
+  if (holder && holder !== "you") return `${holder} has control.`;
   return hasDriven ? "" : inputs.hint;
 }
 

@@ -82,7 +82,7 @@ async def test_nothing_drives_while_somebody_else_has_the_wheel(call: str) -> No
         await asyncio.sleep(0.1)
         script = Script(the.app)
         answer = await script.ask(method, f"{ROBOT}/{call}", body)
-        assert (answer.status, answer.detail) == (409, "laptop has the wheel")
+        assert (answer.status, answer.detail) == (409, "laptop has control")
         assert (await script.ask("PUT", f"{ROBOT}/wheel", {})).status == 409
         assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204  # not theirs: nothing
         assert (await script.ask("GET", f"{ROBOT}/wheel")).json == {

@@ -1,4 +1,4 @@
-// The people at the page, the control lease of the selected robot ("the wheel" in the texts), invitations and
+// The people at the page, the control of the selected robot, invitations and
 // sessions.
 
 import { byId, make, makeButton, put, set } from "../dom.js";
@@ -71,8 +71,8 @@ export class People {
     if (state === this.#drawn) return; // new buttons would lose the focus
     this.#drawn = state;
     put(byId("people-you"), `You are ${name}, a ${role}.${this.viewer ? " You may look, and stop the robots." : ""}`);
-    const wheel = this.#robot?.name ? `the wheel of ${this.#robot.name}` : "the wheel";
-    put(byId("people-lease"), this.#mine ? `You have ${wheel}.` : lease ? `${lease.name} has ${wheel}.` : `T${wheel.slice(1)} is free.`);
+    const control = this.#robot?.name ? `control of ${this.#robot.name}` : "control";
+    put(byId("people-lease"), `${this.#mine ? "You have" : lease ? `${lease.name} has` : "Nobody has"} ${control}.`);
     byId("lease-take").hidden = this.viewer || lease !== null;
     byId("lease-take-over").hidden = this.viewer || lease === null || this.#mine;
     byId("lease-release").hidden = !this.#mine;
@@ -81,9 +81,9 @@ export class People {
 
   #row({ id, name, role }) {
     const you = id === this.#people.id ? " (you)" : "";
-    const wheel = id === this.#lease?.id ? ", has the wheel" : "";
-    const handOver = () => button("Hand over", `Hand the wheel to ${name}`, () => this.#send({ type: "hand_over", to: id }));
-    return row(`${name}${you}`, `${role}${wheel}`, ...(this.#mine && !you && role === "driver" ? [handOver()] : []));
+    const control = id === this.#lease?.id ? ", has control" : "";
+    const handOver = () => button("Hand over", `Hand control to ${name}`, () => this.#send({ type: "hand_over", to: id }));
+    return row(`${name}${you}`, `${role}${control}`, ...(this.#mine && !you && role === "driver" ? [handOver()] : []));
   }
 
   #open(open) {

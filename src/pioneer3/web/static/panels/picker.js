@@ -86,7 +86,7 @@ export class Picker {
   #holderOf(robot, { text }) {
     const holder = this.#model.holderOf(robot);
     if (!holder || text.endsWith("drive") || text.endsWith("drives")) return "";
-    return holder.id === this.#model.guest ? "you have the wheel" : `${holder.name} has the wheel`;
+    return holder.id === this.#model.guest ? "you have control" : `${holder.name} has control`;
   }
 
   /** Shows so many in the row as fit, the selected one among them. */

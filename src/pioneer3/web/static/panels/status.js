@@ -47,8 +47,8 @@ export function showConnection(model, retryAt, holder) {
 function driver({ driver: who, snapshot }, holder) {
   if (who === "you") return ["You drive", "you"];
   if (who === "other") return [`${snapshot.driver.name} drives`, "warn"];
-  if (holder === "you") return ["You have the wheel", "idle"];
-  return [holder ? `${holder} has the wheel` : "Nobody drives", "idle"];
+  if (holder === "you") return ["You have control", "idle"];
+  return [holder ? `${holder} has control` : "Nobody drives", "idle"];
 }
 
 /** Shows the numbers of a snapshot. */
