@@ -1,19 +1,19 @@
-"""What a robot has besides wheels and sonars, each device asked and told in SI units.
+"""The devices of a robot besides wheels and sonars, each used in SI units.
 
 =============  ==============================================================================
 module         devices
 =============  ==============================================================================
-sensor         what sensors have in common: readings while somebody wants them
+sensor         the base of all sensors: readings on demand
 gripper        paddles, lift, beams
 lines          digital and analog inputs and outputs
 compass        TCM2
 gyro           heading from samples, where the robot sends them
 laser          scans of a simulator's laser, and the interface of every laser
-camera         pan, tilt and zoom; canon and sony have the bytes, aux_port carries them
-status         flags and faults by name, safety systems, CONFIG asked for again
+camera         pan, tilt and zoom; canon and sony encode the bytes, aux_port sends them
+status         flags and faults by name, safety systems, CONFIG on demand
 acts           blobs of colour, from the ACTS server
-presence       whether the robot has a device, and the reason to think so
-typed          a command as people type it
+presence       whether the robot has a device, and the evidence
+typed          a command that a person types
 =============  ==============================================================================
 
 Devices move no wheels: motion is the arbiter's.
@@ -56,7 +56,7 @@ __all__ = [
 
 
 class Devices:
-    """The devices of one robot, each made when it is first asked for."""
+    """The devices of one robot, each made at its first use."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
@@ -94,17 +94,17 @@ class Devices:
 
     @property
     def sensors(self) -> tuple[Sensor[Any], ...]:
-        """The sensors whose readings people are shown, in this order."""
+        """The sensors with readings to show, in this order."""
         return self.compass, self.gyro, self.gripper
 
     @property
     def bumpers(self) -> Presence:
-        """Whether there are bumpers; snapshots show what they touch."""
+        """Whether there are bumpers; their contacts are in the snapshots."""
         return self._built_in(bumpers_of)
 
     @property
     def sonars(self) -> Presence:
-        """Whether there are sonars; snapshots have their ranges."""
+        """Whether there are sonars; their ranges are in the snapshots."""
         return self._built_in(sonars_of)
 
     def camera(self, name: CameraName, port: int = 1) -> Camera:

@@ -1,4 +1,4 @@
-"""ACTS, the colour tracker that runs beside a program (facts.md 8.12); it knows no robot."""
+"""A client of ACTS, a colour tracker in a process of its own (facts.md 8.12)."""
 
 import asyncio
 from collections.abc import AsyncGenerator
@@ -10,11 +10,11 @@ from pioneer3.links import Link, Opener, open_link
 from pioneer3.robot.devices.presence import Presence
 
 PATIENCE = 2.0
-"""For one picture [s]; ACTS takes 30 in a second."""
+"""Longest wait for one picture [s]; ACTS sends 30 a second."""
 
 
 class Acts:
-    """Asks an ACTS server for pictures.
+    """Requests pictures from an ACTS server.
 
     Attributes:
         latest: The last picture, or `None` before the first one and after a failure.
@@ -29,7 +29,7 @@ class Acts:
 
     @property
     def presence(self) -> Presence:
-        """Whether it runs: only its pictures tell."""
+        """Whether it runs: only its pictures show that."""
         if self.latest is not None:
             return Presence(True, f"{self._where} sends pictures.")
         if self._failure:
@@ -37,7 +37,7 @@ class Acts:
         return Presence(None, f"Nobody has asked {self._where} yet.")
 
     async def pictures(self) -> AsyncGenerator[Picture, None]:
-        """Yield one picture after the other; a slow reader asks for fewer.
+        """Yield one picture after the other; a slow reader requests fewer.
 
         Raises:
             DeviceError: there is no ACTS, or it is silent or gone; the message says which.

@@ -12,7 +12,7 @@ from pioneer3.robot.devices.sensor import silence
 from pioneer3.robot.supervisor import Supervisor
 
 PATIENCE = 1.5
-"""For one answer [s]: a long one takes 20 ms at 9600 baud, and a report's cycle to come through."""
+"""Longest wait for one answer [s]: it takes up to 20 ms at 9600 baud, and a report's cycle."""
 TRIES = 3
 
 Send = Callable[[bytes], Command]
@@ -43,20 +43,20 @@ class AuxPort:
         """Send `data` out of the port.
 
         Raises:
-            CommandError: no robot is connected, or these are more than 199 bytes.
+            CommandError: no robot is connected, or `data` has more than 199 bytes.
         """
         self._supervisor.send(self._send(data))
 
     async def ask(
-        self, question: bytes, find: Callable[[bytes], bytes | None], size: int, *, who: str
+        self, question: bytes, find: Callable[[bytes], bytes | None], size: int, *, name: str
     ) -> bytes:
-        """Send `question` and return the answer that `find` finds in what comes back.
+        """Send `question` and return the answer that `find` finds in the received bytes.
 
         Args:
-            question: Sent again if nothing comes.
+            question: Sent again if no answer comes.
             find: Returns the answer in all bytes so far, or `None`.
             size: Bytes of the answer.
-            who: What is asked, in words.
+            name: Of the device, for messages.
 
         Raises:
             DeviceError: no answer came.
@@ -69,14 +69,16 @@ class AuxPort:
                         return await self._ask_once(question, find, size)
                 except TimeoutError:
                     continue
-        raise DeviceError(silence(self._supervisor, f"{who} on AUX{self.number}", TRIES * PATIENCE))
+        raise DeviceError(
+            silence(self._supervisor, f"{name} on AUX{self.number}", TRIES * PATIENCE)
+        )
 
     async def _ask_once(
         self, question: bytes, find: Callable[[bytes], bytes | None], size: int
     ) -> bytes:
         got = b""
         with self._supervisor.reports.subscribe(SerialAux) as heard:
-            self._supervisor.send(self._get(0))  # forget what nobody asked for
+            self._supervisor.send(self._get(0))  # discard the bytes of earlier questions
             self.write(question)
             self._supervisor.send(self._get(size))
             async for report in heard:
@@ -86,5 +88,5 @@ class AuxPort:
                 answer = find(got)
                 if answer is not None:
                     return answer
-                self._supervisor.send(self._get(1))  # something else came in between
+                self._supervisor.send(self._get(1))  # other bytes took part of the size
         raise TimeoutError

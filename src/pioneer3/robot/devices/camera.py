@@ -17,9 +17,9 @@ from pioneer3.robot.supervisor import Supervisor
 CameraName = Literal["sony", "vcc4", "vcc4-inverted"]
 UNDOCUMENTED = ("dpptu", "amptu")
 PAUSE = 0.1
-"""Between the packets that begin [s]: a camera answers one before it takes the next."""
+"""Between the first packets [s]: a camera answers one before it takes the next."""
 CORNER = 7.0
-"""How long the exercise looks into each corner [s] (facts.md 8.6)."""
+"""Time of the exercise in each corner [s] (facts.md 8.6)."""
 
 
 def kind_of(name: str) -> CameraKind:
@@ -41,11 +41,11 @@ def kind_of(name: str) -> CameraKind:
 
 
 class Camera:
-    """Turns and zooms; call :meth:`connect` first.
+    """A camera that turns and zooms; call :meth:`connect` first.
 
     Attributes:
-        kind: Its make: how far it turns.
-        aim: Where it was told to look.
+        kind: Its make, with its range of motion.
+        aim: The last commanded direction and zoom.
     """
 
     def __init__(self, supervisor: Supervisor, name: CameraName, port: int = 1) -> None:
@@ -57,16 +57,16 @@ class Camera:
 
     @property
     def presence(self) -> Presence:
-        """Whether there is one: CONFIG does not tell of cameras, only their answers do."""
-        who = f"{self.kind.title} on AUX{self._port.number}"
+        """Whether there is one: CONFIG lists no cameras, only their answers show it."""
+        device = f"{self.kind.title} on AUX{self._port.number}"
         if self._answers is None:
-            return Presence(None, f"Nobody has asked the {who} yet: CONFIG does not tell of it.")
+            return Presence(None, f"Nobody has asked the {device} yet: CONFIG does not tell of it.")
         if self._answers:
-            return Presence(True, f"The {who} answers.")
-        return Presence(False, f"The {who} does not answer: is it this port, and switched on?")
+            return Presence(True, f"The {device} answers.")
+        return Presence(False, f"The {device} does not answer: is it this port, and switched on?")
 
     async def connect(self) -> Aim:
-        """Make it obey, and return where it looks.
+        """Initialise the camera, and return its direction and zoom.
 
         Raises:
             DeviceError: it does not answer.
@@ -78,7 +78,7 @@ class Camera:
         return await self.where()
 
     async def where(self) -> Aim:
-        """Ask where it looks; the zoom is what it was told.
+        """Ask for the direction and return it, with the last commanded zoom.
 
         Raises:
             DeviceError: it does not answer.
@@ -89,7 +89,7 @@ class Camera:
                 self.kind.where,
                 self.kind.position_in,
                 self.kind.position_size,
-                who=f"the {self.kind.title}",
+                name=f"the {self.kind.title}",
             )
         except DeviceError:
             self._answers = False
@@ -110,7 +110,7 @@ class Camera:
         self.aim = wanted
 
     def turn(self, pan: float = 0.0, tilt: float = 0.0) -> None:
-        """Turn on by `pan` to the left and `tilt` up [rad], from where it was told to look.
+        """Turn by `pan` to the left and `tilt` up [rad], from the last commanded direction.
 
         Raises:
             CommandError: not finite, or no robot is connected.
@@ -144,7 +144,7 @@ class Camera:
         """
         while True:
             for place in self._corners():
-                with suppress(CommandError):  # while the link is lost it waits where it is
+                with suppress(CommandError):  # without a link the camera stays
                     self.look(*place)
                 await asyncio.sleep(CORNER)
             with suppress(CommandError):

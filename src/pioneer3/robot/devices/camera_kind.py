@@ -1,4 +1,4 @@
-"""What every camera can be told."""
+"""The interface of every make of camera."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Protocol
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Where a camera looks: `pan` to the left and `tilt` up [rad], `zoom` 0 wide to 1 tele."""
+    """Direction and zoom: `pan` to the left and `tilt` up [rad], `zoom` 0 wide to 1 tele."""
 
     pan: float = 0.0
     tilt: float = 0.0
@@ -16,23 +16,23 @@ class Aim:
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """How far an axis goes, from `low` to `high` [rad]."""
+    """The range of an axis, from `low` to `high` [rad]."""
 
     low: float
     high: float
 
     def bound(self, angle: float) -> float:
-        """Return the angle in reach that is nearest to `angle`."""
+        """Return the nearest angle in range."""
         return max(self.low, min(self.high, angle))
 
 
 class CameraKind(Protocol):
-    """The bytes of one make; angles in reach, zoom from 0 to 1.
+    """The bytes of one make; angles are in range, zoom is 0 to 1.
 
     Attributes:
         title: For people.
-        pan: To the left [rad].
-        tilt: Up [rad].
+        pan: Range to the left [rad].
+        tilt: Range up [rad].
         position_size: Bytes of the answer to :attr:`where`.
     """
 
@@ -43,16 +43,16 @@ class CameraKind(Protocol):
 
     @property
     def where(self) -> bytes:
-        """Ask for the position."""
+        """The question for the position."""
 
     def begin(self) -> Sequence[bytes]:
-        """Return what makes the camera obey, one packet after the other."""
+        """Return the packets that initialise the camera, in order."""
 
     def look(self, aim: Aim) -> bytes:
-        """Turn to pan and tilt of `aim`."""
+        """Return the packet that turns to pan and tilt of `aim`."""
 
     def zoom(self, aim: Aim) -> bytes:
-        """Zoom to that of `aim`."""
+        """Return the packet that zooms to that of `aim`."""
 
     def position_in(self, received: bytes) -> bytes | None:
         """Return the answer to :attr:`where` in `received`, or `None`."""

@@ -13,7 +13,7 @@ from pioneer3.units import DEGREE
 STEP = 0.1125 * DEGREE
 CENTRE = 0x8000
 LOWEST_STEPS, HIGHEST_STEPS = -267, 782
-"""Of the tilt: -30 to 88 degrees."""
+"""Range of tilt: -30 to 88 degrees."""
 ZOOM_STEPS = 1960
 POWER_ON, HOST_CONTROL, INIT, RANGE = b"\xa01", b"\x900", b"\x580", b"\x641"
 PAN_TILT, POSITION, ZOOM = b"\x62", b"\x63", b"\xb3"
@@ -21,7 +21,7 @@ ANSWER = re.compile(rb"\xfe00\x30.([0-9A-Fa-f]{8})\xef", re.DOTALL)
 
 
 class CanonVcc4:
-    """The camera, upright or hanging from its foot."""
+    """The camera, upright or upside down."""
 
     pan = Reach(-98 * DEGREE, 98 * DEGREE)
     position_size = 14
@@ -34,17 +34,17 @@ class CanonVcc4:
         self.tilt = Reach(-high, -low) if inverted else Reach(low, high)
 
     def begin(self) -> Sequence[bytes]:
-        """Return: power, control by the host, initialise, the whole range of tilt."""
+        """Return the packets for power, control by the host, initialisation and range of tilt."""
         reach = _hex4(CENTRE + LOWEST_STEPS) + _hex4(CENTRE + HIGHEST_STEPS)
         return [_frame(data) for data in (POWER_ON, HOST_CONTROL, INIT, RANGE + reach)]
 
     def look(self, aim: Aim) -> bytes:
-        """Turn to pan and tilt of `aim`."""
+        """Return the packet that turns to pan and tilt of `aim`."""
         pan, tilt = -self._sign * aim.pan, self._sign * aim.tilt
         return _frame(PAN_TILT + _angle(pan) + _angle(tilt))
 
     def zoom(self, aim: Aim) -> bytes:
-        """Zoom to that of `aim`."""
+        """Return the packet that zooms to that of `aim`."""
         return _frame(ZOOM + _hex4(round(aim.zoom * ZOOM_STEPS)))
 
     def position_in(self, received: bytes) -> bytes | None:

@@ -44,7 +44,7 @@ class CompassReading:
 
 
 def read_compass(report: reports.Compass, stamp: float) -> CompassReading:
-    """Return what a TCM2 packet means."""
+    """Return the reading in a TCM2 packet."""
     return CompassReading(
         stamp=stamp,
         heading=wrap(report.heading_decidegrees / 10 * DEGREE),
@@ -64,14 +64,14 @@ def read_compass(report: reports.Compass, stamp: float) -> CompassReading:
 
 
 class TcmCompass(Sensor[CompassReading]):
-    """Streams packets while wanted; afterwards the heading stays in the standard report."""
+    """Streams packets while they are wanted; then only the standard report has the heading."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         super().__init__(supervisor, COMPASS, _read)
 
     @property
     def presence(self) -> Presence:
-        """Whether there is one: CONFIG does not tell, its packets and the standard report do."""
+        """Whether there is one: its packets and the standard report show it, CONFIG does not."""
         snapshot = self._supervisor.snapshot
         if self.latest is not None:
             return Presence(True, "The TCM2 compass answers.")

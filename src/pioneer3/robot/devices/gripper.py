@@ -16,24 +16,24 @@ from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
 USER_IO, GENERAL_IO = 1, 2
-"""How a gripper is wired, as GRIPPER packets tell it (protocol.md 5.6)."""
+"""Wirings of a gripper, as numbered in GRIPPER packets (protocol.md 5.6)."""
 SENSORS = 0x3F
 LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
 """Bits of the SIP's byte for user-IO grippers, besides the digital inputs (protocol.md 4.7)."""
 
 LIFT_LEAST, LIFT_PATIENCE, GRIP_PATIENCE = 3.0, 30.0, 10.0
 """Of the exercise [s] (facts.md 8.5)."""
-FOLLOWS = {
+NEXT_ACTION = {
     GripperAction.LIFT_UP: GripperAction.CLOSE,
     GripperAction.CLOSE: GripperAction.LIFT_DOWN,
     GripperAction.LIFT_DOWN: GripperAction.OPEN,
     GripperAction.OPEN: GripperAction.LIFT_UP,
 }
-"""What the exercise does after what."""
+"""The next action of the exercise after each."""
 
 
 class Paddles(StrEnum):
-    """Where the paddles are."""
+    """Positions of the paddles."""
 
     OPEN = "open"
     BETWEEN = "between"
@@ -68,7 +68,7 @@ class GripperReading:
 
 
 def read_switches(seen: GripperSwitch, stamp: float) -> GripperReading:
-    """Return what the switches mean, as ARIA reads them (protocol.md 4.7)."""
+    """Return the reading of the switches, as ARIA does (protocol.md 4.7)."""
     left = GripperSwitch.LEFT_PADDLE_LOW not in seen
     right = GripperSwitch.RIGHT_PADDLE_LOW not in seen
     is_open = GripperSwitch.OPEN_LOW not in seen
@@ -86,7 +86,7 @@ def read_switches(seen: GripperSwitch, stamp: float) -> GripperReading:
 
 
 def switches_in(sip: Sip, wiring: int) -> GripperSwitch | None:
-    """Return the switches that a standard report shows, or `None` if it ends before."""
+    """Return the switches in a standard report, or `None` if it is too short."""
     if sip.gripper_state is None or sip.digital_in is None:
         return None
     if wiring == GENERAL_IO:
@@ -97,7 +97,7 @@ def switches_in(sip: Sip, wiring: int) -> GripperSwitch | None:
 
 
 class Exercise:
-    """ARIA's: up and open, close, down, open, up, and so on (facts.md 8.5)."""
+    """ARIA's exercise: up and open, close, down, open, up, and so on (facts.md 8.5)."""
 
     FIRST = (GripperAction.LIFT_UP, GripperAction.OPEN)
 
@@ -105,10 +105,10 @@ class Exercise:
         self._doing, self._since = GripperAction.LIFT_UP, now
 
     def step(self, gripper: GripperReading, now: float) -> GripperAction | None:
-        """Return what to do next, or `None` while it is doing something."""
+        """Return the next action, or `None` while one goes on."""
         if not self._done(gripper, now - self._since):
             return None
-        self._doing, self._since = FOLLOWS[self._doing], now
+        self._doing, self._since = NEXT_ACTION[self._doing], now
         return self._doing
 
     def _done(self, gripper: GripperReading, passed: float) -> bool:
@@ -149,10 +149,10 @@ GRIPPER: Final = SensorKind(
 
 
 class Gripper(Sensor[GripperReading]):
-    """Opens, closes, lifts, and tells how it stands.
+    """Opens, closes and lifts, and reads its switches.
 
-    Like ARIA it asks for one GRIPPER packet, which tells the wiring, and reads the switches from
-    the standard report; where that ends too early, packets are asked for with every cycle.
+    Like ARIA it asks for one GRIPPER packet, which has the wiring, and reads the switches from the
+    standard report; where that is too short, it asks for a packet in every cycle.
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
@@ -176,7 +176,7 @@ class Gripper(Sensor[GripperReading]):
         return Presence(False, "The robot has no gripper: its CONFIG says HasGripper 0.")
 
     async def reading(self, patience: float = PATIENCE) -> GripperReading:
-        """Return how it stands.
+        """Return the next reading.
 
         Raises:
             DeviceError: there is none, or it does not answer.
@@ -188,8 +188,8 @@ class Gripper(Sensor[GripperReading]):
         """Open the paddles. Any action ends an exercise.
 
         Raises:
-            DeviceError: the robot has no gripper; so for all actions.
-            CommandError: no robot is connected; so for all actions.
+            DeviceError: the robot has no gripper; also for all other actions.
+            CommandError: no robot is connected; also for all other actions.
         """
         self._act(GripperAction.OPEN)
 
@@ -226,12 +226,12 @@ class Gripper(Sensor[GripperReading]):
         self._act(GripperAction.DEPLOY)
 
     def set_grasp_time(self, seconds: float) -> None:
-        """Set how long the paddles go on pressing, in steps of 20 ms."""
+        """Set the time for which the paddles go on pressing, in steps of 20 ms."""
         self._act(GripperAction.PRESSURE)
         self._supervisor.send(commands.GripperVal(seconds))
 
     def carry_lift(self, seconds: float) -> None:
-        """Raise the lift for so long, in steps of 20 ms."""
+        """Raise the lift for `seconds`, in steps of 20 ms."""
         self._act(GripperAction.LIFT_CARRY)
         self._supervisor.send(commands.GripperVal(seconds))
 
@@ -242,18 +242,18 @@ class Gripper(Sensor[GripperReading]):
             DeviceError: there is no gripper.
         """
         self._require()
-        mine = self._exercise = Exercise(self._clock())
+        exercise = self._exercise = Exercise(self._clock())
         for action in Exercise.FIRST:
             self._supervisor.send(commands.Gripper(action))
         try:
             async for reading in self.values():
-                if self._exercise is not mine:
+                if self._exercise is not exercise:
                     return
-                following = mine.step(reading, self._clock())
+                following = exercise.step(reading, self._clock())
                 if following is not None:
                     self._supervisor.send(commands.Gripper(following))
         finally:
-            if self._exercise is mine:
+            if self._exercise is exercise:
                 self._exercise = None
                 if self._supervisor.snapshot is not None:
                     self._supervisor.send(commands.Gripper(GripperAction.HALT))
@@ -265,7 +265,7 @@ class Gripper(Sensor[GripperReading]):
 
     def _act(self, action: GripperAction) -> None:
         self._require()
-        if self._exercise is not None:  # it is halted before anything else is done
+        if self._exercise is not None:  # halt it before any other action
             self._exercise = None
             self._supervisor.send(commands.Gripper(GripperAction.HALT))
         self._supervisor.send(commands.Gripper(action))

@@ -1,4 +1,4 @@
-"""The gyro that the host corrects the heading with (protocol.md 5.4)."""
+"""The gyro with which the host corrects the heading (protocol.md 5.4)."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,13 +15,13 @@ from pioneer3.robot.supervisor import Supervisor
 from pioneer3.units import DEGREE, MM
 
 SAMPLE = 0.025
-"""Between two samples [s]."""
+"""Interval of samples [s]."""
 STANDING = Twist2(1 * MM, 1 * DEGREE)
 NEARLY_STANDING = Twist2(2 * MM, 2 * DEGREE)
 NOISE = 2
-"""Readings this close to zero are zero while the robot nearly stands [raw]."""
+"""Rates this close to zero count as zero while the robot nearly stands [raw]."""
 SPREAD = 0.005
-"""Of the running mean: what is farther off is no standstill."""
+"""Share of the running mean: a rate farther off is no standstill."""
 LEAST_TIME, LEAST_SAMPLES = 1.0, 25
 DEGREES_PER_STEP = 5 / 1023 * 300 / 2.5
 """The converter's volts, and the sensor's degrees per second and volt."""
@@ -29,13 +29,13 @@ DEGREES_PER_STEP = 5 / 1023 * 300 / 2.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GyroReading:
-    """What the gyro says.
+    """The gyro at one instant.
 
     Attributes:
         stamp: When it was received [s, monotonic].
         heading: Turned since the first standstill, counter-clockwise [rad], in (-pi, pi].
-        rate: Of the last sample [rad/s].
-        temperature_raw: Of the last sample, uncalibrated.
+        rate: Turn rate in the last sample [rad/s].
+        temperature_raw: In the last sample, uncalibrated.
     """
 
     stamp: float
@@ -45,7 +45,7 @@ class GyroReading:
 
 
 class GyroHeading:
-    """Adds up rates; the zero is learnt while the robot stands. Pure; as ARIA's `ArAnalogGyro`."""
+    """Integrates rates; learns the zero while the robot stands. Pure; as ARIA's `ArAnalogGyro`."""
 
     def __init__(self, scaler: float = GYRO_SCALER) -> None:
         self.heading = self.rate = 0.0

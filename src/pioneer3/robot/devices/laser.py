@@ -19,19 +19,19 @@ from pioneer3.state import Scan
 from pioneer3.units import MM
 
 NOTHING_MM = 0x7FFF
-"""This and more is no echo."""
+"""From here on a range means no echo."""
 
 
 class Sweep:
-    """Collects packets until they are a whole sweep; a sweep with a gap is thrown away.
+    """Collects packets into a whole sweep; drops a sweep with a gap.
 
     Args:
-        sensor_in_robot: Where the laser sits and looks [m, rad].
-        start: Angle of the first reading, from where it looks [rad].
+        sensor_in_robot: Pose of the laser [m, rad].
+        start: Angle of the first reading, in the laser's frame [rad].
         end: Angle of the last one [rad].
 
     Attributes:
-        broken: Sweeps thrown away.
+        broken: Number of dropped sweeps.
     """
 
     def __init__(self, sensor_in_robot: Pose2, start: float, end: float) -> None:
@@ -49,7 +49,7 @@ class Sweep:
     ) -> Scan | None:
         """Take a packet received at `stamp` [s]; return the sweep that it completes, or `None`.
 
-        The first packet of a sweep asks `robot_in_odom` where the robot is.
+        `robot_in_odom` is called for the robot's pose at the first packet of a sweep.
         """
         if packet.first != len(self._ranges):
             self.broken += bool(self._ranges)
@@ -69,7 +69,7 @@ class Sweep:
         ranges, count, pose = self._ranges, len(self._ranges), self._pose
         if not count or pose is None:
             return None
-        # from the count: some simulators round the field of view and the step in their own way
+        # from the count: simulators differ in rounding the field of view and the step
         step = (self._end - self._start) / (count - 1) if count > 1 else 0.0
         self._sequence += 1
         scan = Scan(
@@ -90,20 +90,20 @@ class Sweep:
 
 
 FIRST, LAST, STEP = radians(-90), radians(90), radians(1)
-"""Of ARIA's lms2xx, which a Pioneer 3 carries."""
+"""The scan of ARIA's lms2xx, the laser of a Pioneer 3."""
 FINEST = radians(0.1)
 REAL = (
-    "Lasers of real robots hang on a serial port or the network of the computer, not on the robot:"
-    " reading those is not built yet. Simulators have one."
+    "Lasers of real robots are connected to a serial port or the network of the computer, not to"
+    " the robot: reading those is not built yet. Simulators have one."
 )
 
 
 class LaserSource(Protocol):
-    """A laser range finder, wherever its scans come from: the robot's own stream or a driver."""
+    """A laser range finder, read from the robot's own stream or by a driver."""
 
     @property
     def presence(self) -> Presence:
-        """Whether there is one that can be read."""
+        """Whether there is one to read."""
 
     @property
     def latest(self) -> Scan | None:
@@ -124,7 +124,7 @@ class LaserSource(Protocol):
 
 
 def _kind(first: float, last: float, step: float) -> SensorKind:
-    """Return how to ask for scans from `first` to `last` in steps of `step` [rad]."""
+    """Return the sensor kind for scans from `first` to `last` in steps of `step` [rad]."""
     request = ReportRequest(
         begin=(
             commands.SimLrfSetFovStart(first),
@@ -142,8 +142,8 @@ def _kind(first: float, last: float, step: float) -> SensorKind:
 class Laser(Sensor[Scan]):
     """The scans of a simulator's laser.
 
-    Commands 230 to 233 set it up, which no robot takes for anything else. Where there is no such
-    laser, :meth:`wanted`, :meth:`values` and :meth:`reading` raise `DeviceError`.
+    Commands 230 to 233 configure it; robots have no other use for them. Without such a laser,
+    :meth:`wanted`, :meth:`values` and :meth:`reading` raise `DeviceError`.
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
@@ -163,13 +163,13 @@ class Laser(Sensor[Scan]):
         """Choose the scans that come from now on.
 
         Args:
-            first: Angle of the first reading, counter-clockwise from where the laser looks, in
-                whole degrees [rad].
+            first: Angle of the first reading, counter-clockwise in the laser's frame, in whole
+                degrees [rad].
             last: Angle of the last one [rad].
             step: Between two readings [rad].
 
         Raises:
-            CommandError: the angles make no sense, or the laser is on.
+            CommandError: the angles are not a scan, or the laser is on.
         """
         if self.is_wanted:
             raise CommandError("the laser is on: set it up when nobody wants scans")

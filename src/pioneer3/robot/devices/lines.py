@@ -14,7 +14,7 @@ from pioneer3.robot.report_requests import ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
 ANALOG_BITS, ANALOG_STEP = 0xFFF, 0.0048828
-"""Of an analog reading, and what one unit is worth [V] (protocol.md 5.3)."""
+"""Bits of an analog reading, and its unit [V] (protocol.md 5.3)."""
 OUTPUTS = range(8)
 OLD_LASER = range(3)
 """Analog ports that simulators take for the old laser's switch (protocol.md 3.3)."""
@@ -26,7 +26,7 @@ class LinesReading:
 
     Attributes:
         stamp: When it was received [s, monotonic].
-        digital_in: Per line whether it is high, shape (8 n,); line 8 is the first of byte 1.
+        digital_in: Whether each line is high, shape (8 n,); line 8 is the first of byte 1.
         digital_out: Likewise.
         analog: [V], by port.
     """
@@ -38,7 +38,7 @@ class LinesReading:
 
 
 def read_io(io: reports.Io, stamp: float) -> LinesReading:
-    """Return what an IO packet means."""
+    """Return the reading in an IO packet."""
     return LinesReading(
         stamp=stamp,
         digital_in=_bits(io.digital_in),
@@ -67,7 +67,7 @@ class Lines(Sensor[LinesReading]):
 
     @property
     def presence(self) -> Presence:
-        """Every controller has lines; whether it sends IO packets, the first one shows."""
+        """Every controller has lines; the first IO packet shows that it sends their states."""
         if self.latest is not None:
             return Presence(True, "The controller sends IO packets.")
         return Presence(None, "Every controller has lines; it has sent no IO packet yet.")

@@ -1,4 +1,4 @@
-"""Whether a robot has a device, and the reason to think so."""
+"""Whether a robot has a device, and the evidence."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ class Presence:
     """Whether a device is there.
 
     Attributes:
-        there: `None` where nobody can tell yet.
-        reason: How one knows, or what to try; a sentence for a person.
+        there: `None` while unknown.
+        reason: The evidence, or advice; a sentence for a person.
     """
 
     there: bool | None

@@ -1,4 +1,4 @@
-"""Sensors that send their readings while somebody wants them, over all sessions with the robot."""
+"""Sensors with readings on demand, over all sessions with the robot."""
 
 import asyncio
 from collections import deque
@@ -18,7 +18,7 @@ V = TypeVar("V")
 R = TypeVar("R", bound=Report)
 
 PATIENCE = RENEW + 1.0
-"""Longest wait for a first reading [s]: whatever was lost has been asked for twice by then."""
+"""Longest wait for a first reading [s]: a lost request has been sent again by then."""
 ANSWER_PATIENCE = 1.0
 TRIES = 3
 RATE_WINDOW = 1.0
@@ -26,13 +26,13 @@ RATE_WINDOW = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A value of a reading, as people see it.
+    """A value of a reading, for display.
 
     Attributes:
         name: Field of the reading.
         label: In a few words.
-        unit: Of :attr:`scale` times the field; empty for counts and texts.
-        scale: What one SI unit of the field is in `unit`.
+        unit: Unit shown; empty for counts and texts.
+        scale: One SI unit of the field in `unit`.
         decimals: Digits after the point.
     """
 
@@ -45,12 +45,12 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorKind:
-    """One sort of sensor.
+    """A kind of sensor.
 
     Attributes:
         name: Key of the sensor in :attr:`Devices.sensors` and in messages to the page.
-        title: In a sentence, such as `the compass`.
-        request: Makes the robot send reports of it.
+        title: For a sentence, such as `the compass`.
+        request: For its reports.
         reports: The reports that hold a reading, in the order in which they come.
         shown: The values that the page shows.
     """
@@ -63,12 +63,12 @@ class SensorKind:
 
 
 class Sensor(Generic[V]):
-    """Readings of one device, asked for while anybody wants them.
+    """Readings of one device, requested while they are wanted.
 
     Args:
         supervisor: Of the robot.
-        kind: The sort of sensor.
-        read: Makes a reading of a report received at a time [s]; `None` makes none.
+        kind: Its description.
+        read: Returns the reading in a report received at a time [s], or `None`.
 
     Attributes:
         latest: The last reading, or `None` before the first one; look at its stamp.
@@ -103,7 +103,7 @@ class Sensor(Generic[V]):
         return len(self._stamps) / RATE_WINDOW
 
     def wanted(self) -> AbstractContextManager[None]:
-        """Keep :attr:`latest` new during the block."""
+        """Request readings and keep :attr:`latest` new during the block."""
         return self._asked()
 
     @contextmanager
@@ -150,11 +150,11 @@ class Sensor(Generic[V]):
 
     @property
     def is_wanted(self) -> bool:
-        """Whether anybody wants readings now."""
+        """Whether readings are wanted now."""
         return self._readers > 0
 
     def change(self, request: ReportRequest) -> None:
-        """Ask in another way, until nobody wants readings any more."""
+        """Use another request until readings are no longer wanted."""
         self._supervisor.change_request(self.kind.title, request)
 
     def _take(self, report: Report, stamp: float) -> None:
@@ -178,10 +178,10 @@ async def ask(
     *,
     patience: float = ANSWER_PATIENCE,
 ) -> R:
-    """Send `command`, again if need be, and return the report of class `kind` that answers it.
+    """Send `command`, up to three times, and return the report of class `kind` that answers it.
 
     Raises:
-        DeviceError: there was no answer to any of three, waiting `patience` [s] for each.
+        DeviceError: no answer came within `patience` [s] of any.
         CommandError: no robot is connected.
     """
     with supervisor.reports.subscribe(kind) as heard:
@@ -199,7 +199,7 @@ async def ask(
 
 
 def silence(supervisor: Supervisor, what: str, seconds: float) -> str:
-    """Return in a sentence why `what` said nothing for `seconds`."""
+    """Return a sentence about `what`, which did not answer for `seconds`."""
     if supervisor.snapshot is None:
         return f"Nothing is known of {what}: no robot is connected."
     return f"No answer from {what} for {seconds:g} s: is it fitted, connected and switched on?"

@@ -1,7 +1,7 @@
 """Sony EVI-D30 in VISCA, as ARIA's `ArSonyPTZ` drives it.
 
-Packets are address, message, FF; numbers go in halves of bytes. 0x370 is 100 degrees to the right,
-0x12C is 25 up (Sony's EVI-D70 and EVI-D100 manuals on their D30 mode).
+Packets are address, message, FF; a byte of a number holds four bits. 0x370 is 100 degrees to the
+right, 0x12C is 25 up (Sony's EVI-D70 and EVI-D100 manuals on their D30 mode).
 """
 
 import re
@@ -27,17 +27,17 @@ class SonyEvi:
     where = bytes([0x81, 0x09, 0x06, 0x12, 0xFF])
 
     def begin(self) -> Sequence[bytes]:
-        """Return: take address 1, forget what was told before."""
+        """Return the packets that set address 1 and clear earlier commands."""
         return (ADDRESS, CLEAR)
 
     def look(self, aim: Aim) -> bytes:
-        """Turn to pan and tilt of `aim`, as fast as it can."""
+        """Return the packet that turns to pan and tilt of `aim`, at top speed."""
         pan, tilt = round(-aim.pan / PAN_STEP), round(aim.tilt / TILT_STEP)
         speeds = bytes([FASTEST_PAN, FASTEST_TILT])
         return b"\x81\x01\x06\x02" + speeds + _halves(pan) + _halves(tilt) + b"\xff"
 
     def zoom(self, aim: Aim) -> bytes:
-        """Zoom to that of `aim`."""
+        """Return the packet that zooms to that of `aim`."""
         return b"\x81\x01\x04\x47" + _halves(round(aim.zoom * ZOOM_STEPS)) + b"\xff"
 
     def position_in(self, received: bytes) -> bytes | None:

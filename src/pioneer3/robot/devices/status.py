@@ -26,16 +26,16 @@ SYSTEM_STATES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DetailedStatus:
-    """What ARIA's status mode shows beyond a snapshot's own fields.
+    """The values of ARIA's status mode that a snapshot does not have as fields.
 
     Attributes:
-        flags: Names of the flags that are up.
+        flags: Names of the flags that are set.
         faults: Likewise; `None` where the robot does not send fault flags.
         flags3: Likewise; MTX only.
-        charging: What the charger does.
+        charging: State of the charger.
         charger_power: Whether the charger's power is good.
         high_temperature: Whether the motors are too hot.
-        cycle: Mean time between reports [s]; NaN before the second one.
+        cycle: Mean interval of reports [s]; NaN before the second one.
     """
 
     flags: tuple[str, ...]
@@ -75,7 +75,7 @@ def names(flags: IntFlag, width: int) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class SafetyReading:
-    """What an MTX robot says of its safety systems; `state` is undocumented."""
+    """The safety systems of an MTX robot; `state` is undocumented."""
 
     state: int
     estop_system: str
@@ -83,12 +83,12 @@ class SafetyReading:
 
 
 class Safety:
-    """Asks for the safety state and keeps what the firmware says by itself.
+    """Asks for the safety state, and keeps the firmware's unrequested texts and warnings.
 
     Attributes:
         texts: Debug texts of the firmware (packets 211), the newest last.
-        warnings: How many safety warnings came (packets 217).
-        latest: The last safety state that came (packet 214), or `None`.
+        warnings: Number of safety warnings (packets 217).
+        latest: The last safety state (packet 214), or `None`.
     """
 
     def __init__(self, supervisor: Supervisor) -> None:
@@ -102,7 +102,7 @@ class Safety:
 
     @property
     def presence(self) -> Presence:
-        """Whether the robot has safety systems that can be asked: only its answer shows."""
+        """Whether the robot has safety systems that answer: only an answer shows it."""
         if self.latest is not None:
             return Presence(True, "The robot has told its safety state.")
         return Presence(None, "No safety state has come: MTX robots tell it, a Pioneer 3 does not.")
@@ -111,7 +111,7 @@ class Safety:
         """Ask for the safety state (SAFETY_STATE_INFO 1).
 
         Raises:
-            DeviceError: the robot does not answer, as every Pioneer 3.
+            DeviceError: the robot does not answer; no Pioneer 3 does.
             CommandError: no robot is connected.
         """
         what = "the safety systems, which only MTX robots have"
@@ -137,10 +137,10 @@ def _system(state: int) -> str:
 
 
 async def ask_configuration(supervisor: Supervisor) -> Config:
-    """Return what the firmware is set to at this moment; `supervisor.info` has it from then on.
+    """Ask for the present CONFIG and return it; `supervisor.info` has it from then on.
 
     Raises:
-        DeviceError: the robot does not answer; its model's values are in use then.
+        DeviceError: the robot does not answer; its model's values stay in use.
         CommandError: no robot is connected.
     """
     return await ask(supervisor, "CONFIG", RequestConfig(), Config)

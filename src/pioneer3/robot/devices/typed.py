@@ -1,4 +1,4 @@
-"""Reads a command as people type it: a number and its arguments (facts.md 8.13)."""
+"""Parses a command that a person types: a number and its arguments (facts.md 8.13)."""
 
 from pioneer3.arcos.commands import Command, from_payload
 from pioneer3.arcos.commands.arguments import put_argument
@@ -10,13 +10,13 @@ HOW = "type a command's number, and nothing, one number or two bytes after it"
 
 
 def parse_typed(line: str) -> Command:
-    """Return the command that `line` says, such as `4 1`, `11 -200` or `32 10 -10`.
+    """Return the command in `line`, such as `4 1`, `11 -200` or `32 10 -10`.
 
-    One number is a command without argument, two one with an integer (-32767 to 32767), three one
-    with two bytes (-128 to 255 each).
+    One number is a command without argument, two are one with an integer (-32767 to 32767), three
+    are one with two bytes (-128 to 255 each).
 
     Raises:
-        CommandError: it is no command; the message says why and what to type.
+        CommandError: it is no command; the message has the reason and the form to type.
     """
     words = line.split()
     if not words:
@@ -37,7 +37,7 @@ def parse_typed(line: str) -> Command:
                 if byte not in BYTES:
                     raise CommandError(f"byte {byte}: it must be -128 to 255")
             word = (high & 0xFF) << 8 | low & 0xFF
-            # two bytes travel as one signed 16-bit number (protocol.md 1.3)
+            # two bytes are sent as one signed 16-bit number (protocol.md 1.3)
             put_argument(word - 0x10000 if word & 0x8000 else word, payload)
         case _:
             raise CommandError(f"{len(words)} numbers are too many: {HOW}")
