@@ -1,18 +1,18 @@
-"""The protocol of ACTS, ARIA's colour tracker, without I/O: which blobs of colour a camera sees.
+"""The protocol of ACTS, ARIA's colour tracker, without I/O: blobs of colour in a camera's picture.
 
 A client connects (port 5001), asks for one picture with the byte `0`, gets one, and asks again; the
 byte `1` asks ACTS to quit. A picture is a header, then its blobs, by channel. Each byte holds six
 bits of a number, the highest first, plus one, so that none is 0:
 
 ======  ==================================================  ============
-what    fields                                              bytes
+part    fields                                              bytes
 ======  ==================================================  ============
 header  32 times: index of the first blob, number of blobs  2, 2
 blob    area; x, y, left, right, top, bottom                4; 2 each
 ======  ==================================================  ============
 
-This is the format of ACTS 1.2 and 2.0. Sources, which agree: what ARIA's `ArACTS_1_2` and Player's
-driver `acts` read. Pixels count from the upper left corner; the picture's own size is not told.
+This is the format of ACTS 1.2 and 2.0. Sources, which agree: ARIA's `ArACTS_1_2` and Player's
+driver `acts`. Pixels count from the upper left corner; the size of the picture is not sent.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,10 +36,13 @@ class Blob:
     """A patch of one colour, all in [pixels].
 
     Attributes:
-        area: How many pixels it has.
+        area: Number of pixels.
         x: Centre of gravity, from the left.
-        y: Likewise, from above.
-        left: First column; so `right`, and `top` and `bottom` in rows.
+        y: Likewise, from the top.
+        left: First column.
+        right: Last column.
+        top: First row.
+        bottom: Last row.
     """
 
     area: int
@@ -77,7 +80,7 @@ def encode(blobs: Mapping[int, Sequence[Blob]]) -> bytes:
 
 
 class PictureReader:
-    """Cuts the bytes of a server into pictures, however they come in."""
+    """Parses the bytes of a server, in chunks of any size, into pictures."""
 
     def __init__(self) -> None:
         self._waiting = bytearray()
@@ -86,7 +89,7 @@ class PictureReader:
         """Return the pictures that `data` completes.
 
         Raises:
-            ValueError: these bytes are not of ACTS 1.2 or 2.0.
+            ValueError: the bytes are not those of ACTS 1.2 or 2.0.
         """
         self._waiting += data
         pictures = []
@@ -119,7 +122,7 @@ def _blob(data: bytes) -> Blob:
 
 
 def _digits(value: int, count: int) -> bytes:
-    """Return `value` in `count` digits; what is too large becomes the largest."""
+    """Return `value` in `count` digits, bounded by the largest number."""
     bounded = max(0, min(BASE**count - 1, value))
     shifts = range(DIGIT * (count - 1), -1, -DIGIT)
     return bytes((bounded >> shift) % BASE + 1 for shift in shifts)

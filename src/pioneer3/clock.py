@@ -1,10 +1,10 @@
-"""Where the time comes from: asked for at the edges, passed down as an argument."""
+"""The source of time: read at the edges, passed down as an argument."""
 
 from typing import Protocol
 
 
 class Clock(Protocol):
-    """Monotonic seconds."""
+    """A monotonic clock."""
 
     def __call__(self) -> float:
         """Return the time now [s]."""

@@ -4,12 +4,12 @@
     * :exc:`LinkError` (also :exc:`ConnectionError`): the cable or socket failed
         * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
         * :exc:`PortPermissionError` (also :exc:`PermissionError`): the port is not ours to open
-        * :exc:`PortBusyError`: somebody else has the port
+        * :exc:`PortBusyError`: another program has the port
         * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
-    * :exc:`CommandError` (also :exc:`ValueError`): *we* were asked to send what must not be sent
-    * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not do the motion; says why
-    * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or silent; says which
+    * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
+    * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
+    * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
     * :exc:`ConfigError` (also :exc:`ValueError`): an option, map or model file is wrong
 
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
@@ -18,7 +18,7 @@ Corrupt bytes *received* are counted, not raised: noise on a serial cable is nor
 from pathlib import Path
 
 SETUP = Path(__file__).parents[2] / "scripts/setup"
-"""Where this runs from a clone."""
+"""Exists where the package runs from a clone."""
 
 
 def how_to_get(extra: str) -> str:
@@ -49,7 +49,7 @@ class PortBusyError(LinkError):
 
 
 class RecordingOverError(LinkError):
-    """A recording in the place of a robot has been played to its end: nothing more will come."""
+    """A recording in the place of a robot has been played to its end."""
 
 
 class NoRobotError(PioneerError, TimeoutError):
@@ -65,7 +65,7 @@ class MotionError(PioneerError, RuntimeError):
 
 
 class DeviceError(PioneerError, RuntimeError):
-    """What was asked of an accessory that the robot does not have, or that does not answer."""
+    """The robot does not have the accessory, or it does not answer."""
 
 
 class ConfigError(PioneerError, ValueError):

@@ -26,7 +26,7 @@ class Twist2:
 
     @property
     def is_zero(self) -> bool:
-        """Whether this asks for standing still."""
+        """Whether both parts are zero."""
         return self.v == 0.0 and self.w == 0.0
 
 

@@ -1,4 +1,4 @@
-"""Bounds on motion: what one robot may be asked to do."""
+"""Bounds on the motion of one robot."""
 
 from dataclasses import dataclass, fields, replace
 from math import isfinite
@@ -9,7 +9,7 @@ from pioneer3.units import DEGREE
 
 @dataclass(frozen=True, slots=True)
 class Accelerations:
-    """How fast speeds change: of the speed [m/s^2], then of the turn rate [rad/s^2]; positive."""
+    """Accelerations of the speed [m/s^2], then of the turn rate [rad/s^2]; all positive."""
 
     acceleration: float
     deceleration: float
@@ -28,7 +28,7 @@ class Limits:
         deceleration: [m/s^2], positive.
         turn_acceleration: [rad/s^2].
         turn_deceleration: [rad/s^2], positive.
-        expiry: A command that is not renewed for this long ends in a stop [s].
+        expiry: A command that is not renewed for this long [s] ends in a stop.
     """
 
     max_speed: float
@@ -57,7 +57,7 @@ class Limits:
     def lowered_to(
         self, max_speed: float | None = None, max_turn_rate: float | None = None
     ) -> "Limits":
-        """Return limits with lower maxima; what is higher than the robot's own is cut to it.
+        """Return limits with lower maxima; a higher value than the robot's own has no effect.
 
         Raises:
             ConfigError: a maximum is not a positive number.

@@ -1,4 +1,4 @@
-"""What the robot says at one instant. Immutable, SI, no behaviour attached."""
+"""The state of a robot at one instant. Immutable, in SI units, without behaviour."""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -7,7 +7,7 @@ from pioneer3.geometry import ORIGIN, Pose2, Twist2
 
 
 class Charging(StrEnum):
-    """What the charger does (protocol.md 4.2)."""
+    """States of the charger (protocol.md 4.2)."""
 
     UNKNOWN = "unknown"
     NONE = "not charging"
@@ -19,10 +19,10 @@ class Charging(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identity:
-    """Who the robot says it is.
+    """The identity that the robot sends.
 
     Attributes:
-        name: Given by its owner; simulators say `MobileSim`.
+        name: Given by its owner; `MobileSim` for simulators.
         family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
         model: Parameter-file name in lower case, such as `p3at-sh`.
     """
@@ -34,11 +34,11 @@ class Identity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Odometry:
-    """Where the wheels say the robot is.
+    """Pose and velocity measured by the wheels.
 
     Attributes:
         robot_in_odom: Pose since the first connection [m, rad]; continuous over reconnections.
-        robot_in_encoder: As the robot's own counters have it [m, rad]: position since the session
+        robot_in_encoder: Pose in the robot's own counters [m, rad]: position since the session
             began, heading since the robot was switched on.
         twist: Measured body velocity [m/s, rad/s].
         left_speed: Left wheel's speed over ground [m/s].
@@ -59,7 +59,7 @@ class Sonar:
     Attributes:
         ranges: Per transducer [m], shape (number of transducers,); index 0 is front left.
             `inf` where nothing echoed, NaN before the first reading.
-        fresh: Numbers of the transducers that were read in this very report.
+        fresh: Numbers of the transducers that were read in this report.
         enabled: Whether the robot is pinging.
     """
 
@@ -69,18 +69,18 @@ class Sonar:
 
     @property
     def nearest(self) -> float:
-        """Shortest range [m]; `inf` when nothing is seen."""
+        """Shortest range [m]; `inf` when nothing echoed."""
         return min((r for r in self.ranges if r == r), default=float("inf"))  # noqa: PLR0124
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Battery:
-    """Energy.
+    """The battery and its charger.
 
     Attributes:
         voltage: [V].
-        charge: 0 to 1, or `None` where the robot cannot tell.
-        charging: What the charger does.
+        charge: 0 to 1, or `None` where the robot does not send it.
+        charging: State of the charger.
         low: Whether the voltage is below the alarm level of the robot's own configuration.
     """
 
@@ -92,13 +92,13 @@ class Battery:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motors:
-    """The drive.
+    """The motors and the stop button.
 
     Attributes:
         enabled: Whether the motors have power.
         left_stalled: The left wheels are blocked.
         right_stalled: The right wheels are blocked.
-        moving: Whether the firmware reports that it moves the robot.
+        moving: Whether the firmware reports motion.
         stop_button: Whether the red button is pressed.
     """
 
@@ -124,14 +124,14 @@ class Bumpers:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """Digital and analog lines and what else hangs on the controller.
+    """Digital and analog lines, compass and thermometer of the controller.
 
     Attributes:
         digital_in: Bits, 1 is high.
         digital_out: Bits, 1 is high.
         analog: Voltage of the selected port [V].
         analog_port: The selected port.
-        compass: Heading as the robot states it [rad], or `None` without a compass.
+        compass: Heading as the robot sends it [rad], or `None` without a compass.
         temperature: Motor temperature [degrees Celsius], or `None` without a sensor.
     """
 
@@ -162,14 +162,14 @@ class Words:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkQuality:
-    """How well the bytes arrive.
+    """Quality of the reception.
 
     Attributes:
         reports: Reports received in this session.
-        bad_checksums: Frames thrown away because their checksum was wrong.
+        bad_checksums: Frames dropped because of a wrong checksum.
         bytes_skipped: Bytes that belonged to no frame.
         rate: Reports per second, over the last second [1/s]; 0 after the first one.
-        sessions: How often the robot has been connected to, this session included.
+        sessions: Number of sessions with the robot, including this one.
     """
 
     reports: int = 0
@@ -184,9 +184,9 @@ class Snapshot:
     """One coherent reading of everything the robot reports.
 
     Attributes:
-        stamp: When its first byte arrived [s, monotonic].
-        sequence: Counts up by one per report, over all sessions.
-        faults: Names of the fault flags that are up.
+        stamp: Time at which its first byte arrived [s, monotonic].
+        sequence: Number of the report, over all sessions.
+        faults: Names of the fault flags that are set.
         words: Flags and faults bit by bit.
     """
 
@@ -208,13 +208,13 @@ class Scan:
     """One sweep of a laser range finder.
 
     Attributes:
-        stamp: When it began to arrive [s, monotonic].
-        sequence: Counts up by one per sweep.
-        robot_in_odom: Where the robot was at `stamp` [m, rad].
-        sensor_in_robot: Where the laser sits and looks [m, rad].
-        angles: Of the readings, counter-clockwise from where the laser looks [rad], shape (N,).
-        ranges: [m], shape (N,); `inf` where nothing answered.
-        reflectances: 0 to 255, shape (N,); empty where the laser tells none.
+        stamp: Time at which it began to arrive [s, monotonic].
+        sequence: Number of the sweep.
+        robot_in_odom: Pose of the robot at `stamp` [m, rad].
+        sensor_in_robot: Pose of the laser [m, rad].
+        angles: Of the readings, counter-clockwise in the laser's frame [rad], shape (N,).
+        ranges: [m], shape (N,); `inf` where nothing echoed.
+        reflectances: 0 to 255, shape (N,); empty where the laser measures none.
     """
 
     stamp: float
@@ -227,5 +227,5 @@ class Scan:
 
     @property
     def sensor_in_odom(self) -> Pose2:
-        """Where the laser was [m, rad]."""
+        """Pose of the laser [m, rad]."""
         return self.robot_in_odom @ self.sensor_in_robot

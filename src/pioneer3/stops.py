@@ -1,14 +1,14 @@
-"""What has stopped the robot, and which command may move it again. Pure.
+"""Stops of the robot, and the rule for commands after one. Pure.
 
 Rules:
 
-1. Whatever stops the robot is a :class:`Stop` with a number of its own: a stop by somebody, the
+1. Each of these is a :class:`Stop` with a number of its own: a stop by a user or program, the
    emergency stop and its reset, a stall, the robot's stop button, motors that went off or do not
-   come on, a lost link and its return, a program that slept.
-2. A command moves the robot only if it *began* after the last stop. One that was held all the time
-   has to be let go of first. :class:`~pioneer3.behaviors.actions.Hold` knows when a command began.
-3. After a stall, a command also begins when it :func:`leads_away` from the one before: nobody has
-   to let go to leave a wall. The way back into it then begins anew, too.
+   come on, a lost link and its return, a program that was suspended.
+2. A command moves the robot only if it *began* after the last stop. A command that is held all the
+   time must be released first. :class:`~pioneer3.behaviors.actions.Hold` knows its beginning.
+3. After a stall, a command also begins when it :func:`leads_away` from the one before: no release
+   is needed to leave a wall. A command back into the wall then begins anew, too.
 """
 
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ LEAVE = "drive the other way or turn on the spot, or let go and ask again"
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """The last thing that stopped the robot.
+    """A stop of the robot.
 
     Attributes:
         number: Counts up with each stop.
-        why: In a few words, for people.
-        stalled: The command that the wheels stalled under, or `None` if this is no stall.
+        why: The reason in a few words, for people.
+        stalled: The command during which the wheels stalled, or `None` if this is no stall.
     """
 
     number: int = 0
@@ -35,7 +35,7 @@ class Stop:
 
     @property
     def told(self) -> str:
-        """Why a command is ignored, and how to be obeyed again."""
+        """The reason to ignore a command, and advice for the next one."""
         return f"{self.why}; {LET_GO if self.stalled is None else LEAVE}"
 
 
@@ -45,8 +45,8 @@ NO_STOP = Stop()
 def leads_away(twist: Twist2, before: Twist2) -> bool:
     """Return whether `twist` leaves the direction of `before`.
 
-    It does with the other sign of speed, and as a turn on the spot; from a turn on the spot with
-    the other sign of turn rate, and as a drive.
+    A twist leaves a drive if its speed has the other sign or is zero. It leaves a turn on the spot
+    if its turn rate has the other sign or its speed is not zero.
     """
     if twist.is_zero or before.is_zero:
         return False

@@ -1,4 +1,4 @@
-"""Background work that belongs to a block: each ends with the other."""
+"""Background tasks that run for the duration of a block."""
 
 import asyncio
 import logging
@@ -13,10 +13,10 @@ log = logging.getLogger(__name__)
 async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]:
     """Run `coroutines` beside the block, and cancel them at its end.
 
-    Unlike a `TaskGroup`, it lets the block's own exceptions pass as they are.
+    Unlike a `TaskGroup`, it does not wrap the block's own exceptions.
 
     Raises:
-        Exception: what the first of them failed with; the block has been cancelled.
+        Exception: that of the first one to fail; the block has been cancelled.
     """
     owner = asyncio.current_task()
     assert owner is not None
@@ -27,7 +27,7 @@ async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]
         failure = None if task.cancelled() else task.exception()
         if failure is None or leaving:
             return
-        if owner.done():  # entered in one task and left in another, as by the blocking facade
+        if owner.done():  # another task left the block, as in the blocking facade
             log.error("the work in the background failed", exc_info=failure)
         failures.append(failure)
         owner.cancel()
@@ -36,7 +36,7 @@ async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]
     for task in tasks:
         task.add_done_callback(note)
     try:
-        await asyncio.sleep(0)  # a task that is cancelled before it began would clean up nothing
+        await asyncio.sleep(0)  # a task that is cancelled before it began runs no `finally`
         yield
     except asyncio.CancelledError:
         if failures and owner.uncancel() == 0:

@@ -1,6 +1,6 @@
 """The only conversions between SI and the robot's millimetres, degrees, counts and decivolts.
 
-And from what a person writes, such as `30cm/s`, to SI.
+Also the parser of quantities that a person writes, such as `30cm/s`.
 """
 
 import re
@@ -32,12 +32,12 @@ NUMBER: Final = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A kind of number that a person writes with its unit, or without.
+    """A kind of number that a person writes with or without its unit.
 
     Attributes:
         name: With its article, for messages.
-        units: One of each in SI; the first is the unit of a bare number.
-        example: Something that can be read.
+        units: Size of each unit in SI; the first is the unit of a bare number.
+        example: Valid texts, for messages.
     """
 
     name: str
@@ -50,10 +50,10 @@ class Quantity:
         return next(iter(self.units))
 
     def read(self, text: str, bare: str | None = None) -> float:
-        """Return in SI the number that `text` is, `bare` [our own] being the unit of one without.
+        """Return the number in `text` in SI; `bare` replaces the unit of a bare number.
 
         Raises:
-            ValueError: it is no finite number with a known unit; the message says which there are.
+            ValueError: it is no finite number with a known unit; the message lists the units.
         """
         match = NUMBER.fullmatch(text.strip())
         size = self.units.get(match[2] or bare or self.bare) if match else None

@@ -4,7 +4,7 @@ from collections.abc import Awaitable, Callable
 from typing import Protocol
 
 HUNG_UP = "a robot takes one program at a time: is another one connected to it?"
-"""A question for people when the far end closes the link."""
+"""A hint for messages when the far end closes the link."""
 
 
 class Link(Protocol):
@@ -12,8 +12,7 @@ class Link(Protocol):
 
     Attributes:
         url: For messages and logs.
-        speeds: Baud rates this link can be set to, best guess first; empty where that has no
-            meaning.
+        speeds: Baud rates to which this link can be set, best guess first; empty on links without.
     """
 
     url: str
@@ -21,7 +20,7 @@ class Link(Protocol):
 
     @property
     def round_trip(self) -> float:
-        """How much later than over a cable an answer may come [s], as far as opening it told."""
+        """Extra delay of an answer compared with a cable [s], as measured when opening the link."""
 
     async def read(self) -> bytes:
         """Return the next bytes, at least one; `b""` once the far end has closed.

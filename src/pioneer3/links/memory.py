@@ -8,7 +8,7 @@ from random import Random
 from pioneer3.errors import LinkError
 
 Fault = Callable[[bytes], Iterable[bytes]]
-"""Takes the bytes that one end sends; gives the pieces that arrive, in order."""
+"""Takes the bytes that one end sends; returns the pieces that arrive, in order."""
 
 
 def clean(data: bytes) -> Iterable[bytes]:
@@ -23,10 +23,10 @@ def bytewise(data: bytes) -> Iterable[bytes]:
 
 @dataclass
 class Noise:
-    """Spoil a share of the bytes.
+    """A fault that corrupts and drops a share of the bytes.
 
     Attributes:
-        random: Where chance comes from.
+        random: The random generator.
         corrupt: Share of the bytes replaced by a random one.
         drop: Share of the bytes lost.
     """
@@ -51,7 +51,7 @@ class MemoryLink:
 
     Attributes:
         fault: May be changed at any time.
-        delay: How long bytes travel from this end [s].
+        delay: Travel time of bytes from this end [s].
         peer: The far end, or `None` without a cable.
         speed: Line speed [baud]; bytes between ends of different speed arrive as noise.
     """
@@ -68,7 +68,7 @@ class MemoryLink:
 
     @property
     def round_trip(self) -> float:
-        """How long bytes take there and back [s]."""
+        """Travel time of bytes there and back [s]."""
         return self.delay + (self.peer.delay if self.peer is not None else 0.0)
 
     async def read(self) -> bytes:
@@ -104,7 +104,7 @@ class MemoryLink:
         peer = self.peer
         if peer is None or peer._closed:
             return
-        if self.speed != peer.speed:  # as a UART reads at the wrong speed
+        if self.speed != peer.speed:  # like a UART at the wrong speed
             piece = bytes(byte * 37 % 256 | 0x80 for byte in piece)
         if self.delay:
             loop = asyncio.get_running_loop()

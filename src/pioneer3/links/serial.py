@@ -1,4 +1,4 @@
-"""Serial ports, real and pseudo, and the reasons why one does not open."""
+"""Serial ports, real and pseudo, and the reasons for a failure to open."""
 
 import errno
 import os
@@ -25,7 +25,7 @@ SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
 
 
 async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
-    """Open the serial port at `path`, at `first_speed` [baud] or the last that worked.
+    """Open the serial port at `path`, at `first_speed` [baud] or the last working speed.
 
     Raises:
         PortNotFoundError, PortPermissionError, PortBusyError, LinkError: with a remedy.
@@ -49,7 +49,7 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
 
 
 def explain_open_error(path: str, error: Exception) -> LinkError:
-    """Return an error of the operating system with its meaning and a remedy."""
+    """Return `error` of the operating system as a link error with a remedy."""
     code = error.errno if isinstance(error, OSError) else None
     is_file = os.name == "posix"  # COM3 is none
     if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or (is_file and not Path(path).exists()):
@@ -66,7 +66,7 @@ def explain_open_error(path: str, error: Exception) -> LinkError:
 
 
 def how_to_get_permission(path: str) -> str:
-    """Return how to give this user the right to open `path`."""
+    """Return the command that gives this user the right to open `path`."""
     if grp is None:
         return "another program may have it open"
     group = "dialout"
@@ -79,15 +79,15 @@ def how_to_get_permission(path: str) -> str:
 
 
 def state_file(environment: Mapping[str, str] = os.environ) -> Path:
-    """Return where the last speeds are remembered."""
+    """Return the file of the last working speeds."""
     base = environment.get("XDG_STATE_HOME") or Path.home() / ".local/state"
     return Path(base) / "pioneer3" / "speeds"
 
 
 def remembered_speed(path: str) -> int | None:
-    """Return the speed [baud] that last worked on `path`, if any.
+    """Return the last working speed of `path` [baud], if any.
 
-    A robot whose host died keeps the speed it was switched to (facts.md 14.1).
+    A robot keeps its speed after its host has crashed (facts.md 14.1).
     """
     try:
         lines = state_file().read_text("utf-8").splitlines()
@@ -99,7 +99,7 @@ def remembered_speed(path: str) -> int | None:
 
 
 def remember_speed(path: str, baud: int) -> None:
-    """Remember that `baud` works on `path`; a home that cannot be written to is no error."""
+    """Store `baud` as the working speed of `path`; a read-only home is no error."""
     if remembered_speed(path) == baud:
         return
     file = state_file()
@@ -114,11 +114,11 @@ def remember_speed(path: str, baud: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class PtyPair:
-    """Both ends of a pseudo terminal, passing bytes as they are.
+    """Both ends of a pseudo terminal in raw mode.
 
     Attributes:
         master: File descriptor of the robot's end.
-        slave: The host's; kept open, so that a host that closes does not end the port.
+        slave: That of the host's end; kept open, so that the port outlives a host.
         path: Of the port that a host opens.
     """
 
@@ -131,7 +131,7 @@ def make_pty() -> PtyPair:
     """Make a pseudo terminal; the caller closes both ends.
 
     Raises:
-        LinkError: this machine has no more of them, or none at all.
+        LinkError: this machine has no pseudo terminal, or none left.
     """
     if tty is None:
         raise LinkError("this system has no pseudo terminals; use TCP")

@@ -1,4 +1,4 @@
-"""Links over a pair of asyncio streams; those over TCP lead to simulators and serial bridges."""
+"""Links over a pair of asyncio streams: serial ports, and TCP to simulators and serial bridges."""
 
 import asyncio
 import errno
@@ -11,9 +11,9 @@ from pioneer3.links.base import HUNG_UP
 CLOSE_PATIENCE = 0.5
 CONNECT_PATIENCE = 5.0
 LONGEST_ROUND_TRIP = 1.0
-"""Connecting takes one round trip; a longer time was spent on the name [s]."""
+"""Connecting takes one round trip; a longer time is that of the name lookup [s]."""
 KEEPALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 10_000}
-"""A far end that is gone without a word is noticed within about 10 s [s, s, times, ms]."""
+"""A far end that vanishes without closing is noticed within about 10 s [s, s, times, ms]."""
 
 
 class StreamLink:
@@ -66,8 +66,8 @@ class StreamLink:
             await self._change_speed(baud)
 
     async def close(self) -> None:
-        """Flush and close; a far end that takes nothing is cut off."""
-        if self._closed:  # a second `wait_closed` would find the first one's cancellation
+        """Flush and close; abort if the far end does not read."""
+        if self._closed:  # a second `wait_closed` would raise the first one's cancellation
             return
         self._closed = True
         self._writer.close()
@@ -82,7 +82,7 @@ async def open_tcp(host: str, port: int) -> StreamLink:
     """Connect to `host`:`port`.
 
     Raises:
-        PortNotFoundError: the name is unknown, or nobody listens there.
+        PortNotFoundError: the name is unknown, or nothing listens there.
         LinkError: the host cannot be reached.
     """
     url = f"tcp://{host}:{port}"
@@ -113,15 +113,15 @@ def accepted(
     *,
     round_trip: float = 0.0,
 ) -> StreamLink:
-    """Make a link of a connected socket."""
+    """Return a link over a connected socket."""
     tune(writer.get_extra_info("socket"))
     return StreamLink(url, reader, writer, round_trip=round_trip)
 
 
 def tune(connection: socket.socket) -> None:
-    """Let small packets go at once, and a dead far end be noticed."""
+    """Send small packets at once, and notice a far end that has vanished."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in KEEPALIVE.items():
-        if (option := getattr(socket, name, None)) is not None:  # not all systems have all
+        if (option := getattr(socket, name, None)) is not None:  # differs between systems
             connection.setsockopt(socket.IPPROTO_TCP, option, value)

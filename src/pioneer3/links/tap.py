@@ -2,12 +2,12 @@
 
 The format::
 
-    # pioneer3 <version>, <when the recording began, ISO 8601, UTC>
+    # pioneer3 <version>, <begin of the recording, ISO 8601, UTC>
     <seconds> C>S|S>C <number of bytes> <hex>
 
 `C>S` are bytes of the host, `S>C` of the robot; seconds count from the beginning. Lines that
 start with # are comments; those of the form `# <seconds> <words>` tell other events, such as
-the reason of a motion. Older files have no heading, and begin anew at 0 s with each connection.
+the reason for a motion. Older files have no heading, and restart at 0 s with each connection.
 """
 
 import asyncio
@@ -32,7 +32,7 @@ FROM_HOST, FROM_ROBOT = "C>S", "S>C"
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Bytes on the wire: the time [s from the opening], the direction, the data."""
+    """Bytes on the wire: time [s] since the beginning, direction, data."""
 
     time: float
     way: str
@@ -40,7 +40,7 @@ class Chunk:
 
 
 class TapLink:
-    """A host's link that writes down everything that passes; same contract as the link inside."""
+    """A host's link that records all bytes; same contract as the link inside."""
 
     def __init__(self, link: Link, file: TextIO, clock: Clock, began: float | None = None) -> None:
         self.url = link.url
@@ -70,14 +70,14 @@ class TapLink:
         await self._link.set_speed(baud)
 
     async def close(self) -> None:
-        """Close the link inside; the file stays its owner's."""
+        """Close the link inside; the file stays open."""
         await self._link.close()
         if not self._broken:
             with suppress(OSError):
                 self._file.flush()
 
     def remark(self, words: str) -> None:
-        """Write a comment with the time."""
+        """Write a comment with its time."""
         self._put(f"# {self._clock() - self._began:.6f} {' '.join(words.split())}")
 
     def _note(self, way: str, data: bytes) -> None:
@@ -86,7 +86,7 @@ class TapLink:
             self._put(f"{seconds:.6f} {way} {len(data)} {data.hex()}")
 
     def _put(self, line: str) -> None:
-        """Write one line; a full disk ends the recording, never the drive."""
+        """Write one line; a full disk ends the recording, not the session."""
         if self._broken:
             return
         try:
@@ -97,7 +97,7 @@ class TapLink:
 
 
 class Recorder:
-    """Records every link that an opener opens to one file, line by line as it happens."""
+    """Records every link of an opener to one file, line by line."""
 
     def __init__(self, opener: Opener, file: TextIO, clock: Clock) -> None:
         self._open = opener
@@ -112,7 +112,7 @@ class Recorder:
         return self._tap
 
     def remark(self, words: str) -> None:
-        """Write another event as a comment; nothing before the first link."""
+        """Write an event as a comment; before the first link, do nothing."""
         if self._tap is not None:
             self._tap.remark(words)
 
@@ -135,10 +135,10 @@ def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
 
 
 class Replay:
-    """Plays a robot's bytes from a recording, once, at the recorded pace.
+    """Plays a robot's bytes from a recording, once, at the recorded times.
 
-    The recorded time starts with the first byte the host sends. It goes on over a link that is
-    closed: the next one gets the bytes after that, as with a robot.
+    Playback starts with the first byte that the host sends. It goes on while no link is open: the
+    next link gets the later bytes, as with a robot.
     """
 
     def __init__(self, path: Path) -> None:
@@ -147,7 +147,7 @@ class Replay:
         self._began: float | None = None
         offset = latest = 0.0
         for chunk in read_recording(path):
-            if chunk.time + offset < latest:  # an older file: time began anew
+            if chunk.time + offset < latest:  # an older file: the time restarted
                 offset = latest
             latest = chunk.time + offset
             if chunk.way == FROM_ROBOT:
@@ -155,16 +155,16 @@ class Replay:
         self._first = self._chunks[0].time if self._chunks else 0.0
 
     async def open(self) -> Link:
-        """Return a link to the robot that was recorded, where the one before ended."""
+        """Return a link to the recorded robot; it goes on where the previous link ended."""
         return ReplayLink(self)
 
     def begin(self) -> None:
-        """Let the recorded time run, if it does not yet."""
+        """Start playback, unless it has started."""
         if self._began is None:
             self._began = asyncio.get_running_loop().time()
 
     def due(self) -> float:
-        """Return when the next chunk comes [s, loop time].
+        """Return the time of the next chunk [s, loop time].
 
         Raises:
             RecordingOverError: there is none.
@@ -180,7 +180,7 @@ class Replay:
 
 
 class ReplayLink:
-    """A link to a robot that was recorded; it does not listen."""
+    """A link to a recorded robot, which ignores all commands."""
 
     speeds: tuple[int, ...] = ()
     round_trip = 0.0
@@ -192,7 +192,7 @@ class ReplayLink:
         self._closed = asyncio.Event()
 
     async def read(self) -> bytes:
-        """Return the next recorded chunk when its time has come.
+        """Return the next recorded chunk at its time.
 
         Raises:
             RecordingOverError: there is none.
@@ -208,7 +208,7 @@ class ReplayLink:
         return b""
 
     async def write(self, data: bytes) -> None:
-        """Start the clock; the recording does not listen."""
+        """Start playback; the data are ignored."""
         self._recording.begin()
         self._started.set()
 
@@ -226,7 +226,7 @@ def read_recording(path: Path) -> Iterator[Chunk]:
 
     Raises:
         PortNotFoundError: there is no such file.
-        ConfigError: a line is not of the format; names file and line.
+        ConfigError: a line does not have the format; the message has file and line.
     """
     try:
         lines = path.read_text("utf-8").splitlines()

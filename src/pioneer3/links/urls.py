@@ -1,4 +1,4 @@
-"""Opens the link that a URL or path names."""
+"""Opens links by URL or path."""
 
 import re
 from functools import partial
@@ -9,7 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.links.base import Link, Opener
 
 TCP_PORT = 8101
-"""Where ARCOS simulators and ARIA expect each other (protocol.md 1.1)."""
+"""Default port of ARCOS simulators and ARIA (protocol.md 1.1)."""
 FORMS = "/dev/ttyUSB0, COM3, localhost:8101, tcp://host:8101, replay:FILE"
 HOST_AND_PORT = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[\w.-]+):\d+")
 COM_PORT = re.compile(r"COM\d+", re.IGNORECASE)
@@ -24,8 +24,8 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
         baud: Serial speed to try first.
 
     Raises:
-        ConfigError: the URL is not of these forms.
-        LinkError: it does not open; the message has a remedy.
+        ConfigError: the URL does not have one of these forms.
+        LinkError: the link does not open; the message has a remedy.
     """
     scheme, rest = split_url(url)
     match scheme:
@@ -42,10 +42,10 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
 
 
 def opener(url: str, *, baud: int | None = None) -> Opener:
-    """Return a function that opens the link anew at each call; a recording goes on where it was.
+    """Return a function that opens the link again at each call; a recording goes on each time.
 
     Raises:
-        ConfigError: the URL is not of the forms of :func:`open_link`, or the recording is wrong.
+        ConfigError: the URL does not have a form of :func:`open_link`, or the recording is wrong.
         PortNotFoundError: there is no such recording.
     """
     scheme, rest = split_url(url)
