@@ -1,4 +1,4 @@
-"""The doctor's interview over a faulty cable, in virtual time."""
+"""The diagnosis over a faulty cable, in virtual time."""
 
 import asyncio
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ import pytest
 
 from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader, encode
-from pioneer3.doctor.diagnose import diagnose, interview
+from pioneer3.doctor.diagnose import diagnose, examine
 from pioneer3.doctor.facts import Facts, Finding, Level
 from pioneer3.doctor.probe_session import QUICK, SCIP_SPEEDS, ProbeSession
 from pioneer3.doctor.recognition import SCIP_QUESTION, Kind, lms_checksum
@@ -29,7 +29,7 @@ HARMLESS = (
 
 async def examined(robot: SimulatedRobot, seconds: float = 3.0) -> dict[str, Finding]:
     """Return the findings about `robot` by their check."""
-    facts = await interview(await robot.open(), seconds, Facts(url=URL))
+    facts = await examine(await robot.open(), seconds, Facts(url=URL))
     return {finding.check: finding for finding in diagnose(facts)}
 
 
@@ -55,7 +55,7 @@ async def test_nothing_but_harmless_commands_is_sent_and_the_motors_stay_off() -
 async def test_a_robot_left_streaming_is_found_and_freed() -> None:
     async with SimulatedRobot() as robot:
         before = ProbeSession(await robot.open(), QUICK)
-        assert await before.meet()
+        assert await before.handshake()
         findings = await examined(robot)  # the first host is gone without a word
     assert findings["session"].level is Level.WARN
     assert findings["reports"].level is Level.OK
@@ -73,13 +73,13 @@ async def test_noise_is_counted_and_the_session_survives_it() -> None:
     async with SimulatedRobot() as robot:
         link = await robot.open()
         noisy = Noise(Random(1), corrupt=0.003)
-        conversation = ProbeSession(link)
-        assert await conversation.meet()
+        session = ProbeSession(link)
+        assert await session.handshake()
         robot.to_host = noisy
-        await conversation.listen(5.0)
-        assert conversation.bad_checksums > 3
-        assert 30 < len(conversation.sips) < 50
-        await conversation.leave()
+        await session.listen(5.0)
+        assert session.bad_checksums > 3
+        assert 30 < len(session.sips) < 50
+        await session.close()
 
 
 async def test_a_noisy_cable_fails_the_checksums() -> None:
@@ -122,23 +122,23 @@ async def test_stop_button_and_empty_battery_are_found() -> None:
 
 async def test_a_robot_unplugged_while_it_talks_is_a_session_that_broke_off() -> None:
     async with SimulatedRobot() as robot:
-        conversation = ProbeSession(await robot.open())
-        assert await conversation.meet()
+        session = ProbeSession(await robot.open())
+        assert await session.handshake()
         await robot.unplug()
-        await conversation.listen(1.0)
-        assert conversation.closed
-        await conversation.leave()
+        await session.listen(1.0)
+        assert session.closed
+        await session.close()
 
 
 async def test_a_robot_that_falls_silent_is_a_failure_of_the_reports() -> None:
     async with SimulatedRobot() as robot:
         link = await robot.open()
-        conversation = ProbeSession(link)
-        assert await conversation.meet()
+        session = ProbeSession(link)
+        assert await session.handshake()
         robot.silent = True
-        await conversation.listen(5.0)
-        assert conversation.failure == "the robot has said nothing for 2 s"
-        await conversation.leave()
+        await session.listen(5.0)
+        assert session.failure == "the robot has said nothing for 2 s"
+        await session.close()
 
 
 @dataclass
@@ -180,8 +180,8 @@ class Device:
 
 
 async def facts_about(device: Device) -> Facts:
-    """Return what the interview finds out."""
-    return await interview(device.link(), 1.0, Facts(url=URL))
+    """Return the facts that are found."""
+    return await examine(device.link(), 1.0, Facts(url=URL))
 
 
 @pytest.mark.parametrize("speed", SCIP_SPEEDS)

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.packet import PacketReader, encode
-from pioneer3.doctor.diagnose import diagnose, interview
+from pioneer3.doctor.diagnose import diagnose, examine
 from pioneer3.doctor.facts import Facts, Level
 from pioneer3.doctor.recognition import Kind
 from pioneer3.errors import NoRobotError
@@ -110,7 +110,7 @@ async def test_our_driver_finds_the_old_emulator_again_after_a_lost_link() -> No
 async def test_the_doctor_finds_the_old_emulator_healthy(answers_after: float) -> None:
     async with OldEmulator() as emulator:
         emulator.answers_after = answers_after
-        facts = await interview(await emulator.open(), 2.0, Facts(url="memory:robot"))
+        facts = await examine(await emulator.open(), 2.0, Facts(url="memory:robot"))
     findings = {finding.check: finding for finding in diagnose(facts)}
     assert findings["answer"].found.startswith("SIMULATOR AMRISim")
     assert Level.FAIL not in {finding.level for finding in findings.values()}
@@ -120,7 +120,7 @@ async def test_the_doctor_knows_an_old_emulator_that_somebody_confused() -> None
     async with OldEmulator() as emulator:
         link = await emulator.open()
         await link.write(STOP)
-        facts = await interview(link, 1.0, Facts(url="memory:robot"))
+        facts = await examine(link, 1.0, Facts(url="memory:robot"))
     assert facts.other_device is not None
     assert facts.other_device.kind is Kind.PACKETS
     answer = next(finding for finding in diagnose(facts) if finding.check == "answer")

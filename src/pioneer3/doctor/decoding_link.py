@@ -1,4 +1,4 @@
-"""Every report that passes on a link, decoded, whoever it is meant for."""
+"""A link that decodes every report on its way to a host."""
 
 import asyncio
 from collections.abc import Callable
@@ -13,28 +13,28 @@ from pioneer3.links import Link
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-Hearer = Callable[[float, Report], None]
+Listener = Callable[[float, Report], None]
 """Takes the time of arrival [s, monotonic] and a report."""
 
 
 class DecodingLink:
-    """A host's link that tells every report to a hearer; same contract as the link inside."""
+    """A host's link that passes every report to a listener; same contract as the link inside."""
 
-    def __init__(self, link: Link, hearer: Hearer) -> None:
+    def __init__(self, link: Link, listener: Listener) -> None:
         self.url = link.url
         self.speeds = link.speeds
         self.round_trip = link.round_trip
         self._link = link
-        self._hearer = hearer
+        self._listener = listener
         self._reader = PacketReader()
         self._clock = asyncio.get_running_loop().time
 
     async def read(self) -> bytes:
-        """Read from the link inside, and listen."""
+        """Read from the link inside, and pass the reports on."""
         data = await self._link.read()
         now = self._clock()
         for payload in self._reader.feed(data, now):
-            self._hearer(now, from_payload(payload))
+            self._listener(now, from_payload(payload))
         return data
 
     async def write(self, data: bytes) -> None:
@@ -51,16 +51,16 @@ class DecodingLink:
 
 
 def described(report: Report) -> str:
-    """Return `report` in one line: its id, its class and the fields it carries."""
+    """Return `report` in one line: its id, its class and the fields that are set."""
     shown = {
         field.name: getattr(report, field.name)
         for field in fields(cast("DataclassInstance", report))
     }
-    carried = " ".join(f"{name}={_shown(value)}" for name, value in shown.items() if _says(value))
+    carried = " ".join(f"{name}={_shown(value)}" for name, value in shown.items() if _is_set(value))
     return f"{to_payload(report)[0]:#04x} {type(report).__name__} {carried}".rstrip()
 
 
-def _says(value: object) -> bool:
+def _is_set(value: object) -> bool:
     return value not in (None, b"", ())
 
 

@@ -1,6 +1,6 @@
-"""Finds and explains what is wrong between this computer and a robot.
+"""Finds and explains faults between this computer and a robot.
 
-:func:`gather` collects :class:`Facts`, :func:`diagnose` draws the findings from them.
+:func:`gather` collects :class:`Facts`, :func:`diagnose` derives the findings from them.
 """
 
 import asyncio
@@ -37,68 +37,66 @@ from pioneer3.state import Snapshot
 
 
 async def gather(url: str, *, baud: int | None = None, seconds: float = 3.0) -> Facts:
-    """Return what there is to know about `url` after listening for `seconds`.
+    """Return the facts about `url` after listening for `seconds`.
 
     Raises:
         ConfigError: `url` names no port.
     """
     port = await asyncio.to_thread(find_port, url)
-    if port is not None and port.holders:  # two hosts on one robot would be worse than none
+    if port is not None and port.holders:  # a second host would disturb the first
         return Facts(url=url, port=port)
     try:
         link = await open_link(url, baud=baud)
     except LinkError as error:
         return Facts(url=url, port=port, refused=error)
-    return await interview(link, seconds, Facts(url=url, port=port))
+    return await examine(link, seconds, Facts(url=url, port=port))
 
 
-async def interview(link: Link, seconds: float, known: Facts) -> Facts:
-    """Return the facts `known`, and those that `link` leads to; the link is closed then."""
-    conversation = ProbeSession(link)
+async def examine(link: Link, seconds: float, known: Facts) -> Facts:
+    """Return the facts `known` with those found over `link`; the link is closed then."""
+    session = ProbeSession(link)
     try:
-        if await conversation.meet():
-            heard = await _listen(conversation, seconds)
-            return replace(
-                known, info=conversation.info, streaming=conversation.streaming, heard=heard
-            )
-        other_device = await conversation.other_device()
+        if await session.handshake():
+            heard = await _listen(session, seconds)
+            return replace(known, info=session.info, streaming=session.streaming, heard=heard)
+        other_device = await session.other_device()
         return replace(
             known,
-            closed=conversation.closed,
-            streaming=conversation.streaming,
+            closed=session.closed,
+            streaming=session.streaming,
             other_device=other_device,
-            heard_at=tuple(speed for speed in conversation.heard_at if speed is not None),
+            heard_at=tuple(speed for speed in session.heard_at if speed is not None),
         )
     finally:
-        await conversation.leave()
+        await session.close()
 
 
-async def _listen(conversation: ProbeSession, seconds: float) -> Heard:
-    """Return what comes from now on; the reports before it count for the readings only."""
+async def _listen(session: ProbeSession, seconds: float) -> Heard:
+    """Return a summary of the reception from now on; earlier reports count for readings only."""
     clock = asyncio.get_running_loop().time
-    before, began = len(conversation.sips), clock()
-    await conversation.listen(seconds)
-    stamps = [began, *(stamp for stamp, _ in conversation.sips[before:]), clock()]
+    before, began = len(session.sips), clock()
+    await session.listen(seconds)
+    stamps = [began, *(stamp for stamp, _ in session.sips[before:]), clock()]
     return Heard(
         seconds=max(stamps[-1] - began, 1e-3),
         reports=len(stamps) - 2,
         longest_gap=max(later - earlier for earlier, later in pairwise(stamps)),
-        packets=conversation.packets,
-        bad_checksums=conversation.bad_checksums,
-        bytes_skipped=conversation.bytes_skipped,
-        sonars=frozenset(r.number for _, sip in conversation.sips for r in sip.sonar),
-        snapshot=_last_snapshot(conversation, conversation.info),
-        config_trusted=conversation.config_trusted,
-        ended=conversation.failure or ("the other end hung up" if conversation.closed else None),
+        packets=session.packets,
+        bad_checksums=session.bad_checksums,
+        bytes_skipped=session.bytes_skipped,
+        sonars=frozenset(r.number for _, sip in session.sips for r in sip.sonar),
+        snapshot=_last_snapshot(session, session.info),
+        config_trusted=session.config_trusted,
+        ended=session.failure or ("the other end hung up" if session.closed else None),
     )
 
 
-def _last_snapshot(conversation: ProbeSession, info: RobotInfo | None) -> Snapshot | None:
-    if info is None or not conversation.sips:
+def _last_snapshot(session: ProbeSession, info: RobotInfo | None) -> Snapshot | None:
+    if info is None or not session.sips:
         return None
     assembler = Assembler()
     assembler.session_opened(info.model)
-    stamp, sip = conversation.sips[-1]
+    stamp, sip = session.sips[-1]
     return assembler.assemble(sip, stamp, model=info.model, config=info.config)
 
 
@@ -126,11 +124,11 @@ CHECKS: Final = (
     check_checksums,
     check_state,
 )
-"""From the plug to the wheels: what comes first must be mended first."""
+"""From the plug to the wheels: in the order of repair."""
 
 
 def diagnose(facts: Facts) -> tuple[Finding, ...]:
-    """Return the findings in the order in which they should be mended."""
+    """Return the findings in the order of repair."""
     return tuple(finding for check in CHECKS for finding in check(facts))
 
 

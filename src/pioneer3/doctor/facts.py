@@ -1,4 +1,4 @@
-"""What a diagnosis is made of: facts, and the findings drawn from them."""
+"""The parts of a diagnosis: facts, and the findings derived from them."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +14,7 @@ FAILED, UNREACHABLE, FORBIDDEN = 1, 3, 4
 
 
 class Level(StrEnum):
-    """How bad it is."""
+    """Severity of a finding."""
 
     OK = "ok"
     WARN = "warn"
@@ -26,11 +26,11 @@ class Finding:
     """One check and its outcome.
 
     Attributes:
-        check: What was looked at, in a word or two.
-        level: How bad it is.
-        found: What was found.
-        meaning: What that means; empty where it is plain.
-        advice: What to do; empty where nothing is.
+        check: Its subject, in a word or two.
+        level: Its severity.
+        found: The observation.
+        meaning: Its explanation; empty where it is plain.
+        advice: For the user; empty where there is nothing to do.
         code: Exit code of the command, where this is the first failure.
     """
 
@@ -44,19 +44,19 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Heard:
-    """What a robot sent while we listened.
+    """Summary of the bytes received from a robot.
 
     Attributes:
-        seconds: How long that was [s].
-        reports: Information packets.
-        longest_gap: Between two of them [s].
-        packets: Frames of any kind.
-        bad_checksums: Frames rejected.
-        bytes_skipped: Bytes that belonged to no frame.
+        seconds: Duration [s].
+        reports: Number of information packets.
+        longest_gap: Longest interval between two of them [s].
+        packets: Number of frames of any kind.
+        bad_checksums: Number of rejected frames.
+        bytes_skipped: Number of bytes that belonged to no frame.
         sonars: Numbers of the transducers that were read.
-        snapshot: The last reading, or `None` if there was none.
+        snapshot: The last one, or `None` if there was none.
         config_trusted: False where CONFIG's checksum was wrong, but twice the same.
-        ended: Why the session ended too early, or `None`.
+        ended: The reason for an early end of the session, or `None`.
     """
 
     seconds: float
@@ -73,18 +73,18 @@ class Heard:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """Everything that was found out.
+    """The facts about one link.
 
     Attributes:
-        url: What was asked for.
-        port: What the system knows of a serial port; `None` for other links.
-        refused: Why the link did not open.
-        closed: Whether the far end hung up without a word.
-        other_device: Who answers in place of a robot.
-        heard_at: Serial speeds at which anything was heard [baud].
-        info: What the robot is; `None` when none answered.
+        url: Of the link.
+        port: Properties of a serial port; `None` for other links.
+        refused: The error that kept the link from opening.
+        closed: Whether the far end closed the link without sending anything.
+        other_device: The device that answers in place of a robot.
+        heard_at: Serial speeds at which bytes were received [baud].
+        info: Description of the robot; `None` when none answered.
         streaming: Whether the robot still served an earlier session.
-        heard: What it sent.
+        heard: Summary of the bytes received from it.
     """
 
     url: str

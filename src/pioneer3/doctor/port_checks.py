@@ -1,4 +1,4 @@
-"""Findings about the way to the robot: the port, the adapter, who answers."""
+"""Findings about the connection: the port, the adapter, the device that answers."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -105,7 +105,7 @@ def _busy(holders: tuple[Holder, ...], where: str) -> Finding:
         check="port",
         level=Level.FAIL,
         found=f"{where} is in use by {who or 'another program'}",
-        meaning="Two programs on one port each get half of the robot's words.",
+        meaning="Two programs on one port each get half of the robot's bytes.",
         advice=_how_to_free(holders, where),
         code=FAILED,
     )
@@ -124,7 +124,7 @@ def _how_to_free(holders: tuple[Holder, ...], where: str) -> str:
 
 
 def check_adapter(facts: Facts) -> Iterator[Finding]:
-    """Is the USB adapter one that passes bytes on at once?"""
+    """Does the USB adapter pass bytes on at once?"""
     port = facts.port
     if port is None or port.chip is None or facts.refused is not None:
         return
@@ -135,13 +135,13 @@ def check_adapter(facts: Facts) -> Iterator[Finding]:
         check="adapter",
         level=Level.WARN,
         found=f"{port.chip} holds bytes back for up to {port.latency_ms} ms (latency timer)",
-        meaning="Everything the robot says arrives late and in lumps.",
+        meaning="All reports of the robot arrive late and in bursts.",
         advice=f"Until it is unplugged: echo 1 | sudo tee {latency_file(port.device)}",
     )
 
 
 def check_answer(facts: Facts) -> Iterator[Finding]:
-    """Who answers?"""
+    """Does a robot answer?"""
     if facts.refused is not None or (facts.port and facts.port.holders):
         return
     if facts.info is not None:
@@ -207,7 +207,7 @@ def _about(other_device: OtherDevice, facts: Facts) -> Finding:
         return Finding(
             check="answer",
             level=Level.FAIL,
-            found=f"a robot that talks, but does not hear: {other_device.name}",
+            found=f"a robot that sends, but does not receive: {other_device.name}",
             meaning="Its reports of an earlier session arrive; nothing that is sent to it does.",
             advice="Look at the cable: one of its lines is broken, or it is meant for something "
             "else. Press reset on the robot.",
@@ -230,7 +230,7 @@ def _named(other_device: OtherDevice) -> str:
         case Kind.LASER:
             return f"not a robot but a laser: {other_device.name}"
         case Kind.ECHO:
-            return "not a robot but our own words"
+            return "not a robot but an echo of our own bytes"
         case Kind.PACKETS:
             return f"no handshake, but {other_device.name}"
         case Kind.TEXT:

@@ -1,4 +1,4 @@
-"""What this computer knows of its serial ports without sending a byte: /sys, /proc and udev."""
+"""Serial ports of this computer, from /sys, /proc and udev, without sending a byte."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -58,13 +58,13 @@ class SerialPort:
 
     Attributes:
         path: The name to use: the stable one of /dev/serial/by-id where there is one.
-        device: What it stands for now, such as `/dev/ttyUSB0`.
-        product: What the adapter calls itself.
+        device: The present device file, such as `/dev/ttyUSB0`.
+        product: Product name that the adapter sends.
         vendor_id: USB, `None` for ports that are no USB device.
         product_id: Likewise.
-        latency_ms: How long an FTDI adapter waits before it passes bytes on.
+        latency_ms: Time for which an FTDI adapter holds bytes back.
         allowed: Whether this user may open it.
-        holders: Who has it open, as far as this user may see.
+        holders: Processes that have it open, as far as this user may see.
         console: Whether the kernel prints its messages there.
     """
 
@@ -81,7 +81,7 @@ class SerialPort:
 
     @property
     def chip(self) -> str | None:
-        """What the adapter is made of; `None` for ports that are no USB device."""
+        """Name of the adapter's chip; `None` for ports that are no USB device."""
         if self.vendor_id is None or self.product_id is None:
             return None
         vendor = _VENDORS.get(self.vendor_id, self.manufacturer or "unknown maker")
@@ -90,7 +90,7 @@ class SerialPort:
 
     @property
     def is_hokuyo(self) -> bool:
-        """Whether this is no adapter but a Hokuyo laser itself."""
+        """Whether this is a Hokuyo laser and not an adapter."""
         return self.vendor_id == HOKUYO
 
 
@@ -115,7 +115,7 @@ def list_ports() -> tuple[SerialPort, ...]:
 
 
 def find_port(url: str) -> SerialPort | None:
-    """Return what is known of the serial port that `url` names; `None` for other links.
+    """Return the serial port that `url` names; `None` for other links.
 
     Raises:
         ConfigError: `url` names no port.
@@ -129,7 +129,7 @@ def find_port(url: str) -> SerialPort | None:
 
 
 def is_serial(url: str) -> bool:
-    """Whether `url` names a serial port; what is no URL at all does not."""
+    """Return whether `url` names a serial port; false for an invalid URL."""
     try:
         return split_url(url)[0] == "serial"
     except ConfigError:
@@ -161,12 +161,12 @@ def latency_of(device: str, sys: Path = SYS) -> int | None:
 
 
 def latency_file(device: str, sys: Path = SYS) -> Path:
-    """Return where the latency timer of `device` is read and set."""
+    """Return the file in which the latency timer of `device` is read and set."""
     return sys / "bus/usb-serial/devices" / Path(device).name / "latency_timer"
 
 
 def is_console(device: str, sys: Path = SYS) -> bool:
-    """Whether the kernel prints its messages on `device`."""
+    """Return whether the kernel prints its messages on `device`."""
     try:
         active = (sys / "class/tty/console/active").read_text("ascii").split()
     except (OSError, UnicodeDecodeError):
@@ -177,7 +177,7 @@ def is_console(device: str, sys: Path = SYS) -> bool:
 def holders_of(device: str, proc: Path = PROC, me: int | None = None) -> Iterator[Holder]:
     """Yield the other processes that have `device` open, as far as this user may see.
 
-    Who holds the far end of a pseudo terminal is what is connected to it, not a rival.
+    A process at the far end of a pseudo terminal is the device, not another user of it.
     """
     me = os.getpid() if me is None else me
     for process in sorted(_processes(proc)):
@@ -201,7 +201,7 @@ def _holds(process: Path, device: str) -> bool:
 
 
 def _open_files(process: Path) -> Iterator[tuple[str, str]]:
-    """Yield the number of each open file and what it is; nothing of what is gone or not ours."""
+    """Yield number and path of each open file of a process, as far as they can be read."""
     try:
         numbers = [entry.name for entry in (process / "fd").iterdir()]
     except OSError:

@@ -1,4 +1,4 @@
-"""What is at the end of each port? Asked politely, one after the other."""
+"""Probes ports, one after the other, for the device at the other end."""
 
 import asyncio
 from collections.abc import Callable, Iterable, Sequence
@@ -26,7 +26,7 @@ SIMULATOR_URL: Final = "tcp://localhost:8101"
 
 
 class Verdict(StrEnum):
-    """What a port leads to."""
+    """Result of a probe."""
 
     ROBOT = "robot"
     SIMULATOR = "simulator"
@@ -43,14 +43,14 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Probed:
-    """One port, and what was found there.
+    """One port, and the result of probing it.
 
     Attributes:
-        url: What `--port` takes.
-        verdict: What it leads to.
-        detail: Who answered, or what is in the way, for people.
-        port: What the system knows of a serial port.
-        info: Of the robot that answered.
+        url: Argument for `--port`.
+        verdict: The result.
+        detail: Name of the device, or the obstacle, for people.
+        port: Properties of a serial port.
+        info: Description of the robot that answered.
     """
 
     url: str
@@ -60,8 +60,8 @@ class Probed:
     info: RobotInfo | None = None
 
 
-def prejudge(port: SerialPort) -> Probed | None:
-    """Return the verdict on a port that must not, or need not, be spoken to; else `None`."""
+def skipped(port: SerialPort) -> Probed | None:
+    """Return the result for a port that must not, or need not, be probed; else `None`."""
     if port.holders:
         who = ", ".join(f"{holder.name} (process {holder.pid})" for holder in port.holders)
         return Probed(port.path, Verdict.BUSY, f"open in {who}", port)
@@ -73,29 +73,29 @@ def prejudge(port: SerialPort) -> Probed | None:
 
 
 async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
-    """Return what the serial `port` leads to."""
-    return prejudge(port) or await probe(port.path, port, timing)
+    """Return the result for the serial `port`."""
+    return skipped(port) or await probe(port.path, port, timing)
 
 
 async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK) -> Probed:
-    """Return what `url` leads to; bytes are sent to it. Never raises a link's error.
+    """Return the result for `url`; sends bytes to it. Never raises a link's error.
 
     Raises:
         ConfigError: `url` names no port.
     """
     try:
-        conversation = ProbeSession(await open_link(url), timing)
+        session = ProbeSession(await open_link(url), timing)
     except LinkError as error:
         return Probed(url, _refusal(error), str(error), port)
     try:
-        if await conversation.meet() and conversation.info is not None:
-            return _robot(url, port, conversation.info)
-        other_device = await conversation.other_device()
-        if other_device is None and conversation.closed:
+        if await session.handshake() and session.info is not None:
+            return _robot(url, port, session.info)
+        other_device = await session.other_device()
+        if other_device is None and session.closed:
             return Probed(url, Verdict.BUSY, "hangs up at once: busy with somebody else?", port)
-        return _stranger(url, port, other_device)
+        return _other(url, port, other_device)
     finally:
-        await conversation.leave()
+        await session.close()
 
 
 def _refusal(error: LinkError) -> Verdict:
@@ -116,7 +116,7 @@ def _robot(url: str, port: SerialPort | None, info: RobotInfo) -> Probed:
     return Probed(url, verdict, f"{info.identity.name}, {info.model.title}{speed}", port, info)
 
 
-def _stranger(url: str, port: SerialPort | None, other_device: OtherDevice | None) -> Probed:
+def _other(url: str, port: SerialPort | None, other_device: OtherDevice | None) -> Probed:
     if other_device is None:
         return Probed(url, Verdict.SILENT, "nothing answers: robot off, or nothing there", port)
     verdict = Verdict.LASER if other_device.kind is Kind.LASER else Verdict.OTHER
@@ -124,7 +124,7 @@ def _stranger(url: str, port: SerialPort | None, other_device: OtherDevice | Non
 
 
 def choose(found: Iterable[Probed]) -> Probed | None:
-    """Return the one to use: a robot rather than a simulator, which is easily forgotten running."""
+    """Return the one to use: a robot before a simulator, which may have been left running."""
     by_verdict = {each.verdict: each for each in reversed(list(found))}
     return by_verdict.get(Verdict.ROBOT) or by_verdict.get(Verdict.SIMULATOR)
 
@@ -132,12 +132,12 @@ def choose(found: Iterable[Probed]) -> Probed | None:
 def came_back(
     before: Iterable[SerialPort], without: Iterable[SerialPort], after: Iterable[SerialPort]
 ) -> tuple[SerialPort, ...]:
-    """Return the ports that were plugged in at last.
+    """Return the ports that were plugged in again.
 
     Args:
-        before: Listed first.
-        without: Listed after the cable was pulled.
-        after: Listed after it was plugged in again; its device may have another number.
+        before: Ports at first.
+        without: Ports after the cable was pulled.
+        after: Ports after it was plugged in again; its device may have another number.
     """
     stayed = {port.device for port in without}
     appeared = [port for port in after if port.device not in stayed]
@@ -165,8 +165,8 @@ async def wait_for_plug(
 
 
 def not_probed(ports: Iterable[SerialPort], urls: Iterable[str]) -> list[Probed]:
-    """Return the list without asking anybody."""
-    listed = [prejudge(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
+    """Return the list of ports without probing any."""
+    listed = [skipped(port) or Probed(port.path, Verdict.NOT_PROBED, "", port) for port in ports]
     return listed + [Probed(url, Verdict.NOT_PROBED) for url in urls]
 
 

@@ -1,7 +1,7 @@
-"""A polite talk with whatever is at the end of a link: it shakes hands and listens, never moves.
+"""A session that probes the device at the end of a link: handshake and listening, no motion.
 
-Sent are SYNC, OPEN, STOP, ENABLE 0, CONFIG, SONAR 1, PULSE and CLOSE, and to what is no robot the
-question of a laser's version. Nothing of that switches or sets anything that lasts.
+It sends SYNC, OPEN, STOP, ENABLE 0, CONFIG, SONAR 1, PULSE and CLOSE, and to a device that is no
+robot the question for a laser's version. None of that changes a setting that lasts.
 """
 
 import asyncio
@@ -36,25 +36,25 @@ QUICK: Final = Timing(retry=0.25, give_up=3.5)
 THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
 SCIP_SPEEDS: Final = (19200, 115200)
-"""What Hokuyo lasers with a serial port are set to [baud] (facts.md 11.3)."""
-SCIP_PATIENCE: Final = 0.5
-FAREWELL_PATIENCE: Final = 0.5
+"""Speeds of Hokuyo lasers with a serial port [baud] (facts.md 11.3)."""
+SCIP_TIMEOUT: Final = 0.5
+CLOSE_TIMEOUT: Final = 0.5
 CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}
-MOST_HEARD: Final = 4096
+MAX_RECEIVED: Final = 4096
 
 
 class ProbeSession:
-    """One session's worth of facts about what a link leads to.
+    """The facts that one session finds about the device at the end of a link.
 
     Attributes:
         identity: Of the robot, once it answered.
         speed: At which it answered [baud]; `None` on links without a speed.
         streaming: Whether it was still serving an earlier session.
-        config: What it sent of itself.
-        config_settled: Whether it sent that or let the time for it pass.
+        config: Its CONFIG report.
+        config_settled: Whether it sent that, or the time for it has passed.
         config_trusted: False where the checksum was wrong, but twice the same.
         sips: Every information packet with the time of its arrival [s].
-        failure: Why there is no session, or none any more.
+        failure: The reason that there is no session.
         closed: Whether the far end closed the link.
     """
 
@@ -71,7 +71,7 @@ class ProbeSession:
         self._link = link
         self._clock = asyncio.get_running_loop().time
         self._host = Host(self._clock(), link.speeds, timing, round_trip=link.round_trip)
-        self._before = PacketReader()
+        self._early_reader = PacketReader()
         self._heard: defaultdict[int | None, bytearray] = defaultdict(bytearray)
         self._sent = bytearray()
         self._packets = self._bad_checksums = self._bytes_skipped = 0
@@ -98,12 +98,12 @@ class ProbeSession:
 
     @property
     def heard_at(self) -> tuple[int | None, ...]:
-        """At which speeds anything was heard before the session."""
+        """The speeds at which bytes were received before the session."""
         return tuple(speed for speed, data in self._heard.items() if data)
 
     @property
     def info(self) -> RobotInfo | None:
-        """What the robot is, in the driver's words; `None` before it said so."""
+        """Description of the robot as the driver has it; `None` before its identity is known."""
         if self.identity is None:
             return None
         top, turn = 0.0, 0.0
@@ -122,74 +122,74 @@ class ProbeSession:
             speed=self.speed,
         )
 
-    async def meet(self) -> bool:
-        """Shake hands and wait for the configuration; return whether this is a robot."""
+    async def handshake(self) -> bool:
+        """Do the handshake and wait for CONFIG; return whether this is a robot."""
         while not (self.is_over or self.config_settled):
-            await self._turn(float("inf"))
+            await self._step(float("inf"))
         return self.identity is not None
 
     async def listen(self, seconds: float) -> None:
-        """Keep the session open for `seconds`; the counters start anew.
+        """Keep the session open for `seconds`, with the counters set to zero.
 
-        So a CONFIG whose checksum is always wrong is not held against the cable.
+        A CONFIG whose checksum is always wrong is therefore not counted as a fault of the cable.
         """
         reader = self._host.reader
         self._packets, self._bad_checksums = reader.packets, reader.bad_checksums
         self._bytes_skipped = reader.bytes_skipped
         end = self._clock() + seconds
         while not self.is_over and self._clock() < end:
-            await self._turn(end)
+            await self._step(end)
 
     async def other_device(self) -> OtherDevice | None:
-        """Return who it is that does not answer as a robot; `None` when all is silent.
+        """Return the device that does not answer as a robot; `None` when nothing was received.
 
-        What is no laser, no echo and no robot by what it said is asked whether it is a laser.
+        A device whose bytes are not those of a laser, an echo or a robot is probed as a laser.
         """
         said = [recognise(bytes(data), bytes(self._sent)) for data in self._heard.values()]
         known = [who for who in said if who is not None]
         certain = next((who for who in known if who.kind in CERTAIN), None)
         if certain is None and not self.closed:
-            certain = await self._ask_for_a_laser()
+            certain = await self._probe_laser()
         return certain or next(iter(known), None)
 
-    async def leave(self) -> None:
+    async def close(self) -> None:
         """Stop the robot and end the session; close the link."""
         self._host.leave(self._clock())
         with suppress(LinkError, TimeoutError):
-            async with asyncio.timeout(FAREWELL_PATIENCE):
+            async with asyncio.timeout(CLOSE_TIMEOUT):
                 await self._link.write(self._host.outgoing())
         await self._link.close()
 
-    async def _turn(self, end: float) -> None:
-        """Send what is due, then hear what comes until `end` or the host's next deadline."""
+    async def _step(self, end: float) -> None:
+        """Send the due bytes, then receive until `end` or the host's next deadline."""
         try:
             now = self._clock()
             for event in self._host.tick(now):
                 await self._handle(event, now)
             if data := self._host.outgoing():
-                self._sent += data[: MOST_HEARD - len(self._sent)]
+                self._sent += data[: MAX_RECEIVED - len(self._sent)]
                 await self._link.write(data)
             if self.failure is None:
-                await self._hear(min(self._host.deadline, end))
+                await self._receive(min(self._host.deadline, end))
         except LinkError as error:
             self.closed, self.failure = True, str(error)
 
-    async def _hear(self, until: float) -> None:
+    async def _receive(self, until: float) -> None:
         with suppress(TimeoutError):
             async with asyncio.timeout_at(until):
                 data = await self._link.read()
                 now = self._clock()
                 self.closed = not data
                 if self.identity is None:
-                    self._overhear(data, now)
+                    self._keep_early_bytes(data, now)
                 for event in self._host.receive(data, now):
                     await self._handle(event, now)
 
-    def _overhear(self, data: bytes, now: float) -> None:
-        """Keep what comes before the session: another device's words, or an earlier session's."""
+    def _keep_early_bytes(self, data: bytes, now: float) -> None:
+        """Keep bytes from before the session: of another device or an earlier session."""
         heard = self._heard[self._host.speed]
-        heard += data[: MOST_HEARD - len(heard)]
-        payloads = self._before.feed(data, now)
+        heard += data[: MAX_RECEIVED - len(heard)]
+        payloads = self._early_reader.feed(data, now)
         self.streaming |= any(isinstance(reports.from_payload(p), Sip) for p in payloads)
 
     async def _handle(self, event: Event, now: float) -> None:
@@ -206,21 +206,21 @@ class ProbeSession:
             case Lost(reason):
                 self.failure = reason
 
-    async def _ask_for_a_laser(self) -> OtherDevice | None:
+    async def _probe_laser(self) -> OtherDevice | None:
         for speed in SCIP_SPEEDS if self._link.speeds else (None,):
             with suppress(LinkError):
                 if speed is not None:
                     await self._link.set_speed(speed)
                 await self._link.write(SCIP_QUESTION)
-                who = recognise(await self._words(SCIP_PATIENCE))
+                who = recognise(await self._read_for(SCIP_TIMEOUT))
                 if who is not None and who.kind is Kind.LASER:
                     return who
         return None
 
-    async def _words(self, seconds: float) -> bytes:
-        words = bytearray()
+    async def _read_for(self, seconds: float) -> bytes:
+        received = bytearray()
         with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
-                while len(words) < MOST_HEARD and (data := await self._link.read()):
-                    words += data
-        return bytes(words)
+                while len(received) < MAX_RECEIVED and (data := await self._link.read()):
+                    received += data
+        return bytes(received)

@@ -1,7 +1,7 @@
-"""Who speaks on a line that is not a Pioneer robot: pure recognition of what was heard.
+"""Recognises devices that are not Pioneer robots by the bytes they send. Pure.
 
 Sources: SCIP, facts.md 11. SICK LMS 2xx telegrams: STX (02), address (80 from the laser), length of
-what follows up to the checksum (2 bytes, low first), data, CRC (2 bytes, low first).
+the data (2 bytes, low first), data, CRC (2 bytes, low first).
 """
 
 import re
@@ -15,8 +15,8 @@ LMS_START: Final = b"\x02\x80"
 LMS_LONGEST: Final = 812
 LMS_POLYNOMIAL: Final = 0x8005
 SCIP_QUESTION: Final = b"\nVV\n"
-"""Asks a SCIP laser for its version. It switches and sets nothing; the first LF ends whatever the
-laser took for the beginning of a command."""
+"""Asks a SCIP laser for its version, and changes no setting. The first LF ends earlier bytes that
+the laser took for the beginning of a command."""
 ECHO_ENOUGH: Final = 18
 """Three packets: a robot sends SYNC0 and SYNC1 back as they are, and answers SYNC2 otherwise."""
 TEXT_ENOUGH: Final = 4
@@ -38,8 +38,8 @@ class OtherDevice:
     """Something that answers, but not as a robot.
 
     Attributes:
-        kind: What it is.
-        name: As far as it said who it is, for people.
+        kind: Of the device.
+        name: Its name, as far as it sent one, for people.
     """
 
     kind: Kind
@@ -47,7 +47,7 @@ class OtherDevice:
 
 
 def recognise(heard: bytes, sent: bytes = b"") -> OtherDevice | None:
-    """Return who said `heard` after we sent `sent`; `None` when nothing was heard."""
+    """Return the device that sent `heard` after we sent `sent`; `None` when `heard` is empty."""
     if not heard:
         return None
     if len(sent) >= ECHO_ENOUGH and sent[:ECHO_ENOUGH] in heard:
@@ -93,7 +93,7 @@ def lms_checksum(telegram: bytes) -> int:
 
 
 def _packets(heard: bytes) -> OtherDevice | None:
-    """Return the device that speaks the robot's protocol, for the greater part."""
+    """Return the device if most of its bytes are packets of the robot's protocol."""
     reader = PacketReader()
     numbers = [payload[0] for payload in reader.feed(heard)]
     if not numbers or reader.bytes_skipped > len(heard) // 2:
@@ -104,7 +104,7 @@ def _packets(heard: bytes) -> OtherDevice | None:
 
 
 def _text(heard: bytes) -> OtherDevice | None:
-    """Return the device that writes to people: a console, a web server, a GPS."""
+    """Return the device if it sends text: a console, a web server, a GPS."""
     readable = sum(0x20 <= byte < 0x7F or byte in b"\r\n\t" for byte in heard)
     if len(heard) < TEXT_ENOUGH or readable < TEXT_SHARE * len(heard):
         return None

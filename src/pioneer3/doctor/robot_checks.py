@@ -1,4 +1,4 @@
-"""Findings about the robot that answered, and about the line while it talked."""
+"""Findings about the robot that answered, and about the line to it."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -11,15 +11,15 @@ from pioneer3.units import DECIVOLT, MS
 
 START_SPEED: Final = SPEEDS[0]
 USUAL_CYCLE: Final = 0.1
-"""Between information packets, where CONFIG does not say [s] (protocol.md 4.1)."""
+"""Interval of information packets where CONFIG has none [s] (protocol.md 4.1)."""
 SLOW, VERY_SLOW = 0.85, 0.5
 """Shares of the reports expected below which it is a warning or a failure."""
 NOISY, VERY_NOISY = 0.001, 0.05
-"""Shares of spoilt frames above which it is a warning or a failure."""
+"""Shares of corrupt frames above which it is a warning or a failure."""
 
 
 def check_speed(facts: Facts) -> Iterator[Finding]:
-    """Is the line at the speed it starts with?"""
+    """Is the line at the speed at which robots start?"""
     if facts.info is None or facts.info.speed is None:
         return
     speed = facts.info.speed
@@ -47,13 +47,13 @@ def check_session(facts: Facts) -> Iterator[Finding]:
         check="session",
         level=Level.WARN,
         found="the robot was still serving an earlier session",
-        meaning="Its last program ended without saying goodbye (crash, kill, cable pulled).",
+        meaning="Its last program did not close its session (crash, kill, cable pulled).",
         advice="Nothing to do: that session has been closed now.",
     )
 
 
 def check_config(facts: Facts) -> Iterator[Finding]:
-    """Did the robot send its configuration, whole?"""
+    """Did the robot send its configuration without errors?"""
     if facts.info is None:
         return
     config = facts.info.config
@@ -128,12 +128,12 @@ def check_checksums(facts: Facts) -> Iterator[Finding]:
         level=Level.FAIL if share > VERY_NOISY else Level.WARN,
         found=lost,
         meaning="Bytes change or vanish between robot and computer; such frames are thrown away.",
-        advice=_cure(facts),
+        advice=_remedy(facts),
         code=FAILED if share > VERY_NOISY else 0,
     )
 
 
-def _cure(facts: Facts) -> str:
+def _remedy(facts: Facts) -> str:
     chip = facts.port.chip if facts.port else None
     if chip is not None:
         return (
@@ -146,7 +146,7 @@ def _cure(facts: Facts) -> str:
 
 
 def check_state(facts: Facts) -> Iterator[Finding]:
-    """Would the robot drive if it were asked to?"""
+    """Is the robot ready to drive?"""
     heard = facts.heard
     if facts.info is None or heard is None or heard.snapshot is None:
         return
@@ -193,7 +193,7 @@ def _motors(now: Snapshot) -> Iterator[Finding]:
 
 
 def battery_finding(now: Snapshot, info: RobotInfo) -> Finding:
-    """Does the battery last?"""
+    """Is the battery charged?"""
     volts = now.battery.voltage
     shutdown = (info.config.shutdown_decivolts or 0) * DECIVOLT if info.config else 0.0
     found = f"{volts:.1f} V" + (f", {now.battery.charge:.0%}" if now.battery.charge else "")

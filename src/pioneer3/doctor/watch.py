@@ -1,4 +1,4 @@
-"""Watches the line to a robot that is driven, and judges it as the diagnosis does."""
+"""Monitors the line to a connected robot with the checks of the diagnosis."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -16,15 +16,15 @@ from pioneer3.robot.supervisor import Supervisor
 from pioneer3.state import LinkQuality
 
 WINDOW = 10.0
-"""What is judged: so much of the past [s]."""
+"""Length of the evaluated past [s]."""
 LEAST = 2.0
-"""Less than this is too little to judge by [s]."""
+"""Shortest past that is evaluated [s]."""
 PATIENCE = 0.3
-"""The next report is not missing before it is this late [s]."""
+"""A report counts as missing when it is this late [s]."""
 
 
 class LineWatch:
-    """Remembers when reports came, and what was spoilt, over the last :data:`WINDOW`."""
+    """Counts reports and corrupt frames over the last :data:`WINDOW`."""
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
@@ -32,7 +32,7 @@ class LineWatch:
         supervisor.reports.hand_to(self._take, Sip)
 
     def findings(self, now: float) -> Iterator[Finding]:
-        """Yield how the line and the battery are at `now` [s, monotonic], in words."""
+        """Yield findings about the line and the battery at `now` [s, monotonic]."""
         info, snapshot = self._supervisor.info, self._supervisor.snapshot
         if info is None or snapshot is None:
             return
@@ -73,6 +73,6 @@ class LineWatch:
 
 
 def _port(url: str) -> SerialPort | None:
-    """Return the port at a serial line's end, as far as its name tells."""
+    """Return the serial port in `url`, with its name only; `None` for other links."""
     scheme, _, path = url.partition(":")
     return SerialPort(path=path, device=path) if scheme == "serial" else None

@@ -9,7 +9,7 @@ SIMULATOR_SERIAL = "SIM"
 
 
 def is_simulator(info: RobotInfo | None) -> bool:
-    """Whether the robot says that it is simulated (protocol.md 2.6; facts.md 13, row 12)."""
+    """Return whether the robot says that it is simulated (protocol.md 2.6; facts.md 13, row 12)."""
     if info is None:
         return False
     serial = info.config.serial_number if info.config else ""
@@ -17,5 +17,5 @@ def is_simulator(info: RobotInfo | None) -> bool:
 
 
 def kind(info: RobotInfo) -> Literal["SIMULATOR", "ROBOT"]:
-    """Return `SIMULATOR` or `ROBOT`, in capitals, as it is shown everywhere."""
+    """Return `SIMULATOR` or `ROBOT`, in capitals."""
     return "SIMULATOR" if is_simulator(info) else "ROBOT"

@@ -127,7 +127,7 @@ def test_a_robot_is_told_apart_from_a_simulator_in_capitals() -> None:
     ("kind", "words"),
     [
         (Kind.LASER, "a laser: Hokuyo"),
-        (Kind.ECHO, "our own words"),
+        (Kind.ECHO, "our own bytes"),
         (Kind.TEXT, "Hokuyo"),
         (Kind.NOISE, "make no sense"),
     ],

@@ -12,7 +12,7 @@ from pioneer3.doctor.probe import (
     choose,
     found_code,
     not_probed,
-    prejudge,
+    skipped,
     wait_for_plug,
 )
 
@@ -45,13 +45,13 @@ def test_the_first_of_two_robots_is_chosen() -> None:
 def test_ports_in_use_consoles_and_lasers_by_name_are_not_spoken_to(
     port: SerialPort, verdict: Verdict
 ) -> None:
-    judged = prejudge(port)
+    judged = skipped(port)
     assert judged is not None
     assert judged.verdict is verdict
 
 
 def test_any_other_port_is_to_be_asked() -> None:
-    assert prejudge(USB0) is None
+    assert skipped(USB0) is None
 
 
 def test_the_exit_code_says_whether_a_robot_was_found() -> None:
