@@ -1,1 +1,1 @@
-"""Finds robots on ports, and finds and explains what is wrong between this computer and a robot."""
+"""Finds robots on ports, and explains faults between this computer and a robot."""

@@ -28,7 +28,7 @@ class LineWatch:
 
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
-        self._heard: deque[tuple[float, LinkQuality]] = deque()
+        self._history: deque[tuple[float, LinkQuality]] = deque()
         supervisor.reports.hand_to(self._take, Sip)
 
     def findings(self, now: float) -> Iterator[Finding]:
@@ -44,14 +44,14 @@ class LineWatch:
             yield from check_checksums(facts)
 
     def _summary(self, now: float) -> Heard | None:
-        if not self._heard:
+        if not self._history:
             return None
-        (began, before), (last, after) = self._heard[0], self._heard[-1]
+        (began, before), (last, after) = self._history[0], self._history[-1]
         end = last if now - last < PATIENCE else now
         if end - began < LEAST:
             return None
-        stamps = [*(stamp for stamp, _ in self._heard), end]
-        reports = len(self._heard) - 1
+        stamps = [*(stamp for stamp, _ in self._history), end]
+        reports = len(self._history) - 1
         return Heard(
             seconds=end - began,
             reports=reports,
@@ -65,11 +65,11 @@ class LineWatch:
         snapshot = self._supervisor.snapshot
         if snapshot is None:
             return
-        if self._heard and self._heard[-1][1].sessions != snapshot.link.sessions:
-            self._heard.clear()
-        self._heard.append((stamp, snapshot.link))
-        while stamp - self._heard[0][0] > WINDOW:
-            self._heard.popleft()
+        if self._history and self._history[-1][1].sessions != snapshot.link.sessions:
+            self._history.clear()
+        self._history.append((stamp, snapshot.link))
+        while stamp - self._history[0][0] > WINDOW:
+            self._history.popleft()
 
 
 def _port(url: str) -> SerialPort | None:

@@ -44,4 +44,4 @@ class Link(Protocol):
 
 
 Opener = Callable[[], Awaitable[Link]]
-"""Opens the same link anew each time it is called."""
+"""Opens the same link again at each call."""

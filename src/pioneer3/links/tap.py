@@ -6,7 +6,7 @@ The format::
     <seconds> C>S|S>C <number of bytes> <hex>
 
 `C>S` are bytes of the host, `S>C` of the robot; seconds count from the beginning. Lines that
-start with # are comments; those of the form `# <seconds> <words>` tell other events, such as
+start with # are comments; those of the form `# <seconds> <words>` are other events, such as
 the reason for a motion. Older files have no heading, and restart at 0 s with each connection.
 """
 

@@ -45,7 +45,7 @@ STOPPED = "somebody stopped the robot"
 STALLED = "the wheels stalled"
 LATCHED = "the emergency stop is latched"
 LONGEST_PAUSE = 2.0
-"""After a pause of this program of this length [s] the robot's watchdog has stopped the robot."""
+"""After a longer pause of this program [s] the robot's watchdog has stopped the robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +198,7 @@ class Pilot:
         self._command = replace(command, until=min(now + self.limits.expiry, command.until))
         if not twist.is_zero and self.auto_enable and not self._motors_wanted:
             self._want_motors(on=True, now=now)
-        self._steer(now)
+        self._update_velocity(now)
         return None
 
     def stop(self, now: float) -> None:
@@ -241,7 +241,7 @@ class Pilot:
         stood = self.stands
         self.stop(now)
         self._want_motors(on=on, now=-inf if stood else now)
-        self._power(now)
+        self._update_motors(now)
         return None
 
     def observe(self, snapshot: Snapshot, now: float) -> None:
@@ -265,14 +265,14 @@ class Pilot:
             self._enable_tries = 0
         if before is None and self._motors_wanted is None:
             self._want_motors(on=False, now=-inf if self._at_rest else now)
-        self._power(now)
-        self._steer(now)
+        self._update_motors(now)
+        self._update_velocity(now)
 
     def tick(self, now: float) -> None:
         """Let requests expire."""
         self._check_pause(now)
         self.deadline = now + REPEAT
-        self._steer(now)
+        self._update_velocity(now)
 
     def outgoing(self) -> list[Command]:
         """Return and forget the commands to send."""
@@ -344,8 +344,8 @@ class Pilot:
         measured = self._snapshot.odometry.twist
         return abs(measured.v) < STANDING.v and abs(measured.w) < STANDING.w
 
-    def _power(self, now: float) -> None:
-        """Bring the motors to the wanted state, with a limited number of tries."""
+    def _update_motors(self, now: float) -> None:
+        """Bring the motors to the wanted state; switching on has :data:`ENABLE_TRIES`."""
         if self._snapshot is None or self._motors_wanted is None:
             return
         wanted = self._motors_wanted
@@ -367,12 +367,12 @@ class Pilot:
         """Return whether motors to be switched off are still needed to stop the robot."""
         return not (self.emergency or self.stands) and now < self._motors_wanted_at + BRAKING
 
-    def _steer(self, now: float) -> None:
+    def _update_velocity(self, now: float) -> None:
         """Send the velocity that is due."""
         snapshot, limits = self._snapshot, self.limits
         if snapshot is None or limits is None or self._control_released:
             return
-        self._power(now)
+        self._update_motors(now)
         self._set_accelerations(limits)
         silent = now - self._observed_at > REPORT_TIMEOUT
         twist = STILL if silent else limit(self.asked(now), limits, snapshot.bumpers)

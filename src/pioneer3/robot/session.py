@@ -221,7 +221,7 @@ class Session:
             case Configured(config, trusted):
                 self._configure(config, trusted=trusted, now=now)
             case Received(report):
-                self._serve(report, now)
+                self._handle_report(report, now)
             case Lost():
                 self._lost = event
 
@@ -244,16 +244,16 @@ class Session:
         self._configured = True
         self._listener.on_connected(self)
 
-    def _serve(self, report: Report, now: float) -> None:
+    def _handle_report(self, report: Report, now: float) -> None:
         if not self._configured:
             return
         self._requests.received(report, now)
         if isinstance(report, Sip):
-            self._take_reading(report, now)
+            self._handle_sip(report, now)
             self._requests.tick(now)
         self._listener.on_report(report, now)
 
-    def _take_reading(self, report: Sip, now: float) -> None:
+    def _handle_sip(self, report: Sip, now: float) -> None:
         snapshot = self._snapshot(report, now)
         self._pilot.observe(snapshot, now)
         self._listener.on_snapshot(snapshot)

@@ -106,12 +106,12 @@ class Supervisor:
         self._timing = timing
         self._session: Session | None = None
         self._clock = asyncio.get_running_loop().time
-        self._fresh: Snapshot | None = None
+        self._snapshot: Snapshot | None = None
 
     @property
     def snapshot(self) -> Snapshot | None:
         """The latest snapshot of the session that is open, or `None`."""
-        return self._fresh
+        return self._snapshot
 
     async def run(self) -> None:
         """Connect, and reconnect after every loss; ends by cancellation, or with a recording.
@@ -226,7 +226,7 @@ class Supervisor:
 
         `decided` is the reason for a command to stand still, if there was one.
         """
-        return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
+        return why_not_moving(self.pilot, self._snapshot, self._clock(), decided)
 
     def on_connected(self, session: Session) -> None:
         """Store the description of the robot, and publish the connection."""
@@ -249,7 +249,7 @@ class Supervisor:
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Pass a snapshot on: first to `on_reading`, which misses none, then to the readers."""
-        self._fresh = snapshot
+        self._snapshot = snapshot
         self.on_reading(snapshot)
         self.snapshots.publish(snapshot)
 
@@ -284,7 +284,7 @@ class Supervisor:
                 return attempt + 1
             self.pilot.session_lost(str(error), self._clock())
         finally:
-            self._session = self._fresh = None
+            self._session = self._snapshot = None
             self._requests.session_lost()
         return 1
 

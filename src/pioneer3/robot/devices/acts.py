@@ -40,7 +40,7 @@ class Acts:
         """Yield one picture after the other; a slow reader requests fewer.
 
         Raises:
-            DeviceError: there is no ACTS, or it is silent or gone; the message says which.
+            DeviceError: there is no ACTS, or it does not answer; the message has the reason.
         """
         try:
             link = await self._open()
