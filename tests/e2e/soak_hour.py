@@ -13,7 +13,7 @@ from math import isfinite, pi, radians
 from random import Random
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.commands import Command, Request, SimLaserMode
+from pioneer3.arcos.commands import Command, RequestMode, SimLaserMode
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
@@ -52,9 +52,9 @@ OTHER: tuple[Callable[[Random], Command], ...] = (
     lambda r: commands.SetO(),
     lambda r: commands.Sonar(on=r.random() < 0.8),
     lambda r: commands.RequestConfig(),
-    lambda r: commands.IoRequest(r.choice(list(Request))),
-    lambda r: commands.RequestEncoders(r.choice(list(Request))),
-    lambda r: commands.RequestBatteryInfo(r.choice(list(Request))),
+    lambda r: commands.IoRequest(r.choice(list(RequestMode))),
+    lambda r: commands.RequestEncoders(r.choice(list(RequestMode))),
+    lambda r: commands.RequestBatteryInfo(r.choice(list(RequestMode))),
     lambda r: commands.DigOut(mask=r.randrange(256), values=r.randrange(256)),
     lambda r: commands.SimLrfEnable(r.choice([SimLaserMode.OFF, SimLaserMode.EXTENDED]), laser=0),
     lambda r: commands.named("SOUNDTOG", False),

@@ -16,7 +16,7 @@ from pioneer3.arcos.commands import (
     Gripper,
     GripperAction,
     IoRequest,
-    Request,
+    RequestMode,
     Tcm2,
     Tcm2Mode,
 )
@@ -492,9 +492,9 @@ class TestDevices:
     async def test_the_lines_are_asked_for_while_the_mode_is_active(self) -> None:
         async with demo(first="i") as the:
             assert "digin0" in the.row.header
-            assert the.sent(IoRequest(Request.STREAM)) == 1
+            assert the.sent(IoRequest(RequestMode.STREAM)) == 1
             await the.press("s")
-            assert the.sent(IoRequest(Request.STOP)) == 1
+            assert the.sent(IoRequest(RequestMode.STOP)) == 1
 
     async def test_the_compass_is_asked_for_and_takes_its_keys(self) -> None:
         async with demo(first="m", equipment=EVERYTHING) as the:
@@ -553,7 +553,7 @@ class TestCommand:
     async def test_what_is_typed_is_sent(self) -> None:
         async with demo(first="d") as the:
             await the.press("4", "3", "backspace", "0", "space", "2", "enter")
-            assert the.sent(IoRequest(Request.STREAM)) == 1
+            assert the.sent(IoRequest(RequestMode.STREAM)) == 1
             assert the.row.line == "> "
             assert list(the.program.details()) == ["sent: command 40, integer 2"]
 

@@ -10,7 +10,7 @@ from typing import Literal
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, GripperAction, Request, SimLaserMode, Tcm2Mode
+from pioneer3.arcos.commands import Command, GripperAction, RequestMode, SimLaserMode, Tcm2Mode
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.errors import CommandError, DeviceError
 from pioneer3.geometry import Pose2
@@ -22,7 +22,7 @@ from pioneer3.sim.accessories import HeldObject
 from pioneer3.sim.equipment import Equipment
 from tests.support import First, SimulatedRobot, frame, lost, until, wall_at
 
-IO_ON, IO_OFF = commands.IoRequest(Request.STREAM), commands.IoRequest(Request.STOP)
+IO_ON, IO_OFF = commands.IoRequest(RequestMode.STREAM), commands.IoRequest(RequestMode.STOP)
 LASER_OFF = commands.SimLrfEnable(SimLaserMode.OFF)
 EVERYTHING = Equipment(gripper=True, compass=True, gyro_type=1, camera="vcc4", camera_port=2)
 
@@ -206,9 +206,9 @@ class TestGripper:
                     await until(
                         lambda: gripper.latest and gripper.latest.paddles is Paddles.CLOSED, 5
                     )
-                assert sent(robot, commands.GripperPacRequest(Request.STREAM)) == 1
+                assert sent(robot, commands.GripperPacRequest(RequestMode.STREAM)) == 1
                 await asyncio.sleep(0.1)
-                assert sent(robot, commands.GripperPacRequest(Request.STOP)) == 1
+                assert sent(robot, commands.GripperPacRequest(RequestMode.STOP)) == 1
 
     async def test_the_exercise_goes_round_until_a_key_halts_it(self) -> None:
         async with (

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, GyroMode, Request, Tcm2Mode
+from pioneer3.arcos.commands import Command, GyroMode, RequestMode, Tcm2Mode
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Report, Sip
 from pioneer3.geometry import wrap
@@ -138,10 +138,10 @@ def test_after_two_silent_seconds_the_robot_stops_and_goes_on_reporting() -> Non
 
 FITTED = Equipment(gripper=True, compass=True, gyro_type=1)
 REQUESTS: list[tuple[Command, type[Report]]] = [
-    (commands.IoRequest(Request.STREAM), reports.Io),
-    (commands.RequestEncoders(Request.STREAM), reports.Encoders),
+    (commands.IoRequest(RequestMode.STREAM), reports.Io),
+    (commands.RequestEncoders(RequestMode.STREAM), reports.Encoders),
     (commands.Gyro(GyroMode.ON), reports.GyroRates),
-    (commands.GripperPacRequest(Request.STREAM), reports.GripperState),
+    (commands.GripperPacRequest(RequestMode.STREAM), reports.GripperState),
     (commands.Tcm2(Tcm2Mode.STREAM), reports.Compass),
 ]
 

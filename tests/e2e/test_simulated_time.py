@@ -83,7 +83,7 @@ ANOTHER = script(
     (5, commands.Enable(on=True)),
     (6, commands.Move(1.5)),
     (50, commands.Vel2(10, -10)),
-    (70, commands.IoRequest(commands.Request.STREAM)),
+    (70, commands.IoRequest(commands.RequestMode.STREAM)),
     (90, commands.Close()),
 )
 

@@ -4,8 +4,7 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from pioneer3.arcos.commands import IoRequest
-from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.commands import IoRequest, RequestMode
 from pioneer3.arcos.reports import Io, Report
 from pioneer3.doctor.facts import Finding, Level
 from pioneer3.doctor.watch import LineWatch
@@ -159,7 +158,7 @@ class Details:
         if self._robot.snapshot is not None and now - self._lines_asked_at >= LINES_PERIOD:
             self._lines_asked_at = now
             with suppress(CommandError):  # the link may just have been lost
-                self._robot.send(IoRequest(How.ONCE))
+                self._robot.send(IoRequest(RequestMode.ONCE))
 
     def _take(self, report: Report, stamp: float) -> None:
         if isinstance(report, Io):

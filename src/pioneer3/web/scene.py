@@ -13,7 +13,7 @@ from math import radians
 from pathlib import Path
 from typing import Self
 
-from pioneer3.arcos.commands import Request, RequestSimStat, SimCtrl, SimOperation
+from pioneer3.arcos.commands import RequestMode, RequestSimStat, SimCtrl, SimOperation
 from pioneer3.arcos.reports import MapChanged, Report, SimStat
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
@@ -71,7 +71,7 @@ class RemoteWorld:
         if info is not None and is_simulator(info):
             with suppress(CommandError):  # no session is open
                 self._robot.send(SimCtrl(SimOperation.REQUEST_INFO))
-                self._robot.send(RequestSimStat(Request.STREAM))
+                self._robot.send(RequestSimStat(RequestMode.STREAM))
 
     def _take(self, report: Report, stamp: float) -> None:
         if isinstance(report, SimStat):

@@ -3,11 +3,11 @@
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.commands import RequestMode
 from pioneer3.errors import CommandError
 from pioneer3.robot.report_requests import RENEW, ReportRequest, ReportRequests
 
-ON, OFF = commands.IoRequest(How.STREAM), commands.IoRequest(How.STOP)
+ON, OFF = commands.IoRequest(RequestMode.STREAM), commands.IoRequest(RequestMode.STOP)
 IO = ReportRequest(begin=(ON,), end=(OFF,), answers=(reports.Io,))
 PACKET = reports.Io((), (), ())
 
@@ -68,7 +68,7 @@ def test_what_brings_no_answer_is_not_asked_again() -> None:
 
 
 def test_another_way_of_asking_lasts_as_long_as_it_is_wanted() -> None:
-    once = commands.IoRequest(How.ONCE)
+    once = commands.IoRequest(RequestMode.ONCE)
     requests = opened()
     requests.change("io", ReportRequest(begin=(once,), end=(OFF,)), 0.0)
     assert requests.outgoing() == []

@@ -159,7 +159,7 @@ def test_7_all_that_aria_sends_is_taken_and_the_unknown_ignored(bench: Bench) ->
         commands.Enable(on=True),
         commands.Sonar(on=True),
         commands.named("SOUNDTOG", False),
-        commands.JoyInfo(commands.Request.STREAM),
+        commands.JoyInfo(commands.RequestMode.STREAM),
         commands.SetPbioPort(port=11, on=True),
         commands.Gyro(commands.GyroMode.ON),
         commands.EStop(),

@@ -8,7 +8,7 @@ import pytest
 
 import pioneer3
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request, SimOperation
+from pioneer3.arcos.commands import RequestMode, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import MapChanged, SimFlag, SimInfo, SimStat, Sip
 from pioneer3.geometry import Pose2
@@ -53,7 +53,7 @@ def test_reset_brings_it_home_with_its_odometry(bench: Bench) -> None:
 def test_simstat_tells_the_truth(bench: Bench) -> None:
     bench.body.robot_in_world = Pose2(1.2345, -2.0, radians(-90))
     bench.firmware.step_times = StepTimes(simulated=0.02, wanted=0.01, measured=0.011)
-    bench.say(commands.RequestSimStat(Request.ONCE))
+    bench.say(commands.RequestSimStat(RequestMode.ONCE))
     (stat,) = bench.hear()
     assert isinstance(stat, SimStat)
     assert (stat.x_mm, stat.y_mm, stat.z_mm, stat.heading_deg) == (1234, -2000, 0, -90)
@@ -65,7 +65,7 @@ def test_simstat_tells_the_truth(bench: Bench) -> None:
 def test_simstat_tells_what_the_wheels_see_wrong(bench: Bench) -> None:
     errors = bench.body.drives.errors[:, bench.body.number]
     errors[[V_OF_V, W_OF_W]] = 1 / 1.01, 1 / 0.98
-    bench.say(commands.RequestSimStat(Request.ONCE))
+    bench.say(commands.RequestSimStat(RequestMode.ONCE))
     (stat,) = bench.hear()
     assert isinstance(stat, SimStat)
     assert stat.flags & SimFlag.HAS_ODOMETRY_ERROR
@@ -75,7 +75,7 @@ def test_simstat_tells_what_the_wheels_see_wrong(bench: Bench) -> None:
 def test_simstat_fits_the_wire_wherever_the_robot_is(bench: Bench) -> None:
     bench.body.robot_in_world = Pose2(1e9, -1e9, 0.0)
     bench.firmware.step_times = StepTimes(simulated=100.0, wanted=0.0, measured=1e6)
-    bench.say(commands.RequestSimStat(Request.ONCE))
+    bench.say(commands.RequestSimStat(RequestMode.ONCE))
     (stat,) = bench.hear()
     assert isinstance(stat, SimStat)
     assert (stat.x_mm, stat.step_ms, stat.measured_ms) == (2**31 - 1, 0xFFFF, 0xFFFF)
@@ -87,11 +87,11 @@ def test_simstat_without_an_argument_is_one(bench: Bench) -> None:
 
 
 def test_a_stream_of_simstat_comes_before_every_standard_report(bench: Bench) -> None:
-    bench.say(commands.RequestSimStat(Request.STREAM))
+    bench.say(commands.RequestSimStat(RequestMode.STREAM))
     assert [type(report) for report in bench.wait(0.3)] == [SimStat, Sip] * 3
-    bench.say(commands.RequestSimStat(Request.STOP))
+    bench.say(commands.RequestSimStat(RequestMode.STOP))
     assert [type(report) for report in bench.wait(0.2)] == [Sip] * 2
-    bench.say(commands.RequestSimStat(Request.STREAM), commands.Close())
+    bench.say(commands.RequestSimStat(RequestMode.STREAM), commands.Close())
     bench.open()
     assert {type(report) for report in bench.wait(0.2)} >= {Sip}
     assert [type(report) for report in bench.wait(0.2)] == [Sip] * 2

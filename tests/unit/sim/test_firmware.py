@@ -5,7 +5,7 @@ from math import degrees, radians
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, Request
+from pioneer3.arcos.commands import Command, RequestMode
 from pioneer3.arcos.reports import Report
 from pioneer3.geometry import Pose2
 from pioneer3.sim.kernels.drives import LEFT
@@ -261,24 +261,24 @@ def test_extra_reports_come_once_or_with_every_cycle(
     def count(seconds: float) -> int:
         return sum(isinstance(report, kind) for report in bench.wait(seconds))
 
-    bench.say(request_(Request.ONCE))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.ONCE))  # type: ignore[call-arg]
     assert count(1.0) == 1
-    bench.say(request_(Request.STREAM))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.STREAM))  # type: ignore[call-arg]
     assert count(1.0) == 10
-    bench.say(request_(Request.STOP))  # type: ignore[call-arg]
+    bench.say(request_(RequestMode.STOP))  # type: ignore[call-arg]
     assert count(1.0) == 0
 
 
 def test_encoders_count_beyond_what_their_field_holds(bench: Bench) -> None:
     bench.body.set_wheel(LEFT, 20_000.0)
-    bench.say(commands.RequestEncoders(Request.ONCE))
+    bench.say(commands.RequestEncoders(RequestMode.ONCE))
     encoders = bench.hear()[0]
     assert isinstance(encoders, reports.Encoders)
     assert encoders.left_counts == 20_000 * 138_000 - (1 << 32)
 
 
 def test_outputs_are_set_by_mask(bench: Bench) -> None:
-    bench.say(commands.DigOut(mask=0x0F, values=0x05), commands.IoRequest(Request.ONCE))
+    bench.say(commands.DigOut(mask=0x0F, values=0x05), commands.IoRequest(RequestMode.ONCE))
     io = bench.hear()[0]
     assert isinstance(io, reports.Io)
     assert io.digital_out == (0xF5,)
@@ -310,7 +310,7 @@ def test_what_this_robot_does_not_have_is_ignored(bench: Bench) -> None:
 
 
 def test_closing_stops_everything(bench: Bench) -> None:
-    bench.say(ON, commands.Vel(0.4), commands.IoRequest(Request.STREAM))
+    bench.say(ON, commands.Vel(0.4), commands.IoRequest(RequestMode.STREAM))
     bench.wait(2.0)
     bench.say(commands.Close())
     bench.hear()

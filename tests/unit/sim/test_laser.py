@@ -157,7 +157,7 @@ def test_a_grippers_request_while_the_laser_runs_does_not_bend_it() -> None:
     laser = scanner()
     set_up(laser, SimLaserMode.EXTENDED)
     before = laser.frames()
-    assert not laser.obey(commands.GripperPacRequest(commands.Request.STREAM))
+    assert not laser.obey(commands.GripperPacRequest(commands.RequestMode.STREAM))
     assert laser.frames() == before
 
 

@@ -36,7 +36,7 @@ from pioneer3.arcos.wire import (
 from pioneer3.errors import CommandError
 from pioneer3.units import DECIVOLT, MM, MS, degrees, radians
 
-__all__ = ["Baud", "Request"]
+__all__ = ["Baud", "RequestMode"]
 """Names that callers use; the rest is for the modules beside this one."""
 
 NON_NEGATIVE, NEGATIVE, STRING = 0x3B, 0x1B, 0x2B
@@ -173,7 +173,7 @@ class Prefixed:
         self.kind.write(value, out)
 
 
-class Request(IntEnum):
+class RequestMode(IntEnum):
     """How often to send a report."""
 
     STOP = 0
@@ -213,7 +213,7 @@ SIGNED = Argument(-0x8000, 0x7FFF)
 WORD = Argument(0, 0xFFFF)
 
 BaudCode = Annotated[Baud, Enumerated(WORD, Baud)]
-How = Annotated[Request, Enumerated(WORD, Request)]
+RequestModeCode = Annotated[RequestMode, Enumerated(WORD, RequestMode)]
 On = Annotated[bool, Switch(WORD)]
 Word = Annotated[int, WORD]
 Number = Annotated[int, SIGNED]

@@ -13,10 +13,10 @@ from pioneer3.arcos.commands.arguments import (
     Data,
     Decivolts,
     High,
-    How,
     Low,
     LowOn,
     On,
+    RequestModeCode,
     String,
     Word,
 )
@@ -152,7 +152,7 @@ class JoyInfo:
     """Ask for the joystick (ARCOS 17, JOYINFO)."""
 
     ID: ClassVar[int] = 17
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ class RequestEncoders:
     """Ask for the encoder counts (ARCOS 19, ENCODER)."""
 
     ID: ClassVar[int] = 19
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +168,7 @@ class IoRequest:
     """Ask for the states of all inputs and outputs (ARCOS 40, IOREQUEST)."""
 
     ID: ClassVar[int] = 40
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +234,7 @@ class GripperPacRequest:
     """Ask for the state of the gripper (ARCOS 37, GRIPPERPACREQUEST)."""
 
     ID: ClassVar[int] = 37
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -311,7 +311,7 @@ class RequestBatteryInfo:
     """Ask for the batteries' own measurements (ARCOS 62, BATTERYINFO)."""
 
     ID: ClassVar[int] = 62
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,7 +319,7 @@ class SafetyStateInfo:
     """Ask for the safety state; MTX (ARCOS 214, SAFETY_STATE_INFO)."""
 
     ID: ClassVar[int] = 214
-    how: How
+    how: RequestModeCode
 
 
 @dataclass(frozen=True, slots=True)

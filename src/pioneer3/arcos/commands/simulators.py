@@ -15,11 +15,11 @@ from pioneer3.arcos.commands.arguments import (
     MILLI,
     WORD,
     Data,
-    How,
     Message,
     Number,
     Prefixed,
-    Request,
+    RequestMode,
+    RequestModeCode,
     SignedDegrees,
 )
 from pioneer3.arcos.lists import CountedText
@@ -178,7 +178,7 @@ class RequestSimStat:
     """Ask for the state of the simulation (ARCOS 237, SIM_STAT)."""
 
     ID: ClassVar[int] = 237
-    how: How = Request.ONCE
+    how: RequestModeCode = RequestMode.ONCE
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from typing import Final, NamedTuple
 from pioneer3.arcos.commands.arguments import (
     BaudCode,
     High,
-    How,
     Low,
     LowOn,
     Message,
     On,
+    RequestModeCode,
     Seconds,
     SignedDegrees,
     SignedMillis,
@@ -47,7 +47,7 @@ class Row(NamedTuple):
 
 NONE: Final[Mapping[str, object]] = {}
 UNKNOWN: Final[Mapping[str, object]] = {"arguments": Rest}
-HOW: Final[Mapping[str, object]] = {"how": How}
+HOW: Final[Mapping[str, object]] = {"how": RequestModeCode}
 ON: Final[Mapping[str, object]] = {"on": On}
 GAIN: Final[Mapping[str, object]] = {"gain": Word}
 BAUD: Final[Mapping[str, object]] = {"baud": BaudCode}

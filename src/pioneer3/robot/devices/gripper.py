@@ -6,8 +6,7 @@ from enum import StrEnum
 from typing import Final
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import GripperAction
-from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.commands import GripperAction, RequestMode
 from pioneer3.arcos.reports import GripperSwitch, Report, Sip
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices.presence import Presence
@@ -123,21 +122,21 @@ class Exercise:
 WIRINGS = {GENERAL_IO: "general", USER_IO: "user"}
 
 
-def _asking(how: How) -> ReportRequest:
+def _request(mode: RequestMode) -> ReportRequest:
     return ReportRequest(
-        begin=(commands.GripperPacRequest(how),),
-        end=(commands.GripperPacRequest(How.STOP),),
+        begin=(commands.GripperPacRequest(mode),),
+        end=(commands.GripperPacRequest(RequestMode.STOP),),
         answers=(reports.GripperState,),
     )
 
 
-STREAMING = _asking(How.STREAM)
+STREAMING = _request(RequestMode.STREAM)
 
 
 GRIPPER: Final = SensorKind(
     name="gripper",
     title="the gripper",
-    request=_asking(How.ONCE),
+    request=_request(RequestMode.ONCE),
     reports=(Sip, reports.GripperState),
     shown=(
         Shown("paddles", "paddles"),

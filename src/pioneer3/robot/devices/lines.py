@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request as How
+from pioneer3.arcos.commands import RequestMode
 from pioneer3.arcos.reports import Report
 from pioneer3.errors import CommandError
 from pioneer3.robot.devices.presence import Presence
@@ -51,8 +51,8 @@ LINES: Final = SensorKind(
     name="lines",
     title="the I/O lines",
     request=ReportRequest(
-        begin=(commands.IoRequest(How.STREAM),),
-        end=(commands.IoRequest(How.STOP),),
+        begin=(commands.IoRequest(RequestMode.STREAM),),
+        end=(commands.IoRequest(RequestMode.STOP),),
         answers=(reports.Io,),
     ),
     reports=(reports.Io,),

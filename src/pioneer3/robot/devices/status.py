@@ -6,8 +6,7 @@ from enum import IntFlag
 from math import nan
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request as How
-from pioneer3.arcos.commands import RequestConfig
+from pioneer3.arcos.commands import RequestConfig, RequestMode
 from pioneer3.arcos.reports import Config, Fault, Report, SipFlag, SipFlag3
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.devices.sensor import ask
@@ -115,7 +114,7 @@ class Safety:
             CommandError: no robot is connected.
         """
         what = "the safety systems, which only MTX robots have"
-        command = commands.SafetyStateInfo(How.ONCE)
+        command = commands.SafetyStateInfo(RequestMode.ONCE)
         return _read(await ask(self._supervisor, what, command, reports.SafetyState))
 
     def _take(self, report: Report, stamp: float) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from pioneer3.arcos.commands import Command, Request
+from pioneer3.arcos.commands import Command, RequestMode
 from pioneer3.arcos.reports import Report, SipFlag
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
@@ -96,9 +96,9 @@ class ReportRequest:
     once: bool = False
     stream: bool = False
 
-    def set(self, how: Request) -> None:
+    def set(self, how: RequestMode) -> None:
         """Set the request; it replaces an earlier one."""
-        self.once, self.stream = how is Request.ONCE, how is Request.STREAM
+        self.once, self.stream = how is RequestMode.ONCE, how is RequestMode.STREAM
 
     def due(self, *, cycle: bool) -> bool:
         """Whether a report is to be sent now; this fulfils a request for one."""

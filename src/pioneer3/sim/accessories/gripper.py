@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from math import copysign, inf
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.commands import Command, GripperAction, Request
+from pioneer3.arcos.commands import Command, GripperAction, RequestMode
 from pioneer3.arcos.reports import GripperState, GripperSwitch, Report
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories.base import Inputs, ReportRequest
@@ -308,4 +308,4 @@ class NoGripper:
 
     def hang_up(self) -> None:
         """Send no more reports."""
-        self._request.set(Request.STOP)
+        self._request.set(RequestMode.STOP)

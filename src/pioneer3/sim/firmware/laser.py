@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.arcos import commands
-from pioneer3.arcos.commands import Command, Request, SimLaserMode
+from pioneer3.arcos.commands import Command, RequestMode, SimLaserMode
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import LaserReading, SimLaser, SimLaserExtended, to_payload
 from pioneer3.geometry import ORIGIN, Pose2
@@ -186,7 +186,9 @@ class InBandLaser:
         payload = commands.to_payload(command)
         number = payload[0]
         in_order = number == OLD_SETUP[self._in_order]
-        gripper = number == 37 and command in {commands.GripperPacRequest(how) for how in Request}
+        gripper = number == 37 and command in {
+            commands.GripperPacRequest(how) for how in RequestMode
+        }
         if not in_order and (gripper or self._mode is not SimLaserMode.OFF) and number != 35:
             return False
         meaning = commands.from_payload(payload, simulator=True)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, GripperAction, GyroMode, Request, Tcm2Mode
+from pioneer3.arcos.commands import Command, GripperAction, GyroMode, RequestMode, Tcm2Mode
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
@@ -50,10 +50,10 @@ def test_a_bare_pioneer_has_lines_encoders_gauge_and_ports() -> None:
     fitted = (rack.gripper, rack.compass, rack.gyro, rack.joystick, rack.table_ir, rack.camera)
     assert fitted == (None,) * 6
     asked: tuple[Command, ...] = (
-        commands.IoRequest(Request.ONCE),
-        commands.RequestEncoders(Request.ONCE),
-        commands.RequestBatteryInfo(Request.ONCE),
-        commands.GripperPacRequest(Request.ONCE),
+        commands.IoRequest(RequestMode.ONCE),
+        commands.RequestEncoders(RequestMode.ONCE),
+        commands.RequestBatteryInfo(RequestMode.ONCE),
+        commands.GripperPacRequest(RequestMode.ONCE),
     )
     for command in asked:
         assert rack.obey(command, 0.0)
@@ -66,7 +66,7 @@ def test_a_bare_pioneer_has_lines_encoders_gauge_and_ports() -> None:
     [
         commands.Tcm2(Tcm2Mode.STREAM),
         commands.Gyro(GyroMode.ON),
-        commands.JoyInfo(Request.STREAM),
+        commands.JoyInfo(RequestMode.STREAM),
         commands.Vel(0.1),
         commands.Unknown(30, b""),
     ],
@@ -90,12 +90,12 @@ def test_sounds_lamps_and_switches_are_taken_silently(cls: type[Any], data: st.D
 def test_everything_fitted_streams_with_every_cycle() -> None:
     rack = Accessories(FakeCarrier(), EVERYTHING, np.random.default_rng(1))
     asked: tuple[Command, ...] = (
-        commands.IoRequest(Request.STREAM),
-        commands.RequestEncoders(Request.STREAM),
-        commands.GripperPacRequest(Request.STREAM),
+        commands.IoRequest(RequestMode.STREAM),
+        commands.RequestEncoders(RequestMode.STREAM),
+        commands.GripperPacRequest(RequestMode.STREAM),
         commands.Tcm2(Tcm2Mode.STREAM),
         commands.Gyro(GyroMode.ON),
-        commands.JoyInfo(Request.STREAM),
+        commands.JoyInfo(RequestMode.STREAM),
     )
     for command in asked:
         assert rack.obey(command, 0.0)
@@ -132,7 +132,7 @@ def test_a_peoplebot_comes_with_its_table_sensors() -> None:
     rack = Accessories(FakeCarrier(load_model("peoplebot-sh")))
     assert rack.table_ir
     rack.table_ir.covered = TableSensor.RIGHT
-    rack.obey(commands.IoRequest(Request.ONCE), 0.0)
+    rack.obey(commands.IoRequest(RequestMode.ONCE), 0.0)
     (report,) = rack.reports(0.0, cycle=False)
     assert isinstance(report, reports.Io)
     assert report.digital_in == (0xFF, 0xFF, 0xFF, 0xFE)
@@ -167,7 +167,7 @@ def test_the_gauge_shows_the_charge_or_what_a_test_has_set(
     carrier = FakeCarrier()
     carrier.battery.charge, carrier.battery.fixed = charge, fixed
     rack = Accessories(carrier)
-    rack.obey(commands.RequestBatteryInfo(Request.ONCE), 0.0)
+    rack.obey(commands.RequestBatteryInfo(RequestMode.ONCE), 0.0)
     (report,) = rack.reports(0.0, cycle=False)
     assert isinstance(report, reports.BatteryInfo)
     (battery,) = report.batteries

@@ -1,7 +1,7 @@
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request
+from pioneer3.arcos.commands import RequestMode
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories.base import NOTHING
 from pioneer3.sim.accessories.digital_io import DigitalIo
@@ -9,7 +9,7 @@ from tests.unit.sim.accessories.carrier import answers
 
 
 def io(digital: DigitalIo) -> reports.Io:
-    digital.obey(commands.IoRequest(Request.ONCE), 0.0)
+    digital.obey(commands.IoRequest(RequestMode.ONCE), 0.0)
     (report,) = answers(digital)
     assert isinstance(report, reports.Io)
     return report

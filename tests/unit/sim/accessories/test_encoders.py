@@ -1,14 +1,14 @@
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request
+from pioneer3.arcos.commands import RequestMode
 from pioneer3.models import load_model
 from pioneer3.sim.accessories.gauges import Encoders
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers
 
 
 def counts(encoders: Encoders) -> tuple[int, int]:
-    encoders.obey(commands.RequestEncoders(Request.ONCE), 0.0)
+    encoders.obey(commands.RequestEncoders(RequestMode.ONCE), 0.0)
     (report,) = answers(encoders)
     assert isinstance(report, reports.Encoders)
     return report.left_counts, report.right_counts

@@ -3,7 +3,7 @@ from collections.abc import Iterable
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import GripperAction, Request
+from pioneer3.arcos.commands import GripperAction, RequestMode
 from pioneer3.arcos.reports import GripperSwitch
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories.base import NOTHING
@@ -137,7 +137,7 @@ def test_pressure_sets_how_long_it_grasps(hand: Hand) -> None:
     assert hand.gripper.awaits_value
     hand.value(1.0)
     assert not hand.gripper.awaits_value
-    hand.gripper.obey(commands.GripperPacRequest(Request.ONCE), hand.now)
+    hand.gripper.obey(commands.GripperPacRequest(RequestMode.ONCE), hand.now)
     (report,) = answers(hand.gripper, hand.now)
     assert report == reports.GripperState(2, OPEN_DOWN, 50)
     hand.do(GripperAction.CLOSE)
@@ -158,7 +158,7 @@ def test_a_value_out_of_the_blue_changes_nothing(hand: Hand) -> None:
     hand.value(2.0)
     hand.do(GripperAction.PRESSURE, GripperAction.OPEN)
     hand.value(2.0)
-    hand.gripper.obey(commands.GripperPacRequest(Request.ONCE), hand.now)
+    hand.gripper.obey(commands.GripperPacRequest(RequestMode.ONCE), hand.now)
     (report,) = answers(hand.gripper, hand.now)
     assert isinstance(report, reports.GripperState)
     assert report.grasp_time_20ms == 10
@@ -198,7 +198,7 @@ def test_aria_sees_open_between_closed(hand: Hand) -> None:
 
 def test_where_there_is_none_it_says_so() -> None:
     nothing = NoGripper()
-    nothing.obey(commands.GripperPacRequest(Request.ONCE), 0.0)
+    nothing.obey(commands.GripperPacRequest(RequestMode.ONCE), 0.0)
     assert list(answers(nothing)) == [reports.GripperState(0, IDLE, 0)]
     assert nothing.obey(commands.Gripper(GripperAction.CLOSE), 0.0)
     assert nothing.inputs(NOTHING, 0.0) == NOTHING

@@ -1,7 +1,7 @@
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Request
+from pioneer3.arcos.commands import RequestMode
 from pioneer3.arcos.reports import SipFlag
 from pioneer3.errors import ConfigError
 from pioneer3.sim.accessories import StickPosition
@@ -13,7 +13,7 @@ from tests.unit.sim.accessories.carrier import answers
 def packet(stick: StickPosition) -> reports.Joystick:
     joystick = Joystick()
     joystick.stick = stick
-    joystick.obey(commands.JoyInfo(Request.ONCE), 0.0)
+    joystick.obey(commands.JoyInfo(RequestMode.ONCE), 0.0)
     (report,) = answers(joystick)
     assert isinstance(report, reports.Joystick)
     return report

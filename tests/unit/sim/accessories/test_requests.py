@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pioneer3.arcos import commands, reports
-from pioneer3.arcos.commands import Command, Request, Tcm2Mode
+from pioneer3.arcos.commands import Command, RequestMode, Tcm2Mode
 from pioneer3.arcos.reports import Report
 from pioneer3.sim.accessories.base import Accessory, ReportRequest
 from pioneer3.sim.accessories.compass import Compass
@@ -15,8 +15,12 @@ from pioneer3.sim.accessories.gauges import BatteryGauge, Encoders, Joystick
 from pioneer3.sim.accessories.gripper import Gripper, NoGripper
 from tests.unit.sim.accessories.carrier import FakeCarrier, answers, cycles
 
-TCM2 = {Request.STOP: Tcm2Mode.OFF, Request.ONCE: Tcm2Mode.ONCE, Request.STREAM: Tcm2Mode.STREAM}
-Case = tuple[Callable[[], Accessory], Callable[[Request], Command], type[Report]]
+TCM2 = {
+    RequestMode.STOP: Tcm2Mode.OFF,
+    RequestMode.ONCE: Tcm2Mode.ONCE,
+    RequestMode.STREAM: Tcm2Mode.STREAM,
+}
+Case = tuple[Callable[[], Accessory], Callable[[RequestMode], Command], type[Report]]
 CASES: list[Case] = [
     (DigitalIo, commands.IoRequest, reports.Io),
     (lambda: Encoders(FakeCarrier()), commands.RequestEncoders, reports.Encoders),
@@ -35,44 +39,59 @@ CASES: list[Case] = [
 @pytest.mark.parametrize(("make", "ask", "kind"), CASES)
 class TestRequests:
     def test_nothing_comes_unasked(
-        self, make: Callable[[], Accessory], ask: Callable[[Request], Command], kind: type[Report]
+        self,
+        make: Callable[[], Accessory],
+        ask: Callable[[RequestMode], Command],
+        kind: type[Report],
     ) -> None:
         assert cycles(make(), 5) == []
 
     def test_once_is_answered_at_once_and_only_once(
-        self, make: Callable[[], Accessory], ask: Callable[[Request], Command], kind: type[Report]
+        self,
+        make: Callable[[], Accessory],
+        ask: Callable[[RequestMode], Command],
+        kind: type[Report],
     ) -> None:
         accessory = make()
-        assert accessory.obey(ask(Request.ONCE), 0.0)
+        assert accessory.obey(ask(RequestMode.ONCE), 0.0)
         assert [type(report) for report in answers(accessory)] == [kind]
         assert cycles(accessory, 5) == []
 
     def test_a_stream_comes_with_every_cycle_until_it_is_stopped(
-        self, make: Callable[[], Accessory], ask: Callable[[Request], Command], kind: type[Report]
+        self,
+        make: Callable[[], Accessory],
+        ask: Callable[[RequestMode], Command],
+        kind: type[Report],
     ) -> None:
         accessory = make()
-        accessory.obey(ask(Request.STREAM), 0.0)
+        accessory.obey(ask(RequestMode.STREAM), 0.0)
         assert list(answers(accessory)) == []
         assert [type(report) for report in cycles(accessory, 5)] == [kind] * 5
-        accessory.obey(ask(Request.STOP), 0.5)
+        accessory.obey(ask(RequestMode.STOP), 0.5)
         assert cycles(accessory, 5, start=0.5) == []
 
     def test_the_end_of_the_session_ends_the_stream(
-        self, make: Callable[[], Accessory], ask: Callable[[Request], Command], kind: type[Report]
+        self,
+        make: Callable[[], Accessory],
+        ask: Callable[[RequestMode], Command],
+        kind: type[Report],
     ) -> None:
         accessory = make()
-        accessory.obey(ask(Request.STREAM), 0.0)
+        accessory.obey(ask(RequestMode.STREAM), 0.0)
         accessory.hang_up()
         assert cycles(accessory, 5) == []
 
     def test_what_is_for_others_is_left_to_them(
-        self, make: Callable[[], Accessory], ask: Callable[[Request], Command], kind: type[Report]
+        self,
+        make: Callable[[], Accessory],
+        ask: Callable[[RequestMode], Command],
+        kind: type[Report],
     ) -> None:
         assert not make().obey(commands.Vel(0.1), 0.0)
 
 
 def test_once_ends_a_stream() -> None:
     asked = ReportRequest()
-    asked.set(Request.STREAM)
-    asked.set(Request.ONCE)
+    asked.set(RequestMode.STREAM)
+    asked.set(RequestMode.ONCE)
     assert [asked.due(cycle=True) for _ in range(3)] == [True, False, False]
