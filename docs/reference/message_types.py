@@ -103,7 +103,7 @@ def _type(schema: Mapping[str, Any]) -> str:
     if schema["type"] == "array":
         item = _type(schema["items"])
         return f"({item})[]" if " | " in item else f"{item}[]"
-    return SCALARS.get(schema["type"], schema["type"])
+    return SCALARS.get(schema["type"], str(schema["type"]))
 
 
 if __name__ == "__main__":
