@@ -2,7 +2,8 @@
 
 import asyncio
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any
 
 from pioneer3.arcos.commands import IoRequest, RequestMode
 from pioneer3.arcos.reports import Io, Report
@@ -11,8 +12,8 @@ from pioneer3.doctor.watch import LineWatch
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.robot.config_table import explained
 from pioneer3.robot.devices import detailed_status
-from pioneer3.robot.devices.gyro import Gyro
 from pioneer3.robot.devices.lines import LinesReading, read_io
+from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Inputs, LinkQuality
@@ -105,7 +106,10 @@ class Details:
         """Receive the reports that the robot sends on request only, during the block."""
         forget = self._robot.supervisor.reports.hand_to(self._take, Io)
         try:
-            with _streaming(self._robot.devices.gyro):
+            with ExitStack() as streams:
+                for sensor in self._robot.devices.sensors:
+                    if sensor.presence.there:
+                        streams.enter_context(sensor.wanted())
                 yield
         finally:
             forget()
@@ -131,7 +135,7 @@ class Details:
             charger_power=status.charger_power,
             link=_link(info, snapshot.link),
             lines=self._describe_lines(snapshot.inputs, now),
-            gyro=_gyro(self._robot.devices.gyro),
+            sensors=tuple(map(_sensor, self._robot.devices.sensors)),
         )
 
     def _findings(self, now: float) -> list[Finding]:
@@ -165,16 +169,6 @@ class Details:
             self._lines = read_io(report, stamp)
 
 
-@contextmanager
-def _streaming(gyro: Gyro) -> Iterator[None]:
-    """Let a gyro that is there send its samples during the block."""
-    if not gyro.presence.there:
-        yield
-        return
-    with gyro.wanted():
-        yield
-
-
 def _link(info: RobotInfo, quality: LinkQuality) -> messages.LinkDetails:
     return messages.LinkDetails(
         url=info.url,
@@ -187,13 +181,11 @@ def _link(info: RobotInfo, quality: LinkQuality) -> messages.LinkDetails:
     )
 
 
-def _gyro(gyro: Gyro) -> messages.Gyro:
-    reading = gyro.latest
-    return messages.Gyro(
-        gyro.presence.reason,
-        reading.heading if reading else None,
-        reading.rate if reading else None,
-    )
+def _sensor(sensor: Sensor[Any]) -> messages.SensorDetails:
+    reading, kind = sensor.latest, sensor.kind
+    values = (messages.SensorValue(shown.label, shown.text(reading)) for shown in kind.shown)
+    words = sensor.presence.reason
+    return messages.SensorDetails(kind.name, words, () if reading is None else tuple(values))
 
 
 def _bits(byte: int) -> tuple[bool, ...]:

@@ -420,12 +420,19 @@ class Lines(Part):
     selected: AnalogPort
 
 
-class Gyro(Part):
-    """The gyro's presence in words, its heading [rad] and rate [rad/s]."""
+class SensorValue(Part):
+    """A value of a sensor, with its unit."""
 
+    label: str
+    text: str
+
+
+class SensorDetails(Part):
+    """A sensor: its presence in words, and its values while it sends readings."""
+
+    name: str
     words: str
-    heading: float | None
-    rate: float | None
+    values: tuple[SensorValue, ...]
 
 
 class NoDetails(Message, tag="details"):
@@ -454,7 +461,7 @@ class Details(Message, tag="details", kw_only=True):
     charger_power: bool
     link: LinkDetails
     lines: Lines
-    gyro: Gyro
+    sensors: tuple[SensorDetails, ...]
 
 
 class Config(Message, tag="config"):

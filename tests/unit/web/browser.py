@@ -18,6 +18,7 @@ from pioneer3.links import Link
 from pioneer3.links.memory import null_modem
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
@@ -193,9 +194,11 @@ class Product:
 
 
 @asynccontextmanager
-async def product(scene: Scene | None = None) -> AsyncIterator[Product]:
+async def product(
+    scene: Scene | None = None, *, equipment: Equipment | None = None
+) -> AsyncIterator[Product]:
     """Join world, firmware, driver and page, in the loop's time."""
-    async with SimulatedRobot() as sim, connect_async(sim.open) as robot:
+    async with SimulatedRobot(equipment=equipment) as sim, connect_async(sim.open) as robot:
         page = Page()
         async with page.hosting(robot, scene or Scene()) as view, running(page.run()):
             yield Product(sim, robot, page, view, make_app(page))

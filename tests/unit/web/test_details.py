@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from pioneer3.arcos.reports import Config, Io, Report
+from pioneer3.sim.equipment import Equipment
 from pioneer3.web import messages
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.details import PERIOD, Details
@@ -61,10 +62,21 @@ async def test_details_tell_what_no_snapshot_does() -> None:
         assert len(details["lines"]["analog"]) == 8
         assert len(details["lines"]["digital_in"]) > 8  # more than a standard report has
         assert "motors enabled" in details["flags"]
-        assert "gyro" in details["gyro"]["words"]
+        words = {sensor["name"]: sensor["words"] for sensor in details["sensors"]}
+        assert "no gyro" in words["gyro"]
         checks = {finding["check"]: finding for finding in details["findings"]}
         assert checks["reports"]["level"] == "ok"
         assert "10 " in checks["reports"]["found"]
+
+
+async def test_a_sensor_that_is_there_is_read_while_somebody_looks() -> None:
+    fitted = Equipment(gyro_type=1)
+    async with product(equipment=fitted) as the, Browser(the.app) as ann:
+        ann.say("watch_details", on=True)
+        await asyncio.sleep(4.0)
+        gyro = {sensor["name"]: sensor for sensor in ann.latest("details")["sensors"]}["gyro"]
+        assert [value["label"] for value in gyro["values"]] == ["heading", "rate"]
+        assert gyro["values"][1]["text"].endswith("°/s")
 
 
 async def test_lines_are_asked_for_only_while_somebody_looks() -> None:

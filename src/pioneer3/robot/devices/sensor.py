@@ -42,6 +42,15 @@ class Shown:
     scale: float = 1.0
     decimals: int = 0
 
+    def text(self, reading: object) -> str:
+        """Return the value of `reading` with its unit; yes or no for a switch."""
+        value = getattr(reading, self.name)
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, float):
+            value = f"{value * self.scale:z.{self.decimals}f}"
+        return f"{value} {self.unit}".strip()
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorKind:

@@ -136,7 +136,7 @@ export interface Bumpers {
   rear: boolean[];
 }
 
-/** Energy. */
+/** The battery and its charger. */
 export interface Battery {
   voltage: number;
   charge: number | null;
@@ -144,7 +144,7 @@ export interface Battery {
   low: boolean;
 }
 
-/** What the charger does (protocol.md 4.2). */
+/** States of the charger (protocol.md 4.2). */
 export type Charging = "balance" | "bulk" | "float" | "not charging" | "overcharge" | "unknown";
 
 /** The drive. */
@@ -371,7 +371,7 @@ export interface Details {
   charger_power: boolean;
   link: LinkDetails;
   lines: Lines;
-  gyro: Gyro;
+  sensors: SensorDetails[];
 }
 
 /** One check and its outcome. */
@@ -384,7 +384,7 @@ export interface Finding {
   code: number;
 }
 
-/** How bad it is. */
+/** Severity of a finding. */
 export type Level = "fail" | "ok" | "warn";
 
 /** Speeds of the left and the right wheel [m/s]. */
@@ -424,11 +424,17 @@ export interface AnalogPort {
   voltage: number;
 }
 
-/** The gyro's presence in words, its heading [rad] and rate [rad/s]. */
-export interface Gyro {
+/** A sensor: its presence in words, and its values while it sends readings. */
+export interface SensorDetails {
+  name: string;
   words: string;
-  heading: number | null;
-  rate: number | null;
+  values: SensorValue[];
+}
+
+/** A value of a sensor, with its unit. */
+export interface SensorValue {
+  label: string;
+  text: string;
 }
 
 /** The robot is not connected. */

@@ -1,6 +1,6 @@
 // The view of one robot: fast values from its snapshots, the others from its details, and its CONFIG.
 
-import { degrees, make, number, put, putLines } from "../dom.js";
+import { degrees, make, number, put, putItems, putLines } from "../dom.js";
 import { BumperDrawing, LineBoard, Rows, Sparkline, part, showFindings, showRoundTrip } from "./widgets.js";
 
 const NOT_SENT = "not sent";
@@ -10,15 +10,14 @@ const speeds = (twist) => (twist ? `${number(twist.v, 2)} m/s, ${number(twist.w,
 export class RobotView {
   #why = make("p", { class: "why-words" });
   #decided = make("ul", { class: "lines-of-text" });
-  #motion = new Rows({ pose: "In the map", odometry: "Odometry", encoder: "Own counters", measured: "Measured", commanded: "Commanded", wheels: "Left, right wheel" });
+  #motion = new Rows({ pose: "In the map", odometry: "Odometry", encoder: "Own counters", measured: "Measured", commanded: "Commanded", wheels: "Left, right wheel", compass: "Compass" });
   #power = new Rows({ battery: "Battery", charge: "Charge", charger: "Charger", temperature: "Motor temperature" });
   #sparkline = new Sparkline();
   #span = make("p", { class: "words" });
   #motors = new Rows({ power: "Motors", button: "Stop button", left: "Left wheels", right: "Right wheels" });
   #bumpers = new BumperDrawing();
   #lines = new LineBoard();
-  #gyro = new Rows({ heading: "Heading since start", rate: "Rate", compass: "Compass" });
-  #gyroWords = make("p", { class: "words" });
+  #sensors = make("div");
   #link = new Rows({ reports: "Reports", spoilt: "Bad checksums", skipped: "Bytes lost", sessions: "Sessions", trip: "Page to driver", address: "Address" });
   #advice = make("ul", { class: "findings", "aria-label": "Advice about the link" });
   #powerAdvice = make("ul", { class: "findings", "aria-label": "Advice about the battery" });
@@ -37,7 +36,7 @@ export class RobotView {
       part("Bumpers", this.#bumpers.element),
       part("Link", this.#link.element, this.#advice, this.#trip),
       part("Inputs and outputs", this.#lines.element),
-      part("Gyro and compass", this.#gyroWords, this.#gyro.element),
+      part("Sensors", this.#sensors),
       part("Flags and faults", this.#flags.element),
       this.#config.element,
     );
@@ -72,17 +71,15 @@ export class RobotView {
   /** @param {import("../messages.d.ts").Details | import("../messages.d.ts").NoDetails} details */
   showDetails(details) {
     if (!details.known) return;
-    const { wheels, stalls, link, gyro } = details;
+    const { wheels, stalls, link } = details;
     this.#motion.show("odometry", place(details.pose));
     this.#motion.show("encoder", place(details.encoder));
     this.#motion.show("wheels", `${number(wheels.left, 2)}, ${number(wheels.right, 2)} m/s`);
     this.#power.show("temperature", details.temperature === null ? "no sensor" : `${details.temperature} °C`);
     for (const side of ["left", "right"]) this.#motors.show(side, stalls[side] ? "STALLED" : "free", stalls[side] ? "bad" : null);
     this.#lines.show(details.lines);
-    put(this.#gyroWords, gyro.words);
-    this.#gyro.show("heading", gyro.heading === null ? "–" : `${number(degrees(gyro.heading), 1)}°`);
-    this.#gyro.show("rate", gyro.rate === null ? "–" : `${number(gyro.rate, 2)} rad/s`);
-    this.#gyro.show("compass", details.compass === null ? "none" : `${number(degrees(details.compass), 0)}°`);
+    this.#motion.show("compass", details.compass === null ? "none" : `${number(degrees(details.compass), 0)}°`);
+    putItems(this.#sensors, JSON.stringify(details.sensors), () => details.sensors.flatMap(sensor));
     this.#link.show("skipped", String(link.bytes_skipped), link.bytes_skipped ? "warn" : null);
     this.#link.show("address", link.url + (link.speed ? ` at ${link.speed} baud` : ""));
     this.#flags.show("flags", details.flags.join(", ") || "none");
@@ -106,6 +103,12 @@ export class RobotView {
     put(this.#span, words);
     this.#sparkline.show(points, words);
   }
+}
+
+/** @param {import("../messages.d.ts").SensorDetails} details */
+function sensor({ words, values }) {
+  const rows = values.flatMap(({ label, text }) => [make("dt", {}, label), make("dd", {}, text)]);
+  return [make("p", { class: "words" }, words), ...(rows.length ? [make("dl", { class: "rows" }, ...rows)] : [])];
 }
 
 /** CONFIG, requested when it is opened: every field by name, with its unit and its meaning. */
