@@ -23,12 +23,12 @@ PORT: Final = 5001
 REQUEST, QUIT = b"0", b"1"
 CHANNELS: Final = 32
 MOST_BLOBS: Final = 10
-"""In one channel."""
+"""Most blobs in one channel."""
 DIGIT, BASE = 6, 64
 HEADER_SIZE, BLOB_SIZE = 4 * CHANNELS, 16
 LONGEST: Final = HEADER_SIZE + CHANNELS * MOST_BLOBS * BLOB_SIZE
 LARGEST: Final = BASE**2 - 1
-"""A coordinate [pixels]."""
+"""Largest coordinate [pixels]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,7 +3,7 @@
 * :exc:`PioneerError`
     * :exc:`LinkError` (also :exc:`ConnectionError`): the cable or socket failed
         * :exc:`PortNotFoundError` (also :exc:`FileNotFoundError`): no such port, host or file
-        * :exc:`PortPermissionError` (also :exc:`PermissionError`): the port is not ours to open
+        * :exc:`PortPermissionError` (also :exc:`PermissionError`): this user may not open the port
         * :exc:`PortBusyError`: another program has the port
         * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered

@@ -124,7 +124,7 @@ CHECKS: Final = (
     check_checksums,
     check_state,
 )
-"""From the plug to the wheels: in the order of repair."""
+"""The checks in the order of repair, from the plug to the wheels."""
 
 
 def diagnose(facts: Facts) -> tuple[Finding, ...]:

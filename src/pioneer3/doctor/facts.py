@@ -99,5 +99,5 @@ class Facts:
 
     @property
     def is_serial(self) -> bool:
-        """Whether this is about a serial port."""
+        """Whether the link is a serial port."""
         return self.port is not None

@@ -13,9 +13,9 @@ START_SPEED: Final = SPEEDS[0]
 USUAL_CYCLE: Final = 0.1
 """Interval of information packets where CONFIG has none [s] (protocol.md 4.1)."""
 SLOW, VERY_SLOW = 0.85, 0.5
-"""Shares of the reports expected below which it is a warning or a failure."""
+"""Shares of the expected reports below which there is a warning or a failure."""
 NOISY, VERY_NOISY = 0.001, 0.05
-"""Shares of corrupt frames above which it is a warning or a failure."""
+"""Shares of corrupt frames above which there is a warning or a failure."""
 
 
 def check_speed(facts: Facts) -> Iterator[Finding]:

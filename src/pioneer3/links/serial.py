@@ -51,7 +51,7 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
 def explain_open_error(path: str, error: Exception) -> LinkError:
     """Return `error` of the operating system as a link error with a remedy."""
     code = error.errno if isinstance(error, OSError) else None
-    is_file = os.name == "posix"  # COM3 is none
+    is_file = os.name == "posix"  # COM3 is no file
     if code in {errno.ENOENT, errno.ENXIO, errno.ENODEV} or (is_file and not Path(path).exists()):
         return PortNotFoundError(
             f"{path}: no such port; is the cable plugged in? `pioneer3 find-port` lists what is"

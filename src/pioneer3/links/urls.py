@@ -42,7 +42,7 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
 
 
 def opener(url: str, *, baud: int | None = None) -> Opener:
-    """Return a function that opens the link again at each call; a recording goes on each time.
+    """Return a function that opens the link again at each call; a recording is not restarted.
 
     Raises:
         ConfigError: the URL does not have a form of :func:`open_link`, or the recording is wrong.

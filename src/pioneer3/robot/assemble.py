@@ -1,4 +1,4 @@
-"""From reports to snapshots: counts become metres and radians, wrapping counters become a pose."""
+"""Turns reports into snapshots: counts into metres and radians, wrapping counters into a pose."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from pioneer3.state import (
 from pioneer3.units import DECIVOLT, DEGREE
 
 SONAR_MAX = 5.0
-"""Farther echoes are none [m] (facts.md 7.2)."""
+"""Echoes from farther away count as none [m] (facts.md 7.2)."""
 SONAR_FLAGS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
 NO_TEMPERATURE = (-128, -127)
 """ARIA tests for the first, AMRISim sends the second (protocol.md 4.9)."""
@@ -41,7 +41,7 @@ POSITION_MODULUS = 1 << 15
 
 
 def difference(new: int, old: int, modulus: int) -> int:
-    """Return the shortest signed way from `old` to `new` on a counter of `modulus` steps.
+    """Return the shortest signed distance from `old` to `new` on a counter of `modulus` steps.
 
     In [-modulus / 2, modulus / 2): exact while the counter moves less than half its range between
     two readings, which at 1 mm a count and 100 ms is 163 m/s.

@@ -28,7 +28,7 @@ class Feed(Generic[T]):
         self._wake()
 
     async def values(self) -> AsyncIterator[T]:
-        """Yield each value published from now on, skipping those that came while busy.
+        """Yield each value published from now on, but only the newest to a slow reader.
 
         The last one before :meth:`close` is not skipped.
         """

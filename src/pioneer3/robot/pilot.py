@@ -4,8 +4,8 @@ Rules:
 
 1. A velocity command expires. Then, and on every doubt, the robot is told to stand still.
 2. VEL and RVEL are repeated while the robot moves or should: a lost frame costs 0.2 s at most.
-3. Motors are switched on when a command needs them, and only then; the snapshots show it, and it is
-   retried. They are switched off when the robot stands: without power it would roll on.
+3. Motors are switched on when a command needs them, and only then. ENABLE is repeated until a
+   snapshot confirms it. Motors are switched off when the robot stands: without power it rolls on.
 4. A command that began before the last :class:`~pioneer3.stops.Stop` is ignored. The exception: a
    command that answers a stall (:class:`StallRecover`) goes on.
 5. The emergency stop latches. Resetting it leaves the motors off.

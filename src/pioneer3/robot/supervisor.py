@@ -184,8 +184,8 @@ class Supervisor:
     def send_unsafe(self, command: Command) -> None:
         """Send any command at all, past limits, expiry, bumpers and emergency stop.
 
-        After one about motion the pilot regards itself as not in control: it sends nothing of its
-        own until a stop or a fresh request. The robot stops on every way out all the same.
+        After a command that moves the robot, the pilot sends nothing of its own until a stop or a
+        fresh request. The robot is stopped on every way out all the same.
 
         Raises:
             CommandError: no session is open, or the command does not fit the protocol.

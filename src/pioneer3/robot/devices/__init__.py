@@ -16,7 +16,7 @@ presence       whether the robot has a device, and the evidence
 typed          a command that a person types
 =============  ==============================================================================
 
-Devices move no wheels: motion is the arbiter's.
+Devices never move the wheels: motion belongs to the arbiter.
 """
 
 from collections.abc import Callable

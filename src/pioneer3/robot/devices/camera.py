@@ -17,7 +17,7 @@ from pioneer3.robot.supervisor import Supervisor
 CameraName = Literal["sony", "vcc4", "vcc4-inverted"]
 UNDOCUMENTED = ("dpptu", "amptu")
 PAUSE = 0.1
-"""Between the first packets [s]: a camera answers one before it takes the next."""
+"""Pause between the first packets [s]: a camera answers one before it takes the next."""
 CORNER = 7.0
 """Time of the exercise in each corner [s] (facts.md 8.6)."""
 

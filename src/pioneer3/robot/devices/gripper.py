@@ -21,7 +21,7 @@ LIFT_MOVES, GRIP_MOVES_ON_USER_IO = 0x40, 0x04
 """Bits of the SIP's byte for user-IO grippers, besides the digital inputs (protocol.md 4.7)."""
 
 LIFT_LEAST, LIFT_PATIENCE, GRIP_PATIENCE = 3.0, 30.0, 10.0
-"""Of the exercise [s] (facts.md 8.5)."""
+"""Times of the exercise [s] (facts.md 8.5)."""
 NEXT_ACTION = {
     GripperAction.LIFT_UP: GripperAction.CLOSE,
     GripperAction.CLOSE: GripperAction.LIFT_DOWN,
