@@ -4,6 +4,8 @@ from typing import Any
 
 from playwright.sync_api import Page
 
+from tests.browser.support import until
+
 READ = """
 const canvas = document.getElementById("canvas");
 const copy = document.createElement("canvas");  // the console warns of reading the canvas itself
@@ -42,9 +44,38 @@ COLOUR = """(name) => {
 }"""
 
 
+SAME = """([read, times]) => new Promise((done) => {
+  let [before, same] = [null, 0];
+  const look = () => {
+    const now = JSON.stringify(window.pioneer3.state[read]);
+    same = now === before ? same + 1 : 0;
+    before = now;
+    if (same === times) done();
+    else requestAnimationFrame(look);
+  };
+  look();
+})"""
+
+
 def state(page: Page, name: str) -> Any:
     """Return what the page exposes for tests."""
     return page.evaluate(f"window.pioneer3.state.{name}")
+
+
+def settle(page: Page) -> None:
+    """Wait until all is drawn, and sharp: the page has skipped some frames."""
+    page.evaluate(SAME, ["frames", 4])
+
+
+def rest(page: Page) -> None:
+    """Wait until there is a map, and the camera stands still."""
+    until(lambda: bool(state(page, "places")))
+    page.evaluate(SAME, ["camera", 8])
+
+
+def repaint(page: Page) -> None:
+    """Wait until the browser has drawn what has changed."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
 
 
 def pixel(page: Page, x: float, y: float) -> list[int]:
@@ -61,19 +92,19 @@ def colour(page: Page, name: str) -> list[int]:
 
 def fingerprint(page: Page) -> int:
     """Return a number that any other picture does not have."""
-    page.wait_for_timeout(250)  # until it is drawn, and sharp
+    settle(page)
     number: int = page.evaluate(PRINT)
     return number
 
 
 def keep(page: Page) -> None:
     """Keep the picture to compare others with."""
-    page.wait_for_timeout(250)
+    settle(page)
     page.evaluate(KEEP)
 
 
 def differing(page: Page) -> int:
     """Return how many pixels are clearly others than in the picture that was kept."""
-    page.wait_for_timeout(250)
+    settle(page)
     count: int = page.evaluate(DIFFERING)
     return count

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, Page
 from pioneer3.web.access.hosts import lan_addresses
 from pioneer3.web.access.invitations import pairing_url
 from pioneer3.web.access.sessions import Role
-from tests.browser.conftest import Product, wait_for_the_robot
+from tests.browser.support import Product, wait_for_the_robot
 
 needs_network = pytest.mark.skipif(
     not lan_addresses("0.0.0.0"), reason="this machine has no network"

@@ -6,8 +6,7 @@ from typing import Literal
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
-from tests.browser.test_page import until
+from tests.browser.support import Product, later, running_product, until, wait_for_the_robot
 from tests.browser.views import VIEWS, open_view
 
 AXE = (files("axe_playwright_python") / "axe.min.js").read_text()
@@ -42,7 +41,7 @@ def test_axe_finds_no_grave_fault_in_any_view(
         if view == "robot":
             page.locator("#config-open").click()
             expect(page.locator("#config tbody tr")).not_to_have_count(0)
-        page.wait_for_timeout(700)
+        later(page, 3)
         assert faults(page) == [], view
     page.locator("#wander-start").click()
     expect(page.locator("#card-end")).to_be_visible()

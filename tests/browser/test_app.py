@@ -2,10 +2,9 @@
 
 from urllib.parse import urlparse
 
-import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
+from tests.browser.support import Product, later, running_product, wait_for_the_robot
 
 ON_HOME_SCREEN = "Object.defineProperty(navigator, 'standalone', { value: true })"
 
@@ -39,7 +38,7 @@ def test_icons_are_as_large_as_the_manifest_says(page: Page) -> None:
 
 
 def test_a_browser_gets_no_worker(page: Page) -> None:
-    page.wait_for_timeout(300)
+    later(page, 2)
     assert (
         page.evaluate("navigator.serviceWorker.getRegistrations().then((all) => all.length)") == 0
     )
@@ -65,19 +64,15 @@ def test_without_the_driver_the_app_says_so_and_comes_back_with_it(browser: Brow
     context.close()
 
 
-@pytest.mark.parametrize(
-    ("path", "kind"),
-    [
-        ("/app.webmanifest", "application/manifest+json"),
-        ("/worker.js", "text/javascript"),
-        ("/static/app/icon-512.png", "image/png"),
-    ],
-)
-def test_what_a_home_screen_needs_is_never_kept(
-    page: Page, product: Product, path: str, kind: str
-) -> None:
-    answer = page.request.get(f"{product.address}{path}")
-    assert answer.status == 200
-    assert answer.headers["content-type"].split(";")[0] == kind
-    assert answer.headers["cache-control"] == "no-cache"
-    assert "default-src 'self'" in answer.headers["content-security-policy"]
+def test_what_a_home_screen_needs_is_never_kept(page: Page, product: Product) -> None:
+    kinds = {
+        "/app.webmanifest": "application/manifest+json",
+        "/worker.js": "text/javascript",
+        "/static/app/icon-512.png": "image/png",
+    }
+    for path, kind in kinds.items():
+        answer = page.request.get(f"{product.address}{path}")
+        assert answer.status == 200
+        assert answer.headers["content-type"].split(";")[0] == kind
+        assert answer.headers["cache-control"] == "no-cache"
+        assert "default-src 'self'" in answer.headers["content-security-policy"]

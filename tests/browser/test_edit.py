@@ -10,8 +10,16 @@ from playwright.sync_api import Browser, Locator, Page
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import Box, Person
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
-from tests.browser.test_page import speed, until
+from tests.browser.drawn import rest
+from tests.browser.support import (
+    Product,
+    hold,
+    later,
+    running_product,
+    speed,
+    until,
+    wait_for_the_robot,
+)
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "phone on its side": (844, 390)}
 LEAST_TARGET = 40
@@ -19,7 +27,7 @@ LEAST_TARGET = 40
 
 
 @contextmanager
-def opened(browser: Browser, product: Product, size: str, scheme: str = "dark") -> Iterator[Page]:
+def opened(browser: Browser, product: Product, size: str) -> Iterator[Page]:
     """Open the page at a size, in edit mode with all of the map in view."""
     width, height = SIZES[size]
     touch = size != "desktop"
@@ -27,7 +35,6 @@ def opened(browser: Browser, product: Product, size: str, scheme: str = "dark") 
         viewport={"width": width, "height": height},
         has_touch=touch,
         is_mobile=touch,
-        color_scheme="light" if scheme == "light" else "dark",
     )
     page = context.new_page()
     complaints: list[str] = []
@@ -45,11 +52,11 @@ def begin_editing(page: Page) -> None:
     until(lambda: page.locator("#edit").is_visible())
     page.locator("#edit").click()
     page.locator("#fit").click()
-    page.wait_for_timeout(1200)  # until the camera rests
+    rest(page)
 
 
 @pytest.fixture
-def bench(page: Page) -> Page:
+def editor(page: Page) -> Page:
     """Return the page at desktop size in edit mode."""
     begin_editing(page)
     return page
@@ -79,7 +86,6 @@ def drag_by_finger(page: Page, start: tuple[float, float], end: tuple[float, flo
     for name, (x, y) in zip(["touchStart", *["touchMove"] * 6], way, strict=True):
         points = [{"x": x, "y": y}]
         session.send("Input.dispatchTouchEvent", {"type": name, "touchPoints": points})
-        page.wait_for_timeout(30)
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
 
 
@@ -93,69 +99,67 @@ def rounded(pose: Pose2) -> tuple[float, float]:
     return round(pose.x, 1), round(pose.y, 1)
 
 
-def test_a_box_put_before_the_driving_robot_stops_it(bench: Page, product: Product) -> None:
+def test_a_box_put_before_the_driving_robot_stops_it(editor: Page, product: Product) -> None:
     body = product.simulation.body
     start = body.robot_in_world
-    bench.keyboard.down("ArrowUp")
-    until(lambda: speed(product) > 0.25)
-    bench.locator("#tool-box").click()
+    hold(editor, "ArrowUp", lambda: speed(product) > 0.25)
+    editor.locator("#tool-box").click()
     ahead = body.robot_in_world.x + 1.3
-    drag(bench, (ahead, start.y - 1.0), (ahead + 0.5, start.y + 1.0))
+    drag(editor, (ahead, start.y - 1.0), (ahead + 0.5, start.y + 1.0))
     until(lambda: len(product.simulation.world.obstacles) == 1)
-    bench.keyboard.up("ArrowUp")
-    bench.keyboard.down("ArrowUp")  # what was pressed before a click may have been let go
+    editor.keyboard.up("ArrowUp")
+    editor.keyboard.down("ArrowUp")  # what was pressed before a click may have been let go
     until(lambda: min(product.simulation.world.sonar(body)) < 0.4)
     until(lambda: speed(product) < 0.01)
-    bench.keyboard.up("ArrowUp")
+    editor.keyboard.up("ArrowUp")
     (box,) = product.simulation.world.obstacles
     assert body.robot_in_world.x + body.model.length_front < box.pose.x - box.sizes[0] + 0.02
     assert box.sizes == pytest.approx((0.25, 0.25, 1.0, 0.0), abs=0.05)
-    echoes = [r for r in bench.evaluate("window.pioneer3.state.snapshot.sonar.ranges") if r]
+    echoes = [r for r in editor.evaluate("window.pioneer3.state.snapshot.sonar.ranges") if r]
     assert min(echoes) < 0.5
 
 
-def test_the_robot_is_dragged_and_turned(bench: Page, product: Product) -> None:
+def test_the_robot_is_dragged_and_turned(editor: Page, product: Product) -> None:
     body = product.simulation.body
     home = body.robot_in_world
-    drag(bench, (home.x, home.y), (home.x + 0.9, home.y + 1.2))
+    drag(editor, (home.x, home.y), (home.x + 0.9, home.y + 1.2))
     until(lambda: rounded(body.robot_in_world) == (round(home.x + 0.9, 1), round(home.y + 1.2, 1)))
     assert body.robot_in_odom == Pose2()  # the wheels have not noticed
     now = body.robot_in_world
-    front = body.model.length_front + 30 / bench.evaluate("window.pioneer3.state.camera.scale")
+    front = body.model.length_front + 30 / editor.evaluate("window.pioneer3.state.camera.scale")
     until(
         lambda: (
-            hypot(*(things(bench, "robot")[0]["pose"][k] - getattr(now, k) for k in "xy")) < 0.01
+            hypot(*(things(editor, "robot")[0]["pose"][k] - getattr(now, k) for k in "xy")) < 0.01
         )
     )
-    drag(bench, (now.x + front, now.y), (now.x, now.y + 1.0))
+    drag(editor, (now.x + front, now.y), (now.x, now.y + 1.0))
     until(lambda: abs(body.robot_in_world.theta - pi / 2) < 0.01)
-    until(lambda: abs(bench.evaluate("window.pioneer3.state.pose.theta") - pi / 2) < 0.01)
+    until(lambda: abs(editor.evaluate("window.pioneer3.state.pose.theta") - pi / 2) < 0.01)
 
 
 def test_a_robot_is_not_dragged_into_a_wall_and_the_page_says_why(
-    bench: Page, product: Product
+    editor: Page, product: Product
 ) -> None:
     body = product.simulation.body
     home = body.robot_in_world
-    drag(bench, (home.x, home.y), (home.x, 0.1))
-    until(lambda: bench.locator("#toast").is_visible())
-    assert "something stands at" in bench.locator("#toast").inner_text()
+    drag(editor, (home.x, home.y), (home.x, 0.1))
+    until(lambda: editor.locator("#toast").is_visible())
+    assert "something stands at" in editor.locator("#toast").inner_text()
     assert product.simulation.has_room(
         body.model, body.robot_in_world, product.simulation.robots[0]
     )
 
 
-def test_lifting_the_robot_while_it_drives_stops_it(bench: Page, product: Product) -> None:
+def test_lifting_the_robot_while_it_drives_stops_it(editor: Page, product: Product) -> None:
     body = product.simulation.body
-    bench.keyboard.down("ArrowUp")
-    until(lambda: speed(product) > 0.25)
+    hold(editor, "ArrowUp", lambda: speed(product) > 0.25)
     here = body.robot_in_world
-    drag(bench, (here.x + 0.1, here.y), (here.x + 0.5, here.y + 1.0))
+    drag(editor, (here.x + 0.1, here.y), (here.x + 0.5, here.y + 1.0))
     until(lambda: speed(product) == 0.0)
     lifted = body.robot_in_world
-    bench.wait_for_timeout(700)
+    later(editor, 6)
     assert body.robot_in_world == lifted
-    bench.keyboard.up("ArrowUp")
+    editor.keyboard.up("ArrowUp")
 
 
 @pytest.mark.parametrize("size", ["desktop", "phone"])
@@ -181,20 +185,20 @@ def test_a_robot_is_added_moved_and_removed(browser: Browser, product: Product, 
         assert page.locator("#thing").input_value() == ""
 
 
-def test_people_are_added_who_stand_and_who_walk(bench: Page, product: Product) -> None:
+def test_people_are_added_who_stand_and_who_walk(editor: Page, product: Product) -> None:
     world = product.simulation.world
-    bench.locator("#tool-person").click()
-    bench.mouse.click(*spot(bench, 8.0, 7.4))
+    editor.locator("#tool-person").click()
+    editor.mouse.click(*spot(editor, 8.0, 7.4))
     until(lambda: len(world.obstacles) == 1)
-    bench.locator("#tool-walker").click()
-    bench.mouse.click(*spot(bench, 3.0, 7.0))
-    assert bench.locator("#hint").inner_text() == "Now tap where they turn back."
-    bench.mouse.click(*spot(bench, 6.0, 7.0))
-    until(lambda: len(things(bench, "person")) == 2)
+    editor.locator("#tool-walker").click()
+    editor.mouse.click(*spot(editor, 3.0, 7.0))
+    assert editor.locator("#hint").inner_text() == "Now tap where they turn back."
+    editor.mouse.click(*spot(editor, 6.0, 7.0))
+    until(lambda: len(things(editor, "person")) == 2)
     stands, walks = world.obstacles
     assert (stands.walks, walks.walks) == (False, True)
-    first = things(bench, "person")[1]["pose"]["x"]
-    until(lambda: abs(things(bench, "person")[1]["pose"]["x"] - first) > 0.3)
+    first = things(editor, "person")[1]["pose"]["x"]
+    until(lambda: abs(things(editor, "person")[1]["pose"]["x"] - first) > 0.3)
 
 
 def test_keys_alone_add_move_turn_and_remove(page: Page, product: Product) -> None:
@@ -219,66 +223,64 @@ def test_keys_alone_add_move_turn_and_remove(page: Page, product: Product) -> No
     assert page.locator("#editor").is_hidden()
 
 
-def test_time_is_paused_and_stepped_without_losing_the_robot(bench: Page, product: Product) -> None:
+def test_time_is_paused_and_stepped_without_losing_the_robot(
+    editor: Page, product: Product
+) -> None:
     world = product.simulation.world
-    bench.locator("#pause").click()
+    editor.locator("#pause").click()
     until(lambda: product.simulation.pace.paused)
-    bench.wait_for_timeout(2500)  # longer than a real robot may be silent
+    editor.wait_for_timeout(2500)  # longer than a real robot may be silent
     stopped = world.time
-    assert bench.locator("#why").inner_text() == "Simulated time is paused."
-    assert bench.locator("#overlay").is_hidden()
-    bench.locator("#single").click()
+    assert editor.locator("#why").inner_text() == "Simulated time is paused."
+    assert editor.locator("#overlay").is_hidden()
+    editor.locator("#single").click()
     until(lambda: world.time == pytest.approx(stopped + 0.1))
     home = product.simulation.body.robot_in_world
-    drag(bench, (home.x, home.y), (home.x + 0.6, home.y))
-    until(lambda: abs(bench.evaluate("window.pioneer3.state.pose.x") - home.x - 0.6) < 0.05)
-    bench.locator("#pause").click()
-    bench.locator("#world-speed").select_option("2")
+    drag(editor, (home.x, home.y), (home.x + 0.6, home.y))
+    until(lambda: abs(editor.evaluate("window.pioneer3.state.pose.x") - home.x - 0.6) < 0.05)
+    editor.locator("#pause").click()
+    editor.locator("#world-speed").select_option("2")
     until(lambda: world.time > stopped + 1.0)
     assert product.simulation.pace.speed == 2.0
-    bench.keyboard.down("ArrowUp")
-    until(lambda: speed(product) > 0.25)
-    bench.keyboard.up("ArrowUp")
-    assert bench.evaluate("window.pioneer3.state.snapshot.link.sessions") == 1
+    hold(editor, "ArrowUp", lambda: speed(product) > 0.25)
+    editor.keyboard.up("ArrowUp")
+    assert editor.evaluate("window.pioneer3.state.snapshot.link.sessions") == 1
 
 
-def test_stop_button_and_cable_are_at_hand(bench: Page, product: Product) -> None:
+def test_stop_button_and_cable_are_at_hand(editor: Page, product: Product) -> None:
     (robot,) = product.simulation.robots
-    bench.locator("#thing").select_option(index=1)
-    bench.locator("#press").click()
-    until(lambda: bench.locator("#stop-button").inner_text() == "PRESSED")
-    bench.locator("#press").click()
+    editor.locator("#thing").select_option(index=1)
+    editor.locator("#press").click()
+    until(lambda: editor.locator("#stop-button").inner_text() == "PRESSED")
+    editor.locator("#press").click()
     until(lambda: not robot.body.stop_button)
-    bench.locator("#cable").click()
-    until(lambda: bench.locator("#overlay-title").inner_text() == "Cable unplugged")
-    bench.locator("#cable").click()
-    until(lambda: bench.locator("#overlay").is_hidden(), 20.0)
-    until(lambda: bench.evaluate("window.pioneer3.state.snapshot.link.sessions") == 2)
+    editor.locator("#cable").click()
+    until(lambda: editor.locator("#overlay-title").inner_text() == "Cable unplugged")
+    editor.locator("#cable").click()
+    until(lambda: editor.locator("#overlay").is_hidden(), 20.0)
+    until(lambda: editor.evaluate("window.pioneer3.state.snapshot.link.sessions") == 2)
 
 
-def test_everybody_sees_what_one_changes(bench: Page, product: Product) -> None:
-    second = bench.context.new_page()
+def test_everybody_sees_what_one_changes(editor: Page, product: Product) -> None:
+    second = editor.context.new_page()
     second.goto(product.address)
     wait_for_the_robot(second)
-    bench.locator("#tool-box").click()
-    bench.mouse.click(*spot(bench, 8.0, 7.4))
-    until(lambda: all(len(things(page, "box")) == 1 for page in (bench, second)))
+    editor.locator("#tool-box").click()
+    editor.mouse.click(*spot(editor, 8.0, 7.4))
+    until(lambda: all(len(things(page, "box")) == 1 for page in (editor, second)))
     box = things(second, "box")[0]
-    drag(bench, (8.0, 7.4), (9.0, 7.0))
+    drag(editor, (8.0, 7.4), (9.0, 7.0))
     until(lambda: things(second, "box")[0]["pose"] != box["pose"])
     assert second.locator("#editor").is_hidden()
     second.close()
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("scheme", ["dark", "light"])
-def test_everything_of_the_bench_is_in_reach(
-    browser: Browser, product: Product, size: str, scheme: str
-) -> None:
+def test_the_whole_toolbar_is_in_reach(browser: Browser, product: Product, size: str) -> None:
     product.simulation.world.add_obstacle(Box(pose=Pose2(5.0, 3.0), size=(0.6, 0.6)))
     product.simulation.world.add_obstacle(Person(path=((8.0, 7.4),)))
     width, height = SIZES[size]
-    with opened(browser, product, size, scheme) as page:
+    with opened(browser, product, size) as page:
         page.locator("#thing").select_option(index=1)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         for name in (
@@ -332,7 +334,7 @@ def test_the_world_of_a_real_robot_has_nothing_to_edit(browser: Browser) -> None
         page.goto(product.address)
         wait_for_the_robot(page)
         page.keyboard.press("e")
-        page.wait_for_timeout(300)
+        later(page, 3)
         assert page.locator("#edit").is_hidden()
         assert page.locator("#editor").is_hidden()
         assert page.evaluate("window.pioneer3.state.things") == []

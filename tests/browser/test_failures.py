@@ -3,6 +3,7 @@
 Times are the simulation's. The bar is 0.7 s; a shared machine may add a little.
 """
 
+import functools
 import os
 import signal
 import subprocess
@@ -14,8 +15,16 @@ import pytest
 from playwright.sync_api import Browser, CDPSession, Page, expect
 
 from pioneer3.sim.server.start import simulator
-from tests.browser.conftest import Product, in_thread, wait_for_the_robot
-from tests.browser.test_page import SLACK, speed, until
+from tests.browser.support import (
+    SLACK,
+    Product,
+    hold,
+    in_thread,
+    later,
+    speed,
+    until,
+    wait_for_the_robot,
+)
 from tests.browser.views import drive, stopped_after
 from tests.e2e.processes import free_port
 
@@ -31,27 +40,28 @@ def devtools(page: Page) -> CDPSession:
 
 def still_stands(page: Page, product: Product) -> None:
     """Check that a key which was held all the time moves nothing."""
-    page.wait_for_timeout(700)
+    later(page)
     assert speed(product) == 0.0
 
 
-@pytest.mark.parametrize(
-    ("event", "words"),
-    [
-        ("blur", "Let go: the window lost the focus."),
-        ("pagehide", "Let go: the page was left."),
-        ("touchcancel", "Let go: the touch was taken away."),
-        ("orientationchange", "Let go: the screen turned."),
-        ("freeze", "Let go: the page was put to sleep."),
-    ],
-)
-def test_the_page_says_why_it_let_go(page: Page, product: Product, event: str, words: str) -> None:
-    drive(page, product)
-    target = "document" if event == "freeze" else "window"
-    act = f"(name) => {target}.dispatchEvent(new Event(name))"
-    assert stopped_after(product, lambda: page.evaluate(act, event)) < BAR
-    expect(page.locator("#toast")).to_have_text(words)
-    still_stands(page, product)
+REASONS = {
+    "blur": "Let go: the window lost the focus.",
+    "pagehide": "Let go: the page was left.",
+    "touchcancel": "Let go: the touch was taken away.",
+    "orientationchange": "Let go: the screen turned.",
+    "freeze": "Let go: the page was put to sleep.",
+}
+
+
+def test_the_page_says_why_it_let_go(page: Page, product: Product) -> None:
+    for event, words in REASONS.items():
+        drive(page, product)
+        target = "document" if event == "freeze" else "window"
+        act = f"{target}.dispatchEvent(new Event('{event}'))"
+        assert stopped_after(product, functools.partial(page.evaluate, act)) < BAR, event
+        expect(page.locator("#toast")).to_have_text(words)
+        still_stands(page, product)
+        page.keyboard.up("ArrowUp")
 
 
 def test_another_tab_in_front_stops_the_robot(page: Page, product: Product) -> None:
@@ -114,8 +124,7 @@ def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Prod
     expect(page.locator("#toast")).to_contain_text("took over")
     still_stands(page, product)  # though the first still holds its key
     second.locator("#people-close").click()
-    second.keyboard.down("ArrowDown")
-    until(lambda: product.simulation.body.drive.linear.velocity < -0.25)
+    hold(second, "ArrowDown", lambda: product.simulation.body.drive.linear.velocity < -0.25)
     page.keyboard.up("ArrowUp")
     page.keyboard.down("ArrowUp")  # and presses again, in vain
     expect(page.locator("#toast")).to_contain_text("has control")
@@ -153,8 +162,7 @@ def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_bac
         with serving(simulation.url, port) as server:
             page.goto(f"http://127.0.0.1:{port}")
             wait_for_the_robot(page)
-            page.keyboard.down("ArrowUp")
-            until(lambda: body.drive.linear.velocity > 0.25)
+            hold(page, "ArrowUp", lambda: body.drive.linear.velocity > 0.25)
             began = simulation.world.time
             server.send_signal(how)
             until(lambda: body.drive.linear.velocity == 0.0)
@@ -164,10 +172,9 @@ def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_bac
             server.wait(10)
         with serving(simulation.url, port):
             until(lambda: page.evaluate("window.pioneer3.state.live"), 20.0)
-            page.wait_for_timeout(700)
+            later(page)
             assert body.drive.linear.velocity == 0.0  # the key that was held all the time
             page.keyboard.up("ArrowUp")
-            page.keyboard.down("ArrowUp")
-            until(lambda: body.drive.linear.velocity > 0.25)
+            hold(page, "ArrowUp", lambda: body.drive.linear.velocity > 0.25)
             page.keyboard.up("ArrowUp")
         context.close()

@@ -6,9 +6,8 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from pioneer3.teleop.gamepad import SCHEME
-from tests.browser.conftest import Product
-from tests.browser.hands import DEADMAN, ESTOP, RESET, STOP, TURBO, Visit, visit
-from tests.browser.test_page import SLACK, speed, until
+from tests.browser.support import SLACK, Product, hold, later, speed, until
+from tests.browser.visit import DEADMAN, ESTOP, RESET, STOP, TURBO, Visit, visit
 
 FORWARD = (0.0, -1.0)
 
@@ -31,7 +30,7 @@ def go(player: Visit, product: Product) -> None:
 def stands(player: Visit, product: Product) -> None:
     """Check that the robot stops soon, and stays so although the stick is still out."""
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
-    player.page.wait_for_timeout(400)
+    later(player.page)
     assert speed(product) == 0.0
     assert player.source is None
 
@@ -44,7 +43,7 @@ def test_the_page_says_that_a_gamepad_is_there_and_what_to_hold(player: Visit) -
 
 def test_the_stick_alone_moves_nothing(player: Visit, product: Product) -> None:
     player.stick(*FORWARD)
-    player.page.wait_for_timeout(500)
+    later(player.page)
     assert player.drives() == []
     assert not product.simulation.body.drive.powered
 
@@ -62,14 +61,12 @@ def test_it_drives_while_the_deadman_is_held(player: Visit, product: Product) ->
 def test_turbo_is_faster_and_needs_the_deadman_as_well(player: Visit, product: Product) -> None:
     player.stick(-1.0, 0.0)
     player.button(TURBO)
-    player.page.wait_for_timeout(200)
+    later(player.page, 2)
     assert player.drives() == []
     player.button(DEADMAN)
-    player.page.wait_for_timeout(200)
-    assert player.drives()[-1]["w"] == pytest.approx(SCHEME.turbo_turn_rate)
+    until(lambda: player.drives()[-1]["w"] == pytest.approx(SCHEME.turbo_turn_rate))
     player.button(TURBO, pressed=False)
-    player.page.wait_for_timeout(200)
-    assert player.drives()[-1]["w"] == pytest.approx(SCHEME.turn_rate)
+    until(lambda: player.drives()[-1]["w"] == pytest.approx(SCHEME.turn_rate))
     player.button(DEADMAN, pressed=False)
 
 
@@ -79,7 +76,7 @@ def test_a_worn_stick_that_is_not_quite_in_the_middle_asks_for_nothing(
 ) -> None:
     player.stick(x, y)
     player.button(DEADMAN)
-    player.page.wait_for_timeout(300)
+    later(player.page, 3)
     assert all(message["v"] == message["w"] == 0 for message in player.drives())
     player.button(DEADMAN, pressed=False)
 
@@ -133,7 +130,7 @@ def test_a_gamepad_that_comes_with_its_button_held_moves_nothing(
         " axes: [0, -1, 0, 0], buttons }];"
         " dispatchEvent(new Event('gamepadconnected')); }"
     )
-    player.page.wait_for_timeout(500)
+    later(player.page)
     assert player.source is None
     assert speed(product) == 0.0
 
@@ -168,7 +165,7 @@ def test_a_page_without_the_focus_does_not_listen_to_it(player: Visit, product: 
     player.page.evaluate("() => { document.hasFocus = () => false; }")
     player.stick(*FORWARD)
     player.button(DEADMAN)
-    player.page.wait_for_timeout(500)
+    later(player.page)
     assert player.source is None
     assert speed(product) == 0.0
 
@@ -182,7 +179,7 @@ def test_sticks_that_are_not_read_any_more_end_by_themselves(
     assert until(lambda: speed(product) == 0.0) < 0.7 + SLACK
     assert player.source is None
     player.page.evaluate("() => { navigator.getGamepads = () => []; }")
-    player.page.wait_for_timeout(100)
+    later(player.page, 1)
     assert set(player.complaints) == {"gone"}
     player.complaints.clear()
 
@@ -193,7 +190,7 @@ def test_one_of_an_unknown_layout_is_shown_and_not_used(browser: Browser, produc
         expect(player.page.locator("#gamepad")).to_have_text("Gamepad of an unknown layout")
         player.stick(*FORWARD)
         player.button(*range(17))
-        player.page.wait_for_timeout(300)
+        later(player.page, 3)
         assert player.drives() == []
         assert speed(product) == 0.0
 
@@ -201,8 +198,7 @@ def test_one_of_an_unknown_layout_is_shown_and_not_used(browser: Browser, produc
 def test_the_gamepad_goes_before_keys_and_leaves_none_behind(
     player: Visit, product: Product
 ) -> None:
-    player.page.keyboard.down("ArrowDown")
-    until(lambda: product.simulation.body.drive.linear.velocity < -0.25)
+    hold(player.page, "ArrowDown", lambda: product.simulation.body.drive.linear.velocity < -0.25)
     player.stick(*FORWARD)
     player.button(DEADMAN)
     until(lambda: product.simulation.body.drive.linear.velocity > 0.25)
@@ -213,7 +209,7 @@ def test_the_gamepad_goes_before_keys_and_leaves_none_behind(
     player.button(DEADMAN)
     until(lambda: speed(product) > 0.25)
     player.page.keyboard.down("ArrowDown")
-    player.page.wait_for_timeout(300)
+    later(player.page, 3)
     assert player.source == "gamepad"
     assert product.simulation.body.drive.linear.velocity > 0.25
     player.button(DEADMAN, pressed=False)
@@ -230,6 +226,6 @@ def test_it_lets_go_when_somebody_takes_over(
         bob.page.click("#lease-take-over")
         until(lambda: speed(product) == 0.0, 2.0)
         bob.page.click("#lease-release")
-        player.page.wait_for_timeout(1500)  # the button is still held
+        later(player.page, 6)  # the button is still held
         assert player.source is None
         assert speed(product) == 0.0

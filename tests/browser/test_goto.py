@@ -8,17 +8,15 @@ from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap, MapObject
-from tests.browser.conftest import Product, wait_for_the_robot
-from tests.browser.drawn import state
+from tests.browser.drawn import rest, state
+from tests.browser.support import Product, later, speed, until, wait_for_the_robot
 from tests.browser.test_edit import drag, spot
-from tests.browser.test_page import speed, until
 
 
 @pytest.fixture
 def office(page: Page) -> Page:
     """Return the page with all of the office in view, and at rest."""
-    until(lambda: bool(state(page, "places")))
-    page.wait_for_timeout(500)
+    rest(page)
     return page
 
 
@@ -31,7 +29,7 @@ def away(product: Product, x: float, y: float) -> float:
 def test_a_click_offers_a_place_and_moves_nothing(office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 4.2, 3.1))
     expect(office.locator("#goto-where")).to_have_text("Go to 4.20, 3.10 m?")
-    office.wait_for_timeout(700)
+    later(office, 5)
     assert speed(product) == 0.0
     assert product.robot.arbiter.mode is None
     office.locator("#goto-close").click()
@@ -116,7 +114,7 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
         office.mouse.click(*spot(office, min(x, 20.6), y))
         office.locator("#goto-go").click()
         expect(office.locator("#toast")).to_have_text(why)
-    office.wait_for_timeout(500)
+    later(office)
     assert speed(product) == 0.0
 
 
@@ -150,8 +148,7 @@ def phone(browser: Browser, product: Product) -> Iterator[Page]:
     page = context.new_page()
     page.goto(product.address)
     wait_for_the_robot(page)
-    until(lambda: bool(state(page, "places")))
-    page.wait_for_timeout(500)
+    rest(page)
     yield page
     context.close()
 
@@ -168,10 +165,9 @@ def test_a_finger_that_stays_offers_a_place_and_turns_the_heading(
     x, y = spot(phone, 4.2, 3.1)
     phone.touchscreen.tap(x, y)
     assert state(phone, "proposal") is None
-    phone.wait_for_timeout(400)
+    phone.wait_for_timeout(400)  # else it is a double tap
     touch("touchStart", x, y)
-    phone.wait_for_timeout(700)
-    assert state(phone, "proposal") is not None
+    until(lambda: state(phone, "proposal") is not None)
     touch("touchMove", x, y - 40)
     touch("touchMove", x, y - 60)
     touch("touchEnd")
@@ -193,7 +189,7 @@ def test_a_finger_that_moves_pans_and_offers_nothing(phone: Page) -> None:
     for name, dx in (("touchStart", 0), ("touchMove", 20), ("touchMove", 40)):
         points = [{"x": x + dx, "y": y}]
         session.send("Input.dispatchTouchEvent", {"type": name, "touchPoints": points})
-    phone.wait_for_timeout(700)
+    phone.wait_for_timeout(700)  # longer than a finger must stay
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     assert state(phone, "proposal") is None
     assert state(phone, "camera.mode") == "free"
@@ -205,7 +201,7 @@ def test_leaving_the_page_ends_what_it_started(
     other = browser.new_page()
     other.goto(product.address)
     wait_for_the_robot(other)
-    other.wait_for_timeout(500)
+    rest(other)
     other.mouse.click(*spot(other, 7.0, 5.1))
     other.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)

@@ -14,10 +14,19 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.sim.maps.image import to_png
 from pioneer3.state import Bumpers
 from pioneer3.web.messages import Target, encode
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
-from tests.browser.drawn import colour, differing, fingerprint, keep, pixel, state
+from tests.browser.drawn import (
+    colour,
+    differing,
+    fingerprint,
+    keep,
+    pixel,
+    repaint,
+    rest,
+    settle,
+    state,
+)
+from tests.browser.support import Product, later, running_product, until, wait_for_the_robot
 from tests.browser.test_edit import drag, spot
-from tests.browser.test_page import until
 
 LAYERS = (
     "map",
@@ -68,8 +77,7 @@ def opened(browser: Browser, product: Product) -> Iterator[Page]:
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.goto(product.address)
     wait_for_the_robot(page)
-    until(lambda: bool(state(page, "places")))
-    page.wait_for_timeout(300)
+    rest(page)
     yield page
     page.close()
     assert complaints == []
@@ -109,15 +117,15 @@ def freeze_with_everything(page: Page, product: Product) -> None:
     body = product.simulation.body
     for step in range(5):
         put(product, Pose2(body.home.x + 0.1 * step, body.home.y))
-        page.wait_for_timeout(150)
+        later(page, 2)
     product.call(lambda: setattr(product.simulation.pace, "paused", True))
     until(lambda: bool(state(page, "clock.paused")))
-    page.wait_for_timeout(500)
+    settle(page)
 
     say(product, Target(2.0, -1.0, 0.5, person=False))
     until(lambda: state(page, "snapshot.target") is not None)
     page.locator("#fit").click()
-    page.wait_for_timeout(1200)
+    settle(page)
 
 
 def test_every_layer_is_switched_off_and_on(plan: Page, hall: Product) -> None:
@@ -189,37 +197,37 @@ def test_the_legend_fits_a_phone(browser: Browser, product: Product) -> None:
     page.close()
 
 
-@pytest.mark.parametrize("size", [(320, 640), (390, 844), (844, 390), (3840, 2160)])
-def test_every_tool_of_the_map_is_within_it(
-    browser: Browser, product: Product, size: tuple[int, int]
-) -> None:
-    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    for editing in (False, True):
-        if editing:
-            page.locator("#edit").click()
-        stage = page.locator(".stage").bounding_box()
-        assert stage is not None
-        for tool in page.locator(".tools button:visible").all():
-            box = tool.bounding_box()
-            assert box is not None
-            assert box["x"] >= stage["x"]
-            assert box["y"] + box["height"] <= stage["y"] + stage["height"]
-    page.close()
+def test_every_tool_of_the_map_is_within_it(page: Page) -> None:
+    for width, height in ((320, 640), (390, 844), (844, 390), (3840, 2160)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert_tools_within(page)
+        page.locator("#edit").click()
+        assert_tools_within(page)
+        page.locator("#edit").click()
+
+
+def assert_tools_within(page: Page) -> None:
+    """Check that no tool of the map reaches out of it."""
+    stage = page.locator(".stage").bounding_box()
+    assert stage is not None
+    for tool in page.locator(".tools button:visible").all():
+        box = tool.bounding_box()
+        assert box is not None
+        assert box["x"] >= stage["x"]
+        assert box["y"] + box["height"] <= stage["y"] + stage["height"]
 
 
 def test_the_laser_is_on_only_while_it_is_shown(page: Page, product: Product) -> None:
     laser = product.robot.devices.laser
-    page.wait_for_timeout(500)
+    later(page)
     assert laser.latest is None
     page.keyboard.press("l")
     page.locator("#layer-laser").check()
     until(lambda: state(page, "scans")[0] > 100)
     page.locator("#layer-laser").uncheck()
-    page.wait_for_timeout(500)
+    later(page)
     last = laser.latest
-    page.wait_for_timeout(500)
+    later(page)
     assert laser.latest is last
 
 
@@ -227,7 +235,7 @@ def test_a_map_file_is_drawn_with_all_it_has(plan: Page) -> None:
     plan.keyboard.press("l")
     plan.locator("#layer-sonar").uncheck()
     plan.keyboard.press("Escape")
-    plan.wait_for_timeout(300)
+    repaint(plan)
     assert pixel(plan, -2.0, -2.0) == colour(plan, "--c-cell")
     assert pixel(plan, -1.5, -2.0) == colour(plan, "--c-cell")
     assert pixel(plan, -2.0, -1.5) != colour(plan, "--c-cell")
@@ -257,7 +265,7 @@ def test_a_picture_of_a_map_is_drawn_where_it_lies(browser: Browser, tmp_path: P
         page.locator("#layers").click()
         for layer in ("grid", "sonar"):
             page.locator(f"#layer-{layer}").uncheck()
-        page.wait_for_timeout(300)
+        repaint(page)
         assert pixel(page, -2.55, -2.55) == colour(page, "--c-floor")
         assert pixel(page, 2.55, -2.55) != colour(page, "--c-floor")
         page.emulate_media(color_scheme="dark")
@@ -275,14 +283,17 @@ def test_another_theme_colours_the_map_anew(plan: Page) -> None:
 def test_a_picture_at_rest_is_not_drawn_again(page: Page, product: Product) -> None:
     product.call(lambda: setattr(product.simulation.pace, "paused", True))
     until(lambda: bool(state(page, "clock.paused")))
-    page.wait_for_timeout(1000)
-    before = state(page, "frames")
-    page.wait_for_timeout(1000)
-    assert state(page, "frames") <= before + 2  # the world says what time it is
+
+    def frames_of_a_second() -> int:
+        before = state(page, "frames")
+        page.wait_for_timeout(1000)
+        return int(state(page, "frames") - before)
+
+    until(lambda: frames_of_a_second() <= 2)  # the world says what time it is
 
 
 def test_the_wheel_zooms_about_the_pointer_and_the_mouse_pans(page: Page) -> None:
-    page.wait_for_timeout(500)
+    rest(page)
     x, y = spot(page, 12.0, 7.0)
     page.mouse.move(x, y)
     before = state(page, "camera.scale")
@@ -302,7 +313,7 @@ def test_the_picture_is_the_same_panned_and_drawn_anew(plan: Page, hall: Product
     hall.call(lambda: setattr(hall.simulation.pace, "paused", True))
     until(lambda: bool(state(plan, "clock.paused")))
     plan.locator("#zoom-in").click()
-    plan.wait_for_timeout(400)
+    settle(plan)
     x, y = map(round, spot(plan, 0.5, -3.0))
     plan.mouse.move(x, y)
     plan.mouse.down()
@@ -319,7 +330,7 @@ def test_the_picture_is_the_same_panned_and_drawn_anew(plan: Page, hall: Product
 
 
 def test_the_place_under_the_pointer_is_said(page: Page) -> None:
-    page.wait_for_timeout(500)
+    rest(page)
     page.mouse.move(*spot(page, 12.0, 7.0))
     expect(page.locator("#where")).to_have_text("12.00, 7.00 m")
     page.locator("#stop").hover()

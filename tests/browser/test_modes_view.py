@@ -3,8 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Product, wait_for_the_robot
-from tests.browser.test_page import SLACK, speed, until
+from tests.browser.support import SLACK, Product, later, speed, until, wait_for_the_robot
 from tests.browser.views import open_view, stopped_after
 
 
@@ -65,7 +64,7 @@ def test_a_distance_that_is_none_starts_nothing(modes: Page, product: Product) -
     modes.locator("#follow-start").click()
     expect(modes.locator("#toast")).to_be_visible()
     expect(modes.locator("#follow-keep")).to_be_focused()
-    modes.wait_for_timeout(300)
+    later(modes, 3)
     assert running(product) is None
 
 
@@ -116,7 +115,7 @@ def test_a_mode_goes_on_when_the_window_loses_the_focus(modes: Page, product: Pr
     modes.locator("#wander-start").click()
     until(lambda: speed(product) > 0.1)
     modes.evaluate("window.dispatchEvent(new Event('blur'))")
-    modes.wait_for_timeout(500)
+    later(modes)
     assert running(product) == "wander"
 
 

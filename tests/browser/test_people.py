@@ -5,14 +5,13 @@ from typing import Literal
 
 import pytest
 import zxingcpp
-from playwright.sync_api import Browser, ViewportSize, expect
+from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.sim.maps.image import read_image
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.routes import OPERATIONS
-from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting
-from tests.browser.test_page import speed, until
+from tests.browser.support import Product, later, speed, until, wait_for_the_robot
 from tests.browser.views import drive, open_view
 
 pytestmark = needs_network
@@ -87,7 +86,7 @@ def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: P
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
         expect(ann.locator("#view-modes .mode-state")).to_have_text("Wander ended: Bob took over.")
         expect(ann.locator("#why")).to_have_text("Bob has control.")
-        ann.wait_for_timeout(500)
+        later(ann)
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
 
 
@@ -146,28 +145,27 @@ def test_the_page_of_this_computer_invites_with_a_code(browser: Browser, shared:
             assert "viewer" in (vera.locator("body").get_attribute("class") or "")
 
 
-@pytest.mark.parametrize("scheme", ["dark", "light"])
-@pytest.mark.parametrize("size", [(1440, 900), (390, 844), (844, 390)])
 def test_the_code_on_the_screen_leads_to_the_invitation(
-    browser: Browser,
-    shared: Product,
-    tmp_path: Path,
-    scheme: Literal["dark", "light"],
-    size: tuple[int, int],
+    browser: Browser, shared: Product, tmp_path: Path
 ) -> None:
-    viewport: ViewportSize = {"width": size[0], "height": size[1]}
-    context = browser.new_context(viewport=viewport, color_scheme=scheme)
-    page = context.new_page()
-    page.goto(shared.address)
-    wait_for_the_robot(page)
-    page.click("#driver")
-    page.click("#invite-driver")
+    schemes: list[Literal["dark", "light"]] = ["dark", "light"]
+    with visiting(browser, shared.address) as page:
+        wait_for_the_robot(page)
+        page.click("#driver")
+        page.click("#invite-driver")
+        for width, height in ((1440, 900), (390, 844), (844, 390)):
+            page.set_viewport_size({"width": width, "height": height})
+            for scheme in schemes:
+                page.emulate_media(color_scheme=scheme)
+                assert_code_is_read(page, tmp_path / "screen.png")
+
+
+def assert_code_is_read(page: Page, picture: Path) -> None:
+    """Check that a camera reads the address that stands below the code."""
     page.locator("#invitation svg").scroll_into_view_if_needed()
-    picture = tmp_path / "screen.png"
     page.screenshot(path=picture)
     read = zxingcpp.read_barcodes(read_image(picture).shades)
     assert [code.text for code in read] == [page.locator("#invitation code").inner_text()]
-    context.close()
 
 
 def test_the_page_of_the_api_shows_every_operation(browser: Browser, shared: Product) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Product
-from tests.browser.test_page import until
+from tests.browser.drawn import repaint
+from tests.browser.support import Product, later, until
 from tests.browser.views import drive, open_view
 
 COLUMNS = [
@@ -37,7 +37,8 @@ INK = """(canvas) => {
 def plots(page: Page, product: Product) -> Page:
     """Drive for a moment, then open the plots."""
     drive(page, product)
-    page.wait_for_timeout(800)
+    body = product.simulation.body
+    until(lambda: body.robot_in_world.x > body.home.x + 0.25)
     page.keyboard.up("ArrowUp")
     open_view(page, "plots")
     return page
@@ -72,9 +73,7 @@ def test_values_are_told_as_text_too(plots: Page) -> None:
 
 
 def test_the_mouse_shows_the_values_under_it_in_all_charts(plots: Page) -> None:
-    plots.wait_for_timeout(500)
-    before = [shown(plots, chart) for chart in range(4)]
-    assert before[0][0] == "0.00"
+    until(lambda: shown(plots, 0)[0] == "0.00")
     seen = set()
     box = plots.locator(".chart .u-over").first.bounding_box()
     assert box is not None
@@ -107,7 +106,7 @@ def test_a_pause_holds_the_picture_and_history_goes_on(plots: Page, product: Pro
     plots.locator("#plots-pause").click()
     expect(plots.locator("#plots-pause")).to_have_attribute("aria-pressed", "true")
     drive(plots, product)
-    plots.wait_for_timeout(500)
+    later(plots)
     assert shown(plots, 0)[0] == "0.00"
     plots.keyboard.up("ArrowUp")
     plots.locator("#plots-pause").click()
@@ -201,18 +200,17 @@ def test_the_mouse_moves_and_zooms_the_time_axis(page: Page) -> None:
     assert shown_times(page) == pytest.approx([600, 900], abs=1)
     page.mouse.move(200, 150)
     page.mouse.wheel(0, -100)  # alone it scrolls
-    page.wait_for_timeout(200)
+    repaint(page)
     assert shown_times(page) == pytest.approx([600, 900], abs=1)
     page.keyboard.down("Control")
     page.mouse.wheel(0, -500)
     page.keyboard.up("Control")
-    page.wait_for_timeout(200)
+    until(lambda: shown_times(page)[0] > 601)
     first, last = shown_times(page)
     assert last - first == pytest.approx(300 * exp(-1), rel=0.01)
     assert first + (last - first) / 3 == pytest.approx(700, abs=1)  # under the mouse
     page.mouse.wheel(60, 0)
-    page.wait_for_timeout(200)
-    assert shown_times(page)[0] == pytest.approx(first + 60 * exp(-1), abs=1)
+    until(lambda: shown_times(page)[0] == pytest.approx(first + 60 * exp(-1), abs=1))
     page.mouse.dblclick(250, 150)
     assert shown_times(page) == [700, 1000]
 
@@ -247,11 +245,10 @@ def test_the_plots_follow_light_and_dark(plots: Page) -> None:
 
     plots.locator("#plots-pause").click()
     plots.emulate_media(color_scheme="dark")
-    plots.wait_for_timeout(300)
+    repaint(plots)
     dark = inks()
     plots.emulate_media(color_scheme="light")
-    plots.wait_for_timeout(300)
-    assert inks() != dark
+    until(lambda: inks() != dark)
 
 
 def test_history_forgets_what_is_old_and_breaks_lines_where_nothing_was_heard(page: Page) -> None:

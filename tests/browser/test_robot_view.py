@@ -3,8 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import Product
-from tests.browser.test_page import until
+from tests.browser.support import Product, later, until
 from tests.browser.views import drive, open_view
 
 
@@ -103,14 +102,14 @@ def test_config_is_asked_for_when_it_is_opened(view: Page, product: Product) -> 
 
 def test_nothing_is_asked_of_the_robot_while_nobody_looks(page: Page, product: Product) -> None:
     station = next(iter(product.web.robots.values()))
-    page.wait_for_timeout(700)
+    later(page, 6)
     assert station.details.channel.version == 0
     open_view(page, "robot")
     until(lambda: station.details.channel.version > 2)
     page.locator("#sheet-close").click()
-    page.wait_for_timeout(700)
+    later(page, 6)
     version = station.details.channel.version
-    page.wait_for_timeout(1200)
+    later(page, 10)
     assert station.details.channel.version == version
 
 

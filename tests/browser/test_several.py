@@ -8,8 +8,8 @@ from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
-from tests.browser.conftest import Product, running_product, wait_for_the_robot
-from tests.browser.test_page import until
+from tests.browser.drawn import repaint
+from tests.browser.support import Product, hold, later, running_product, until, wait_for_the_robot
 
 NAMES = ("alice", "bob", "carol")
 THREE = WorldFile(
@@ -87,8 +87,7 @@ def test_with_one_robot_there_is_nothing_to_pick(browser: Browser) -> None:
 def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> None:
     page.get_by_role("button", name="bob").click()
     expect(page.locator("#name")).to_have_text("bob")
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[1] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     expect(page.locator("#robots-row small")).to_have_text(["Ready", "You drive", "Ready"])
     assert speeds(product)[::2] == [0.0, 0.0]
     page.keyboard.up("ArrowUp")
@@ -96,16 +95,14 @@ def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> 
 
 
 def test_selecting_another_robot_lets_go_of_the_one_before(page: Page, product: Product) -> None:
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[0] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("3")
     assert chosen(page) == ["carol"]
     until(lambda: speeds(product)[0] == 0.0, 1.0)
-    page.wait_for_timeout(700)
+    later(page)
     assert speeds(product) == [0.0] * 3  # the key is still down, and does not drive carol
     page.keyboard.up("ArrowUp")
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[2] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[2] > 0.25)
     page.keyboard.up("ArrowUp")
 
 
@@ -113,12 +110,11 @@ def test_a_held_key_does_not_go_over_to_another_robot_when_its_own_is_gone(
     page: Page, product: Product
 ) -> None:
     page.keyboard.press("3")
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[2] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[2] > 0.25)
     gone = product.call(lambda: product.web.robots.pop(3))
     product.call(product.web._publish_robots)
     expect(page.get_by_role("button", name="carol")).to_have_count(0)
-    page.wait_for_timeout(700)
+    page.wait_for_timeout(700)  # its reports are not shown any more
     product.call(lambda: product.web.robots.update({3: gone}))
     assert speeds(product)[:2] == [0.0, 0.0]
     assert page.evaluate("window.pioneer3.state.source") is None
@@ -151,8 +147,7 @@ def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product
     second.goto(product.address)
     wait_for_the_robot(second)
     second.keyboard.press("2")
-    second.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[1] > 0.25)
+    hold(second, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     page.locator("#estop").click()
     until(lambda: speeds(product) == [0.0] * 3, 2.0)
     expect(page.locator("#robots-row small")).to_have_text(["E-stop"] * 3)
@@ -182,8 +177,7 @@ def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
     product.call(product.simulation.robots[1].port.faults.unplug)
     state = page.locator("#robots-row small").nth(1)
     until(lambda: state.inner_text() in {"Lost", "Connecting", "No news"})
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[0] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.up("ArrowUp")
     product.call(product.simulation.robots[1].port.faults.plug_in)
     expect(state).to_have_text("Ready", timeout=20_000)
@@ -207,18 +201,20 @@ def test_the_row_fits_every_size(browser: Browser, product: Product, size: tuple
     page.context.close()
 
 
-@pytest.mark.parametrize("count", [1, 2, 5, 20, 40])
+@pytest.mark.parametrize("size", [(1440, 900), (1024, 768), (390, 844), (844, 390)])
 def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
-    browser: Browser, product: Product, count: int
+    browser: Browser, product: Product, size: tuple[int, int]
 ) -> None:
-    for size in [(1440, 900), (1024, 768), (390, 844), (844, 390)]:
-        page = opened(browser, product, size)
+    page = opened(browser, product, size)
+    for count in (1, 2, 5, 20, 40):
         page.evaluate(TELL_OF, count)
-        page.wait_for_timeout(400)
-        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
         if count == 1:
             expect(page.locator("#robots")).to_be_hidden()
-            page.context.close()
+        else:
+            expect(page.locator("#robots-row .robot")).to_have_count(count)
+        repaint(page)
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+        if count == 1:
             continue
         shown = page.locator("#robots-row .robot:visible")
         assert 1 <= shown.count() <= count
@@ -229,25 +225,26 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
             assert box["width"] >= 80  # none is cut off
             assert box["x"] + box["width"] <= size[0]
         page.locator("#robots-all").click()
+        page.fill("#robots-search", "")
         expect(page.locator(".robot-list li:visible")).to_have_count(count)
         page.fill("#robots-search", f"robot-{count:02d}")
         expect(page.locator(".robot-list li:visible")).to_have_count(1)
         page.keyboard.press("Enter")
         assert page.evaluate("window.pioneer3.state.robot") == count
         assert chosen(page) == [f"robot-{count:02d}"]  # it is in the row, too
-        page.context.close()
+        if page.locator("#sheet").is_visible():
+            page.locator("#sheet-close").click()
+    page.context.close()
 
 
 def test_who_begins_to_search_lets_go_of_the_robot(page: Page, product: Product) -> None:
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[0] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("/")
     until(lambda: speeds(product)[0] == 0.0, 2.0)
     page.keyboard.up("ArrowUp")
     page.keyboard.type("bob")
     page.keyboard.press("Enter")  # the focus leaves the field: keys drive and stop again
-    page.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[1] > 0.25)
+    hold(page, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     page.keyboard.press("Space")
     until(lambda: speeds(product)[1] == 0.0, 2.0)
     page.keyboard.up("ArrowUp")
@@ -258,8 +255,7 @@ def test_the_list_says_how_each_robot_is_and_who_drives_it(page: Page, product: 
     second.goto(product.address)
     wait_for_the_robot(second)
     second.keyboard.press("2")
-    second.keyboard.down("ArrowUp")
-    until(lambda: speeds(product)[1] > 0.25)
+    hold(second, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     page.keyboard.press("/")
     expect(page.locator("#robots-search")).to_be_focused()
     rows = page.locator(".robot-list button")
@@ -279,23 +275,20 @@ def test_the_list_says_how_each_robot_is_and_who_drives_it(page: Page, product: 
     second.close()
 
 
-@pytest.mark.parametrize("size", [(390, 844), (320, 568), (844, 390)])
-def test_the_banner_of_the_emergency_stop_fits(
-    browser: Browser, product: Product, size: tuple[int, int]
-) -> None:
-    page = opened(browser, product, size)
+def test_the_banner_of_the_emergency_stop_fits(page: Page) -> None:
     page.locator("#estop").click()
     expect(page.locator("#reset-all")).to_be_visible()
-    banner = page.locator("#alarm").bounding_box()
-    assert banner is not None
-    for name in ("#reset", "#reset-all"):
-        box = page.locator(name).bounding_box()
-        assert box is not None
-        assert banner["x"] <= box["x"]
-        assert box["x"] + box["width"] <= banner["x"] + banner["width"]
-        assert box["y"] + box["height"] <= banner["y"] + banner["height"]
+    for width, height in ((390, 844), (320, 568), (844, 390)):
+        page.set_viewport_size({"width": width, "height": height})
+        banner = page.locator("#alarm").bounding_box()
+        assert banner is not None
+        for name in ("#reset", "#reset-all"):
+            box = page.locator(name).bounding_box()
+            assert box is not None
+            assert banner["x"] <= box["x"]
+            assert box["x"] + box["width"] <= banner["x"] + banner["width"]
+            assert box["y"] + box["height"] <= banner["y"] + banner["height"]
     page.locator("#reset-all").click()
-    page.context.close()
 
 
 def test_space_stops_the_selected_robot_and_all_others_that_the_user_drives(
@@ -316,7 +309,7 @@ def test_space_stops_the_selected_robot_and_all_others_that_the_user_drives(
     page.keyboard.press("2")
     page.keyboard.press("Space")
     until(lambda: speeds(product)[0] == 0.0, 2.0)
-    page.wait_for_timeout(300)
+    later(page, 3)
     assert speeds(product)[2] > 0.1  # carol is somebody else's, and not selected
     page.keyboard.press("3")
     page.keyboard.press("Space")
@@ -339,7 +332,7 @@ def test_k_latches_all_robots_and_they_are_reset_one_by_one_or_at_once(
     page.get_by_role("button", name="carol").click()
     page.locator("#reset-all").click()
     until(lambda: latched() == [False] * 3)
-    page.wait_for_timeout(300)
+    later(page, 3)
     assert not any(robot.body.drive.powered for robot in product.simulation.robots)
 
 

@@ -1,13 +1,11 @@
 """STOP and E-STOP: by key, by button, by viewers, without a connection."""
 
-import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.client import Client
-from tests.browser.conftest import Product, wait_for_the_robot
 from tests.browser.sharing import needs_network, two
-from tests.browser.test_page import SLACK, speed, until
+from tests.browser.support import SLACK, Product, later, speed, until
 from tests.browser.views import drive, open_view, stopped_after
 
 BAR = 0.7 + SLACK
@@ -44,7 +42,7 @@ def test_k_is_the_emergency_stop(page: Page, product: Product) -> None:
     page.locator("#reset").click()
     expect(page.locator("#alarm")).to_be_hidden()
     assert not latched(product)
-    page.wait_for_timeout(300)
+    later(page, 3)
     assert not product.simulation.body.drive.powered  # the motors stay off
     drive(page, product)
     page.keyboard.up("ArrowUp")
@@ -53,30 +51,31 @@ def test_k_is_the_emergency_stop(page: Page, product: Product) -> None:
 ANYWHERE = ["#goto-x", "#mode-time", "#wander-start", "#speed", "#sheet-body", "#estop"]
 
 
-@pytest.mark.parametrize("focus", ANYWHERE)
-def test_k_is_the_emergency_stop_wherever_the_focus_is(
-    page: Page, product: Product, focus: str
-) -> None:
+def test_k_is_the_emergency_stop_wherever_the_focus_is(page: Page, product: Product) -> None:
     open_view(page, "modes")
-    page.locator(focus).focus()
-    page.keyboard.press("k")
-    until(lambda: latched(product))
-    assert product.robot.arbiter.mode is None
+    for focus in ANYWHERE:
+        page.locator(focus).focus()
+        page.keyboard.press("k")
+        until(lambda: latched(product))
+        assert product.robot.arbiter.mode is None
+        page.locator("#reset").click()
+        until(lambda: not latched(product))
 
 
-@pytest.mark.parametrize("focus", ANYWHERE)
 def test_space_stops_wherever_the_focus_is_and_presses_no_button(
-    page: Page, product: Product, focus: str
+    page: Page, product: Product
 ) -> None:
-    drive(page, product)
     open_view(page, "modes")
-    page.locator(focus).focus()
-    assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR
-    page.wait_for_timeout(300)
-    assert speed(product) == 0.0  # the arrow is still held
-    assert product.robot.arbiter.mode is None
-    assert not latched(product)
-    page.keyboard.up("ArrowUp")
+    for focus in ANYWHERE:
+        page.locator("#sheet-close").focus()
+        drive(page, product)
+        page.locator(focus).focus()
+        assert stopped_after(product, lambda: page.keyboard.press("Space")) < BAR, focus
+        later(page, 3)
+        assert speed(product) == 0.0  # the arrow is still held
+        assert product.robot.arbiter.mode is None
+        assert not latched(product)
+        page.keyboard.up("ArrowUp")
 
 
 def test_the_keys_that_stop_are_letters_where_texts_are_written(
@@ -86,16 +85,14 @@ def test_the_keys_that_stop_are_letters_where_texts_are_written(
     page.locator("#t").focus()
     page.keyboard.type("a k")
     assert page.locator("#t").input_value() == "a k"
-    page.wait_for_timeout(200)
+    later(page, 2)
     assert not latched(product)
 
 
-@pytest.mark.parametrize("modifier", ["Control", "Alt", "Meta"])
-def test_shortcuts_of_the_browser_are_no_emergency_stop(
-    page: Page, product: Product, modifier: str
-) -> None:
-    page.keyboard.press(f"{modifier}+k")
-    page.wait_for_timeout(200)
+def test_shortcuts_of_the_browser_are_no_emergency_stop(page: Page, product: Product) -> None:
+    for modifier in ("Control", "Alt", "Meta"):
+        page.keyboard.press(f"{modifier}+k")
+    later(page, 2)
     assert not latched(product)
 
 
@@ -105,7 +102,7 @@ def test_a_held_k_stops_once_and_does_not_latch_again(page: Page, product: Produ
     page.locator("#reset").click()
     until(lambda: not latched(product))
     page.keyboard.down("k")  # a repeat of the key that is held
-    page.wait_for_timeout(300)
+    later(page, 3)
     assert not latched(product)
     page.keyboard.up("k")
 
@@ -152,39 +149,36 @@ def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Pr
         assert not latched(shared)
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_nothing_covers_the_reset(browser: Browser, product: Product, size: str) -> None:
-    context = browser.new_context(viewport=SIZES[size])
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    open_view(page, "robot")
-    page.keyboard.press("k")
+def test_nothing_covers_the_reset(page: Page, product: Product) -> None:
     reset = page.locator("#reset")
-    expect(reset).to_be_visible()
     top_one = """(button) => {
       const { left, right, top, bottom } = button.getBoundingClientRect();
       return [0.1, 0.5, 0.9].every((part) => button.contains(
         document.elementFromPoint(left + part * (right - left), (top + bottom) / 2)));
     }"""
-    assert reset.evaluate(top_one)
-    reset.click()
-    until(lambda: not latched(product))
-    context.close()
+    for name, size in SIZES.items():
+        page.set_viewport_size(size)
+        open_view(page, "robot")
+        page.keyboard.press("k")
+        expect(reset).to_be_visible()
+        assert reset.evaluate(top_one), name
+        reset.click()
+        until(lambda: not latched(product))
+        expect(reset).to_be_hidden()
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("view", ["none", "robot", "modes"])
-def test_map_and_stops_are_always_there(
-    browser: Browser, product: Product, size: str, view: str
-) -> None:
-    room = SIZES[size]
-    context = browser.new_context(viewport=room)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    if view != "none":
-        open_view(page, view)
+def test_map_and_stops_are_always_there(page: Page) -> None:
+    for size in SIZES.values():
+        page.set_viewport_size(size)
+        assert_in_reach(page, size)
+        for view in ("robot", "modes"):
+            open_view(page, view)
+            assert_in_reach(page, size)
+        page.locator("#sheet-close").click()
+
+
+def assert_in_reach(page: Page, room: ViewportSize) -> None:
+    """Check that map and stops are within the screen, and nothing lies over the stops."""
     assert page.evaluate("document.documentElement.scrollWidth") <= room["width"]
     for name, least in (("#stop", 44), ("#estop", 56), ("#canvas", 100)):
         box = page.locator(name).bounding_box()
@@ -198,7 +192,6 @@ def test_map_and_stops_are_always_there(
         if name != "#canvas":  # nothing lies over them
             there = "([x, y]) => document.elementFromPoint(x, y).closest('button')?.id"
             assert f"#{page.evaluate(there, middle)}" == name
-    context.close()
 
 
 def test_a_stop_that_cannot_be_sent_says_so_and_goes_out_first_on_reconnection(

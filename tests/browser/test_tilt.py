@@ -10,9 +10,8 @@ from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.web.access.hosts import lan_addresses
 from pioneer3.web.access.sessions import Role
-from tests.browser.conftest import Product, running_product
-from tests.browser.hands import Visit, visit
-from tests.browser.test_page import SLACK, speed, until
+from tests.browser.support import SLACK, Product, later, running_product, speed, until
+from tests.browser.visit import Visit, visit
 
 ADDRESS = next(iter(lan_addresses("0.0.0.0")), "")
 FLAT = (0.0, 0.0, 0.0)
@@ -84,9 +83,8 @@ def test_small_changes_of_angles_are_small_turns_everywhere(page: Page) -> None:
             assert max(map(abs, step.values())) < 0.31
 
 
-@pytest.mark.parametrize(
-    ("vector", "wish"),
-    [
+def test_five_degrees_are_nothing_and_a_flip_is_a_stop(page: Page) -> None:
+    commands = (
         ([4.9, 0, 4.9], {"forward": 0, "left": 0}),
         ([-40, 0, 0], {"forward": 1, "left": 0}),
         ([40, 0, 0], {"forward": -1, "left": 0}),
@@ -95,13 +93,10 @@ def test_small_changes_of_angles_are_small_turns_everywhere(page: Page) -> None:
         ([0, 61, 0], None),
         ([0, -61, 0], None),
         ([-125, 0, 0], None),
-    ],
-)
-def test_five_degrees_are_nothing_and_a_flip_is_a_stop(
-    page: Page, vector: list[float], wish: dict[str, float] | None
-) -> None:
-    got = run(page, "drive/tilt.js", f"m.commandOf({vector}, 0)")
-    assert got == (None if wish is None else pytest.approx(wish))
+    )
+    for vector, command in commands:
+        got = run(page, "drive/tilt.js", f"m.commandOf({vector}, 0)")
+        assert got == (None if command is None else pytest.approx(command)), vector
 
 
 def test_the_response_is_even_monotonic_and_bounded(page: Page) -> None:
@@ -131,10 +126,10 @@ def hold(phone: Visit) -> None:
     phone.touch("touchStart", phone.middle("#tilt-hold"))
 
 
-def keep(phone: Visit, alpha: float, beta: float, gamma: float, seconds: float = 0.5) -> None:
+def keep(phone: Visit, alpha: float, beta: float, gamma: float) -> None:
     """Hold the phone so, from now on."""
     phone.turn_phone(alpha, beta, gamma)
-    phone.page.wait_for_timeout(1000 * seconds)
+    later(phone.page)
 
 
 def go(phone: Visit, product: Product) -> None:
@@ -156,8 +151,7 @@ def test_tipping_drives_and_letting_go_stops(phone: Visit, product: Product) -> 
     assert phone.source == "tilt"
     phone.touch("touchEnd")
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
-    phone.page.wait_for_timeout(300)
-    assert phone.drives()[-3:] == [{"type": "drive", "v": 0, "w": 0, "input": "tilt"}] * 3
+    phone.sends_zeros("tilt")
 
 
 @pytest.mark.parametrize(
@@ -179,7 +173,7 @@ def test_each_way_of_turning_the_phone_drives_its_way(
 
 
 def test_the_pose_at_the_press_is_the_reference(phone: Visit, product: Product) -> None:
-    keep(phone, 200, 50, 10, 0.1)
+    keep(phone, 200, 50, 10)
     hold(phone)
     keep(phone, 200, 52, 10)
     assert all(message["v"] == message["w"] == 0 for message in phone.drives())
@@ -195,7 +189,7 @@ def test_a_flip_stops_until_the_button_is_held_anew(phone: Visit, product: Produ
     assert until(lambda: speed(product) == 0.0) < 0.4 + SLACK
     assert phone.drives()[-1] == {"type": "stop"}
     expect(phone.page.locator("#toast")).to_have_text("Flipped: the robot stops.")
-    keep(phone, 0, -45, 0, 0.7)
+    keep(phone, 0, -45, 0)
     assert speed(product) == 0.0
     phone.touch("touchEnd")
 
@@ -206,22 +200,21 @@ def test_a_sensor_that_falls_silent_is_a_release(phone: Visit, product: Product)
     phone.turn_phone()
     assert until(lambda: speed(product) == 0.0) < 1.0 + 0.3 + SLACK
     assert phone.source is None
-    keep(phone, 0, -45, 0, 0.5)  # it is back, but the finger has not been lifted
+    keep(phone, 0, -45, 0)  # it is back, but the finger has not been lifted
     assert phone.source is None
     phone.touch("touchEnd")
 
 
-@pytest.mark.parametrize("event", ["orientationchange", "blur", "pagehide"])
-def test_losing_the_page_or_turning_the_screen_stops(
-    phone: Visit, product: Product, event: str
-) -> None:
-    hold(phone)
-    go(phone, product)
-    phone.page.evaluate("(name) => dispatchEvent(new Event(name))", event)
-    assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
-    keep(phone, 0, -45, 0)
-    assert speed(product) == 0.0
-    phone.touch("touchEnd")
+def test_losing_the_page_or_turning_the_screen_stops(phone: Visit, product: Product) -> None:
+    for event in ("orientationchange", "blur", "pagehide"):
+        keep(phone, *FLAT)
+        hold(phone)
+        go(phone, product)
+        phone.page.evaluate("(name) => dispatchEvent(new Event(name))", event)
+        assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK, event
+        keep(phone, 0, -45, 0)
+        assert speed(product) == 0.0
+        phone.touch("touchEnd")
 
 
 def test_a_finger_that_is_taken_away_stops(phone: Visit, product: Product) -> None:

@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page
 
-from tests.browser.conftest import Product
-from tests.browser.test_page import speed, until
+from tests.browser.support import Product, hold, speed, until
 
 VIEWS = ("robot", "plots", "modes")
 
@@ -25,8 +24,7 @@ def open_view(page: Page, view: str) -> None:
 
 def drive(page: Page, product: Product) -> None:
     """Hold the arrow until the robot drives."""
-    page.keyboard.down("ArrowUp")
-    until(lambda: speed(product) > 0.25)
+    hold(page, "ArrowUp", lambda: speed(product) > 0.25)
 
 
 def stopped_after(product: Product, act: Callable[[], object]) -> float:

@@ -1,4 +1,4 @@
-// The part of the HTTP API that this page uses: who is in.
+// Requests to the HTTP API.
 
 const JSON_TYPE = { "Content-Type": "application/json" };
 

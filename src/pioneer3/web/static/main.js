@@ -23,7 +23,7 @@ import {
   showConnection, showLink, showOverlay, showPause, showRobot, showSnapshot, showUsable, showWhy, toast,
 } from "./panels/status.js";
 
-const CHECK = 250; // ms between looks at the age of what is shown
+const CHECK = 250; // ms between checks of the age of the data
 const RECENT = 1500; // ms after a message of the server in which it is not covered by others
 const LONG = 8000; // ms, of a message of the server
 const WATCHING = "You watch. STOP and E-STOP are for you, too.";

@@ -147,7 +147,7 @@ class Slider {
       this.#byKey = true;
       if (event.key === "Enter" || event.key === "Escape") this.#input.blur();
     });
-    // Gives the arrow keys back to driving, except to somebody who sets the slider with them.
+    // returns the arrow keys to driving, unless they set the slider
     this.#input.addEventListener("change", () => this.#byKey || this.#input.blur());
   }
 

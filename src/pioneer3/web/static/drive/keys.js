@@ -33,7 +33,7 @@ export function listenToKeys({ press, release, stop, emergencyStop, abandon }) {
       if (!event.repeat) stops();
       return;
     }
-    if (event.key === "Meta") return abandon(); // macOS tells no keyup of keys let go under it
+    if (event.key === "Meta") return abandon(); // macOS sends no keyup of keys that are released meanwhile
     const command = KEYS[event.code];
     if (down.has(event.code)) return event.preventDefault(); // a repeat, even if a slider has the focus now
     if (!command || hasModifier(event) || isTyping(event)) return;

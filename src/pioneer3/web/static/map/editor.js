@@ -9,7 +9,7 @@ const SLACK = { mouse: 6, touch: 22 }; // px beside a thing that still select it
 const STILL = { mouse: 3, touch: 8 }; // px; a smaller movement is no drag
 const BOX = 0.5; // m, sides of a box that is not drawn but tapped
 const [LEAST, MOST] = [0.1, 20]; // m, sides of any box
-const WALK = 2; // m, of a walker who is added by keyboard
+const WALK = 2; // m, path of a walker that is added by keyboard
 const RECENT = 500; // ms in which the next step begins at the last one, not at the shown pose
 const ROUND = Math.PI / 12; // headings that are dragged are multiples of it
 

@@ -1,4 +1,4 @@
-// What a map file names: goals, docks, homes, forbidden lines and areas, and all else it marks.
+// The named objects of a map: goals, docks, homes, forbidden lines and areas, and others.
 
 const LEGIBLE = 14; // px per m; smaller pictures have no names of places
 const SIZE = 9; // px, half of a mark
@@ -26,7 +26,7 @@ function trace(context, points) {
   if (points.length > 2) context.closePath();
 }
 
-/** Slanting lines: what must not be entered can be told without its colour. */
+/** Slanting lines: a forbidden area can be recognised without its colour. */
 function hatch(context, camera, colour, points) {
   const xs = points.map(([x]) => x);
   const ys = points.map(([, y]) => y);

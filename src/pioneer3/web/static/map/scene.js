@@ -38,7 +38,7 @@ export class Scene {
   pose = null;
   /** The page's robots where they were drawn last, [Robot, pose]. */
   robots = [];
-  /** The thing that is selected, and the outline of what is dragged: {thing, ghost}. */
+  /** The selected thing, and the outline of the dragged one: {thing, ghost}. */
   editor = { thing: undefined, ghost: null };
   /** The goal that is proposed for the selected robot, {proposal}. */
   goto = { proposal: null };

@@ -81,7 +81,7 @@ function drawPlace(context, view, palette, { x, y, heading }, going) {
   context.restore();
 }
 
-/** Where somebody is taken to be: dashed, for it is an estimate. */
+/** The estimated place of a person, dashed. */
 function drawSomebody(context, view, palette, { x, y }) {
   const k = 1 / view.scale;
   context.strokeStyle = palette.person;

@@ -1,4 +1,4 @@
-// Boxes, people and external robots, to scale; their names; and what the editor adds to the picture.
+// Boxes, people and external robots, to scale; their names; and the selection and outlines of the editor.
 
 import { labelOf } from "../model/world.js";
 import { drawRobot } from "./robots.js";
@@ -47,7 +47,7 @@ function drawBox(context, view, palette, thing) {
   context.stroke();
 }
 
-/** From above: shoulders, head, and for who walks a point ahead. */
+/** From above: shoulders, head, and an arrow ahead of a person who walks. */
 function drawPerson(context, view, palette, thing) {
   const r = Math.max(thing.side, SMALL / view.scale);
   outline(context, { ...thing, side: r });

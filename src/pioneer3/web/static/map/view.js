@@ -74,7 +74,7 @@ export class View extends Camera {
     if (this.mode === "fit") first ? this.#jump() : this.setMode("fit");
   }
 
-  /** What a fitted picture shows, or null. */
+  /** The box that a fitted picture shows, or null. */
   get #whole() {
     return this.#bounds && this.#box ? joined(this.#bounds, this.#box) : this.#bounds ?? this.#box;
   }
@@ -118,7 +118,7 @@ export class View extends Camera {
     this.y += before.y - after.y;
   }
 
-  /** Advances a camera move by dt [s]; says whether it goes on. */
+  /** Advances a camera move by dt [s]; returns whether it goes on. */
   step(dt) {
     if (!this.#goal) return false;
     const k = 1 - Math.exp(-dt / EASE);

@@ -73,7 +73,7 @@ export class World {
   }
 }
 
-/** What to call a thing. */
+/** Returns the name of a thing, or its kind and number. */
 export function labelOf({ id, kind, name }) {
   return name || `${{ box: "Box", person: "Person", robot: "Robot" }[kind]} ${id}`;
 }

@@ -27,7 +27,7 @@ const CHARTS = [
 ];
 const PLOTTED = CHARTS.flatMap(({ columns }) => columns);
 const ZOOM = 2;
-const MOVE = 0.5; // of what is shown
+const MOVE = 0.5; // of the shown time
 const LINES = [{ label: "commanded", colour: "--warn", dash: [6, 4] }, { label: "measured", colour: "--accent" }];
 
 export class Plots {

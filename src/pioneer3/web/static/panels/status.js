@@ -117,7 +117,7 @@ export function showUsable(usable) {
  * @param hint shown while the robot has nothing to do
  */
 export function showWhy({ why, standing, mode, faults }, hint) {
-  const text = standing === "idle" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode tells it
+  const text = standing === "idle" ? hint : standing === "normal" && mode ? "" : why ?? ""; // the card of the mode says it
   if (text !== shown.why) shown = { why: text, since: performance.now() };
   const brief = standing === "normal" && performance.now() - shown.since < BRIEF;
   put(byId("why"), brief ? "" : text);

@@ -1,4 +1,4 @@
-"""Fingers, gamepads and turned phones, as browsers tell of them; and what the page sends."""
+"""A visit to the page: fingers, gamepads and turned phones, and the requests that it sends."""
 
 import json
 from collections.abc import Iterator
@@ -8,11 +8,12 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, ViewportSize, WebSocket
 
-from tests.browser.conftest import wait_for_the_robot
+from tests.browser.support import until, wait_for_the_robot
 
 FAKE_PADS = """
 window.fakePads = [];
-navigator.getGamepads = () => window.fakePads;
+window.polls = 0;
+navigator.getGamepads = () => ((window.polls += 1), window.fakePads);
 window.plugPad = (mapping) => {
   const buttons = Array.from({ length: 17 }, () => ({ pressed: false, value: 0 }));
   const axes = [0, 0, 0, 0];
@@ -60,6 +61,11 @@ class Visit:
         assert {m.pop("robot") for m in asked} <= {1}
         return asked
 
+    def sends_zeros(self, source: str) -> None:
+        """Wait for the three zeros of a release."""
+        zeros = [{"type": "drive", "v": 0, "w": 0, "input": source}] * 3
+        until(lambda: self.drives()[-3:] == zeros)
+
     def rate(self) -> float:
         """Return how many requests about driving are sent in a second, measured for one."""
         clock, before = "performance.now() / 1000", len(self.drives())
@@ -106,12 +112,17 @@ class Visit:
             " numbers.forEach((n) => (window.fakePads[0].buttons[n].pressed = pressed))",
             [numbers, pressed],
         )
-        self.page.wait_for_timeout(60)  # the page looks 50 times a second
+        self._polled()
 
     def stick(self, x: float, y: float) -> None:
         """Move the left stick: x to the right, y down."""
         self.page.evaluate("(axes) => (window.fakePads[0].axes = [...axes, 0, 0])", [x, y])
-        self.page.wait_for_timeout(60)
+        self._polled()
+
+    def _polled(self) -> None:
+        """Wait until the page has read the gamepad: it does so 50 times a second."""
+        before = self.page.evaluate("window.polls")
+        until(lambda: bool(self.page.evaluate("window.polls") >= before + 2))
 
     def turn_phone(self, *angles: float) -> None:
         """Hold the phone so from now on: alpha, beta, gamma [degrees]; none silences its sensor."""
