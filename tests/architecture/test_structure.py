@@ -1,4 +1,4 @@
-"""The shape of the package: no circles of imports."""
+"""The shape of the package: no circles of imports, no deep folders, tasks that somebody awaits."""
 
 import ast
 from collections.abc import Iterator
@@ -12,6 +12,8 @@ MODULES = {
     ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): path
     for path in (SOURCE / "pioneer3").rglob("*.py")
 }
+UNTYPED = ("models.toml", "sim.worldfile", "sim.maps", "gym")
+"""Readers of files, where anything may stand under any name; and Gymnasium's own interface."""
 
 
 def imports(module: str) -> Iterator[str]:
@@ -37,3 +39,32 @@ def test_no_circle_of_imports() -> None:
         graph.prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(error.args[1]))
+
+
+def test_no_package_lies_deeper_than_two_folders() -> None:
+    assert [
+        name for name in MODULES if MODULES[name].name == "__init__.py" and name.count(".") > 2
+    ] == []
+
+
+def test_every_task_belongs_to_somebody() -> None:
+    """A bare task dies with the first collection of garbage, and its errors with it."""
+    bare = [
+        f"{name}:{node.lineno}"
+        for name, path in MODULES.items()
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and isinstance(node.value.func, ast.Attribute)
+        and node.value.func.attr in {"create_task", "ensure_future"}
+    ]
+    assert bare == []
+
+
+def test_messages_have_types() -> None:
+    assert [
+        name
+        for name, path in MODULES.items()
+        if "dict[str, Any]" in path.read_text()
+        and not name.startswith(tuple(f"pioneer3.{module}" for module in UNTYPED))
+    ] == []

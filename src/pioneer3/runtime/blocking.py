@@ -139,7 +139,7 @@ class MadeFacade(Facade):
 @cache
 def facade_of(kind: type) -> type[Facade]:
     """Return the class of facades of `kind`, with its names, signatures and docstrings."""
-    members: dict[str, Any] = {"__doc__": kind.__doc__}
+    members: dict[str, object] = {"__doc__": kind.__doc__}
     for name in (name for name in dir(kind) if not name.startswith("_")):
         member = getattr(kind, name)
         members[name] = blocking(member) if inspect.isfunction(member) else _property(name, member)
