@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pioneer3 import connect_async
 from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.gym.places import Places
+from pioneer3.gym.maps import FreeSpace
 from pioneer3.models import load_model
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import TOUCHED
@@ -114,13 +114,13 @@ async def drive_by_itself(
 def start_in(line_map: LineMap, seed: int, model: str = MODEL) -> Pose2:
     """Return a random pose where the robot can turn."""
     rng = np.random.default_rng(seed)
-    x, y = places_of(line_map, model).draw(rng)
+    x, y = places_of(line_map, model).sample(rng)
     return Pose2(x, y, float(rng.uniform(-np.pi, np.pi)))
 
 
-def places_of(line_map: LineMap, model: str = MODEL) -> Places:
+def places_of(line_map: LineMap, model: str = MODEL) -> FreeSpace:
     """Return where the robot can turn, and get to."""
-    return Places(line_map, line_map.walls, load_model(model).radius)
+    return FreeSpace(line_map, line_map.walls, load_model(model).radius)
 
 
 def cells_of(line_map: LineMap, model: str = MODEL) -> set[Cell]:

@@ -12,10 +12,8 @@ try:
 except ImportError as error:
     raise ImportError(f"{error}: {how_to_get('gym')}", name=error.name) from error
 
-from pioneer3.gym.goal_env import GoalEnv
-from pioneer3.gym.parallel_env import GoalParallelEnv
+from pioneer3.gym.environments import GoalEnv, GoalParallelEnv, GoalVectorEnv
 from pioneer3.gym.task import EPISODE, Reward, Task
-from pioneer3.gym.vector_env import GoalVectorEnv
 
 __all__ = ["GoalEnv", "GoalParallelEnv", "GoalVectorEnv", "Reward", "Task"]
 

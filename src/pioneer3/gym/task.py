@@ -1,4 +1,4 @@
-"""What robots are to learn: where, with which sensors, for which reward."""
+"""The task of an environment: the map, the sensors, the reward."""
 
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -15,12 +15,12 @@ Sensors = Literal["sonar", "laser", "both"]
 EPISODE = 500
 """The longest episode unless told otherwise [steps]."""
 LONGEST_STEP = 1.0
-"""Longer than this no robot may be left alone [s]."""
+"""The longest step [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reward:
-    """What a step is worth: the sum of these.
+    """The reward of a step is the sum of these.
 
     Attributes:
         progress: Per metre that the goal has come nearer, as the crow flies [1/m].
@@ -35,7 +35,7 @@ class Reward:
     time: float = -0.01
 
     def __post_init__(self) -> None:
-        """Refuse what no learner can add up, naming the field."""
+        """Refuse numbers that are not finite, naming the field."""
         for name in ("progress", "arrival", "collision", "time"):
             if not isfinite(getattr(self, name)):
                 raise ConfigError(f"reward {name}: {getattr(self, name)} is not finite")
@@ -49,15 +49,15 @@ class Task:
         map: A shipped map's name, a map file, or a map. A fence is put around it, 1 m beyond its
             walls.
         model: A robot model's name, its file, or a model.
-        sensors: What the robot measures: `sonar`, `laser` or `both`.
+        sensors: The sensors in an observation: `sonar`, `laser` or `both`.
         beams: Of the laser, spread evenly over the half circle ahead.
         laser_range: Farther than this the laser sees nothing [m].
         realism: How wrong wheels and sensors are; `None` is not at all.
         dt: Of a step [s].
         goal_distance: Least and greatest distance of a goal from the start, as the crow flies [m].
         goal_radius: Nearer than this the goal is reached [m].
-        reward: What a step is worth.
-        threads: That share the sensors of 50 robots and more; they pay only with numba.
+        reward: The parts of the reward.
+        threads: Number of threads for 50 robots and more; they pay only with numba.
 
     Raises:
         ConfigError: A number is out of range.
@@ -76,7 +76,7 @@ class Task:
     threads: int = 1
 
     def __post_init__(self) -> None:
-        """Refuse what makes no task, naming the field."""
+        """Refuse an impossible task, naming the field."""
         if self.sensors not in get_args(Sensors):
             raise ConfigError(
                 f"sensors: {self.sensors!r} is none of {', '.join(get_args(Sensors))}"

@@ -9,7 +9,6 @@ import numpy as np
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
-from pioneer3.sim.firing import in_order
 from pioneer3.sim.kernels import Drives, Robots
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
@@ -29,6 +28,7 @@ from pioneer3.sim.kernels.drives import (
     TOP,
 )
 from pioneer3.sim.motion import Drive
+from pioneer3.sim.sensors import in_order
 from pioneer3.units import DEGREE
 
 FULL = 13.0

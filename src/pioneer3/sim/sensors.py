@@ -1,8 +1,35 @@
-"""What the robot's sensors are like. The rays are cast by the kernels."""
+"""Ranges of the robot's sensors, and the order in which its sonar transducers fire.
+
+Transducers come in arrays of eight. Each array has an order of its own; all fire at the same rate.
+"""
 
 SONAR_RANGE = 5.0
-"""What a transducer reports when nothing echoes, and the farthest it hears [m] (facts.md 7.2)."""
+"""The reading of a transducer that hears no echo, and the farthest it hears [m] (facts.md 7.2)."""
 SONAR_MIN = 0.1
 """Nearer echoes come while the transducer still rings [m] (facts.md 9.6)."""
 LASER_RANGE = 32.0
 """Of a SICK LMS-200 in 10 mm mode [m]."""
+
+ARRAY = 8
+"""Transducers of an array."""
+
+Firing = tuple[tuple[int, ...], ...]
+"""For each array the transducers that fire, in turn, over and over; `()` if the array is off."""
+
+
+def in_order(count: int) -> Firing:
+    """Return the firing of so many transducers as robots are delivered: by their numbers."""
+    arrays = range(0, count, ARRAY)
+    return tuple(tuple(range(first, min(first + ARRAY, count))) for first in arrays)
+
+
+def fired(firing: Firing, first: int, last: int) -> dict[int, int]:
+    """Return the transducers that fire in slots `first` to `last`, without `last`.
+
+    Each is mapped to the transducer of its array that fires one slot before it.
+    """
+    pairs = {}
+    for order in firing:
+        for slot in range(max(first, last - len(order)), last):
+            pairs[order[slot % len(order)]] = order[(slot - 1) % len(order)]
+    return pairs

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body, outline_of
-from pioneer3.sim.contact import REACH, pressed_segments
-from pioneer3.sim.firing import Firing
+from pioneer3.sim.collision import REACH, pressed_segments
 from pioneer3.sim.kernels import (
     Drives,
     Fan,
@@ -29,8 +28,8 @@ from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE
-from pioneer3.sim.sonar import InTurn, Sonars, Together
+from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE, Firing
+from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
@@ -87,7 +86,7 @@ class World:
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
         self._pressed: dict[int, tuple[int, int]] = {}
-        self._sonars = self._sonars_as(self.realism)
+        self._sonars = self._new_sonars(self.realism)
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
 
@@ -104,7 +103,7 @@ class World:
         That is now, unless they fire in turn (`SonarErrors.cycle`).
         """
         self._place()
-        return self._sonars.of(body)
+        return self._sonars.ranges(body)
 
     def sonars(self) -> Float:
         """Return the same of all robots, shape (N, M).
@@ -113,7 +112,7 @@ class World:
         longest range.
         """
         self._place()
-        return self._sonars.all()
+        return self._sonars.all_ranges()
 
     def fresh_sonar(self, body: Body) -> tuple[Int, Float]:
         """Return which of `body`'s transducers fired since the last call, and what they measured.
@@ -123,14 +122,14 @@ class World:
             those of all that do.
         """
         self._place()
-        return self._sonars.fresh(body)
+        return self._sonars.new_ranges(body)
 
     def fire(self, body: Body, firing: Firing) -> None:
         """Let `body`'s transducers fire in another order; those that are not in it are off."""
         if body.firing != firing:
             body.firing = firing
             if body in self._own:
-                self._sonars.fires(body)
+                self._sonars.change_firing(body)
 
     def expect(self, bodies: Iterable[Body]) -> None:
         """Be told whose sonars are asked for until the next step: one cast then does for all."""
@@ -205,7 +204,7 @@ class World:
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
-        self._sonars.changed()
+        self._sonars.invalidate()
         self._pressed.clear()
         if self.robots:
             self.outlines.stale = True
@@ -221,7 +220,7 @@ class World:
             self._walk(dt)
         if len(self._docks):
             self._charge()
-        self._sonars.passed(dt, self.outlines.poses[:, : len(self.robots)])
+        self._sonars.advance(dt, self.outlines.poses[:, : len(self.robots)])
 
     def _walk(self, dt: float) -> None:
         """Let people walk."""
@@ -243,11 +242,11 @@ class World:
         docked = ((off < DOCKED) & ~turned).any(axis=1)
         self.drives.wheels[SUPPLY] = np.where(docked, CHARGE_POWER, 0.0)
 
-    def _sonars_as(self, realism: Realism) -> Sonars:
+    def _new_sonars(self, realism: Realism) -> Sonars:
         rng = self._rng.spawn(1)[0]
         if realism.sonar.cycle:
-            return InTurn(realism.sonar, self._cast, rng)
-        return Together(realism.sonar, self._cast, self._own, rng)
+            return SequentialSonars(realism.sonar, self._cast, rng)
+        return SimultaneousSonars(realism.sonar, self._cast, self._own, rng)
 
     def _cast(self, mounts: Mounts, owners: Int32 | None) -> Float:
         """Return exact ranges of transducers of some robots or all, shape (F, mounts.most)."""
@@ -269,7 +268,7 @@ class World:
     def _place(self) -> None:
         if self.outlines.stale:
             self._pressed.clear()
-            self._sonars.placed(self.outlines.poses[:, : len(self.robots)])
+            self._sonars.move(self.outlines.poses[:, : len(self.robots)])
             self.kernels.place(self.outlines)
             self.outlines.stale = False
 
@@ -331,7 +330,7 @@ class World:
             body.bind(drives, self.outlines, number, partial(self._bumpers, body))
         self.robots = robots
         self._pressed.clear()
-        self._sonars.arrange(robots, before)
+        self._sonars.set_robots(robots, before)
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
 

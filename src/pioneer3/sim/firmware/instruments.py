@@ -21,7 +21,7 @@ from pioneer3.geometry import wrap
 from pioneer3.sim.accessories import Inputs
 from pioneer3.sim.accessories.gauges import LOW, charge_percent
 from pioneer3.sim.body import Body
-from pioneer3.sim.firing import ARRAY, Firing, in_order
+from pioneer3.sim.sensors import ARRAY, Firing, in_order
 from pioneer3.sim.world import World
 from pioneer3.units import DECIVOLT, HEADING_UNIT
 

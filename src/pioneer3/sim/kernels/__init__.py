@@ -1,8 +1,7 @@
 """The simulator's inner loops: motion, rays, fans and footprints of all robots at once."""
 
 from pioneer3.sim.kernels.drives import Drives
-from pioneer3.sim.kernels.echoes import Echoes
-from pioneer3.sim.kernels.edges import find_edges
+from pioneer3.sim.kernels.echoes import Echoes, find_edges
 from pioneer3.sim.kernels.jit import is_cached, numba_version
 from pioneer3.sim.kernels.kernels import WORTH_COMPILING, WORTH_THREADS, Kernels, compiled_kernels
 from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts

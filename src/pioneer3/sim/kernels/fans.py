@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.jit import inlined, kernel
 from pioneer3.sim.kernels.rays import meeting
-from pioneer3.sim.kernels.table import Others, Walls, cells, neighbours
+from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK
 
 Float = NDArray[np.float64]

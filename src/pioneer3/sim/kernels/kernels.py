@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels import fans, motion, rays, table
+from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import ALL, Echoes
 from pioneer3.sim.kernels.jit import COMPLETE, cache_directory, fast, numba_version, plain
 from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
-from pioneer3.sim.kernels.robots import Robots
+from pioneer3.sim.kernels.robots import Robots, place
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 Float = NDArray[np.float64]
@@ -53,7 +53,7 @@ class Kernels:
 
     def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
         self.compiled = compiled and bool(numba_version())
-        self._place = fast(table.place) if compiled else plain(table.place)
+        self._place = fast(place) if compiled else plain(place)
         self._sonar = fast(rays.sonar) if compiled else plain(rays.sonar)
         self._fans = fast(fans.fans) if compiled else plain(fans.fans)
         self._blocked = fast(motion.blocked) if compiled else plain(motion.blocked)

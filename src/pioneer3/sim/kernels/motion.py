@@ -6,7 +6,7 @@ from math import ceil, copysign, cos, isnan, pi, sin, sqrt, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.collision import TOUCH as DEEP
+from pioneer3.sim.collision import TOUCH
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
     ANGULAR,
@@ -52,7 +52,7 @@ from pioneer3.sim.kernels.drives import (
     WAY_NOISE,
 )
 from pioneer3.sim.kernels.jit import inlined, kernel
-from pioneer3.sim.kernels.table import Others, Walls, cells, neighbours, outline, place
+from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours, outline, place
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -88,7 +88,7 @@ def _ramp(
 
 
 @kernel
-def _turn_axis(n: int, axis: int, axes: Float, held: bool, brake: float, dt: float) -> float:
+def _run_axis(n: int, axis: int, axes: Float, held: bool, brake: float, dt: float) -> float:
     """Let one axis of a drive run for `dt`; return its way."""
     v: float = axes[VELOCITY, axis, n]
     remaining: float = axes[REMAINING, axis, n]
@@ -134,11 +134,11 @@ def _wants_to_move(n: int, axes: Float, flags: Flags) -> bool:
 
 
 @kernel
-def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
-    """Let a drive run, and fill `wish` with what that comes to.
+def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -> None:
+    """Let a drive run, and fill `motion` with what that comes to.
 
-    Of `wish` 0 to 2 are the motion x, y, theta in the robot's frame, 3 to 5 what the wheels believe
-    it is, 6 and 7 way and turn of the wheels.
+    Of `motion` 0 to 2 are x, y, theta in the robot's frame, 3 to 5 the same as the wheels count
+    it, 6 and 7 way and turn of the wheels.
     """
     axes, flags, _, errors = drives
     off = flags[POWERED, n] == 0
@@ -149,8 +149,8 @@ def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
     pieces = max(1, ceil(dt / SUBSTEP - 1e-9)) if fine else 1
     x, y, theta, bx, by, believed, ways, turns = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for _ in range(pieces):
-        way = _turn_axis(n, LINEAR, axes, held, brake, dt / pieces)
-        turn = _turn_axis(n, ANGULAR, axes, held, turn_brake, dt / pieces)
+        way = _run_axis(n, LINEAR, axes, held, brake, dt / pieces)
+        turn = _run_axis(n, ANGULAR, axes, held, turn_brake, dt / pieces)
         bx, by, believed = _follow(bx, by, believed, way, turn)
         true_way = errors[V_OF_V, n] * way + errors[V_OF_W, n] * turn
         true_turn = errors[W_OF_V, n] * way + errors[W_OF_W, n] * turn
@@ -162,14 +162,14 @@ def _wish(n: int, dt: float, noise: Float, drives: Wheels, wish: Float) -> None:
         turned = errors[TURN_NOISE, n] * sqrt(abs(turns)) * noise[1, n]
         turned += errors[DRIFT_NOISE, n] * root * noise[2, n]
         x, y, theta = _follow(x, y, theta, slipped, turned)
-    wish[0], wish[1], wish[2], wish[3], wish[4], wish[5] = x, y, theta, bx, by, believed
-    wish[6], wish[7] = ways, turns
+    motion[0], motion[1], motion[2], motion[3], motion[4], motion[5] = x, y, theta, bx, by, believed
+    motion[6], motion[7] = ways, turns
     if flags[BRAKING, n] and axes[VELOCITY, LINEAR, n] == axes[VELOCITY, ANGULAR, n] == 0.0:
         flags[BRAKING, n] = 0
 
 
 @kernel
-def _stands_on(
+def _overlaps(
     ax: float,
     ay: float,
     bx: float,
@@ -192,12 +192,12 @@ def _stands_on(
 
 
 @kernel
-def _hits(
+def _collides(
     n: int,
     px: float,
     py: float,
     theta: float,
-    astray: float,
+    moved_by: float,
     state: Float,
     walls: Walls,
     others: Others,
@@ -205,7 +205,7 @@ def _hits(
 ) -> bool:
     """Return whether robot `n` would stand on something at a pose.
 
-    The others may have moved by up to `astray` [m] since they were sorted into the table.
+    The others may have moved by up to `moved_by` [m] since they were sorted into the table.
     """
     frame, starts, pieces = walls
     shapes, columns, rows = others[1], int(frame[4]), int(frame[5])
@@ -213,7 +213,7 @@ def _hits(
         return False
     c, s, corners = cos(theta), sin(theta), shapes.shape[1]
     front, rear, half = state[3, n], state[4, n], state[5, n]
-    middle, length, width = (front - rear) / 2, (front + rear) / 2 - DEEP, half - DEEP
+    middle, length, width = (front - rear) / 2, (front + rear) / 2 - TOUCH, half - TOUCH
     longest = max(front, rear)
     hit, reach = False, sqrt(longest * longest + half * half)
     west, east = cells(px - reach, px + reach, frame[0], frame[3])
@@ -223,14 +223,14 @@ def _hits(
         for k in range(starts[row * columns + west], starts[row * columns + east + 1]):
             ax, ay = pieces[k, 0] - px, pieces[k, 1] - py
             bx, by = pieces[k, 2] - px, pieces[k, 3] - py
-            hit |= _stands_on(ax, ay, bx, by, c, s, middle, length, width)
-    near = 0 if hit or len(shapes) < 2 else neighbours(px, py, reach + astray, n, others, found)
+            hit |= _overlaps(ax, ay, bx, by, c, s, middle, length, width)
+    near = 0 if hit or len(shapes) < 2 else neighbours(px, py, reach + moved_by, n, others, found)
     for i in range(near):
         k = found[i]
         ax, ay = shapes[k, corners - 2] - px, shapes[k, corners - 1] - py
         for j in range(3, corners, 2):
             bx, by = shapes[k, j] - px, shapes[k, j + 1] - py
-            hit |= _stands_on(ax, ay, bx, by, c, s, middle, length, width)
+            hit |= _overlaps(ax, ay, bx, by, c, s, middle, length, width)
             ax, ay = bx, by
     return hit
 
@@ -243,14 +243,14 @@ def blocked(
     found = np.empty(len(others[1]) + 1, np.int32)
     for n in range(first, last):
         x, y, theta = poses[0, n], poses[1, n], poses[2, n]
-        out[n] = _hits(n, x, y, theta, 0.0, state, walls, others, found)
+        out[n] = _collides(n, x, y, theta, 0.0, state, walls, others, found)
 
 
 @kernel
 def _free_share(
     n: int,
-    wish: Float,
-    astray: float,
+    motion: Float,
+    moved_by: float,
     state: Float,
     walls: Walls,
     others: Others,
@@ -259,41 +259,41 @@ def _free_share(
     """Return how much of its motion robot `n` can make, in steps of 1 / FINER^2."""
     x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
     free, part = 0.0, 1.0
-    if max(abs(wish[0]), abs(wish[1]), abs(wish[2])) <= NEGLIGIBLE:
+    if max(abs(motion[0]), abs(motion[1]), abs(motion[2])) <= NEGLIGIBLE:
         return free
     for _ in range(2):
         part /= FINER
         begin = free
         for k in range(1, FINER):
             share = begin + part * k
-            dx, dy, theta = share * wish[0], share * wish[1], state[2, n] + share * wish[2]
+            dx, dy, theta = share * motion[0], share * motion[1], state[2, n] + share * motion[2]
             px, py = x + c * dx - s * dy, y + s * dx + c * dy
-            if _hits(n, px, py, theta, astray, state, walls, others, found):
+            if _collides(n, px, py, theta, moved_by, state, walls, others, found):
                 break
             free = share
     return free
 
 
 @kernel
-def _take(n: int, share: float, wish: Float, drives: Wheels, state: Float) -> None:
-    """Move a robot by a share of its wish, in the world and in its odometry."""
+def _apply(n: int, share: float, motion: Float, drives: Wheels, state: Float) -> None:
+    """Move a robot by a share of its motion, in the world and in its odometry."""
     wheels = drives[2]
     c, s = cos(state[2, n]), sin(state[2, n])
-    x, y = share * wish[0], share * wish[1]
+    x, y = share * motion[0], share * motion[1]
     state[0, n] += c * x - s * y
     state[1, n] += s * x + c * y
-    state[2, n] = _wrapped(state[2, n] + share * wish[2])
+    state[2, n] = _wrapped(state[2, n] + share * motion[2])
     c, s = cos(wheels[ODOM_THETA, n]), sin(wheels[ODOM_THETA, n])
-    x, y, turn = share * wish[3], share * wish[4], share * wish[7] * wheels[BASE, n] / 2
+    x, y, turn = share * motion[3], share * motion[4], share * motion[7] * wheels[BASE, n] / 2
     wheels[ODOM_X, n] += c * x - s * y
     wheels[ODOM_Y, n] += s * x + c * y
-    wheels[ODOM_THETA, n] = _wrapped(wheels[ODOM_THETA, n] + share * wish[5])
-    wheels[LEFT, n] += share * wish[6] - turn
-    wheels[RIGHT, n] += share * wish[6] + turn
+    wheels[ODOM_THETA, n] = _wrapped(wheels[ODOM_THETA, n] + share * motion[5])
+    wheels[LEFT, n] += share * motion[6] - turn
+    wheels[RIGHT, n] += share * motion[6] + turn
 
 
 @inlined
-def _live(n: int, dt: float, drives: Wheels) -> None:
+def _use_energy(n: int, dt: float, drives: Wheels) -> None:
     """Use energy, and warm up or cool down."""
     axes, flags, wheels, _ = drives
     v, w = abs(axes[VELOCITY, LINEAR, n]), abs(axes[VELOCITY, ANGULAR, n])
@@ -309,26 +309,26 @@ def step(
 ) -> None:
     """Let every drive run for `dt`, robot by robot, as far as nothing is in the way."""
     axes, flags, _, _ = drives
-    found, wish = np.empty(len(others[1]) + 1, np.int32), np.empty(8)
-    moved, astray = False, 0.0
+    found, motion = np.empty(len(others[1]) + 1, np.int32), np.empty(8)
+    moved, moved_by = False, 0.0
     for n in range(axes.shape[2]):
-        _live(n, dt, drives)
+        _use_energy(n, dt, drives)
         if not _wants_to_move(n, axes, flags):
             flags[STALLED, n] = 0
             continue
-        _wish(n, dt, noise, drives, wish)
+        _run_drive(n, dt, noise, drives, motion)
         x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
-        px, py = x + c * wish[0] - s * wish[1], y + s * wish[0] + c * wish[1]
+        px, py = x + c * motion[0] - s * motion[1], y + s * motion[0] + c * motion[1]
         share = 1.0
-        if _hits(n, px, py, state[2, n] + wish[2], astray, state, walls, others, found):
-            share = _free_share(n, wish, astray, state, walls, others, found)
+        if _collides(n, px, py, state[2, n] + motion[2], moved_by, state, walls, others, found):
+            share = _free_share(n, motion, moved_by, state, walls, others, found)
             axes[VELOCITY, LINEAR, n] = axes[VELOCITY, ANGULAR, n] = 0.0
         flags[STALLED, n] = flags[TOUCHED, n] = share < 1.0
         if share > 0.0:
-            _take(n, share, wish, drives, state)
+            _apply(n, share, motion, drives, state)
             outline(n, state, others[1])
-            way = sqrt(wish[0] * wish[0] + wish[1] * wish[1])
-            astray = max(astray, way + abs(wish[2]) * others[1][n, 2])
+            way = sqrt(motion[0] * motion[0] + motion[1] * motion[1])
+            moved_by = max(moved_by, way + abs(motion[2]) * others[1][n, 2])
             moved = True
     if moved:
         place(state, others)

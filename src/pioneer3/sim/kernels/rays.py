@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.echoes import SHADE
 from pioneer3.sim.kernels.jit import inlined, kernel
-from pioneer3.sim.kernels.table import FAR, Others, Walls, cells, neighbours
+from pioneer3.sim.kernels.robots import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.raycast import TOUCH
 
 Float = NDArray[np.float64]

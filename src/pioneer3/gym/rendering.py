@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.gym.arena import Arena
+from pioneer3.gym.simulation import GoalSimulation
 from pioneer3.sim.maps.grid import shape_of, touched
 
 Float = NDArray[np.float64]
@@ -29,11 +29,11 @@ COLOURS = (
 )
 """Of robots and their goals, one after another."""
 CORNERS = 24
-"""Of what stands for a circle."""
+"""Of the polygon that is drawn as a circle."""
 
 
-def metadata_of(arena: Arena, render_mode: str | None) -> dict[str, Any]:
-    """Return :data:`METADATA` at the pace of an arena.
+def metadata_of(simulation: GoalSimulation, render_mode: str | None) -> dict[str, Any]:
+    """Return :data:`METADATA` with the frame rate of a simulation.
 
     Raises:
         ConfigError: There is no such render mode.
@@ -41,40 +41,42 @@ def metadata_of(arena: Arena, render_mode: str | None) -> dict[str, Any]:
     modes = METADATA["render_modes"]
     if render_mode is not None and render_mode not in modes:
         raise ConfigError(f"render_mode: {render_mode!r} is none of {', '.join(modes)}")
-    return METADATA | {"render_fps": max(1, round(1 / arena.task.dt))}
+    return METADATA | {"render_fps": max(1, round(1 / simulation.task.dt))}
 
 
-class Artist:
-    """Draws the copies of an arena.
+class Renderer:
+    """Draws one copy of the map of a simulation, with its robots and goals.
 
     Args:
-        arena: Whose robots to draw.
+        simulation: The robots, goals and maps.
     """
 
-    def __init__(self, arena: Arena) -> None:
-        self._arena = arena
-        self._bounds = bounds = arena.copies.bounds
+    def __init__(self, simulation: GoalSimulation) -> None:
+        self._simulation = simulation
+        self._bounds = bounds = simulation.maps.bounds
         self._cell = max(bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min) / LONG_SIDE
         height, width = shape_of(bounds, self._cell)
-        # what makes films of pictures wants even sides
+        # programs that encode films need even sides
         shape = (height + height % 2, width + width % 2, 3)
         self._empty = np.full(shape, WHITE, dtype=np.uint8)
-        self._paint(self._empty, arena.copies.walls, WALL)
+        self._paint(self._empty, simulation.maps.walls, WALL)
 
-    def draw(self, copy: int = 0) -> Image:
+    def render(self, copy: int = 0) -> Image:
         """Return a picture, shape (H, W, 3): walls, robots with their headings, goals as circles.
 
-        Who has left is not drawn.
+        Robots that were removed are not drawn.
         """
-        arena, image = self._arena, self._empty.copy()
-        first = copy * arena.robots
-        who = range(first, first + arena.robots)
+        simulation, image = self._simulation, self._empty.copy()
+        first = copy * simulation.robots
+        who = range(first, first + simulation.robots)
         for n, colour in zip(who, cycle(COLOURS), strict=False):
-            if arena.present[n]:
-                x, y, theta = arena.poses[n]
-                nose = arena.world.outlines.front[n] * np.array([np.cos(theta), np.sin(theta)])
-                sides = arena.world.outlines.outlines[n] - np.tile(arena.copies.shifts[copy], 2)
-                circle = _circle(arena.goals[n], arena.task.goal_radius)
+            if simulation.active[n]:
+                x, y, theta = simulation.poses[n]
+                nose = simulation.world.outlines.front[n] * np.array([np.cos(theta), np.sin(theta)])
+                sides = simulation.world.outlines.outlines[n] - np.tile(
+                    simulation.maps.offsets[copy], 2
+                )
+                circle = _circle(simulation.goals[n], simulation.task.goal_radius)
                 strokes = [sides, [[x, y, x + nose[0], y + nose[1]]], circle]
                 self._paint(image, np.concatenate(strokes), colour)
         return np.ascontiguousarray(image[::-1])

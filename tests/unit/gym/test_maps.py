@@ -5,8 +5,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.gym.copies import BASE, Copies
-from pioneer3.gym.places import SPARE, Places, Ring
+from pioneer3.gym.maps import BASE, SPARE, Distance, FreeSpace, TiledMap
 from pioneer3.models import load_model
 from pioneer3.sim.maps import LineMap, empty_map, shipped_map
 from pioneer3.sim.maps.line_map import distances
@@ -20,8 +19,8 @@ APART = rooms((0.0, 0.0, 4.0, 3.0), (10.0, 0.0, 18.0, 3.0))
 CRATE = rooms((0.0, 0.0, 6.0, 6.0), (1.0, 1.0, 5.0, 5.0))
 
 
-def places(line_map: LineMap, radius: float = RADIUS) -> Places:
-    return Places(line_map, Copies(line_map, 1).walls, radius)
+def places(line_map: LineMap, radius: float = RADIUS) -> FreeSpace:
+    return FreeSpace(line_map, TiledMap(line_map, 1).walls, radius)
 
 
 def test_there_is_room_to_turn_at_every_place() -> None:
@@ -59,22 +58,22 @@ def test_a_map_without_room_is_refused(line_map: LineMap) -> None:
 
 def test_draws_keep_their_distances_and_reach_everywhere() -> None:
     some, rng = places(ROOM), np.random.default_rng(1)
-    ring = Ring([(0.0, 0.0)], 1.0, 2.0)
-    drawn = np.array([some.draw(rng, ring) for _ in range(300)])
+    limit = Distance([(0.0, 0.0)], 1.0, 2.0)
+    drawn = np.array([some.sample(rng, limit) for _ in range(300)])
     away = np.hypot(*drawn.T)
     assert 1.0 <= away.min() < 1.1
     assert 1.9 < away.max() <= 2.0
     assert len({(x > 0, y > 0) for x, y in drawn.tolist()}) == 4
     with pytest.raises(ConfigError, match="tries"):
-        some.draw(rng, Ring([(0.0, 0.0)], 20.0))
+        some.sample(rng, Distance([(0.0, 0.0)], 20.0))
 
 
 @pytest.mark.parametrize("line_map", [ROOM, shipped_map("office"), CRATE], ids=lambda m: m.name)
 def test_copies_are_alike_to_the_last_bit_and_apart(line_map: LineMap) -> None:
-    copies = Copies(line_map, 70)
-    walls = copies.together.walls.reshape(70, -1, 4)
-    assert (copies.shifts == np.rint(copies.shifts)).all()
-    steps = np.tile(copies.shifts - copies.shifts[0], 2)
+    copies = TiledMap(line_map, 70)
+    walls = copies.line_map.walls.reshape(70, -1, 4)
+    assert (copies.offsets == np.rint(copies.offsets)).all()
+    steps = np.tile(copies.offsets - copies.offsets[0], 2)
     np.testing.assert_array_equal(walls - steps[:, None], walls[[0]].repeat(70, axis=0))
     assert BASE <= walls.min() <= walls.max() < 2 * BASE
     ends = walls.reshape(70, -1, 2)
@@ -85,10 +84,10 @@ def test_copies_are_alike_to_the_last_bit_and_apart(line_map: LineMap) -> None:
 
 def test_a_fence_closes_what_is_open() -> None:
     open_map = LineMap(name="open", walls=np.array([[0.0, 0.0, 5.0, 0.0], [0.0, 0.0, 0.0, 4.0]]))
-    copies = Copies(open_map, 1)
+    copies = TiledMap(open_map, 1)
     assert copies.bounds == (-1.0, -1.0, 6.0, 5.0)
     assert len(copies.walls) == 2 + 4
 
 
 def test_an_empty_map_is_a_small_pen() -> None:
-    assert Copies(empty_map(), 1).bounds == (-1.0, -1.0, 1.0, 1.0)
+    assert TiledMap(empty_map(), 1).bounds == (-1.0, -1.0, 1.0, 1.0)
