@@ -2,11 +2,24 @@ from math import inf, nan
 
 import pytest
 
+from docs.reference.ros_tables import PAGE
 from pioneer3.errors import ConfigError
 from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages.update import NoEcho
+from pioneer3.ros.node.driving_parameters import NAMES
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.parameters import NodeParameters, read_parameters, unused_parameters
+from pioneer3.ros.node.parameters import (
+    FRAMES,
+    MODEL,
+    OTHERS,
+    SIMULATED,
+    NodeParameters,
+    read_parameters,
+    unused_parameters,
+)
+
+SIDEWAYS = {"lat_accel", "lat_decel"}
+"""Parameters of RosAria that no Pioneer has a use for."""
 
 
 def test_without_any_it_is_as_rosaria() -> None:
@@ -125,3 +138,15 @@ def test_in_rosarias_place_wheels_do_not_turn_in_the_tree() -> None:
 def test_the_nearest_range_is_less_than_the_farthest() -> None:
     with pytest.raises(ConfigError, match="sonar_min_range_m"):
         read_parameters({"sonar_min_range_m": 2.0, "sonar_max_range_m": 1.0})
+
+
+def test_every_parameter_is_in_the_docs() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    names = {
+        *OTHERS,
+        *NAMES,
+        MODEL,
+        SIMULATED,
+        *(name for pair in FRAMES.values() for name in pair),
+    }
+    assert {name for name in names if f"`~{name}`" not in text} == SIDEWAYS
