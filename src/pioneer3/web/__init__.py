@@ -1,1 +1,1 @@
-"""The live page: a server for browsers, and what it serves."""
+"""The live page: its server, its messages, its HTTP API, and its files."""

@@ -32,7 +32,7 @@ FILES = {
     "/pair": "pages/pair.html",
     "/api": "pages/api.html",
     "/app.webmanifest": "app/app.webmanifest",
-    "/worker.js": "app/worker.js",  # here, for it may serve what is beside it and below only
+    "/worker.js": "app/worker.js",  # here: a worker serves only its own folder
 }
 
 

@@ -17,7 +17,7 @@ PERIOD = 0.04
 GATHER = 0.003
 """The first snapshot after a pause waits so long for those of other robots [s]."""
 SWEEP_PERIOD = 0.095
-"""Least time between two sweeps of a laser that pages are told [s]."""
+"""Least time between two sweeps of a laser that are sent [s]."""
 NO_SNAPSHOTS = Robots(())
 END = "]}"
 
@@ -41,7 +41,7 @@ class Channel(Protocol):
 
 
 class RetainedChannel:
-    """Keeps a text for each key; clients are told it when it changes."""
+    """Keeps a text for each key; clients are sent it when it changes."""
 
     def __init__(self) -> None:
         self.version = 0

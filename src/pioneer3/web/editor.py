@@ -23,7 +23,7 @@ from pioneer3.web.world import Item, WorldView
 MOST_OBSTACLES, MOST_ROBOTS = 200, 50
 """A page adds no more when there are so many."""
 STROLL = 0.8
-"""How fast people walk who are added [m/s]."""
+"""Speed of people who are added [m/s]."""
 
 Placing = requests.AddBox | requests.AddRobot | requests.Move
 

@@ -69,7 +69,7 @@ class Options:
 
 
 async def live(options: Options, tell: Callable[[str], None]) -> int:
-    """Run until cancelled; `tell` is given each line for the person who started it.
+    """Run until cancelled; `tell` is called with each line of output.
 
     Raises:
         PioneerError: something could not be started; the message says what to do.
@@ -93,7 +93,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
                 taken=taken,
             )
         )
-        # the page waits for the robots, so that a port in use is told before anything else
+        # the page waits for the robots, so that a port in use is reported first
         await stack.enter_async_context(hosted(page, _with_options(targets, options), tell))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
@@ -179,13 +179,13 @@ def _pairing_lines(page: Page, options: Options) -> Iterator[str]:
         return
     if not page.access.urls:
         yield (
-            "No stranger can come in: this computer has no address in a network. Connect it "
+            "No other device can connect: this computer has no address in a network. Connect it "
             "(see `ip address`), then start this again"
         )
         return
-    yield f"From strangers, once paired: {'  '.join(page.access.urls)}"
+    yield f"For other devices, after pairing: {'  '.join(page.access.urls)}"
     if page.access.authority is not None:
         yield f"The https certificate's authority: SHA-256 {digest(page.access.authority)}"
     if options.show_tokens:
         yield from invitation_lines(page.access.urls[0], page.access.invitations)
-    yield "Who is in, one more invitation, showing somebody out: pioneer3 access --help"
+    yield "To list devices, invite more and revoke them: pioneer3 access --help"

@@ -336,7 +336,7 @@ class Holder(Part):
 
 
 class People(Message, tag="people"):
-    """The client that this is sent to, the operators who have control, and all clients."""
+    """The receiving client, the operators who have control, and all clients."""
 
     id: int
     name: str

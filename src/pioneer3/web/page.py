@@ -239,7 +239,7 @@ class Page:
         if self._editor is None:
             return messages.EditRefused("only a simulated world can be changed here")
         answer = await self._editor.apply(client, edit)
-        self.update()  # clients are told of a thing before the answer names it
+        self.update()  # clients know a thing before the answer names it
         return answer
 
     def _view(self, number: int, name: str, robot: Robot, scene: Scene) -> RobotView:

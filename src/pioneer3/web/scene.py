@@ -66,7 +66,7 @@ class RemoteWorld:
             forget()
 
     def _ask(self) -> None:
-        self.pose = None  # until it is told anew: the robot may have been put elsewhere
+        self.pose = None  # until the simulator sends it: the robot may have been moved
         info = self._robot.supervisor.info
         if info is not None and is_simulator(info):
             with suppress(CommandError):  # no session is open
@@ -150,7 +150,7 @@ class Scene:
         return self.remote.map if self.remote else self.map
 
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
-        """Return where the odometry's origin seems to lie [m, rad], given what odometry says now.
+        """Return the apparent pose of the odometry's origin [m, rad], from its present reading.
 
         It wanders where the true pose is known and odometry drifts.
         """

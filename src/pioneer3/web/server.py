@@ -100,7 +100,7 @@ async def _running(
         timeout_graceful_shutdown=GOODBYE,
     )
     server = Server(config, limits)
-    # its own serve() would take the signals away from those who stop the robot
+    # its own serve() would take over the signals, which stop the robot
     serving = asyncio.ensure_future(server._serve(listeners))
     try:
         yield
@@ -150,7 +150,7 @@ def _bind(host: str, port: int) -> socket.socket:
         raise LinkError(f"{host}:{port}: ports are numbers from 1 to 65535")
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        # it listens now, so that the address may be told before the server has started
+        # it listens now, so that the address is known before the server has started
         listener = socket.create_server((host, port), family=family, backlog=BACKLOG)
         listener.setblocking(False)
         # small messages leave at once; connections inherit it

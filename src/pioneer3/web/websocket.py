@@ -1,4 +1,4 @@
-"""uvicorn's WebSocket with bounded buffers and a rate limit for what a page sends."""
+"""uvicorn's WebSocket with bounded buffers and a rate limit for its messages."""
 
 import asyncio
 import socket
@@ -15,7 +15,7 @@ UNSENT = 16_384
 CLOSE_TIME = 1.0
 """Time for the close frame of a page that took nothing [s]."""
 RATE = 60.0
-"""Frames that a page may send [1/s]; one that drives sends 15, and some more for what it shows."""
+"""Frames that a page may send [1/s]; one that drives sends 15, and some more for its display."""
 ENOUGH, TOO_MANY = 120, 240
 """Frames beyond that rate: above the first only stops are accepted, above the second none."""
 SLICE = 1024

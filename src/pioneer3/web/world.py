@@ -34,7 +34,7 @@ from pioneer3.web.messages import (
 
 Item = RobotItem | Obstacle
 MOST_GONE = 1000
-"""So many removed things are remembered; a client that missed more is told everything anew."""
+"""So many removed things are remembered; a client that missed more is sent everything anew."""
 MOST_CELLS = 4_000_000
 """Of a grid: a phone keeps four bytes for each."""
 SHADE = 85
@@ -128,7 +128,7 @@ def _placed(pose: Pose2) -> Placed:
 
 @dataclass(slots=True)
 class _Known:
-    """A thing as last told, with the versions of its description and of its place."""
+    """A thing as last sent, with the versions of its description and of its place."""
 
     thing: Box | Person | SimulatedRobot
     described: int

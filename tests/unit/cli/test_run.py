@@ -174,7 +174,7 @@ async def test_a_robot_that_begins_in_a_wall_is_pointed_out() -> None:
 @pytest.mark.realtime
 async def test_beyond_loopback_others_are_told_to_pair() -> None:
     lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 5)
-    assert lines[2].startswith("From strangers, once paired: http://")
+    assert lines[2].startswith("For other devices, after pairing: http://")
     assert "https://" in lines[2]
     assert "SHA-256 " in lines[3]
     assert "pioneer3 access" in lines[4]
@@ -196,7 +196,7 @@ async def test_who_wants_others_in_but_has_no_network_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(hosts, "lan_addresses", lambda host: [])
-    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No stranger")
+    lines = await told_by(Options(sim_port=0, web_port=0, host="0.0.0.0"), 1, "No other device")
     assert "this computer has no address in a network" in lines[-1]
 
 

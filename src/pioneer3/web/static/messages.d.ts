@@ -295,7 +295,7 @@ export interface Clock {
   time: number | null;
 }
 
-/** The client that this is sent to, the operators who have control, and all clients. */
+/** The receiving client, the operators who have control, and all clients. */
 export interface People {
   type: "people";
   id: number;
