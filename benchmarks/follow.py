@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from multiprocessing import Pool
 
 from benchmarks.table import Row
-from pioneer3.behaviors.follow import RULES
+from pioneer3.behaviors.modes.follow import RULES
 from tests.e2e.follow_course import make_course
 from tests.e2e.follow_walk import Outcome, Walk
 
@@ -22,7 +22,7 @@ KEPT = 95.0
 def rows(seeds: int = SEEDS, models: tuple[str, ...] = MODELS) -> Iterator[Row]:
     """Yield the figures of both rules; only `tracking` has bars to meet."""
     for model in models:
-        for rule in RULES:
+        for rule in RULES.names:
             yield from _rows(f"{model}, {rule}", _outcomes(model, rule, seeds), bound=rule != "lab")
 
 

@@ -44,7 +44,7 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
 
 
 def test_the_help_needs_neither_numpy_nor_a_web_server_nor_an_event_loop() -> None:
-    heavy = {"numpy", "serialx", "starlette", "uvicorn", "msgspec", "asyncio", "rich.markdown"}
+    heavy = {"numpy", "serialx", "starlette", "uvicorn", "asyncio", "rich.markdown"}
     assert loaded_after("import pioneer3.cli.main").isdisjoint(heavy)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.reference import message_types
+from docs.reference import message_types, mode_tables
 from docs.reference.protocol_tables import PAGES, filled
 from pioneer3.arcos import commands, reports
 
@@ -36,6 +36,12 @@ def texts() -> Iterator[tuple[str, str]]:
 def test_the_tables_are_up_to_date(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert text == filled(text), "run: uv run docs/reference/protocol_tables.py"
+
+
+@pytest.mark.parametrize("page", mode_tables.PAGES, ids=lambda page: page.name)
+def test_a_table_of_modes_is_up_to_date(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert text == mode_tables.filled(text), "run: uv run docs/reference/mode_tables.py"
 
 
 def test_every_command_is_on_the_page() -> None:

@@ -38,7 +38,7 @@ EVERYTHING = """
 import importlib, pkgutil
 import pioneer3
 
-OTHERS = ("pioneer3.ros.ros1", "pioneer3.demo.output", "pioneer3.demo.app", "pioneer3.__main__")
+OTHERS = ("pioneer3.ros.ros1", "pioneer3.demo.app", "pioneer3.demo.app", "pioneer3.__main__")
 
 for module in pkgutil.walk_packages(pioneer3.__path__, "pioneer3."):
     if not module.name.startswith(OTHERS):

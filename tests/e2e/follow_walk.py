@@ -6,7 +6,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from math import atan2, hypot, radians
 
-from pioneer3.behaviors.follow import Rule, follow
+from pioneer3.behaviors.modes.follow import Rule, follow
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot

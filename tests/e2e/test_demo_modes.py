@@ -1,7 +1,7 @@
 """Every mode and key of the demo with a simulated robot, in virtual time, without a screen."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from math import degrees, inf, pi
@@ -21,8 +21,10 @@ from pioneer3.arcos.commands import (
     Tcm2Mode,
 )
 from pioneer3.behaviors.action import Desire, Situation, Stack
-from pioneer3.demo.modes import ALL, Cockpit, Mode, Row
-from pioneer3.demo.program import Maker, Program
+from pioneer3.demo.columns import Row
+from pioneer3.demo.mode import Context, DemoMode, Description
+from pioneer3.demo.modes import MODES
+from pioneer3.demo.program import Program
 from pioneer3.errors import ConfigError, PortNotFoundError
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
@@ -34,7 +36,7 @@ from pioneer3.teleop.keyboard import PATIENCE
 from tests.support import SimulatedRobot, frame, until, wall_at
 
 EVERYTHING = Equipment(gripper=True, compass=True, gyro_type=1, camera="vcc4", camera_port=2)
-MODES = "tuwlbspcdofimag"
+LETTERS = "tuwlbspcdofimag"
 KEYS = [
     *("up", "down", "left", "right", "space", "pageup", "pagedown", "enter", "backspace", "tab"),
     *"0123456789!@#$%^-+.,ejnqrvxyzEJNQRVXYZhH?/",
@@ -96,6 +98,11 @@ class Demo:
         return "\n".join(self.face.said)
 
 
+def added(name: str, make: Callable[[Context, Description], DemoMode]) -> Description:
+    """Return one mode more, on `y`."""
+    return Description(key="y", name=name, hint="one more", make=make)
+
+
 @asynccontextmanager
 async def demo(
     line_map: LineMap | None = None,
@@ -104,7 +111,7 @@ async def demo(
     first: str = "t",
     patience: float = PATIENCE,
     acts: Acts | None = None,
-    makers: Sequence[Maker] = ALL,
+    modes: Sequence[Description] = MODES,
 ) -> AsyncIterator[Demo]:
     face = Listener()
     async with (
@@ -117,7 +124,7 @@ async def demo(
             first=first,
             patience=patience,
             acts=acts or Acts(nowhere),
-            makers=makers,
+            modes=modes,
         )
         serving = asyncio.ensure_future(program.run())
         await asyncio.sleep(0.5)
@@ -135,10 +142,10 @@ async def nowhere() -> Link:
 class TestTheRulesOfAllModes:
     async def test_the_keys_are_arias(self) -> None:
         async with demo() as the:
-            assert "".join(the.program.modes) == MODES
-            assert the.program.active.key == "t"
+            assert "".join(the.program.modes) == LETTERS
+            assert the.program.active.about.key == "t"
 
-    @pytest.mark.parametrize("key", MODES)
+    @pytest.mark.parametrize("key", LETTERS)
     async def test_every_mode_is_entered_with_both_cases_and_says_what_it_needs(
         self, key: str
     ) -> None:
@@ -146,7 +153,7 @@ class TestTheRulesOfAllModes:
             before = "b" if key != "b" else "s"
             for letter in (key, key.upper()):
                 await the.press(before, letter)
-                assert the.program.active.key == key
+                assert the.program.active.about.key == key
             await asyncio.sleep(3.5)  # whatever it asks for has come
             assert the.program.active.presence().reason
             assert "failed" not in the.words
@@ -193,13 +200,13 @@ class TestTheRulesOfAllModes:
             await the.serving
             await until(lambda: the.sim.speed == 0)
 
-    @pytest.mark.parametrize("key", MODES)
+    @pytest.mark.parametrize("key", LETTERS)
     async def test_every_key_is_pressed_in_every_mode_and_nothing_fails(self, key: str) -> None:
         async with demo(wall_at(3.0), equipment=EVERYTHING, first=key) as the:
             for pressed in KEYS:
                 await the.press(pressed)
             await asyncio.sleep(5)
-            assert the.program.active.key == key
+            assert the.program.active.about.key == key
             assert "failed, the robot" not in the.words
             await the.press("b" if key != "b" else "s")
             await until(lambda: the.sim.speed == 0)
@@ -207,7 +214,7 @@ class TestTheRulesOfAllModes:
     async def test_a_key_that_means_nothing_does_nothing(self) -> None:
         async with demo() as the:
             await the.press("q", "ö", "f12", "tab", "")
-            assert the.program.active.key == "t"
+            assert the.program.active.about.key == "t"
             assert the.face.said == []
 
     @pytest.mark.parametrize("key", ["k", "K"])
@@ -451,7 +458,7 @@ class TestDevices:
             assert "CONFIG says HasGripper 0" in the.words
             assert the.program.row() is None
             await the.press("up")
-            assert the.program.active.key == "g"
+            assert the.program.active.about.key == "g"
 
     async def test_the_camera_is_chosen_and_aimed(self) -> None:
         async with demo(first="c", equipment=EVERYTHING) as the:
@@ -700,13 +707,13 @@ class TestTrouble:
             assert the.sim.speed == 0
 
     async def test_a_mode_that_fails_stops_the_robot_and_the_demo_goes_on(self) -> None:
-        def broken(cockpit: Cockpit) -> Mode:
+        def broken(context: Context, about: Description) -> DemoMode:
             def fail(key: str) -> bool:
                 raise ZeroDivisionError("by hand")
 
-            return Mode(key="y", name="broken", on_key=fail)
+            return DemoMode(about, on_key=fail)
 
-        async with demo(first="w", makers=(*ALL, broken)) as the:
+        async with demo(first="w", modes=(*MODES, added("broken", broken))) as the:
             await until(lambda: the.sim.speed > 0.2)
             await the.press("y")
             await the.press("up")
@@ -718,20 +725,20 @@ class TestTrouble:
         def fail() -> Presence:
             raise ZeroDivisionError("in the presence")
 
-        def broken(cockpit: Cockpit) -> Mode:
-            return Mode(key="y", name="broken", presence=fail)
+        def broken(context: Context, about: Description) -> DemoMode:
+            return DemoMode(about, presence=fail)
 
-        async with demo(makers=(*ALL, broken)) as the:
+        async with demo(modes=(*MODES, added("broken", broken))) as the:
             assert "in the presence" in the.program.modes["y"].presence().reason
 
     async def test_columns_that_fail_are_told_once(self) -> None:
         def fail() -> Row:
             raise ZeroDivisionError("in the columns")
 
-        def broken(cockpit: Cockpit) -> Mode:
-            return Mode(key="y", name="broken", row=fail)
+        def broken(context: Context, about: Description) -> DemoMode:
+            return DemoMode(about, row=fail)
 
-        async with demo(makers=(*ALL, broken)) as the:
+        async with demo(modes=(*MODES, added("broken", broken))) as the:
             await the.press("y")
             for _ in range(10):
                 assert the.program.row() is None
@@ -746,14 +753,14 @@ class TestTrouble:
                     raise ZeroDivisionError("in an action")
                 return Desire(v=0.5)
 
-        def user(cockpit: Cockpit) -> Mode:
+        def user(context: Context, about: Description) -> DemoMode:
             def on_key(key: str) -> bool:
-                cockpit.start(Stack.alone(Bad(), 20))
+                context.start(Stack.alone(Bad(), 20))
                 return True
 
-            return Mode(key="y", name="user", on_key=on_key)
+            return DemoMode(about, on_key=on_key)
 
-        async with demo(makers=(*ALL, user)) as the:
+        async with demo(modes=(*MODES, added("user", user))) as the:
             await the.press("y", "up")
             await until(lambda: "bad idea" in the.words)
             await until(lambda: the.sim.speed == 0)

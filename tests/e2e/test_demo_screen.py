@@ -18,7 +18,7 @@ from tests.support import SimulatedRobot, wall_at
 pytestmark = pytest.mark.realtime
 
 EVERYTHING = Equipment(gripper=True, compass=True, gyro_type=1, camera="vcc4", camera_port=2)
-MODES = "tuwlbspcdofimag"
+LETTERS = "tuwlbspcdofimag"
 KEYS = ("up", "down", "left", "right", "space", "pageup", "pagedown", "enter", "backspace", "tab")
 """Keys with names; the others are pressed in `test_demo_modes.py`."""
 
@@ -86,22 +86,22 @@ async def test_what_matters_is_on_the_screen_at_any_size(columns: int, rows: int
         assert "EMERGENCY STOP" in last
         assert "Ctrl-R: release it" in last
         assert "Esc: quit" in last
-        for key in MODES:
+        for key in LETTERS:
             assert any(line.startswith(f" {key} ") for line in the.lines)
         assert "  transVel    rotVel         x         y        th     volts" in the.text
         assert any("\u2801" <= letter <= "\u28ff" for letter in the.text)  # dots of the ring
         assert "Nothing is asked" in the.text or "It stands because" in the.text
 
 
-@pytest.mark.parametrize("key", MODES)
+@pytest.mark.parametrize("key", LETTERS)
 async def test_every_mode_is_entered_and_every_key_pressed_at_80_x_24(key: str) -> None:
     async with screen(equipment=EVERYTHING) as the:
         await the.press("b" if key != "b" else "s", key)
-        assert the.program.active.key == key
-        await the.sees(the.program.active.name.upper())
+        assert the.program.active.about.key == key
+        await the.sees(the.program.active.about.name.upper())
         await the.press(*KEYS)
         await the.pilot.pause(0.3)
-        assert the.program.active.key == key
+        assert the.program.active.about.key == key
         assert len(the.lines) == 24
         assert "failed" not in the.text
         await the.press("space")
@@ -143,7 +143,7 @@ async def test_a_lost_robot_is_shown_and_its_return_too() -> None:
         await the.sim.unplug()
         await the.sees("NO READINGS")
         await the.sees("LOST")
-        await the.press(*MODES, "up", "w")
+        await the.press(*LETTERS, "up", "w")
         the.sim.plugged = True
         await the.sees("connected 10/s")
         assert the.sim.speed == 0

@@ -5,7 +5,7 @@ from math import radians
 
 import pytest
 
-from pioneer3.behaviors.follow import RULES, Rule, follow
+from pioneer3.behaviors.modes.follow import RULES, Rule, follow
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.kernels.drives import TOUCHED
@@ -41,7 +41,7 @@ def test_the_same_seed_gives_the_same_walk() -> None:
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.3])
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", RULES.names)
 @pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
 async def test_nobody_is_touched_however_slow_the_link(
     model: str, rule: Rule, latency: float

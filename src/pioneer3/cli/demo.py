@@ -6,8 +6,6 @@ from typing import TextIO
 from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Speed
 
-KEYS = "tuwlbspcdofimag"
-
 
 def demo(
     *,
@@ -49,12 +47,14 @@ async def _demo(
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
     from pioneer3.cli.output import busy_sign  # noqa: PLC0415
+    from pioneer3.demo.modes import MODES  # noqa: PLC0415
     from pioneer3.demo.start import start_plain, start_screen  # noqa: PLC0415
     from pioneer3.errors import ConfigError  # noqa: PLC0415
     from pioneer3.robot.devices import Acts  # noqa: PLC0415
 
-    if len(mode) != 1 or mode.lower() not in KEYS:
-        raise ConfigError(f"--mode {mode}: it must be one of {' '.join(KEYS)}")
+    keys = [one.key for one in MODES]
+    if mode.lower() not in keys:
+        raise ConfigError(f"--mode {mode}: it must be one of {' '.join(keys)}")
     if not plain and not (_is_terminal(sys.stdin) and _is_terminal(sys.stdout)):
         raise ConfigError("the demo's screen needs a terminal; --plain does without one")
     async with AsyncExitStack() as stack:

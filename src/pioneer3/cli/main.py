@@ -16,7 +16,7 @@ from pioneer3.cli.find_port import find_port
 from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
-from pioneer3.cli.motion import follow, goto, move, turn, wander
+from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.run import run
@@ -63,7 +63,7 @@ app.register_install_completion_command(help="Let the Tab key complete commands 
 GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim),
     "Drive with your hands": (drive, demo),
-    "Let the robot drive": (wander, follow, goto, move, turn),
+    "Let the robot drive": (*MODE_COMMANDS, move, turn),
     "Look at the robot": (info, monitor, sonar),
     "When something is wrong": (doctor, find_port),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),

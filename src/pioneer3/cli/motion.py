@@ -1,29 +1,36 @@
-"""`pioneer3 move`, `turn`, `goto`, `wander` and `follow`: the robot drives by itself."""
+"""`pioneer3 move` and `turn`, and a command for each mode: the robot drives by itself."""
 
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine, Sequence
+from inspect import Parameter as Argument
+from inspect import Signature
 from math import radians
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from pioneer3.behaviors.modes import MODES, Mode
+from pioneer3.behaviors.modes.mode import Parameter as ModeParameter
 from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import (
     LINK,
     MOTION,
     Angle,
-    Distance,
     Length,
     LinkOptions,
     MotionOptions,
     Speed,
     TurnRate,
+    reads,
 )
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
 
-
 TURN_RATE = radians(45)
+MOVES = "The robot MOVES: stand by its stop button. Space stops it, k is the emergency stop."
+WIDTH = 78
+"""Of paragraphs of a help [characters]."""
 
 
 def move(
@@ -90,101 +97,88 @@ def turn(
     )
 
 
-def goto(
-    x: Length,
-    y: Length,
-    heading: Angle | None = None,
-    /,
-    *,
-    link: LinkOptions = LINK,
-    speed: Speed = 0.4,
-    max_speed: Speed | None = None,
-    motion: MotionOptions = MOTION,
-) -> int:
-    """Drive to a place and stop; slow down and turn aside for what is in the way.
+def mode_command(mode: type[Mode]) -> Callable[..., int]:
+    """Return the function of the command that runs `mode`."""
 
-    The place counts from where the robot is and looks when the connection opens.
-    It is found by the wheels, which drift. The robot MOVES: stand by its stop
-    button. Space stops it, k is the emergency stop.
+    def run(
+        *given: float,
+        link: LinkOptions = LINK,
+        max_speed: float | None = None,
+        motion: MotionOptions = MOTION,
+        **named: Any,
+    ) -> int:
+        values = {**dict(zip(mode.arguments, given, strict=False)), **named}
 
-    Example: pioneer3 goto 2 -0.5 90
+        def going(robot: "Robot") -> Coroutine[Any, Any, None]:
+            stack = mode(**values).stack(robot.info.limits)
+            if mode.finishes:
+                return motion.bounded(robot.run(stack))
+            return robot.run(stack, motion.length)
 
-    Args:
-        x: Ahead of where it starts.
-        y: To the left of where it starts.
-        heading: To look in the end, as against the start; without it, as it arrives.
-        link: The robot.
-        speed: At most.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
-    """
+        speed = values.get("speed")
+        return carry_out(going, mode.doing, link, motion, speed=speed, max_speed=max_speed)
 
-    def going(robot: "Robot") -> Coroutine[Any, Any, None]:
-        return motion.bounded(robot.goto(x, y, heading, speed=speed))
-
-    return carry_out(going, "goes there", link, motion, speed=speed, max_speed=max_speed)
-
-
-def wander(
-    *,
-    link: LinkOptions = LINK,
-    preset: Literal["lab", "aria", "explore"] = "lab",
-    speed: Speed | None = None,
-    max_speed: Speed | None = None,
-    motion: MotionOptions = MOTION,
-) -> int:
-    """Drive about and keep clear of what is in the way.
-
-    The robot MOVES: stand by its stop button. Space stops it, k is the emergency
-    stop.
-
-    Example: pioneer3 wander --port /dev/ttyUSB0 --speed 0.2 --seconds 60
-
-    Args:
-        link: The robot.
-        preset: lab: slow, as its robotWander; aria: as ARIA's; explore: seeks new ground.
-        speed: Where nothing is near; 0.15 of lab, 0.4 of aria, 0.3 of explore.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
-    """
-    from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
-
-    mode = wandering(preset=preset, speed=speed)
-    return carry_out(
-        lambda robot: robot.run(mode, motion.length),
-        "wanders",
-        link,
-        motion,
-        speed=speed,
-        max_speed=max_speed,
-    )
+    text = fill(f"{mode.advice()} {MOVES}".strip(), WIDTH)
+    example = f"Example: pioneer3 {mode.name()} {mode.example}"
+    run.__doc__ = f"{mode.summary()}\n\n{text}\n\n{example}"
+    top = Annotated[Speed | None, Parameter(help="Keep below this in any case.")]
+    common = [
+        keyword("link", LinkOptions, LINK),
+        *mode_options(mode),
+        keyword("max_speed", top, None),
+        keyword("motion", MotionOptions, MOTION),
+    ]
+    return with_signature(run, mode.name(), [*_positional(mode), *common])
 
 
-def follow(
-    *,
-    link: LinkOptions = LINK,
-    rule: Literal["tracking", "lab"] = "tracking",
-    keep: Distance | None = None,
-    max_speed: Speed | None = None,
-    motion: MotionOptions = MOTION,
-) -> int:
-    """Follow the person in front with the front sonars.
+def mode_options(mode: type[Mode]) -> list[Argument]:
+    """Return the options of a command that runs `mode`."""
+    return [
+        keyword(one.name, _annotation(one), Argument.empty if one.required else one.default)
+        for one in mode.parameters()
+        if one.name not in mode.arguments
+    ]
 
-    The robot MOVES, and backs up from who comes nearer. Stand 0.6 m in front of it,
-    then walk, not faster than 0.4 m/s. Space stops it, k is the emergency stop.
 
-    Example: pioneer3 follow --port /dev/ttyUSB0
+def keyword(name: str, annotation: Any, default: object) -> Argument:
+    """Return an option of a command."""
+    return Argument(name, Argument.KEYWORD_ONLY, default=default, annotation=annotation)
 
-    Args:
-        link: The robot.
-        rule: tracking: remembers who it follows; lab: goes to the nearest echo, as the lab's node.
-        keep: Distance to keep; 0.3 unless given.
-        max_speed: Keep below this in any case.
-        motion: Bounds.
-    """
-    from pioneer3.behaviors.follow import follow as following  # noqa: PLC0415
 
-    mode = following(rule, keep=keep)
-    return carry_out(
-        lambda robot: robot.run(mode, motion.length), "follows", link, motion, max_speed=max_speed
-    )
+def with_signature(
+    run: Callable[..., int], name: str, arguments: Sequence[Argument]
+) -> Callable[..., int]:
+    """Return `run` as a function with a name and arguments of its own."""
+    run.__name__ = name
+    run.__annotations__ = {one.name: one.annotation for one in arguments} | {"return": int}
+    run.__signature__ = Signature(arguments)  # type: ignore[attr-defined]
+    return run
+
+
+def _positional(mode: type[Mode]) -> list[Argument]:
+    known = {one.name: one for one in mode.parameters()}
+    return [
+        Argument(
+            name,
+            Argument.POSITIONAL_ONLY,
+            default=Argument.empty if known[name].required else known[name].default,
+            annotation=_annotation(known[name]),
+        )
+        for name in mode.arguments
+    ]
+
+
+def _annotation(parameter: ModeParameter) -> Any:
+    """Return how the command line reads a parameter of a mode."""
+    if parameter.quantity is None:
+        hints = "; ".join(f"{choice.name}: {choice.hint}" for choice in parameter.choices)
+        words = Literal[tuple(choice.name for choice in parameter.choices)]  # type: ignore[valid-type]
+        return Annotated[words, Parameter(help=f"{parameter.help} {hints}.".strip())]
+    read = reads(parameter.quantity, check=parameter.check)
+    optional = not parameter.required and parameter.default is None
+    kind: Any = float | None if optional else float
+    return Annotated[kind, read, Parameter(help=parameter.help)]
+
+
+MODE_COMMANDS = tuple(mode_command(mode) for mode in MODES if mode.name() != turn.__name__)
+"""`turn` is a motion here, as `move` is: it fails where it gets stuck."""

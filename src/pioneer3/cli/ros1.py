@@ -1,5 +1,6 @@
 """`pioneer3 ros1`."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -8,13 +9,12 @@ from cyclopts import App, Parameter
 from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import PORT, Baud
 from pioneer3.cli.ros1_demos import (
+    MODE_DEMOS,
     android_teleop,
-    follow,
     p3_sonar,
     rob_key,
     rob_key_multi,
     robots,
-    wander,
 )
 
 ros1_app = App(
@@ -30,7 +30,15 @@ ros1_app = App(
     """,
     help_format="plaintext",
 )
-for command in (robots, rob_key, rob_key_multi, p3_sonar, follow, wander, android_teleop):
+DEMOS: tuple[Callable[..., int], ...] = (
+    robots,
+    rob_key,
+    rob_key_multi,
+    p3_sonar,
+    *MODE_DEMOS,
+    android_teleop,
+)
+for command in DEMOS:
     ros1_app.command(command, name=command.__name__)
 
 

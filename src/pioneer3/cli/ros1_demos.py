@@ -1,12 +1,16 @@
 """`pioneer3 ros1 wander` and its like: the demos on topics, from any computer."""
 
+from collections.abc import Callable
+from inspect import Parameter as Argument
 from math import inf
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from pioneer3.behaviors.modes import MODES, Mode
 from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import Distance, Flag, Patience, Seconds, Speed, TurnRate
+from pioneer3.cli.motion import keyword, mode_options, with_signature
+from pioneer3.cli.options import Flag, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
 
 if TYPE_CHECKING:
@@ -151,52 +155,35 @@ def p3_sonar(
     return drive_robot("p3_sonar", arguments, which, show)
 
 
-def follow(
-    *arguments: Arguments,
-    which: Which = ANY,
-    rule: Literal["tracking", "lab"] = "tracking",
-    keep: Distance | None = None,
-    seconds: Seconds | None = None,
-    json: Flag = False,
-) -> int:
-    """Let a robot follow the person in front; see pioneer3 follow. Ctrl-C stops it.
+def mode_demo(mode: type[Mode]) -> Callable[..., int]:
+    """Return the function of the command that runs `mode` on topics."""
 
-    Args:
-        arguments: ROS's own, such as __name:=mine.
-        which: The robot.
-        rule: tracking: remembers who it follows; lab: goes to the nearest echo.
-        keep: Distance to keep; 0.3 unless given.
-        seconds: Stop after this time.
-        json: One JSON object for each reading, a line each.
-    """
-    from pioneer3.behaviors.follow import follow as following  # noqa: PLC0415
+    def run(
+        *arguments: str,
+        which: Which = ANY,
+        seconds: float | None = None,
+        json: bool = False,
+        **values: Any,
+    ) -> int:
+        speed = values.get("speed")
+        return run_mode(arguments, which, mode(**values), seconds=seconds, json=json, speed=speed)
 
-    mode = following(rule, keep=keep)
-    return run_mode("follow", arguments, which, mode, seconds=seconds, json=json)
+    run.__doc__ = f"{mode.summary()}\n\nSee pioneer3 {mode.name()} --help. Ctrl-C stops it."
+    ros = Annotated[Arguments, Parameter(help="ROS's own, such as __name:=mine.")]
+    length = Annotated[Seconds | None, Parameter(help="Stop after this time.")]
+    lines = Annotated[Flag, Parameter(help="One JSON object for each reading, a line each.")]
+    common = [
+        Argument("arguments", Argument.VAR_POSITIONAL, annotation=ros),
+        keyword("which", Which, ANY),
+        *mode_options(mode),
+        keyword("seconds", length, None),
+        keyword("json", lines, default=False),
+    ]
+    return with_signature(run, mode.name(), common)
 
 
-def wander(
-    *arguments: Arguments,
-    which: Which = ANY,
-    preset: Literal["lab", "aria", "explore"] = "lab",
-    speed: Speed | None = None,
-    seconds: Seconds | None = None,
-    json: Flag = False,
-) -> int:
-    """Let a robot drive about and keep clear of what is in the way; Ctrl-C stops it.
-
-    Args:
-        arguments: ROS's own, such as __name:=mine.
-        which: The robot.
-        preset: lab: slow, as its robotWander; aria: as ARIA's; explore: seeks new ground.
-        speed: Where nothing is near; 0.15 of lab, 0.4 of aria, 0.3 of explore.
-        seconds: Stop after this time.
-        json: One JSON object for each reading, a line each.
-    """
-    from pioneer3.behaviors.modes import wander as wandering  # noqa: PLC0415
-
-    mode = wandering(preset=preset, speed=speed)
-    return run_mode("wander", arguments, which, mode, seconds=seconds, json=json, speed=speed)
+MODE_DEMOS = tuple(mode_demo(mode) for mode in MODES if not mode.arguments)
+"""A place counts from odometry's origin, which people do not know of a robot on topics."""
 
 
 def android_teleop(

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from pioneer3.cli.loop import run_until_told_to_leave
 
 if TYPE_CHECKING:
-    from pioneer3.behaviors.action import Stack
+    from pioneer3.behaviors.modes import Mode
     from pioneer3.ros.client.robot import TopicRobot
 
 Arguments = Annotated[str, Parameter(show=False)]
@@ -34,28 +34,28 @@ ANY = Which()
 
 
 def run_mode(
-    name: str,
     arguments: tuple[str, ...],
     which: Which,
-    mode: "Stack",
+    mode: "Mode",
     *,
     seconds: float | None,
     json: bool,
     speed: float | None = None,
 ) -> int:
-    """Let `mode` drive the robot for `seconds`, as the node `name`; `speed` was asked for."""
+    """Let `mode` drive the robot for `seconds`, as the node of its name; `speed` was asked for."""
 
     async def drive(driven: "TopicRobot") -> None:
         from pioneer3.cli.live import show_while, tell_cuts  # noqa: PLC0415
 
-        tell_cuts(driven.info.limits, speed, None)
+        limits = driven.info.limits
+        tell_cuts(limits, speed, None)
         length = inf if seconds is None else seconds
-        await show_while(driven, driven.run(mode, length), json=json)
+        await show_while(driven, driven.run(mode.stack(limits), length), json=json)
 
     from pioneer3.cli.live import how_to_stop  # noqa: PLC0415
 
-    words = None if json else f"{mode.hint}; {how_to_stop()}"
-    return drive_robot(name, arguments, which, drive, words=words)
+    words = None if json else f"{mode.doing}; {how_to_stop()}"
+    return drive_robot(mode.name(), arguments, which, drive, words=words)
 
 
 def drive_robot(

@@ -1,8 +1,10 @@
 """The demo as a full screen of a terminal, for 80 x 24 characters and more."""
 
 import asyncio
+import sys
 from collections import deque
 from collections.abc import Callable
+from queue import Full
 from typing import ClassVar
 
 from rich.console import RenderableType
@@ -14,12 +16,50 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.widgets import Static
 
 from pioneer3.demo import view
-from pioneer3.demo.drawing import reach_for, ring
-from pioneer3.demo.modes.laser import points_in_robot
-from pioneer3.demo.output import PatientDriver
-from pioneer3.demo.panel import panel
+from pioneer3.demo.drawing import Trail, reach_for, ring
+from pioneer3.demo.modes.sensors import points_in_robot
 from pioneer3.demo.program import Program
-from pioneer3.demo.trail import Trail
+from pioneer3.demo.view import panel
+
+if sys.platform == "win32":
+    from textual.drivers.windows_driver import WindowsDriver as TerminalDriver
+else:
+    from textual.drivers.linux_driver import LinuxDriver as TerminalDriver
+
+PATIENCE = 1.0
+"""For the last words to a terminal [s]."""
+
+
+class PatientDriver(TerminalDriver):
+    """Textual's, except that it never waits for the terminal.
+
+    Attributes:
+        missed: Whether something was not written, so that the screen must be drawn anew.
+    """
+
+    missed = False
+
+    def write(self, data: str) -> None:
+        """Write `data` when the terminal takes it; if too much waits already, never."""
+        writer = self._writer_thread
+        if writer is None or not writer.is_alive():
+            return
+        try:
+            writer._queue.put_nowait(data)
+        except Full:
+            self.missed = True
+
+    def close(self) -> None:
+        """Wait for what is still to be written, but not for ever."""
+        writer = self._writer_thread
+        if writer is None or not writer.is_alive():
+            return
+        try:
+            writer._queue.put(None, timeout=PATIENCE)
+        except Full:
+            return
+        writer.join(PATIENCE)
+
 
 REFRESH = 0.1
 BELOW = ("row", "flags", "why", "said", "foot")
@@ -195,7 +235,7 @@ class DemoApp(App[None]):
         pose, ranges = snapshot.odometry.robot_in_odom, snapshot.sonar.ranges
         self._trail.add(pose)
         self._reach = reach_for(ranges, self._reach)
-        scan = program.robot.devices.laser.latest if program.active.key == "l" else None
+        scan = program.robot.devices.laser.latest if program.active.about.key == "l" else None
         drawn = ring(
             program.robot.info.model,
             ranges,

@@ -5,8 +5,7 @@ import os
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing
 
-from pioneer3.demo.keys import named
-from pioneer3.demo.program import Program
+from pioneer3.demo.program import Program, named
 from pioneer3.teleop.terminal import TOKEN, tokens
 
 EVERY = 1.0

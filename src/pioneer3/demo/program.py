@@ -1,14 +1,16 @@
-"""The demo without a face: modes, keys, and everything that must stop the robot."""
+"""The demo without a screen: modes, keys, and everything that must stop the robot."""
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from pioneer3.demo.keys import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY
-from pioneer3.demo.modes import ALL, Cockpit, Gauge, Mode, Row
+from pioneer3.demo.columns import Row
+from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
+from pioneer3.demo.modes import MODES
 from pioneer3.errors import PioneerError
 from pioneer3.robot.devices import Acts, Presence
 from pioneer3.robot.pilot import STOPPED
@@ -16,14 +18,49 @@ from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.keyboard import PATIENCE, patient
 
+HELP_KEYS = frozenset("hH?/")
+EMERGENCY_KEYS = frozenset("kK")
+"""ARIA uses neither."""
+STOP_KEY = "space"
+RESET_KEY = "ctrl+r"
+QUIT_KEYS = frozenset({"escape", "ctrl+c", "ctrl+d", "ctrl+q"})
+
+ESCAPE = "\x1b"
+NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        **{
+            f"{ESCAPE}{form}{letter}": name
+            for form in "[O"
+            for letter, name in zip("ABCD", ("up", "down", "right", "left"), strict=True)
+        },
+        f"{ESCAPE}[5~": "pageup",
+        f"{ESCAPE}[6~": "pagedown",
+        ESCAPE: "escape",
+        " ": "space",
+        "\r": "enter",
+        "\n": "enter",
+        "\x7f": "backspace",
+        "\x08": "backspace",
+        "\x03": "ctrl+c",
+        "\x04": "ctrl+d",
+        "\x12": RESET_KEY,
+    }
+)
+"""By what a terminal sends."""
+
+
+def named(token: str) -> str:
+    """Return the name of the key that sent `token`, or the character that it is."""
+    return NAMES.get(token, token)
+
+
 log = logging.getLogger(__name__)
 
 TICK = 0.1
-Maker = Callable[[Cockpit], Mode]
 T = TypeVar("T")
 
 
-class Face(Protocol):
+class Display(Protocol):
     """What shows the demo to people."""
 
     def show_help(self) -> None:
@@ -45,7 +82,7 @@ class Program:
         first: Key of the mode to begin with.
         patience: How long a speed set by hand lasts without a key [s]; see :func:`patient`.
         acts: The colour tracker.
-        makers: Of the modes, in the order in which they are listed.
+        modes: In the order in which they are listed.
 
     Attributes:
         active: The mode that the keys are for.
@@ -55,18 +92,18 @@ class Program:
     def __init__(
         self,
         robot: Robot,
-        face: Face,
+        face: Display,
         *,
         first: str = "t",
         patience: float = PATIENCE,
         acts: Acts | None = None,
-        makers: Iterable[Maker] = ALL,
+        modes: Iterable[Description] = MODES,
     ) -> None:
         self.robot = robot
         self.over = asyncio.Event()
-        self.cockpit = Cockpit(robot, face.say, self._work, acts or Acts())
-        made = (_careful(make(self.cockpit)) for make in makers)
-        self.modes = {mode.key: mode for mode in made}
+        self.context = Context(robot, face.say, self._work, acts or Acts())
+        made = (_careful(mode.make(self.context, mode)) for mode in modes)
+        self.modes = {mode.about.key: mode for mode in made}
         self.active = self.modes[first]
         self._face = face
         self._patience = patient(patience)
@@ -115,12 +152,12 @@ class Program:
         else:
             if key == STOP_KEY and self._moves():
                 self.robot.arbiter.stop()  # in every mode, whatever else the key means there
-            self._guard(self.active.name, lambda: self.active.on_key(key))
+            self._guard(self.active.about.name, lambda: self.active.on_key(key))
 
-    def choose(self, mode: Mode) -> None:
+    def choose(self, mode: DemoMode) -> None:
         """Make `mode` the active one; the robot stops. Choosing the active one is up to it."""
         if mode is self.active:
-            self._guard(mode.name, mode.again)
+            self._guard(mode.about.name, mode.again)
             return
         self._leave()
         self.robot.arbiter.stop()
@@ -129,20 +166,21 @@ class Program:
 
     def let_go(self, why: str) -> None:
         """End what was set by hand: nobody is near any more."""
-        if self.active.by_hand and self._moves():
+        if self.active.about.by_hand and self._moves():
             self.robot.arbiter.stop()
             self._face.say(f"Stopped: {why}.")
 
     def help(self) -> list[str]:
         """Return which keys there are, a line each (facts.md 8.1)."""
+        listed = [mode.about for mode in self.modes.values()]
         return [
             "quit: escape",
             "help: 'h', 'H', '?' or '/'",
             "emergency stop: 'k' or 'K'; release it: Ctrl-R",
             "stop: space",
-            *(f"{m.name} mode: '{m.key}' or '{m.key.upper()}'" for m in self.modes.values()),
-            f"current mode: {self.active.name}",
-            *self.active.help,
+            *(f"{one.name} mode: '{one.key}' or '{one.key.upper()}'" for one in listed),
+            f"current mode: {self.active.about.name}",
+            *self.active.about.help,
         ]
 
     def row(self) -> Row | None:
@@ -159,18 +197,18 @@ class Program:
         """Return the longer texts of the active mode."""
         return self._shown(self.active.details, ())
 
-    def _enter(self, mode: Mode) -> None:
-        self._broken.discard(mode.key)
+    def _enter(self, mode: DemoMode) -> None:
+        self._broken.discard(mode.about.key)
         self._face.show_mode()
         if mode.presence().there is False:
-            self._face.say(f"{mode.name}: {mode.presence()}")
+            self._face.say(f"{mode.about.name}: {mode.presence()}")
         else:
-            self._guard(mode.name, lambda: self._held.enter_context(mode.enter()))
+            self._guard(mode.about.name, lambda: self._held.enter_context(mode.enter()))
 
     def _leave(self) -> None:
         for task in self._tasks:
             task.cancel()
-        self._guard(self.active.name, self._held.close)
+        self._guard(self.active.about.name, self._held.close)
 
     def _guard(self, what: str, act: Callable[[], object]) -> None:
         """Do it; a failure stops the robot and is told, and the demo goes on."""
@@ -190,18 +228,18 @@ class Program:
     def _shown(self, part: Callable[[], T], otherwise: T) -> T:
         """Return a part of the active mode to show, or `otherwise` if that fails."""
         mode = self.active
-        if mode.key in self._broken:
+        if mode.about.key in self._broken:
             return otherwise
         try:
             return part()
         except Exception as error:
-            self._broken.add(mode.key)  # it would be told ten times a second
-            self._failed(mode.name, error)
+            self._broken.add(mode.about.key)  # it would be told ten times a second
+            self._failed(mode.about.name, error)
             return otherwise
 
     def _work(self, coroutine: Coroutine[Any, Any, object]) -> Callable[[], None]:
         """Run it until the mode is left; return what ends it before."""
-        name = self.active.name
+        name = self.active.about.name
         task = asyncio.ensure_future(coroutine)
         self._tasks.add(task)
 
@@ -239,13 +277,13 @@ class Program:
         return snapshot.motors.moving or not pilot.asked(self._clock()).is_zero
 
 
-def _careful(mode: Mode) -> Mode:
+def _careful(mode: DemoMode) -> DemoMode:
     """Return `mode` with a presence that cannot fail: all of them are asked all the time."""
 
     def presence() -> Presence:
         try:
             return mode.presence()
         except Exception as error:
-            return Presence(None, f"{mode.name} cannot tell: {type(error).__name__}: {error}")
+            return Presence(None, f"{mode.about.name} cannot tell: {type(error).__name__}: {error}")
 
     return replace(mode, presence=presence)

@@ -24,6 +24,7 @@ from typing import Generic, Protocol, TypeVar
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.modes import Goto, Mode
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.pilot import STANDING, STOPPED
 from pioneer3.runtime.arbiter import Arbiter
@@ -31,7 +32,6 @@ from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, WEB
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.placement.straight_path import PathCheck, check_path
 from pioneer3.web import requests
-from pioneer3.web.modes import Goto, Mode, make
 from pioneer3.web.requests import Input
 from pioneer3.web.scene import Scene
 
@@ -219,7 +219,7 @@ class Control:
         if self._robot.snapshot is None:
             return "the robot is not connected"
         return self.start(
-            operator, make(mode, self._robot.info.limits), mode.seconds, patience=patience
+            operator, mode.stack(self._robot.info.limits), mode.seconds, patience=patience
         )
 
     def start(

@@ -1,77 +1,80 @@
-"""The modes that pages and scripts ask for, and the stacks they are."""
-
-from typing import Annotated, Literal
+"""The forms of modes, as data for the page: made from the modes' descriptions."""
 
 import msgspec
-from msgspec import Meta
 
-from pioneer3.behaviors import modes
-from pioneer3.behaviors.action import MODE, Stack
-from pioneer3.behaviors.actions import Turn as TurnAction
-from pioneer3.behaviors.follow import follow
-from pioneer3.limits import Limits
-
-Coordinate = Annotated[float, Meta(ge=-1e4, le=1e4)]
-Angle = Annotated[float, Meta(ge=-100.0, le=100.0)]
-Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
-Distance = Annotated[float, Meta(ge=0.1, le=3.0)]
-Seconds = Annotated[float, Meta(gt=0.0, le=3600.0)]
+from pioneer3.behaviors.modes import MODES
+from pioneer3.behaviors.modes.mode import Mode, Parameter
 
 
-class _Wish(msgspec.Struct, forbid_unknown_fields=True, tag_field="mode"):
-    """A mode, told apart by `mode`."""
+class FormChoice(msgspec.Struct):
+    """A word to choose."""
+
+    name: str
+    title: str
+    hint: str
 
 
-class Wander(_Wish, tag="wander"):
-    """Drive about and keep clear of what is in the way, for some seconds at most."""
+class FormField(msgspec.Struct, kw_only=True):
+    """A parameter: a number in `unit`, `scale` of which are one in SI, or one of the choices."""
 
-    preset: Literal["lab", "aria", "explore"] = "lab"
-    speed: Speed | None = None
-    seconds: Seconds = 60.0
-
-
-class Follow(_Wish, tag="follow"):
-    """Follow the person in front at a distance [m], as the rule's own if null."""
-
-    rule: Literal["tracking", "lab"] = "tracking"
-    keep: Distance | None = None
-    seconds: Seconds = 60.0
-
-
-class Goto(_Wish, tag="goto"):
-    """Drive to a point of odometry's frame [m], and turn to a heading if that is given [rad]."""
-
-    x: Coordinate
-    y: Coordinate
-    heading: Angle | None = None
-    speed: Speed = 0.3
-    seconds: Seconds = 60.0
+    name: str
+    title: str
+    help: str
+    required: bool
+    default: float | str | None
+    unit: str
+    scale: float
+    low: float | None
+    high: float | None
+    choices: list[FormChoice]
 
 
-class Turn(_Wish, tag="turn"):
-    """Turn on the spot by an angle [rad], at a rate of so much at most [rad/s]."""
+class ModeForm(msgspec.Struct, kw_only=True):
+    """A mode; `goes_to_place` where x, y and heading are a place, which pages give in their map."""
 
-    angle: Angle
-    rate: Speed = 0.5
-    seconds: Seconds = 60.0
+    name: str
+    title: str
+    summary: str
+    advice: str
+    start: str
+    goes_to_place: bool
+    fields: list[FormField]
 
 
-Mode = Wander | Follow | Goto | Turn
+def forms() -> list[ModeForm]:
+    """Return the forms of all modes, in their order."""
+    return [_form(mode) for mode in MODES]
 
 
-def make(wish: Mode, limits: Limits) -> Stack:
-    """Return a fresh stack that does what `wish` says, no faster than the robot may."""
-    match wish:
-        case Wander(preset, speed):
-            return modes.wander(preset=preset, speed=speed and min(speed, limits.max_speed))
-        case Follow(rule, keep):
-            return follow(rule, keep=keep)
-        case Goto(x, y, heading, speed):
-            return modes.goto(x, y, heading, speed=min(speed, limits.max_speed))
-        case Turn(angle, rate):
-            turn = TurnAction(
-                angle=angle,
-                rate=min(rate, limits.max_turn_rate),
-                deceleration=limits.turn_deceleration,
-            )
-            return Stack.alone(turn, MODE)
+def _form(mode: type[Mode]) -> ModeForm:
+    return ModeForm(
+        name=mode.name(),
+        title=mode.title,
+        summary=mode.summary(),
+        advice=mode.advice(),
+        start=mode.start,
+        goes_to_place=mode.goes_to_place,
+        fields=[_field(parameter) for parameter in mode.parameters()],
+    )
+
+
+def _field(parameter: Parameter) -> FormField:
+    quantity = parameter.quantity
+    scale = quantity.units[quantity.bare] if quantity else 1.0
+
+    def shown(value: float | None) -> float | None:
+        return None if value is None else round(value / scale, 6)
+
+    default = parameter.default
+    return FormField(
+        name=parameter.name,
+        title=parameter.title,
+        help=parameter.help,
+        required=parameter.required,
+        default=default if isinstance(default, str) else shown(default),
+        unit=quantity.bare if quantity else "",
+        scale=scale,
+        low=0.0 if parameter.positive else shown(parameter.low),
+        high=shown(parameter.high),
+        choices=[FormChoice(one.name, one.title, one.hint) for one in parameter.choices],
+    )

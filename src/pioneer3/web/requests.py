@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from pioneer3.web.modes import Mode
+from pioneer3.behaviors.modes import AnyMode
 
 Input = Literal["gamepad", "keyboard", "touch", "tilt"]
 """A way to drive."""
@@ -78,7 +78,7 @@ class GiveUpWheel(RobotRequest, tag="give_up_wheel"):
 class StartMode(RobotRequest, tag="start_mode"):
     """Stop, then start a mode; the place of a `goto` is in odometry's frame."""
 
-    mode: Mode
+    mode: AnyMode
 
 
 class GotoPlace(RobotRequest, tag="goto"):

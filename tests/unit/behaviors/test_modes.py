@@ -5,10 +5,20 @@ import pytest
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.engine import resolve
-from pioneer3.behaviors.modes import MODES, goto, teleop, unguarded, wander
+from pioneer3.behaviors.modes import (
+    MODES,
+    Follow,
+    Goto,
+    Turn,
+    Wander,
+    goto,
+    teleop,
+    unguarded,
+    wander,
+)
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
-from tests.unit.behaviors.support import around, seen
+from tests.unit.behaviors.support import LIMITS, around, seen
 
 
 def places(stack: Stack) -> list[tuple[int, str]]:
@@ -82,11 +92,36 @@ def test_each_stack_has_actions_of_its_own() -> None:
     assert not {id(r.action) for r in one.actions} & {id(r.action) for r in other.actions}
 
 
-def test_a_mode_is_found_by_its_name() -> None:
-    for name, mode in MODES.items():
-        stack = mode.make(2.0, 0.5) if name == "goto" else mode.make()
-        assert (stack.name, stack.hint) == (name, mode.hint)
-        assert stack.priority == 20
+def test_each_mode_is_described_and_makes_its_stack() -> None:
+    for mode in MODES:
+        required = {one.name: 1.0 for one in mode.parameters() if one.required}
+        stack = mode(**required).stack(LIMITS)
+        assert (stack.name, stack.hint, stack.priority) == (mode.name(), mode.doing, 20)
+        assert mode.summary().endswith(".")
+        assert set(mode.arguments) <= {one.name for one in mode.parameters()}
+        for one in mode.parameters():
+            assert one.quantity or one.choices
+            assert one.help or one.choices
+
+
+def test_no_mode_is_faster_than_the_robot_may_be() -> None:
+    turn = Turn(angle=1.0, rate=9.0).stack(LIMITS)
+    for stack, v, w in (
+        (Wander(speed=9.0).stack(LIMITS), LIMITS.max_speed, 0.0),
+        (Goto(x=9.0, y=0.0, speed=9.0).stack(LIMITS), LIMITS.max_speed, 0.0),
+        (turn, 0.0, LIMITS.max_turn_rate),
+    ):
+        assert resolve([stack], seen()).twist == Twist2(v, w)
+
+
+@pytest.mark.parametrize(
+    ("value", "wrong"),
+    [(0.05, "at least 0.1 m"), (4.0, "at most 3 m")],
+)
+def test_a_parameter_out_of_range_is_told(value: float, wrong: str) -> None:
+    (keep,) = (one for one in Follow.parameters() if one.name == "keep")
+    with pytest.raises(ValueError, match=wrong):
+        keep.check(value)
 
 
 def test_goto_is_done_where_it_was_sent() -> None:

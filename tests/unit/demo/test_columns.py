@@ -6,16 +6,12 @@ from math import inf, nan, radians
 import pytest
 
 from pioneer3.arcos.commands import GyroMode
-from pioneer3.demo.modes.bumps import bumps_row
+from pioneer3.demo.columns import Cell, Row, bits, degrees_tenths, hundredths, tenths
+from pioneer3.demo.modes.devices import gripper_row, io_row, tcm2_row
 from pioneer3.demo.modes.driving import driving_row, motion
-from pioneer3.demo.modes.gripper import gripper_row
-from pioneer3.demo.modes.laser import buffer_line, raw_line
-from pioneer3.demo.modes.lines import io_row
 from pioneer3.demo.modes.position import position_row
-from pioneer3.demo.modes.row import Cell, Row, bits, degrees_tenths, hundredths, tenths
-from pioneer3.demo.modes.sonar import GROUPS, sonar_row
-from pioneer3.demo.modes.status import flag_lines, status_row
-from pioneer3.demo.modes.tcm2 import tcm2_row
+from pioneer3.demo.modes.reports import flag_lines, status_row
+from pioneer3.demo.modes.sensors import GROUPS, buffer_line, bumps_row, raw_line, sonar_row
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.robot.devices.compass import CompassReading
 from pioneer3.robot.devices.gripper import GripperReading, Paddles

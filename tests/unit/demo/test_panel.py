@@ -6,10 +6,10 @@ from math import pi
 import pytest
 from rich.console import Console
 
-from pioneer3.demo.keys import named
-from pioneer3.demo.modes import Gauge, Mode
-from pioneer3.demo.panel import bar, panel
-from pioneer3.demo.trail import Trail
+from pioneer3.demo.drawing import Trail
+from pioneer3.demo.mode import DemoMode, Description, Gauge
+from pioneer3.demo.program import named
+from pioneer3.demo.view import bar, panel
 from pioneer3.geometry import Pose2
 from pioneer3.robot.devices import Presence
 
@@ -53,7 +53,11 @@ def test_a_bar_fills_its_room(width: int, share: float) -> None:
         assert len(drawn(Gauge(name="g", share=share, text="", signed=signed), width)) == width
 
 
-def shown(mode: Mode, *gauges: Gauge, width: int = 40) -> str:
+def about(name: str, *keys: str) -> Description:
+    return Description(key=name[0], name=name, hint="", help=keys, make=lambda _, it: DemoMode(it))
+
+
+def shown(mode: DemoMode, *gauges: Gauge, width: int = 40) -> str:
     console = Console(width=width, file=StringIO())
     with console.capture() as captured:
         console.print(panel(mode, gauges, ("a detail",), width, cropped=False))
@@ -61,7 +65,7 @@ def shown(mode: Mode, *gauges: Gauge, width: int = 40) -> str:
 
 
 def test_a_panel_has_name_keys_gauges_and_details() -> None:
-    mode = Mode(key="t", name="teleop", help=("up, down: speed",))
+    mode = DemoMode(about("teleop", "up, down: speed"))
     text = shown(mode, Gauge(name="turn", share=0.5, text="+1 rad/s", signed=True))
     assert "TELEOP" in text
     assert "up, down speed" in text
@@ -70,11 +74,8 @@ def test_a_panel_has_name_keys_gauges_and_details() -> None:
 
 
 def test_a_panel_tells_what_is_missing_and_how_one_knows() -> None:
-    mode = Mode(
-        key="g",
-        name="gripper",
-        presence=lambda: Presence(False, "CONFIG says HasGripper 0."),
-    )
+    absent = Presence(False, "CONFIG says HasGripper 0.")
+    mode = DemoMode(about("gripper"), presence=lambda: absent)
     assert "CONFIG says HasGripper 0." in shown(mode)
 
 

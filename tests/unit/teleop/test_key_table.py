@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.cli.demo import KEYS
-from pioneer3.demo.keys import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY, named
-from pioneer3.demo.modes import ALL as MODES
+from pioneer3.demo.modes import MODES
+from pioneer3.demo.program import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY, named
 from pioneer3.teleop import several
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.keyboard import Key
@@ -34,7 +33,7 @@ WORDS = {
     Key.SLOWER: "speed",
     **dict.fromkeys((Key.FORWARD, Key.BACK, Key.LEFT, Key.RIGHT), "drive"),
 }
-LETTERS_OF_MODES = frozenset(KEYS)
+LETTERS_OF_MODES = frozenset(mode.key for mode in MODES)
 
 
 def table(head: str) -> list[list[str]]:

@@ -1,6 +1,6 @@
 """Stock actions: one small class each, parameters as fields."""
 
-from pioneer3.behaviors.actions.aria import AvoidSide, Input, TurnAway
+from pioneer3.behaviors.actions.aria import AvoidSide, Input, Stop, TurnAway
 from pioneer3.behaviors.actions.avoid import AvoidFront, Bumpers
 from pioneer3.behaviors.actions.explore import Explore
 from pioneer3.behaviors.actions.follow import Blob, BlobSource, ColorFollow
@@ -12,7 +12,7 @@ from pioneer3.behaviors.actions.limiters import (
     LimiterSweep,
     LimiterTableSensor,
 )
-from pioneer3.behaviors.actions.motion import ConstantVelocity, Goto, Move, Stop, Turn
+from pioneer3.behaviors.actions.motion import ConstantVelocity, Goto, Move, Turn
 from pioneer3.behaviors.actions.ratio_input import RatioInput
 from pioneer3.behaviors.actions.recover import StallRecover, Unstick
 

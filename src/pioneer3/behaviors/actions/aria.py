@@ -122,3 +122,14 @@ class Input:
         if self._v is None and self._w is None and self._heading is None:
             return None
         return Desire(v=self._v, w=self._w, heading=self._heading, reason="by program")
+
+
+@dataclass(slots=True)
+class Stop:
+    """Wants to stand still, whatever lower priorities want (facts.md 7.6)."""
+
+    name: str = "stop"
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return no speed and no turn."""
+        return Desire(v=0.0, turn=0.0, reason="standing still")

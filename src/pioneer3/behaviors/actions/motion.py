@@ -1,4 +1,4 @@
-"""Actions that drive: on, a distance, an angle, to a place, or not at all."""
+"""Actions that drive: on, a distance, an angle, to a place."""
 
 from dataclasses import dataclass, field
 from math import atan2, cos, degrees, hypot, inf, radians, sin, sqrt
@@ -18,17 +18,6 @@ class ConstantVelocity:
     def decide(self, situation: Situation) -> Desire:
         """Return it."""
         return Desire(v=self.velocity, turn=0.0, reason="onwards")
-
-
-@dataclass(slots=True)
-class Stop:
-    """Wants to stand still, whatever lower priorities want (facts.md 7.6)."""
-
-    name: str = "stop"
-
-    def decide(self, situation: Situation) -> Desire:
-        """Return no speed and no turn."""
-        return Desire(v=0.0, turn=0.0, reason="standing still")
 
 
 KEEP_HEADING = 1.5

@@ -8,9 +8,8 @@ from pioneer3.acts import Picture
 from pioneer3.behaviors import modes as stacks
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Blob, ColorFollow
-from pioneer3.demo.modes.cockpit import Cockpit
-from pioneer3.demo.modes.mode import Mode
-from pioneer3.demo.modes.row import Row
+from pioneer3.demo.columns import Row
+from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.errors import DeviceError
 from pioneer3.robot.devices import Presence
 
@@ -21,18 +20,11 @@ PAUSE = 2.0
 CHANNELS = frozenset("12345678")
 
 
-def acts(cockpit: Cockpit) -> Mode:
+def acts(context: Context, about: Description) -> DemoMode:
     """Return the mode that follows a colour."""
-    chase = _Chase(cockpit)
-    return Mode(
-        key="a",
-        name="acts",
-        help=(
-            "1-8: channel",
-            "z: drive after it",
-            "space: stop",
-            "x: look for what is lost",
-        ),
+    chase = _ColorMode(context)
+    return DemoMode(
+        about,
         presence=chase.presence,
         enter=chase.enter,
         on_key=chase.on_key,
@@ -40,7 +32,7 @@ def acts(cockpit: Cockpit) -> Mode:
     )
 
 
-class Eyes:
+class LatestBlobs:
     """The blobs of the last picture, as actions want them."""
 
     def __init__(self) -> None:
@@ -64,22 +56,22 @@ class Eyes:
         )
 
 
-class _Chase:
-    def __init__(self, cockpit: Cockpit) -> None:
-        self._cockpit = cockpit
-        self._eyes = Eyes()
+class _ColorMode:
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._eyes = LatestBlobs()
         self._follow = ColorFollow(self._eyes)
         self._stack: Stack | None = None
 
     def presence(self) -> Presence:
         """ACTS may be started at any time."""
-        now = self._cockpit.acts.presence
+        now = self._context.acts.presence
         return Presence(now.there or None, now.reason)
 
     @contextmanager
     def enter(self) -> Iterator[None]:
         self._follow.moving = False
-        self._cockpit.work(self._watch())
+        self._context.work(self._watch())
         yield
 
     def on_key(self, key: str) -> bool:
@@ -89,9 +81,9 @@ class _Chase:
             case "z":
                 self._follow.moving = True
                 self._stack = stacks.color_follow(self._follow)
-                self._cockpit.start(self._stack)
+                self._context.start(self._stack)
             case "space":
-                self._cockpit.robot.arbiter.stop()
+                self._context.robot.arbiter.stop()
             case "x":
                 self._follow.acquiring = not self._follow.acquiring
             case _:
@@ -104,7 +96,7 @@ class _Chase:
         return Row(
             tail=(
                 f"Channel: {follow.channel}"
-                f"  movement {'on' if self._cockpit.drives(self._stack) else 'off'}"
+                f"  movement {'on' if self._context.drives(self._stack) else 'off'}"
                 f"  {'actively' if follow.acquiring else 'passively'} acquiring"
                 f"  {'blob in sight' if seen else 'no blob in sight'}"
             )
@@ -114,7 +106,7 @@ class _Chase:
         clock = asyncio.get_running_loop().time
         while True:
             with suppress(DeviceError):  # the presence tells it
-                async for picture in self._cockpit.acts.pictures():
+                async for picture in self._context.acts.pictures():
                     self._eyes.take(picture, clock())
             self._eyes.take(None, clock())
             await asyncio.sleep(PAUSE)

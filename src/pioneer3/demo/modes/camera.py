@@ -5,8 +5,7 @@ from contextlib import contextmanager
 from math import radians
 from types import MappingProxyType
 
-from pioneer3.demo.modes.cockpit import Cockpit
-from pioneer3.demo.modes.mode import Gauge, Mode
+from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.errors import PioneerError
 from pioneer3.robot.devices import Camera, CameraName, Presence
 from pioneer3.units import DEGREE
@@ -27,22 +26,13 @@ CHOICES = (
     "!@#$%^: on the computer",
 )
 PORTS = ("1: AUX1", "2: AUX2")
-HELP = (
-    "up, down: tilt 3°",
-    "left, right: pan 5°",
-    "z, x: zoom ±1 %",
-    "space: centre, zoom out",
-    "e: exercise until a key",
-)
 
 
-def camera(cockpit: Cockpit) -> Mode:
+def camera(context: Context, about: Description) -> DemoMode:
     """Return the mode that aims a camera."""
-    hand = _Hand(cockpit)
-    return Mode(
-        key="c",
-        name="camera",
-        help=HELP,
+    hand = _Aiming(context)
+    return DemoMode(
+        about,
         presence=hand.presence,
         enter=hand.enter,
         on_key=hand.on_key,
@@ -51,9 +41,9 @@ def camera(cockpit: Cockpit) -> Mode:
     )
 
 
-class _Hand:
-    def __init__(self, cockpit: Cockpit) -> None:
-        self._cockpit = cockpit
+class _Aiming:
+    def __init__(self, context: Context) -> None:
+        self._context = context
         self._make: CameraName | None = None
         self._camera: Camera | None = None
         self._end_exercise: Callable[[], None] = lambda: None
@@ -105,11 +95,11 @@ class _Hand:
     def _choose_make(self, key: str) -> bool:
         if key in ON_AUX:
             self._make = ON_AUX[key]
-            self._cockpit.say(f"Camera {self._make}. On which port? {', '.join(PORTS)}")
+            self._context.say(f"Camera {self._make}. On which port? {', '.join(PORTS)}")
         elif key in UNKNOWN:
-            self._cockpit.say(f"{UNKNOWN[key]}: the bytes of this unit are not documented.")
+            self._context.say(f"{UNKNOWN[key]}: the bytes of this unit are not documented.")
         elif len(key) == 1 and key in ON_COMPUTER:
-            self._cockpit.say("Cameras on a port of the computer are not built; AUX ports are.")
+            self._context.say("Cameras on a port of the computer are not built; AUX ports are.")
         else:
             return False
         return True
@@ -117,8 +107,8 @@ class _Hand:
     def _choose_port(self, make: CameraName, key: str) -> bool:
         if key not in {"1", "2"}:
             return False
-        self._camera = self._cockpit.robot.devices.camera(make, int(key))
-        self._cockpit.work(self._connect(self._camera))
+        self._camera = self._context.robot.devices.camera(make, int(key))
+        self._context.work(self._connect(self._camera))
         return True
 
     async def _connect(self, camera: Camera) -> None:
@@ -127,7 +117,7 @@ class _Hand:
         except PioneerError:
             self._make = self._camera = None  # choose again
             raise
-        self._cockpit.say(str(camera.presence))
+        self._context.say(str(camera.presence))
 
     def _aim(self, camera: Camera, key: str) -> bool:
         match key.lower():
@@ -147,7 +137,7 @@ class _Hand:
                 camera.zoom(camera.aim.zoom - ZOOM)
             case "e":
                 self._end_exercise()
-                self._end_exercise = self._cockpit.work(camera.exercise())
+                self._end_exercise = self._context.work(camera.exercise())
                 return True
             case _:
                 return False

@@ -1,8 +1,14 @@
-"""Columns and gauges that the driving modes share (facts.md 8.3, 8.4)."""
+"""Driving with keys, guarded and not, and by itself (facts.md 8.3, 8.4)."""
 
-from pioneer3.demo.modes.cockpit import Cockpit
-from pioneer3.demo.modes.mode import Gauge
-from pioneer3.demo.modes.row import Cell, Row, degrees_tenths, millimetres, tenths, whole_degrees
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from pioneer3.behaviors import modes as stacks
+from pioneer3.behaviors.action import Stack
+from pioneer3.behaviors.actions import RatioInput
+from pioneer3.behaviors.modes import Mode
+from pioneer3.demo.columns import Cell, Row, degrees_tenths, millimetres, tenths, whole_degrees
+from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.geometry import Pose2
 from pioneer3.state import Snapshot
 from pioneer3.units import DEGREE
@@ -23,10 +29,10 @@ def motion(snapshot: Snapshot, pose: Pose2) -> tuple[Cell, ...]:
     )
 
 
-def wandering_row(cockpit: Cockpit) -> Row | None:
-    """Return the columns of the wander mode."""
-    snapshot = cockpit.snapshot
-    return Row(motion(snapshot, cockpit.pose(snapshot))) if snapshot else None
+def motion_row(context: Context) -> Row | None:
+    """Return the columns of a mode that drives by itself."""
+    snapshot = context.snapshot
+    return Row(motion(snapshot, context.pose(snapshot))) if snapshot else None
 
 
 def driving_row(
@@ -51,9 +57,9 @@ def driving_row(
     return Row(cells, tail="".join(f" {flag}" for flag, up in flags.items() if up))
 
 
-def speed_gauges(cockpit: Cockpit) -> tuple[Gauge, ...]:
+def speed_gauges(context: Context) -> tuple[Gauge, ...]:
     """Return how fast the robot is, of what it may be."""
-    snapshot, limits = cockpit.snapshot, cockpit.robot.info.limits
+    snapshot, limits = context.snapshot, context.robot.info.limits
     if snapshot is None:
         return ()
     twist = snapshot.odometry.twist
@@ -68,3 +74,130 @@ def speed_gauges(cockpit: Cockpit) -> tuple[Gauge, ...]:
             signed=True,
         ),
     )
+
+
+def teleop(context: Context, about: Description) -> DemoMode:
+    """Return the mode that stops before obstacles."""
+    return _Hand(context, stacks.teleop).mode(about)
+
+
+def unguarded(context: Context, about: Description) -> DemoMode:
+    """Return the mode that does not."""
+    return _Hand(context, stacks.unguarded).mode(about)
+
+
+class _Hand:
+    """Keys set a share of full speed; the robot keeps it until the next key."""
+
+    def __init__(self, context: Context, make: Callable[[RatioInput], Stack]) -> None:
+        self._context = context
+        self._make = make
+        self._ratios = RatioInput()
+        self._stack: Stack | None = None
+        self._has_charge = False
+
+    def mode(self, about: Description) -> DemoMode:
+        return DemoMode(
+            about,
+            enter=self._enter,
+            on_key=self._on_key,
+            again=self._again,
+            row=self._row,
+            gauges=self._gauges,
+        )
+
+    @contextmanager
+    def _enter(self) -> Iterator[None]:
+        self._begin()
+        yield
+
+    def _begin(self) -> None:
+        """Stop, and begin with no speed set."""
+        self._ratios = RatioInput()
+        self._stack = self._make(self._ratios)
+        self._context.start(self._stack)
+
+    def _again(self) -> None:
+        if not self._context.drives(self._stack):
+            self._begin()
+
+    def _on_key(self, key: str) -> bool:
+        match key:
+            case "up" | "down" | "left" | "right":
+                self._steer(key)
+            case "space":
+                self._begin()
+            case "e" | "E":
+                self._context.tell(self._context.robot.arbiter.set_motors(on=True))
+                self._begin()
+            case "z" | "x" | "Z" | "X":
+                self._context.say("z, x drive sideways: no Pioneer 3 can.")
+            case _:
+                return False
+        return True
+
+    def _steer(self, key: str) -> None:
+        if self._context.snapshot is None:
+            self._context.say("No robot is connected.")
+            return
+        self._again()  # what ended must be started anew, with no speed set
+        ratios = self._ratios
+        {"up": ratios.up, "down": ratios.down, "left": ratios.left, "right": ratios.right}[key]()
+        self._context.tell(self._context.robot.arbiter.decide())
+
+    def _row(self) -> Row | None:
+        snapshot = self._context.snapshot
+        if snapshot is None:
+            return None
+        self._has_charge = self._has_charge or snapshot.battery.charge is not None
+        return driving_row(
+            snapshot,
+            self._context.pose(snapshot),
+            has_charge=self._has_charge,
+            emergency=self._context.robot.supervisor.pilot.emergency,
+        )
+
+    def _gauges(self) -> Sequence[Gauge]:
+        share = self._ratios.keyed if self._context.drives(self._stack) else 0.0
+        idle = share and self._ratios.too_little
+        return (
+            Gauge(
+                name="SET",
+                share=share,
+                text=f"{round(100 * share):+d}%" + (" too little" if idle else ""),
+                alarm=share != 0,
+                big=True,
+                signed=True,
+            ),
+            *speed_gauges(self._context),
+        )
+
+
+def by_itself(
+    mode: Mode,
+) -> Callable[[Context, Description], DemoMode]:
+    """Return the maker of a mode of the demo that runs `mode`."""
+
+    def make(context: Context, about: Description) -> DemoMode:
+        stack: Stack | None = None
+
+        def begin() -> None:
+            nonlocal stack
+            if not context.drives(stack):
+                stack = mode.stack(context.robot.info.limits)
+                context.start(stack)
+
+        @contextmanager
+        def enter() -> Iterator[None]:
+            begin()
+            yield
+
+        return DemoMode(
+            about,
+            enter=enter,
+            again=begin,
+            row=lambda: motion_row(context),
+            gauges=lambda: speed_gauges(context),
+        )
+
+    return make

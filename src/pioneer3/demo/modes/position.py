@@ -1,14 +1,13 @@
-"""Driving distances and turning right angles, and where that leads (facts.md 8.9)."""
+"""Driving distances and turning right angles (facts.md 8.9)."""
 
 from contextlib import AbstractContextManager, nullcontext
-from math import pi
+from dataclasses import dataclass, field
+from math import cos, pi, radians, sin
 
 from pioneer3.arcos.commands import GyroMode
-from pioneer3.behaviors.action import MODE, Ranked, Stack
-from pioneer3.demo.modes.cockpit import Cockpit
-from pioneer3.demo.modes.driving import speed_gauges
-from pioneer3.demo.modes.mode import Mode
-from pioneer3.demo.modes.row import (
+from pioneer3.behaviors.action import MODE, Desire, Ranked, Situation, Stack
+from pioneer3.behaviors.engine import approach
+from pioneer3.demo.columns import (
     MISSING,
     Cell,
     Row,
@@ -17,25 +16,68 @@ from pioneer3.demo.modes.row import (
     millimetres,
     whole_degrees,
 )
-from pioneer3.demo.modes.travel import Travel
-from pioneer3.geometry import Pose2
+from pioneer3.demo.mode import Context, DemoMode, Description
+from pioneer3.demo.modes.driving import speed_gauges
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.state import Snapshot
 from pioneer3.units import DEGREE
 
+NEAR, ALIGNED = 0.005, radians(1)
+"""Near enough [m], [rad]."""
+STANDING, TURNING = 0.01, radians(2)
+"""Slower than this is standing [m/s], [rad/s]."""
+
+
+@dataclass(slots=True)
+class Travel:
+    """Does what MOVE and HEAD do, bounded by the robot's limits.
+
+    Attributes:
+        name: Shown to people.
+        done: Whether it is where it should be, and stands.
+    """
+
+    name: str = "travel"
+    done: bool = False
+    _left: float = field(default=0.0, init=False)
+    _heading: float | None = field(default=None, init=False)
+    _last: Pose2 | None = field(default=None, init=False)
+
+    def go(self, distance: float) -> None:
+        """Drive `distance` [m] along the way, wherever that bends; negative is backwards."""
+        self._left, self.done = distance, False
+
+    def face(self, heading: float) -> None:
+        """Turn to `heading` in odometry's frame [rad], or keep it."""
+        self._heading, self.done = wrap(heading), False
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return speed and heading for what is left."""
+        here, twist, limits = situation.pose, situation.twist, situation.limits
+        if self._last is not None:
+            dx, dy = here.x - self._last.x, here.y - self._last.y
+            self._left -= dx * cos(here.theta) + dy * sin(here.theta)
+        self._last = here
+        there = abs(self._left) <= NEAR
+        off = 0.0 if self._heading is None else wrap(self._heading - here.theta)
+        aligned = abs(off) <= ALIGNED
+        still = abs(twist.v) < STANDING and abs(twist.w) < TURNING
+        self.done = there and aligned and still
+        return Desire(
+            v=0.0 if there else approach(self._left, limits.max_speed, limits.deceleration),
+            heading=None if aligned else self._heading,
+            w=0.0 if aligned else None,
+            reason="there" if there and aligned else self._to_go(off),
+        )
+
+    def _to_go(self, off: float) -> str:
+        return f"{self._left:z.2f} m and {off / DEGREE:z.0f} deg to go"
+
+
 DISTANCE, STEP = 1.0, 0.5
 """Of a move at first; what PageUp and PageDown change, and the least [m]."""
 QUARTER = pi / 2
-HELP = (
-    "UNGUARDED, INTO WHAT IS IN THE WAY",
-    "up, down: drive",
-    "left, right: turn 90°",
-    "page up, down: ±0.5 m",
-    "space: stop",
-    "r: here is 0, 0, 0",
-    "x: both or either",
-    "z: gyro off, only, on",
-)
 GYRO_ORDER = {
     GyroMode.ON: GyroMode.OFF,
     GyroMode.OFF: GyroMode.ONLY,
@@ -43,24 +85,22 @@ GYRO_ORDER = {
 }
 
 
-def position(cockpit: Cockpit) -> Mode:
+def position(context: Context, about: Description) -> DemoMode:
     """Return the mode that drives distances."""
-    pilot = _Legs(cockpit)
-    return Mode(
-        key="p",
-        name="position",
-        help=HELP,
+    pilot = _Position(context)
+    return DemoMode(
+        about,
         enter=pilot.enter,
         on_key=pilot.on_key,
         row=pilot.row,
-        gauges=lambda: speed_gauges(cockpit),
+        gauges=lambda: speed_gauges(context),
         details=pilot.details,
     )
 
 
-class _Legs:
-    def __init__(self, cockpit: Cockpit) -> None:
-        self._cockpit = cockpit
+class _Position:
+    def __init__(self, context: Context) -> None:
+        self._context = context
         self._distance = DISTANCE
         self._both = True
         self._gyro = GyroMode.ON
@@ -69,10 +109,10 @@ class _Legs:
 
     @property
     def has_gyro(self) -> bool:
-        return bool(self._cockpit.robot.devices.gyro.presence.there)
+        return bool(self._context.robot.devices.gyro.presence.there)
 
     def enter(self) -> AbstractContextManager[object]:
-        return self._cockpit.robot.devices.gyro.wanted() if self.has_gyro else nullcontext()
+        return self._context.robot.devices.gyro.wanted() if self.has_gyro else nullcontext()
 
     def on_key(self, key: str) -> bool:
         match key.lower():
@@ -89,7 +129,7 @@ class _Legs:
             case "pagedown":
                 self._distance = max(STEP, self._distance - STEP)
             case "space":
-                self._cockpit.robot.arbiter.stop()
+                self._context.robot.arbiter.stop()
             case "r":
                 self._reset()
             case "x":
@@ -101,21 +141,21 @@ class _Legs:
         return True
 
     def row(self) -> Row | None:
-        snapshot, gyro = self._cockpit.snapshot, self._cockpit.robot.devices.gyro.latest
+        snapshot, gyro = self._context.snapshot, self._context.robot.devices.gyro.latest
         if snapshot is None:
             return None
         mode = "both" if self._both else "either"
-        return position_row(snapshot, self._cockpit.pose(snapshot), mode, self._gyro, gyro)
+        return position_row(snapshot, self._context.pose(snapshot), mode, self._gyro, gyro)
 
     def details(self) -> tuple[str, ...]:
         return (f"drives {self._distance:.1f} m",)
 
     def _go(self, *, distance: float | None = None, turn: float | None = None) -> None:
-        snapshot = self._cockpit.snapshot
+        snapshot = self._context.snapshot
         if snapshot is None:
-            self._cockpit.say("No robot is connected.")
+            self._context.say("No robot is connected.")
             return
-        running = self._cockpit.drives(self._stack)
+        running = self._context.drives(self._stack)
         if not (running and self._both):
             self._travel = Travel()
         theta = snapshot.odometry.robot_in_odom.theta
@@ -126,23 +166,23 @@ class _Legs:
         if turn is not None:
             self._travel.face(theta + turn)
         if running and self._both:
-            self._cockpit.tell(self._cockpit.robot.arbiter.decide())
+            self._context.tell(self._context.robot.arbiter.decide())
         else:
             self._stack = Stack.of("position", MODE, (Ranked(50, self._travel),))
-            self._cockpit.start(self._stack)
+            self._context.start(self._stack)
 
     def _reset(self) -> None:
-        self._cockpit.robot.arbiter.stop()
-        if self._cockpit.snapshot is not None:
-            self._cockpit.origin = self._cockpit.snapshot.odometry.robot_in_odom
-        self._cockpit.say("This place is 0, 0, 0 now; the robot itself was told nothing.")
+        self._context.robot.arbiter.stop()
+        if self._context.snapshot is not None:
+            self._context.origin = self._context.snapshot.odometry.robot_in_odom
+        self._context.say("This place is 0, 0, 0 now; the robot itself was told nothing.")
 
     def _next_gyro(self) -> None:
         if not self.has_gyro:
-            self._cockpit.say(str(self._cockpit.robot.devices.gyro.presence))
+            self._context.say(str(self._context.robot.devices.gyro.presence))
             return
         self._gyro = GYRO_ORDER[self._gyro]
-        self._cockpit.robot.devices.gyro.set_mode(self._gyro)
+        self._context.robot.devices.gyro.set_mode(self._gyro)
 
 
 def position_row(

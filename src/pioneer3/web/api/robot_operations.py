@@ -2,6 +2,7 @@
 
 from math import inf
 
+from pioneer3.behaviors.modes import AnyMode, Goto
 from pioneer3.robot.limits import checked
 from pioneer3.state import Snapshot
 from pioneer3.web import messages
@@ -9,7 +10,7 @@ from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
-from pioneer3.web.modes import Goto, Mode
+from pioneer3.web.modes import ModeForm, forms
 from pioneer3.web.robot_view import RobotView
 
 
@@ -96,6 +97,11 @@ def give_up_wheel(request: ApiRequest) -> ErrorResponse | None:
     return None
 
 
+def list_modes(request: ApiRequest) -> list[ModeForm]:
+    """List the modes and their parameters, as the page's forms show them."""
+    return forms()
+
+
 def get_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
     """Return the running mode, or how the last one ended."""
     arbiter = request.view.robot.arbiter
@@ -108,7 +114,7 @@ def get_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
     )
 
 
-def start_mode(request: ApiRequest, body: Mode) -> types.ModeState | ErrorResponse:
+def start_mode(request: ApiRequest, body: AnyMode) -> types.ModeState | ErrorResponse:
     """Stop, then start a mode.
 
     Takes control if it is free; it is yours while the mode runs.
@@ -183,6 +189,7 @@ ROBOTS = (
     operation("GET", f"{ROBOT}/wheel", get_wheel, VIEWER, 404),
     operation("PUT", f"{ROBOT}/wheel", take_wheel, DRIVER, 404, 409),
     operation("DELETE", f"{ROBOT}/wheel", give_up_wheel, DRIVER, 404),
+    operation("GET", "/api/modes", list_modes, VIEWER),
     operation("GET", f"{ROBOT}/mode", get_mode, VIEWER, 404),
     operation("PUT", f"{ROBOT}/mode", start_mode, DRIVER, 404, 409),
     operation("DELETE", f"{ROBOT}/mode", end_mode, DRIVER, 404, 409),

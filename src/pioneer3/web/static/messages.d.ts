@@ -527,7 +527,7 @@ export interface StartMode {
   robot?: number | null;
 }
 
-/** Drive about and keep clear of what is in the way, for some seconds at most. */
+/** Drive about and keep clear of obstacles. */
 export interface Wander {
   mode: "wander";
   preset?: "aria" | "explore" | "lab";
@@ -535,7 +535,7 @@ export interface Wander {
   seconds?: number;
 }
 
-/** Follow the person in front at a distance [m], as the rule's own if null. */
+/** Follow the person in front with the front sonars. It backs up from a person who comes nearer. Stand 0.6 m in front of it, then walk, not faster than 0.4 m/s. */
 export interface Follow {
   mode: "follow";
   rule?: "lab" | "tracking";
@@ -543,7 +543,7 @@ export interface Follow {
   seconds?: number;
 }
 
-/** Drive to a point of odometry's frame [m], and turn to a heading if that is given [rad]. */
+/** Drive to a place and stop; slow down and turn aside for obstacles. The place counts from where the robot is and looks when the connection opens. It is found by the wheels, which drift. */
 export interface Goto {
   mode: "goto";
   x: number;
@@ -553,7 +553,7 @@ export interface Goto {
   seconds?: number;
 }
 
-/** Turn on the spot by an angle [rad], at a rate of so much at most [rad/s]. */
+/** Turn on the spot and stop. See that its corners are free: nothing looks out for obstacles. */
 export interface Turn {
   mode: "turn";
   angle: number;

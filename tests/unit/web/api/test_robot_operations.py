@@ -12,7 +12,6 @@ from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.api.operation import openapi
 from pioneer3.web.api.routes import LONGEST_BODY, OPERATIONS
 from pioneer3.web.control import KEPT
-from pioneer3.web.modes import Follow, Goto, Wander
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
 
@@ -269,6 +268,14 @@ def test_the_document_names_every_operation_once() -> None:
     assert "ErrorResponse" in document["components"]["schemas"]
 
 
-def test_modes_are_called_as_everywhere() -> None:
-    overrides = (Wander, Follow, Goto)
-    assert {wish.__struct_config__.tag for wish in overrides} <= set(MODES)
+async def test_every_mode_has_a_form() -> None:
+    async with product() as the:
+        forms = {one["name"]: one for one in (await Script(the.app).ask("GET", "/api/modes")).json}
+    assert list(forms) == [mode.name() for mode in MODES]
+    x, _, heading, _ = forms["goto"]["fields"]
+    assert (x["unit"], x["scale"], x["required"], x["low"]) == ("m", 1.0, True, -10_000.0)
+    assert (heading["unit"], heading["default"]) == ("deg", None)
+    assert heading["scale"] == pytest.approx(pi / 180)
+    preset, speed = forms["wander"]["fields"]
+    assert [one["name"] for one in preset["choices"]] == ["lab", "aria", "explore"]
+    assert (preset["default"], speed["low"], speed["high"]) == ("lab", 0.0, 10.0)

@@ -1,22 +1,15 @@
-// The modes in which the robot drives by itself: the view that starts them, and the card of the running one.
+// The modes in which the robot drives by itself: a form for each, and the card of the running one.
 
 import { byId, degrees, make, makeButton, put, putLines, set } from "../dom.js";
 import { part } from "./widgets.js";
 
-const PRESETS = [
-  ["lab", "Lab", "Slow, 0.15 m/s."],
-  ["aria", "ARIA", "As ARIA's wander, 0.4 m/s."],
-  ["explore", "Explore", "Seeks new ground, 0.3 m/s."],
-];
-const RULES = [
-  ["tracking", "Tracking", "Remembers whom it follows."],
-  ["lab", "Lab", "Goes to the nearest echo."],
-];
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
 const GOING = { goto: "Looks for the way", follow: "Looks for somebody to follow" }; // while there is no target
 const LEAVE = "A mode runs for as long as this page is connected: close it, lose the connection or lock the phone, "
   + "and the robot stops within 5 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
+const RETRY = 2000; // [ms]
 
+/** A label and a choice; `options` are values, labels and perhaps hints. */
 function choice(id, label, options) {
   const select = make("select", { id, class: "small" }, ...options.map(([value, text]) => new Option(text, value)));
   const field = make("label", { class: "field" }, make("span", {}, label), select);
@@ -28,12 +21,23 @@ function choice(id, label, options) {
   return [select, make("div", {}, field, meaning)];
 }
 
-function figure(id, label, unit, attributes) {
-  const input = make("input", { id, type: "number", class: "small", step: "0.05", ...attributes });
-  return [input, make("label", { class: "field" }, make("span", {}, `${label} `, make("small", {}, unit)), input)];
+/** A label and a number in the unit of the field. */
+function figure(id, { title, help, unit, required, default: value, low, high }) {
+  // a negative minimum would shift the steps
+  const attributes = { min: low !== null && low >= 0 ? low : null, max: high, value: value ?? (required ? 0 : null) };
+  const given = Object.fromEntries(Object.entries(attributes).filter(([, one]) => one !== null));
+  const step = unit.startsWith("deg") ? "5" : "0.05";
+  const input = make("input", { id, type: "number", class: "small", step, title: help, ...given });
+  const words = `${unit.replace("deg", "°")}${required || value !== null ? "" : ", may be empty"}`;
+  return [input, make("label", { class: "field" }, make("span", {}, `${title} `, make("small", {}, words)), input)];
 }
 
 const button = (id, text, act, extra = "") => makeButton(text, { id, class: `choice ${extra}`.trim() }, act);
+
+/** Whether a number is none or out of range; numbers between two steps are right. */
+const isWrong = ({ validity }) => validity.badInput || validity.rangeUnderflow || validity.rangeOverflow;
+
+const sentence = (hint) => `${hint[0].toUpperCase()}${hint.slice(1)}.`;
 
 export class ModesView {
   #send;
@@ -43,7 +47,9 @@ export class ModesView {
   #decided = make("ul", { class: "lines-of-text" });
   #end;
   #motors;
-  #starts;
+  #time;
+  #forms = make("div", {});
+  #starts = [];
 
   /**
    * @param send     function(message)
@@ -53,33 +59,20 @@ export class ModesView {
    */
   constructor(container, { send, notify, end, motors }) {
     [this.#send, this.#notify] = [send, notify];
-    const [preset, presetField] = choice("wander-preset", "Manner", PRESETS);
-    const [rule, ruleField] = choice("follow-rule", "Rule", RULES);
-    const [keep, keepField] = figure("follow-keep", "Distance to keep", "m", { min: 0.1, max: 3, value: 0.3 });
     const [time, timeField] = choice("mode-time", "For at most", TIMES);
+    this.#time = time;
     time.value = "300";
-    const [x, xField] = figure("goto-x", "x", "m", { value: 0 });
-    const [y, yField] = figure("goto-y", "y", "m", { value: 0 });
-    const [heading, headingField] = figure("goto-heading", "Heading", "°, empty for any", { step: 5, min: -360, max: 360 });
-    const seconds = () => Number(time.value);
     this.#end = button("mode-end", "End", end, "danger wide");
     this.#motors = button("motors-switch", "Switch the motors on", () => motors(this.#motors.dataset.on !== "true"));
-    const wander = button("wander-start", "Start wandering", () => this.#start({ mode: "wander", preset: preset.value, seconds: seconds() }));
-    const follow = button("follow-start", "Start following", () => this.#check([keep]) && this.#start({ mode: "follow", rule: rule.value, keep: keep.valueAsNumber, seconds: seconds() }));
-    const go = button("goto-start", "Drive there", () => this.#goto(x, y, heading));
-    const here = button("goto-here", "Where it is now", () => this.#fill(x, y, heading));
-    this.#starts = [wander, follow, go];
     container.append(
       part("Now", this.#running, this.#decided, this.#end),
       make("div", { class: "for-drivers" },
         part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
         part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
-        part("Wander", make("p", { class: "words" }, "Drives about and keeps clear of what is in the way."), presetField, wander),
-        part("Follow", make("p", { class: "words" }, "Follows the person in front, with the front sonars. Stand 0.6 m before it, then walk slowly."), ruleField, keepField, follow),
-        part("Go to", make("p", { class: "words" }, "Drives to a point of the map, and around what is small."), make("div", { class: "fields" }, xField, yField, headingField), make("div", { class: "row" }, go, here)),
+        this.#forms,
       ),
     );
-    for (const start of this.#starts) start.setAttribute("aria-describedby", "mode-note");
+    this.#load();
   }
 
   /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name */
@@ -97,26 +90,56 @@ export class ModesView {
     put(this.#motors, motors.enabled ? "Switch the motors off" : "Switch the motors on");
   }
 
-  #start(mode) {
-    if (!this.#send({ type: "start_mode", mode })) this.#notify("Not connected: nothing was started.");
+  /** Asks for the forms until they come: the server may be away, or this browser not paired yet. */
+  async #load() {
+    try {
+      const answer = await fetch("/api/modes");
+      if (!answer.ok) throw new Error(answer.statusText);
+      this.#forms.replaceChildren(...(await answer.json()).map((form) => this.#form(form)));
+    } catch {
+      setTimeout(() => this.#load(), RETRY);
+    }
   }
 
-  #goto(x, y, heading) {
-    if (!this.#check([x, y, heading])) return;
-    const radians = heading.value === "" ? null : (heading.valueAsNumber * Math.PI) / 180;
-    const message = { type: "goto", x: x.valueAsNumber, y: y.valueAsNumber, ...(radians === null ? {} : { heading: radians }) };
+  #form({ name, title, summary, advice, start, goes_to_place: goesToPlace, fields }) {
+    const made = fields.map((field) => this.#field(`${name}-${field.name}`, field));
+    const inputs = made.map(([input]) => input);
+    const begin = button(`${name}-start`, start, () => this.#start(name, goesToPlace, fields, inputs));
+    begin.setAttribute("aria-describedby", "mode-note");
+    this.#starts.push(begin);
+    const here = goesToPlace ? [button(`${name}-here`, "Where it is now", () => this.#fill(fields, inputs))] : [];
+    const words = goesToPlace ? `${summary} The place is in the map.` : `${summary} ${advice}`.trim();
+    const numbers = made.filter((_, i) => fields[i].choices.length === 0).map(([, element]) => element);
+    const choices = made.filter((_, i) => fields[i].choices.length > 0).map(([, element]) => element);
+    return part(title, make("p", { class: "words" }, words), ...choices, make("div", { class: "fields" }, ...numbers), make("div", { class: "row" }, begin, ...here));
+  }
+
+  #field(id, field) {
+    if (field.choices.length === 0) return figure(id, field);
+    const made = choice(id, field.title, field.choices.map(({ name, title, hint }) => [name, title, sentence(hint)]));
+    made[0].value = field.default;
+    made[0].dispatchEvent(new Event("change"));
+    return made;
+  }
+
+  #start(name, goesToPlace, fields, inputs) {
+    if (!this.#check(fields, inputs)) return;
+    const values = fields.map((field, i) => [field.name, field.choices.length ? inputs[i].value : inputs[i].valueAsNumber * field.scale]);
+    const given = Object.fromEntries(values.filter((_, i) => inputs[i].value !== ""));
+    const mode = { mode: name, ...given, seconds: Number(this.#time.value) };
+    const message = goesToPlace ? { type: "goto", ...given } : { type: "start_mode", mode };
     if (!this.#send(message)) this.#notify("Not connected: nothing was started.");
   }
 
-  #fill(x, y, heading) {
+  #fill(fields, inputs) {
     if (!this.#pose) return;
-    x.value = this.#pose.x.toFixed(2);
-    y.value = this.#pose.y.toFixed(2);
-    heading.value = String(Math.round(degrees(this.#pose.theta)));
+    const { x, y, theta } = this.#pose;
+    const here = { x: x.toFixed(2), y: y.toFixed(2), heading: String(Math.round(degrees(theta))) };
+    fields.forEach(({ name }, i) => { if (name in here) inputs[i].value = here[name]; });
   }
 
-  #check(inputs) {
-    const wrong = inputs.find((input) => !input.checkValidity() || (input.value === "" && input.id !== "goto-heading"));
+  #check(fields, inputs) {
+    const wrong = inputs.find((input, i) => isWrong(input) || (input.value === "" && fields[i].required));
     if (wrong) {
       wrong.focus();
       this.#notify(wrong.validationMessage || "A number is missing.");

@@ -1,0 +1,45 @@
+"""Modes: behaviors that drive by themselves, each described once, in a file of its own.
+
+The page's forms, the HTTP API, the command line, ROS's demos, the demo and the table in
+`docs/how-to/behave.md` are made from :data:`MODES`.
+"""
+
+from typing import TYPE_CHECKING, Union
+
+from pioneer3.behaviors.modes.by_hand import color_follow, teleop, unguarded
+from pioneer3.behaviors.modes.follow import Follow, follow
+from pioneer3.behaviors.modes.goto import Goto, goto
+from pioneer3.behaviors.modes.mode import Mode
+from pioneer3.behaviors.modes.turn import Turn
+from pioneer3.behaviors.modes.wander import Preset, Wander, wander
+
+MODES: tuple[type[Mode], ...] = (
+    Wander,
+    Follow,
+    Goto,
+    Turn,
+)
+"""All modes, in the order in which people see them. A new mode is a file and one line here."""
+
+if TYPE_CHECKING:
+    AnyMode = Mode
+else:
+    AnyMode = Union[MODES]  # noqa: UP007  a tuple of types
+"""The type to decode a mode as: a tagged union."""
+
+__all__ = [
+    "MODES",
+    "AnyMode",
+    "Follow",
+    "Goto",
+    "Mode",
+    "Preset",
+    "Turn",
+    "Wander",
+    "color_follow",
+    "follow",
+    "goto",
+    "teleop",
+    "unguarded",
+    "wander",
+]

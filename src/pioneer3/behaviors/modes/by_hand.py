@@ -1,0 +1,27 @@
+"""Stacks for the demo, which people or a camera steer: they are no modes to start by name."""
+
+from pioneer3.behaviors.action import MODE, Ranked, Stack
+from pioneer3.behaviors.actions import ColorFollow, DeceleratingLimiter, RatioInput
+from pioneer3.behaviors.modes.goto import guards
+
+
+def teleop(ratios: RatioInput, *, priority: int = MODE) -> Stack:
+    """Return the stack that drives by `ratios` and stops before obstacles."""
+    actions = [
+        Ranked(50, ratios),
+        Ranked(40, DeceleratingLimiter()),
+        Ranked(39, DeceleratingLimiter(backwards=True)),
+    ]
+    return Stack.of("teleop", priority, actions, "drives by keys or stick, stops before obstacles")
+
+
+def unguarded(ratios: RatioInput, *, priority: int = MODE) -> Stack:
+    """Return the stack that drives by `ratios`, into obstacles too."""
+    hint = "drives by keys or stick; NOTHING keeps it from obstacles"
+    return Stack.of("unguarded", priority, [Ranked(50, ratios)], hint)
+
+
+def color_follow(follow: ColorFollow, *, priority: int = MODE) -> Stack:
+    """Return the stack that drives after a colour and stops before obstacles."""
+    actions = [*guards(), Ranked(70, follow)]
+    return Stack.of("color follow", priority, actions, "drives after a colour that a camera sees")

@@ -1,0 +1,75 @@
+"""The mode that follows a person."""
+
+from typing import Annotated, ClassVar, Literal
+
+from msgspec import Meta
+
+from pioneer3.behaviors.action import MODE, Action, Ranked, Stack
+from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
+from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
+from pioneer3.behaviors.modes.mode import Choice, Choices, Distance, Mode
+from pioneer3.limits import Limits
+
+Rule = Literal["tracking", "lab"]
+RULES = Choices(
+    (
+        Choice("tracking", "Tracking", "remembers the person it follows"),
+        Choice("lab", "Lab", "goes to the nearest echo, as the lab's node"),
+    )
+)
+
+
+class Follow(Mode, frozen=True, tag="follow"):
+    """Follow the person in front with the front sonars.
+
+    It backs up from a person who comes nearer. Stand 0.6 m in front of it, then walk, not faster
+    than 0.4 m/s.
+    """
+
+    title: ClassVar[str] = "Follow"
+    doing: ClassVar[str] = "follows the person in front"
+    start: ClassVar[str] = "Start following"
+    example: ClassVar[str] = "--port /dev/ttyUSB0"
+
+    rule: Annotated[Rule, Meta(title="Rule"), RULES] = "tracking"
+    keep: Annotated[
+        Distance | None,
+        Meta(title="Distance to keep", description="Distance to keep; 0.3 unless given."),
+    ] = None
+
+    def stack(self, limits: Limits) -> Stack:
+        """Return a fresh stack that follows; no rule is faster than 0.5 m/s."""
+        return follow(self.rule, keep=self.keep)
+
+
+def follow(rule: Rule = "tracking", *, keep: float | None = None, priority: int = MODE) -> Stack:
+    """Return the stack that follows the person in front.
+
+    Both rules are held back alike: by :class:`Brake` ahead, as the other limiters would keep the
+    robot from where the person has just been, and by ARIA's limiter behind.
+
+    Args:
+        rule: `lab` goes to the nearest echo, `tracking` to the person that it has been following.
+        keep: Distance to keep [m]; from the transducer for `lab`, from the robot's front end for
+            `tracking`; 0.3 unless given.
+        priority: Against other stacks.
+
+    Raises:
+        ValueError: there is no such rule.
+    """
+    action: Action
+    match rule:
+        case "lab":
+            action = FollowLab() if keep is None else FollowLab(keep=keep)
+        case "tracking":
+            action = FollowTracking() if keep is None else FollowTracking(keep=keep)
+        case _:
+            names = " and ".join(RULES.names)
+            raise ValueError(f"follow: no rule is called {rule!r}, but {names} are")
+    actions = [
+        Ranked(100, LimiterTableSensor()),
+        Ranked(90, Brake()),
+        Ranked(80, LimiterBackwards()),
+        Ranked(50, action),
+    ]
+    return Stack.of("follow", priority, actions, Follow.doing)

@@ -1,0 +1,134 @@
+"""A mode of the demo: its description, and functions that know the robot, but no screen."""
+
+from collections.abc import Callable, Coroutine, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import Any
+
+from pioneer3.behaviors.action import Stack
+from pioneer3.demo.columns import Row
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.robot.devices import Acts, Presence
+from pioneer3.runtime.robot import Robot
+from pioneer3.state import Snapshot
+
+ALWAYS = Presence(True, "Every robot can do this.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gauge:
+    """A value to be drawn as a bar.
+
+    Attributes:
+        share: 0 to 1 of what is full, or -1 to 1 if `signed`.
+        text: The value in words.
+        alarm: Whether somebody should look at it.
+        big: Whether it is what the mode is about.
+    """
+
+    name: str
+    share: float
+    text: str
+    alarm: bool = False
+    big: bool = False
+    signed: bool = False
+
+
+class Context:
+    """The robot and the people at it, as every mode of the demo sees them.
+
+    Args:
+        robot: Connected.
+        say: Tells people a sentence.
+        work: Runs a coroutine while the mode is active, and tells what it fails with; returns what
+            ends it before.
+        acts: The colour tracker.
+
+    Attributes:
+        origin: Where the pose is 0, 0, 0 in odometry's frame; only what is shown depends on it.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        say: Callable[[str], None],
+        work: Callable[[Coroutine[Any, Any, object]], Callable[[], None]],
+        acts: Acts,
+    ) -> None:
+        self.robot = robot
+        self.say = say
+        self.work = work
+        self.acts = acts
+        self.origin: Pose2 = ORIGIN
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The latest reading, or `None` while the link is lost."""
+        return self.robot.snapshot
+
+    def pose(self, snapshot: Snapshot) -> Pose2:
+        """Return where the robot is, seen from :attr:`origin` [m, rad]."""
+        return self.origin.inverse() @ snapshot.odometry.robot_in_odom
+
+    def drives(self, stack: Stack | None) -> bool:
+        """Whether `stack` is what drives the robot."""
+        return stack is not None and self.robot.arbiter.mode is stack
+
+    def start(self, stack: Stack) -> None:
+        """Stop, then let `stack` drive; tell why it does not."""
+        self.tell(self.robot.arbiter.start(stack))
+
+    def tell(self, refused: str | None) -> None:
+        """Tell why the robot ignores what it was asked, if it does."""
+        if refused:
+            self.say(refused)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Description:
+    """A mode of the demo in words (facts.md 8).
+
+    Attributes:
+        key: Activates it, in lower or upper case.
+        name: ARIA's.
+        hint: What it shows or does, in a few words.
+        needs: What a robot needs for it, and how the demo knows.
+        help: What its own keys do, a line each.
+        make: Makes it for a robot.
+        label: A shorter name for lists; the name if empty.
+        by_hand: Whether what its keys set goes on until another key, so that hands must stay near.
+    """
+
+    key: str
+    name: str
+    hint: str
+    make: "Callable[[Context, Description], DemoMode]"
+    needs: str = ""
+    help: Sequence[str] = ()
+    label: str = ""
+    by_hand: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class DemoMode:
+    """A mode of the demo for one robot.
+
+    Attributes:
+        about: Its key, its name, its help.
+        presence: Whether the robot has what it needs, and how one knows.
+        enter: The block that is held while it is active.
+        on_key: Takes a key; returns whether that means anything.
+        again: Called when it is chosen while it is active.
+        row: ARIA's columns at this moment; `None` while there is nothing to show.
+        gauges: Bars for a screen.
+        details: Longer texts, a line each.
+    """
+
+    about: Description
+    presence: Callable[[], Presence] = lambda: ALWAYS
+    enter: Callable[[], AbstractContextManager[object]] = nullcontext
+    on_key: Callable[[str], bool] = lambda key: False
+    again: Callable[[], object] = lambda: None
+    row: Callable[[], Row | None] = lambda: None
+    gauges: Callable[[], Sequence[Gauge]] = lambda: ()
+    details: Callable[[], Sequence[str]] = lambda: ()
