@@ -54,7 +54,7 @@ async def drive():
         await robot.move(0.1)
         print("at", round(robot.snapshot.odometry.robot_in_odom.x, 1))
 
-from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave
 raise SystemExit(run_until_told_to_leave(drive()))
 """
 

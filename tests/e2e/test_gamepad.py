@@ -8,9 +8,8 @@ import pytest
 
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.start import simulator
-from pioneer3.teleop.evdev import open_gamepad, read
+from pioneer3.teleop.evdev import EV_ABS, EV_KEY, EV_SYN, EVENT, open_gamepad, read
 from pioneer3.teleop.gamepad_drive import GamepadDriver
-from pioneer3.teleop.input_events import EV_ABS, EV_KEY, EV_SYN, EVENT
 from tests.e2e.processes import until
 from tests.unit.teleop.test_evdev import Kernel, kernel
 

@@ -358,7 +358,7 @@ async def test_ports_are_consecutive_but_for_those_that_are_given() -> None:
 
 PROGRAM = """
 import asyncio, math
-from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware

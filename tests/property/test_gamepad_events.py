@@ -5,8 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pioneer3.teleop.gamepad import SCHEME, Gamepad
-from pioneer3.teleop.input_events import (
+from pioneer3.teleop.evdev import (
     AXES,
     BUTTONS,
     EV_ABS,
@@ -18,6 +17,7 @@ from pioneer3.teleop.input_events import (
     Decoder,
     Range,
 )
+from pioneer3.teleop.gamepad import SCHEME, Gamepad
 
 Event = tuple[int, int, int]
 CODE = {number: code for code, number in BUTTONS.items()}

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import Flag, TcpPort
-from pioneer3.cli.output import write_json, write_line
+from pioneer3.cli.process import write_json, write_line
 
 WebPort = Annotated[TcpPort, Parameter(name="--web-port")]
 

@@ -3,8 +3,8 @@
 import sys
 from typing import TextIO
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Speed
+from pioneer3.cli.process import run_until_told_to_leave
 
 
 def demo(
@@ -46,7 +46,7 @@ async def _demo(
 ) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
-    from pioneer3.cli.output import busy_sign  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
     from pioneer3.demo.modes import MODES  # noqa: PLC0415
     from pioneer3.demo.start import start_plain, start_screen  # noqa: PLC0415
     from pioneer3.errors import ConfigError  # noqa: PLC0415

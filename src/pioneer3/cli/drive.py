@@ -9,9 +9,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.cli.live import announce, rewrite, show_while, tell_cuts
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Patience, Seconds, Speed, TurnRate
-from pioneer3.cli.output import write_line
+from pioneer3.cli.process import run_until_told_to_leave, write_line
 
 KEYS = """\
 arrows or w a s d: drive   + -: faster, slower   m: motors   q: quit
@@ -81,8 +80,8 @@ async def _drive(
     latch: bool,
     patience: float,
 ) -> None:
-    from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+    from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
 
     with raw_terminal() as terminal:

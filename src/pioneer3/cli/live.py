@@ -6,9 +6,8 @@ from collections.abc import AsyncIterator, Callable, Coroutine
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LinkOptions, MotionOptions
-from pioneer3.cli.output import write_json, write_line, write_warning
+from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line, write_warning
 from pioneer3.units import SPEED, TURN_RATE
 
 if TYPE_CHECKING:

@@ -10,10 +10,8 @@ from cyclopts import App, CycloptsError, Group
 from pioneer3 import __version__
 from pioneer3.cli.access import access_app
 from pioneer3.cli.demo import demo
-from pioneer3.cli.doctor import doctor
+from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.drive import drive
-from pioneer3.cli.find_port import find_port
-from pioneer3.cli.info import info
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn

@@ -62,7 +62,7 @@ def check(
         robot: The model that must have room at homes and on the way to goals.
         json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.output import write_json  # noqa: PLC0415
+    from pioneer3.cli.process import write_json  # noqa: PLC0415
     from pioneer3.sim import map_convert  # noqa: PLC0415
 
     findings, code = map_convert.check(file, robot)
@@ -94,7 +94,7 @@ def convert(
         resolution: Side of a pixel of a .yaml map [m].
         force: Write over files that are there.
     """
-    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_line  # noqa: PLC0415
     from pioneer3.sim import map_convert  # noqa: PLC0415
 
     done = map_convert.convert(source, target, resolution=resolution, force=force)

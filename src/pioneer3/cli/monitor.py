@@ -5,8 +5,8 @@ from collections.abc import Awaitable
 from math import inf
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
+from pioneer3.cli.process import run_until_told_to_leave
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
@@ -43,7 +43,7 @@ def monitor(
 async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from contextlib import AsyncExitStack  # noqa: PLC0415
 
-    from pioneer3.cli.output import busy_sign  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
 
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {link.port} ..."):
@@ -58,7 +58,7 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
 
 async def _print_json(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.live import watch  # noqa: PLC0415
-    from pioneer3.cli.output import write_json  # noqa: PLC0415
+    from pioneer3.cli.process import write_json  # noqa: PLC0415
 
     def show(snapshot: "Snapshot | None" = None) -> None:
         write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
@@ -68,7 +68,7 @@ async def _print_json(robot: "Robot", seconds: float) -> int:
 
 async def _print_lines(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_line  # noqa: PLC0415
     from pioneer3.cli.screen import line  # noqa: PLC0415
 
     return await watch(
@@ -102,7 +102,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
 
     from pioneer3.arcos.reports import Report  # noqa: PLC0415
     from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
     from pioneer3.doctor.decoding_link import DecodingLink, described  # noqa: PLC0415
     from pioneer3.links import Link, opener  # noqa: PLC0415
     from pioneer3.runtime.connect import connect_async  # noqa: PLC0415

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import PORT, Baud
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.cli.ros1_demos import (
     MODE_DEMOS,
     android_teleop,
@@ -68,14 +68,14 @@ def ros1(
 
 
 async def _serve(arguments: tuple[str, ...], port: str | None, baud: int | None) -> int:
-    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_line  # noqa: PLC0415
     from pioneer3.ros.ros1.start import Options, serve  # noqa: PLC0415
 
     return await serve(Options(port=port, baud=baud, arguments=arguments), write_line)
 
 
 def _install(folder: Path) -> int:
-    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_line  # noqa: PLC0415
     from pioneer3.ros.ros1.package import install_package  # noqa: PLC0415
 
     package = install_package(folder)

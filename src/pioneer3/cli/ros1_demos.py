@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.behaviors.modes import MODES, Mode
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.motion import keyword, mode_options, with_signature
 from pioneer3.cli.options import Flag, Patience, Seconds, Speed, TurnRate
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def robots(*arguments: Arguments, json: Flag = False) -> int:
         arguments: ROS's own; they change nothing.
         json: Print JSON.
     """
-    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
     from pioneer3.ros.ros1.client import find_robots  # noqa: PLC0415
 
     found = find_robots()
@@ -67,9 +67,9 @@ def rob_key(
 
     async def drive(driven: "TopicRobot") -> None:
         from pioneer3.cli.live import rewrite, tell_cuts  # noqa: PLC0415
-        from pioneer3.cli.output import write_line  # noqa: PLC0415
-        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
+        from pioneer3.cli.process import write_line  # noqa: PLC0415
         from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+        from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
         from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
 
         with raw_terminal() as terminal:
@@ -107,19 +107,23 @@ def rob_key_multi(
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
     from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
-    from pioneer3.cli.output import write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_line  # noqa: PLC0415
     from pioneer3.ros.client.graph import chosen  # noqa: PLC0415
     from pioneer3.ros.ros1.client import find_robots, run_program  # noqa: PLC0415
-    from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
     from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-    from pioneer3.teleop.several import KEYS, Switchboard, numbers  # noqa: PLC0415
+    from pioneer3.teleop.keyboard_drive import (  # noqa: PLC0415
+        KEYS,
+        KeyboardDriver,
+        KeyRouter,
+        numbers,
+    )
     from pioneer3.teleop.terminal import raw_terminal, tokens  # noqa: PLC0415
 
     known = find_robots()
     wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
 
     async def drive(driven: "list[TopicRobot]") -> None:
-        board = Switchboard(numbers([each.name for each in wanted]), rewrite)
+        board = KeyRouter(numbers([each.name for each in wanted]), rewrite)
         for topics, each in zip(wanted, driven, strict=True):
             announce(each, f"is number {board.numbers[topics.name]}")
             limits = each.info.limits
@@ -211,8 +215,8 @@ def android_teleop(
         from pioneer3.cli.live import rewrite  # noqa: PLC0415
         from pioneer3.ros.client.phone import flicks  # noqa: PLC0415
         from pioneer3.ros.ros1.middleware import RospyTopics  # noqa: PLC0415
-        from pioneer3.teleop.drive import KeyboardDriver  # noqa: PLC0415
         from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
+        from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
 
         keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
         await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu, RospyTopics()))

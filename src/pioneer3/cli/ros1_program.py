@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave
 
 if TYPE_CHECKING:
     from pioneer3.behaviors.modes import Mode

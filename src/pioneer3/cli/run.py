@@ -6,8 +6,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import PORT, WORLD, Baud, Flag, Speed, TcpPort, WorldOptions
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.errors import ConfigError
 
 AS_USUAL = WorldOptions()

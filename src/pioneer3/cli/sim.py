@@ -4,28 +4,222 @@ import logging
 import sys
 from collections.abc import Iterator
 from contextlib import AsyncExitStack
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
+from cyclopts.validators import Number
 
-from pioneer3.cli.loop import run_until_told_to_leave
-from pioneer3.cli.options import WorldOptions
-from pioneer3.cli.sim_options import (
-    ErrorOptions,
-    MapOptions,
-    MobileSimOptions,
-    PortOptions,
-    TimeOptions,
-)
-from pioneer3.errors import PortBusyError
+from pioneer3.cli.options import WORLD, Flag, TcpPort, WorldOptions
+from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.errors import ConfigError, PortBusyError
 
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
+    from pioneer3.sim.realism import Realism
+    from pioneer3.sim.server.faults import LinkFaults
+    from pioneer3.sim.server.pacer import Pacer
     from pioneer3.sim.server.running import RunningSimulation
 
-MAP, WORLD, PORTS, TIME = MapOptions(), WorldOptions(), PortOptions(), TimeOptions()
-ERRORS, MOBILESIM = ErrorOptions(), MobileSimOptions()
+
+PORTS = Group.create_ordered("Ports")
+TIME = Group.create_ordered("Time")
+ERRORS = Group.create_ordered("Errors")
+MOBILESIM = Group.create_ordered("Accepted as MobileSim's")
+
+LOOPBACK = {"127.0.0.1", "localhost", "::1"}
+Unset = Parameter(show_default=False)
+OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
+NO_EFFECT = {
+    "update_interval": "robots report every 100 ms of simulated time; see --speed",
+    "update_sim_time": "the world moves in steps of 20 ms; see --speed",
+    "resolution": "walls are exact, there is no grid",
+    "ignore_command": "every command is obeyed",
+}
+
+
+@Parameter(name="*", group=WORLD)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapOptions:
+    """What stands there.
+
+    Attributes:
+        map_: A shipped map or world (office, lab), or a .map, map_server .yaml or world .toml file.
+        nomap: An empty plane in place of a map.
+    """
+
+    map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None
+    nomap: Flag = False
+
+    def name(self) -> str:
+        """Return the map to load.
+
+        Raises:
+            ConfigError: There is to be one, and none.
+        """
+        if self.nomap and self.map_:
+            raise ConfigError("--map and --nomap: give one of them")
+        return "empty" if self.nomap else self.map_ or "office"
+
+
+@Parameter(name="*", group=PORTS)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PortOptions:
+    """Where robots are met.
+
+    Attributes:
+        port: TCP port of the first robot (8101), the others have the next ones; 0 takes free ones.
+        bind: Address to listen on, such as 0.0.0.0; not 127.0.0.1 lets the network drive.
+        pty: A pseudo terminal for each robot besides, for programs that want a serial port.
+        acts: TCP port of an ACTS server (5001) that sees people, boxes and robots in channels 1,
+            2 and 3; further robots' have the next ones.
+    """
+
+    port: Annotated[TcpPort | None, Parameter(name=["--port", "-p"])] = None
+    bind: Annotated[str, Parameter(name=["--bind", "--bind-to-address"])] = "127.0.0.1"
+    pty: Flag = False
+    acts: Annotated[TcpPort | None, Parameter(show_default=False)] = None
+
+    @property
+    def first(self) -> int:
+        """TCP port of the first robot."""
+        return 8101 if self.port is None else self.port
+
+    @property
+    def warning(self) -> str:
+        """What to say of the address; nothing on loopback."""
+        if self.bind in LOOPBACK:
+            return ""
+        return f"there is no password: whoever reaches {self.bind} can drive these robots"
+
+
+@Parameter(name="*", group=TIME)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimeOptions:
+    """How time passes.
+
+    Attributes:
+        speed: Simulated seconds per real one, such as 10.
+        fast: As fast as possible.
+        lock_step: Time waits for the clients: one packet from each for every report.
+    """
+
+    speed: float = 1.0
+    fast: Flag = False
+    lock_step: Flag = False
+
+    def pace(self) -> "Pacer":
+        """Return the pace.
+
+        Raises:
+            ConfigError: The speed is none, or two are given.
+        """
+        from pioneer3.sim.server.pacer import Pacer  # noqa: PLC0415
+
+        if self.fast and self.speed != 1.0:
+            raise ConfigError("--speed and --fast: give one of them")
+        return Pacer(inf if self.fast else self.speed, lock_step=self.lock_step)
+
+
+@Parameter(name="*", group=ERRORS)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ErrorOptions:
+    """What goes wrong.
+
+    Attributes:
+        ideal: No noise, no slip, sonar as thin rays: robots do exactly what they are told.
+        odom_error_mode: Where the odometry's error comes from; all of it if not given.
+        no_error: The same as --odom-error-mode none.
+        fault: What is wrong with the cables: shares and seconds as in drop=0.01,delay=0.2.
+    """
+
+    ideal: Flag = False
+    odom_error_mode: OdometryMode | None = None
+    no_error: Flag = False
+    fault: Annotated[str, Unset] = ""
+
+    def realism(self) -> "Realism":
+        """Return how like real robots they are.
+
+        Raises:
+            ConfigError: Two ways of odometry error are given.
+        """
+        from pioneer3.sim.realism import Realism  # noqa: PLC0415
+
+        mode = self.odom_error_mode
+        if self.no_error and mode not in {None, "none"}:
+            raise ConfigError("--no-error and --odom-error-mode: give one of them")
+        realism = Realism.ideal() if self.ideal else Realism()
+        mode = "none" if self.no_error else mode
+        return realism.with_odometry(mode) if mode else realism
+
+    def faults(self) -> "LinkFaults":
+        """Return what is wrong with the cables.
+
+        Raises:
+            ConfigError: A word is wrong.
+        """
+        from pioneer3.sim.server.faults import LinkFaults  # noqa: PLC0415
+
+        return LinkFaults.parse(self.fault)
+
+
+@Parameter(name="*", group=MOBILESIM)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MobileSimOptions:
+    """What scripts for MobileSim pass.
+
+    Attributes:
+        no_gui: There is never a window.
+        noninteractive: Nothing is ever asked.
+        log_file: File that gets a line when somebody connects or leaves.
+        update_interval: No effect; [ms].
+        update_sim_time: No effect; [ms].
+        resolution: No effect; [mm].
+        ignore_command: No effect; number of a command.
+    """
+
+    no_gui: Flag = False
+    noninteractive: Flag = False
+    log_file: Annotated[Path | None, Parameter(name=["--log-file", "-l"])] = None
+    update_interval: int | None = None
+    update_sim_time: int | None = None
+    resolution: Annotated[float | None, Parameter(validator=Number(gt=0))] = None
+    ignore_command: Annotated[tuple[int, ...], Parameter(negative=(), show_default=False)] = ()
+
+    def log_handler(self) -> logging.Handler:
+        """Return what writes the log file.
+
+        Raises:
+            ConfigError: The file cannot be written.
+        """
+        assert self.log_file is not None
+        try:
+            handler = logging.FileHandler(self.log_file)
+        except OSError as error:
+            raise ConfigError(f"--log-file {self.log_file}: {error.strerror}") from None
+        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        return handler
+
+    def notes(self) -> list[str]:
+        """Return a line for each option that was given in vain."""
+        return [
+            f"--{name.replace('_', '-')} has no effect: {reason}"
+            for name, reason in NO_EFFECT.items()
+            if getattr(self, name) not in {None, ()}
+        ]
+
+
+MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
+    MapOptions(),
+    WorldOptions(),
+    PortOptions(),
+    TimeOptions(),
+)
+DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
 MANY = Parameter(negative=(), show_default=False)
 
 
@@ -34,11 +228,11 @@ def sim(
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
     map_: MapOptions = MAP,
-    world: WorldOptions = WORLD,
-    ports: PortOptions = PORTS,
-    time: TimeOptions = TIME,
-    errors: ErrorOptions = ERRORS,
-    mobilesim: MobileSimOptions = MOBILESIM,
+    world: WorldOptions = DEFAULT_WORLD,
+    ports: PortOptions = DEFAULT_PORTS,
+    time: TimeOptions = DEFAULT_TIME,
+    errors: ErrorOptions = DEFAULT_ERRORS,
+    mobilesim: MobileSimOptions = DEFAULT_MOBILESIM,
     verbose: Annotated[
         bool, Parameter(name=["--verbose", "-v"], negative="", show_default=False)
     ] = False,

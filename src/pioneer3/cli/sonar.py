@@ -4,8 +4,8 @@ import sys
 from math import hypot, inf, isfinite
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.loop import run_until_told_to_leave
 from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.geometry import Pose2
 from pioneer3.units import MM
 
@@ -76,7 +76,7 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
     Returns the exit code: 1 if the link is lost in the end.
     """
     from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.output import write_json, write_line  # noqa: PLC0415
+    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
 
     def show(snapshot: "Snapshot") -> None:
         distances = hull_distances(robot.info.model, snapshot.sonar.ranges)

@@ -7,14 +7,13 @@ from contextlib import AbstractContextManager
 from pioneer3.behaviors.actions import Hold
 from pioneer3.runtime.priorities import GAMEPAD
 from pioneer3.runtime.robot import Robot
-from pioneer3.teleop.evdev import Device
+from pioneer3.teleop.evdev import Decoder, Device
 from pioneer3.teleop.gamepad import SCHEME, Gamepad, Scheme
-from pioneer3.teleop.input_events import Decoder
 
 RENEW = 0.05
-"""Pause between two wishes while the button is held [s]."""
-LEASE = 0.3
-"""A wish that is not renewed ends after this [s]: this program may hang too."""
+"""Pause between two commands while the button is held [s]."""
+COMMAND_TIMEOUT = 0.3
+"""A command that is not renewed ends after this [s]: this program may hang too."""
 SEARCH = 1.0
 """Pause between two looks for a gamepad [s]."""
 
@@ -81,7 +80,7 @@ class GamepadDriver:
                 decoder.feed(chunk)
                 self._act(decoder.pressed, gamepad)
                 decoder.pressed.clear()
-                self._wish(gamepad)
+                self._command(gamepad)
         finally:
             renewing.cancel()
             await asyncio.gather(renewing, return_exceptions=True)
@@ -89,7 +88,7 @@ class GamepadDriver:
 
     async def _renew(self, gamepad: Gamepad) -> None:
         while True:
-            self._wish(gamepad)
+            self._command(gamepad)
             await asyncio.sleep(RENEW)
 
     def _act(self, pressed: list[int], gamepad: Gamepad) -> None:
@@ -105,10 +104,10 @@ class GamepadDriver:
             gamepad.let_go()
             self._robot.reset_emergency_stop()
 
-    def _wish(self, gamepad: Gamepad) -> None:
+    def _command(self, gamepad: Gamepad) -> None:
         arbiter, wanted = self._robot.arbiter, gamepad.wanted
         if not wanted.is_zero:
-            arbiter.hold(self._hold, wanted, LEASE)
+            arbiter.hold(self._hold, wanted, COMMAND_TIMEOUT)
         elif self._hold.holds(self._clock(), arbiter.last_stop):
             arbiter.release(self._hold)
         else:

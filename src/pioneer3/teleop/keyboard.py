@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from math import inf
+from typing import Final
 
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import Twist2
@@ -145,3 +146,22 @@ class Keyboard:
         ends = [until for until in (forward_until, turn_until) if until > now]
         twist = Twist2(forward * self.speed, turn * self.turn_rate)
         return twist, min(ends, default=now) - now
+
+
+FLICK_RATE: Final = 3.0
+"""Slower turns mean nothing [rad/s]."""
+
+
+def key_of_rotation(x: float, y: float, z: float) -> Key | None:
+    """Return the key that a phone's turning stands for, if any.
+
+    Args:
+        x: About its right-hand side [rad/s]: forward, back.
+        y: About its upper side: stop.
+        z: About its screen: left, right.
+    """
+    if abs(x) > FLICK_RATE:
+        return Key.FORWARD if x > 0 else Key.BACK
+    if abs(z) > FLICK_RATE:
+        return Key.LEFT if z > 0 else Key.RIGHT
+    return Key.STOP if abs(y) > FLICK_RATE else None

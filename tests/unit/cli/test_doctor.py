@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pioneer3.cli.doctor import doctor
+from pioneer3.cli.diagnosis import doctor
 from pioneer3.cli.tables import verdict
 from pioneer3.doctor.facts import Finding, Level
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pioneer3.cli.find_port import find_port
+from pioneer3.cli.diagnosis import find_port
 from pioneer3.cli.tables import advice
 from pioneer3.doctor import ports, probe
 from pioneer3.doctor.ports import SerialPort

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from pioneer3.arcos.reports import Config
-from pioneer3.cli.info import info
+from pioneer3.cli.diagnosis import info
 from pioneer3.cli.options import LinkOptions
 from pioneer3.cli.tables import robot_tables
 from pioneer3.errors import PortNotFoundError

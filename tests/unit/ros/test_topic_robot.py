@@ -19,8 +19,8 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.maps import LineMap
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
-from pioneer3.teleop.drive import KeyboardDriver
 from pioneer3.teleop.keyboard import Key, Keyboard
+from pioneer3.teleop.keyboard_drive import KeyboardDriver
 from tests.support import SimulatedRobot, until, wall_at
 from tests.unit.ros.support import Blank, update
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pioneer3.cli.sim_options import ErrorOptions
+from pioneer3.cli.sim import ErrorOptions
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.realism import MODES, OdometryErrors, Realism, SonarErrors
 

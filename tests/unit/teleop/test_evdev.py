@@ -12,8 +12,7 @@ import pytest
 
 from pioneer3.errors import ConfigError, PortPermissionError
 from pioneer3.teleop import evdev
-from pioneer3.teleop.evdev import open_gamepad, read, request
-from pioneer3.teleop.input_events import BTN_SOUTH, Range
+from pioneer3.teleop.evdev import BTN_SOUTH, Range, open_gamepad, read, request
 
 # as a C program prints them that includes linux/input.h
 EVIOCGNAME_256, EVIOCGBIT_KEY_256, EVIOCGBIT_ABS_256 = 0x81004506, 0x81004521, 0x81004523

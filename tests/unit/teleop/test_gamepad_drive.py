@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import Robot, connect_async
-from pioneer3.teleop.evdev import Device
+from pioneer3.teleop.evdev import BUTTONS, EV_ABS, EV_KEY, EV_SYN, EVENT, SYN_DROPPED, Device, Range
 from pioneer3.teleop.gamepad import SCHEME
-from pioneer3.teleop.gamepad_drive import LEASE, GamepadDriver
-from pioneer3.teleop.input_events import BUTTONS, EV_ABS, EV_KEY, EV_SYN, EVENT, SYN_DROPPED, Range
+from pioneer3.teleop.gamepad_drive import COMMAND_TIMEOUT, GamepadDriver
 from tests.support import SimulatedRobot
 
 BRAKING = 0.45
@@ -218,4 +217,4 @@ async def test_a_driver_that_hangs_is_outlived_by_its_lease() -> None:
     async with playing() as player:
         await go(player)
         held = player.robot.arbiter.decision.until - asyncio.get_running_loop().time()
-        assert 0.0 < held <= LEASE
+        assert 0.0 < held <= COMMAND_TIMEOUT

@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.demo.modes import MODES
 from pioneer3.demo.program import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY, named
-from pioneer3.teleop import several
+from pioneer3.teleop import keyboard_drive
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.keyboard import Key
 from pioneer3.teleop.terminal import SEQUENCES, keys_in
@@ -58,18 +58,18 @@ def test_the_keys_of_drive(token: str, row: list[str]) -> None:
 
 @pytest.mark.parametrize(("token", "row"), ROWS, ids=IDS)
 def test_the_keys_of_several_robots(token: str, row: list[str]) -> None:
-    key = None if token in several.LETTERS else SEQUENCES.get(token)
+    key = None if token in keyboard_drive.LETTERS else SEQUENCES.get(token)
     told = WORDS[key] if key else ""
     if key in {Key.STOP, Key.EMERGENCY}:
-        assert key in several.FOR_ALL
+        assert key in keyboard_drive.FOR_ALL
         told += " of all"
-    if token in several.NEXT:
+    if token in keyboard_drive.NEXT:
         told = "next robot"
-    elif token in several.ALL:
+    elif token in keyboard_drive.ALL:
         told = "all robots"
     elif token.isdecimal():
         told = "this robot"
-    elif token in several.QUIT:
+    elif token in keyboard_drive.QUIT:
         told = "quit"
     assert row[3] == told
 

@@ -6,8 +6,7 @@ from contextlib import suppress
 from typing import Any, Final
 
 from pioneer3.ros.node.middleware import Sender, Topics
-from pioneer3.teleop.flick import key_of
-from pioneer3.teleop.keyboard import Key
+from pioneer3.teleop.keyboard import Key, key_of_rotation
 
 IMU: Final = "sensor_msgs/Imu"
 SILENT: Final = 0.5
@@ -23,7 +22,7 @@ async def flicks(topic: str, middleware: Topics) -> AsyncIterator[Key]:
     def receive(message: Any, _: Sender) -> None:
         turns = message.angular_velocity
         with suppress(RuntimeError):  # the loop has ended
-            loop.call_soon_threadsafe(keys.put_nowait, key_of(turns.x, turns.y, turns.z))
+            loop.call_soon_threadsafe(keys.put_nowait, key_of_rotation(turns.x, turns.y, turns.z))
 
     subscription = await asyncio.to_thread(middleware.subscribe, topic, IMU, receive, queue=QUEUE)
     drives = False

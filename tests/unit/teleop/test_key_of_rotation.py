@@ -2,8 +2,7 @@
 
 import pytest
 
-from pioneer3.teleop.flick import FLICK, key_of
-from pioneer3.teleop.keyboard import Key
+from pioneer3.teleop.keyboard import FLICK_RATE, Key, key_of_rotation
 
 
 @pytest.mark.parametrize(
@@ -15,9 +14,9 @@ from pioneer3.teleop.keyboard import Key
         ((0.0, 0.0, -3.1), Key.RIGHT),
         ((0.0, 3.1, 0.0), Key.STOP),
         ((0.0, -3.1, 0.0), Key.STOP),
-        ((FLICK, -FLICK, FLICK), None),
+        ((FLICK_RATE, -FLICK_RATE, FLICK_RATE), None),
         ((float("nan"), 0.0, 0.0), None),
     ],
 )
 def test_a_flick_is_a_key(turns: tuple[float, float, float], key: Key | None) -> None:
-    assert key_of(*turns) is key
+    assert key_of_rotation(*turns) is key

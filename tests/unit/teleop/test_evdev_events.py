@@ -2,8 +2,8 @@
 
 import pytest
 
+from pioneer3.teleop.evdev import EVENT, Decoder, Range
 from pioneer3.teleop.gamepad import Gamepad
-from pioneer3.teleop.input_events import EVENT, Decoder, Range
 
 XBOX, SONY = Range(-32768, 32767), Range(0, 255)
 PRESS_L1 = "70f1a0650000000012d3040000000000 0100 3601 01000000"

@@ -9,8 +9,8 @@ import pytest
 
 from pioneer3 import Robot, connect_async
 from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.teleop.drive import LEASE, KeyboardDriver
 from pioneer3.teleop.keyboard import HOLD, PATIENCE, Key, Keyboard
+from pioneer3.teleop.keyboard_drive import COMMAND_TIMEOUT, KeyboardDriver
 from tests.support import SimulatedRobot
 
 BRAKING = 0.45
@@ -237,7 +237,7 @@ async def test_a_program_that_hangs_drives_no_longer_than_its_lease() -> None:
         renewing = [t for t in asyncio.all_tasks() if "_renew" in repr(t.get_coro())]
         assert len(renewing) == 1
         renewing[0].cancel()
-        await asyncio.sleep(LEASE + BRAKING)
+        await asyncio.sleep(COMMAND_TIMEOUT + BRAKING)
         assert the.sim.speed == 0.0
 
 

@@ -6,9 +6,8 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 from pioneer3.runtime.connect import connect_async
-from pioneer3.teleop.drive import KeyboardDriver
 from pioneer3.teleop.keyboard import Keyboard
-from pioneer3.teleop.several import Switchboard, numbers
+from pioneer3.teleop.keyboard_drive import KeyboardDriver, KeyRouter, numbers
 from tests.support import SimulatedRobot
 
 UP, LEFT = "\x1b[A", "\x1b[D"
@@ -33,7 +32,7 @@ class Seat:
         lines: Every live line.
     """
 
-    board: Switchboard
+    board: KeyRouter
     sims: list[SimulatedRobot]
     lines: list[str]
     typed: "asyncio.Queue[str]"
@@ -57,7 +56,7 @@ async def seat() -> AsyncIterator[Seat]:
                 yield await typed.get()
 
         lines: list[str] = []
-        board, sims = Switchboard({"one": 1, "three": 3}, lines.append), []
+        board, sims = KeyRouter({"one": 1, "three": 3}, lines.append), []
         for name in board.numbers:
             sims.append(sim := await stack.enter_async_context(SimulatedRobot()))
             robot = await stack.enter_async_context(connect_async(sim.open))

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from pioneer3.cli.loop import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.runtime.signals import LEAVE
 
 pytestmark = pytest.mark.realtime

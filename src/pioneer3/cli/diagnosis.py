@@ -1,0 +1,232 @@
+"""`pioneer3 info`, `doctor` and `find-port`."""
+
+import sys
+from typing import TYPE_CHECKING
+
+from pioneer3.cli.options import DEFAULT_PORT, LINK, Baud, Flag, LinkOptions, Port, Seconds
+from pioneer3.cli.process import run_until_told_to_leave
+
+if TYPE_CHECKING:
+    from pioneer3.doctor.facts import Finding
+    from pioneer3.doctor.ports import SerialPort
+    from pioneer3.doctor.probe import Probed
+    from pioneer3.runtime.robot import Robot
+
+
+def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
+    """Show who the robot is, its limits, its battery and its whole configuration.
+
+    Nothing moves.
+
+    Example: pioneer3 info --port /dev/ttyUSB0
+
+    Args:
+        link: The robot.
+        json: Print JSON for programs, nothing else.
+    """
+    return run_until_told_to_leave(_info(link, json=json))
+
+
+async def _info(link: LinkOptions, *, json: bool) -> int:
+    from contextlib import AsyncExitStack  # noqa: PLC0415
+
+    from pioneer3.cli.process import busy_sign, write_json  # noqa: PLC0415
+
+    async with AsyncExitStack() as stack:
+        with busy_sign(f"Connecting to {link.port} ..."):
+            connecting = link.connect(auto_enable=False)
+            robot = await stack.enter_async_context(connecting)
+        if json:
+            write_json(_as_data(robot), indent=2)
+        else:
+            _show_robot(robot)
+    return 0
+
+
+def _show_robot(robot: "Robot") -> None:
+    from rich.console import Console  # noqa: PLC0415
+
+    from pioneer3.cli.tables import robot_tables  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    for table in robot_tables(robot.info, robot.snapshot):
+        console.print(table)
+
+
+def _as_data(robot: "Robot") -> dict[str, object]:
+    from pioneer3.robot.identity import kind  # noqa: PLC0415
+
+    info, snapshot = robot.info, robot.snapshot
+    return {
+        "kind": kind(info),
+        "url": info.url,
+        "speed": info.speed,
+        "identity": info.identity,
+        "model": info.model,
+        "limits": info.limits,
+        "battery": snapshot.battery if snapshot else None,
+        "config": info.config,
+    }
+
+
+def doctor(
+    *, port: Port = DEFAULT_PORT, baud: Baud = None, seconds: Seconds = 3.0, json: Flag = False
+) -> int:
+    """Check everything from the plug to the wheels; say what is wrong and what to do.
+
+    Nothing moves, and the motors stay off. The exit code is 0 unless a check
+    failed; then 3 (no robot can be reached), 4 (no permission) or 1.
+
+    Example: pioneer3 doctor --port /dev/ttyUSB0
+
+    Args:
+        port: The robot: /dev/ttyUSB0, localhost:8101.
+        baud: Serial speed to try first.
+        seconds: How long to listen to the robot.
+        json: Print JSON for programs, nothing else.
+    """
+    return run_until_told_to_leave(_doctor(port, baud, seconds, json=json))
+
+
+async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+    from pioneer3.cli.process import busy_sign, write_json  # noqa: PLC0415
+    from pioneer3.doctor.diagnose import (  # noqa: PLC0415
+        diagnose,
+        exit_code,
+        gather,
+    )
+
+    with busy_sign(f"Asking {port}, and listening for {seconds:g} s ..."):
+        findings = diagnose(await gather(port, baud=baud, seconds=seconds))
+    code = exit_code(findings)
+    if json:
+        write_json({"port": port, "exit_code": code, "findings": findings}, indent=2)
+    else:
+        _show_findings(findings)
+    return code
+
+
+def _show_findings(findings: "tuple[Finding, ...]") -> None:
+    from rich.console import Console  # noqa: PLC0415
+
+    from pioneer3.cli.tables import findings_table, verdict  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    console.print(findings_table(findings))
+    console.print(verdict(findings))
+
+
+def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False) -> int:
+    """List the ports of this computer and say which one is the robot's.
+
+    Ports that no other program uses are asked politely: nothing moves, nothing is
+    set. The exit code is 3 when no robot was found.
+
+    Example: pioneer3 find-port
+
+    Args:
+        no_probe: Only list the ports; send nothing.
+        wait: Find the port by unplugging the robot's cable and plugging it in again.
+        json: Print JSON for programs, nothing else.
+    """
+    return run_until_told_to_leave(_find_port(no_probe=no_probe, wait=wait, json=json))
+
+
+async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
+    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
+    from pioneer3.doctor.probe import SIMULATOR_URL, found_code  # noqa: PLC0415
+
+    ports = await _replugged() if wait else list_ports()
+    urls = () if wait else (SIMULATOR_URL,)
+    found = await _looked_at(ports, urls, no_probe=no_probe)
+    if json:
+        _print_json(found)
+    else:
+        _show_ports(found, probed=not no_probe)
+    return found_code(found)
+
+
+async def _looked_at(
+    ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
+) -> "list[Probed]":
+    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
+    from pioneer3.doctor.probe import not_probed, probe, probe_port  # noqa: PLC0415
+
+    if no_probe:
+        return not_probed(ports, urls)
+    found = []
+    for port in ports:
+        with busy_sign(f"Asking {port.path} ..."):
+            found.append(await probe_port(port))
+    for url in urls:
+        with busy_sign(f"Asking {url} ..."):
+            found.append(await probe(url))
+    return found
+
+
+async def _replugged() -> "tuple[SerialPort, ...]":
+    """Lead a person through unplugging and plugging in; return the ports that came back."""
+    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
+    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
+    from pioneer3.doctor.probe import came_back, wait_for_plug  # noqa: PLC0415
+
+    before = list_ports()
+    _say("Unplug the robot's cable from this computer, then press Enter. ")
+    await _enter_pressed()
+    without = list_ports()
+    if not came_back(before, without, before):
+        _say("No port has vanished: was the cable in this computer?\n")
+    _say("Now plug it in again.\n")
+    with busy_sign("Waiting for it ..."):
+        return await wait_for_plug(before, without, list_ports)
+
+
+async def _enter_pressed() -> None:
+    """Wait for a line on stdin; unlike a thread that reads, this can be interrupted."""
+    import asyncio  # noqa: PLC0415
+
+    loop, ready = asyncio.get_running_loop(), asyncio.Event()
+    try:
+        loop.add_reader(sys.stdin.fileno(), ready.set)
+    except OSError:  # a file, which never makes anybody wait
+        return
+    try:
+        await ready.wait()
+    finally:
+        loop.remove_reader(sys.stdin.fileno())
+    sys.stdin.readline()
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(text)
+    sys.stderr.flush()
+
+
+def _print_json(found: "list[Probed]") -> None:
+    from pioneer3.cli.process import write_json  # noqa: PLC0415
+    from pioneer3.doctor.probe import choose  # noqa: PLC0415
+
+    best = choose(found)
+    ports = [
+        {
+            "url": each.url,
+            "verdict": each.verdict,
+            "detail": each.detail,
+            "port": each.port,
+            "identity": each.info.identity if each.info else None,
+        }
+        for each in found
+    ]
+    write_json({"use": best.url if best else None, "ports": ports}, indent=2)
+
+
+def _show_ports(found: "list[Probed]", *, probed: bool) -> None:
+    from rich.console import Console  # noqa: PLC0415
+
+    from pioneer3.cli.tables import advice, ports_table  # noqa: PLC0415
+
+    console = Console(highlight=False)
+    if found:
+        console.print(ports_table(found))
+    if probed:
+        console.print(advice(found), soft_wrap=True)
