@@ -11,8 +11,9 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import MemoryLink, null_modem
 from pioneer3.robot.devices.acts import Acts
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import Box, EquipmentOptions, RobotSpec, WorldFile
+from pioneer3.sim.worldfile import Box, RobotSpec, WorldFile
 
 WORLD = WorldFile(
     name="two boxes",

@@ -1,8 +1,8 @@
-"""What is screwed onto one robot."""
+"""The accessories of a robot: those it has, and the choices of people about them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from math import isfinite, pi
-from typing import Literal
+from typing import Any, Literal
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
@@ -15,7 +15,7 @@ GYRO_TYPES = (0, 1, 2)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Equipment:
-    """The accessories of a robot; by default what every Pioneer 3 has and nothing else.
+    """The accessories of a robot; by default those that every Pioneer 3 has.
 
     Attributes:
         gripper: Two paddles on a lift, connected to the general inputs (type 2).
@@ -28,7 +28,7 @@ class Equipment:
         camera_port: The AUX port that the camera is connected to.
         north: Where magnetic north lies in the world, counter-clockwise from its x axis [rad].
         compass_noise: Standard deviation of the compass [rad].
-        gyro_bias: What the gyro adds to every rate [rad/s].
+        gyro_bias: Added to every rate of the gyro [rad/s].
         gyro_noise: Standard deviation of a sample of the gyro [rad/s].
 
     Raises:
@@ -48,7 +48,7 @@ class Equipment:
     gyro_noise: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be built, naming the field."""
+        """Refuse impossible values, by the name of the field."""
         _one_of("gyro_type", self.gyro_type, GYRO_TYPES)
         _one_of("camera_port", self.camera_port, PORTS)
         _one_of("camera", self.camera, (None, "vcc4", "sony"))
@@ -62,8 +62,66 @@ class Equipment:
 
     @classmethod
     def of(cls, model: RobotModel) -> "Equipment":
-        """Return what robots of this type come with: a PeopleBot senses tables."""
+        """Return the accessories that this type of robot comes with: a PeopleBot senses tables."""
         return cls(table_ir="new" if model.table_irs else None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EquipmentOptions:
+    """Choices of :class:`Equipment`; `None` keeps the model's own.
+
+    Attributes:
+        gripper: Whether there is one.
+        bumpers: Segments in front, and as many behind; they belong to the model.
+        compass: Whether there is a TCM2.
+        gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
+        joystick: Whether there is one at the robot.
+        camera: Canon VC-C4 or Sony EVI-D30.
+        camera_port: The AUX port it is connected to.
+        table_ir: The wiring of the table sensors.
+        north: Direction of magnetic north, counter-clockwise from the x axis [rad].
+        compass_noise: Standard deviation [rad].
+        gyro_bias: Added to every rate [rad/s].
+        gyro_noise: Standard deviation [rad/s].
+    """
+
+    gripper: bool | None = None
+    compass: bool | None = None
+    gyro_type: int | None = None
+    bumpers: int | None = None
+    joystick: bool | None = None
+    camera: Literal["none"] | Camera | None = None
+    camera_port: int | None = None
+    table_ir: Literal["none"] | TableWiring | None = None
+    north: float | None = None
+    compass_noise: float | None = None
+    gyro_bias: float | None = None
+    gyro_noise: float | None = None
+
+    def equipment_of(self, model: RobotModel) -> Equipment:
+        """Return the equipment of a robot of this model."""
+        chosen: dict[str, Any] = {
+            key: None if value == "none" else value for key, value in self._chosen().items()
+        }
+        chosen.pop("bumpers", None)
+        return replace(Equipment.of(model), **chosen)
+
+    def model_with(self, model: RobotModel) -> RobotModel:
+        """Return `model` with the chosen bumpers, which are part of a robot's outline."""
+        if self.bumpers is None:
+            return model
+        return replace(model, front_bumpers=self.bumpers, rear_bumpers=self.bumpers)
+
+    def overridden_by(self, other: "EquipmentOptions") -> "EquipmentOptions":
+        """Return these choices, replaced by those of `other` that are not `None`."""
+        return replace(self, **other._chosen())
+
+    def _chosen(self) -> "dict[str, Any]":
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+NO_OPTIONS = EquipmentOptions()
 
 
 def _one_of(field: str, value: object, choices: tuple[object, ...]) -> None:

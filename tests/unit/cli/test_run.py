@@ -14,8 +14,9 @@ from pioneer3 import ConfigError, PortBusyError, PortNotFoundError
 from pioneer3.cli.main import app, execute
 from pioneer3.cli.run import run
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec
+from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web import live as live_module
 from pioneer3.web.access import hosts

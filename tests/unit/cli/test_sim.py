@@ -11,8 +11,9 @@ import pytest
 from pioneer3.cli import sim as sim_module
 from pioneer3.cli.main import execute
 from pioneer3.geometry import Pose2
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec
+from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 
 Seen = list[dict[str, Any]]

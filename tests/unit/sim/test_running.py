@@ -22,12 +22,13 @@ from pioneer3.arcos.commands import Open, SimCtrl, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links.urls import open_link, split_host
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, machine_address, url_of
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import Box, EquipmentOptions, Person, RobotSpec
+from pioneer3.sim.worldfile import Box, Person, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web.scene import Scene
 from tests.support import SYNCS, frame, until

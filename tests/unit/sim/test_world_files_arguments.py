@@ -7,7 +7,8 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.worldfile import EquipmentOptions, RobotSpec, Start, WorldFile
+from pioneer3.sim.equipment import EquipmentOptions
+from pioneer3.sim.worldfile import RobotSpec, Start, WorldFile
 from pioneer3.sim.worldfile.arguments import WorldOverrides, parse_robot, parse_start
 
 ALICE = RobotSpec(

@@ -9,7 +9,7 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.worldfile import EquipmentOptions as Options
+from pioneer3.sim.equipment import EquipmentOptions as Options
 from pioneer3.sim.worldfile import parse_equipment, parse_world, to_toml
 from pioneer3.sim.worldfile.schema import EquipmentTable
 

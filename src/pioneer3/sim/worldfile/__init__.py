@@ -4,7 +4,6 @@ from pioneer3.sim.worldfile.load import ClientMaps, load_map, load_world, shippe
 from pioneer3.sim.worldfile.person import Person, outlines_at
 from pioneer3.sim.worldfile.spec import (
     Box,
-    EquipmentOptions,
     Place,
     RobotSpec,
     Start,
@@ -22,7 +21,6 @@ from pioneer3.sim.worldfile.toml import (
 __all__ = [
     "Box",
     "ClientMaps",
-    "EquipmentOptions",
     "Person",
     "Place",
     "RobotSpec",

@@ -5,22 +5,20 @@ msgspec reads and checks them. Tables have the field names of the objects in
 """
 
 from math import degrees
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional, Self, get_type_hints
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Struct, defstruct, field
 from msgspec.structs import asdict
 
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.models.model import BUMPERS
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,
     Box,
-    Camera,
-    EquipmentOptions,
     Place,
     RobotSpec,
-    TableIr,
     Wall,
 )
 from pioneer3.units import DEGREE
@@ -64,23 +62,19 @@ _ANGLES = {
     "gyro_bias": "gyro_bias_deg_s",
     "gyro_noise": "gyro_noise_deg_s",
 }
+_RANGES = {
+    "gyro_type": Annotated[int, Meta(ge=0, le=2)],
+    "bumpers": Annotated[int, Meta(ge=0, le=int(BUMPERS.high))],
+    "camera_port": Annotated[int, Meta(ge=1, le=3)],
+    "north": Angle,
+    "compass_noise": Annotated[float, Meta(ge=0, le=180)],
+    "gyro_bias": Annotated[float, Meta(ge=-100, le=100)],
+    "gyro_noise": Annotated[float, Meta(ge=0, le=100)],
+}
 
 
-class EquipmentTable(Table, rename={"gyro_type": "gyro", **_ANGLES}):
+class _EquipmentTable(Table):
     """The equipment of a robot, and the words of `--fit`."""
-
-    gripper: bool | None = None
-    compass: bool | None = None
-    gyro_type: Annotated[int, Meta(ge=0, le=2)] | None = None
-    bumpers: Annotated[int, Meta(ge=0, le=int(BUMPERS.high))] | None = None
-    joystick: bool | None = None
-    camera: Camera | None = None
-    camera_port: Annotated[int, Meta(ge=1, le=3)] | None = None
-    table_ir: TableIr | None = None
-    north: Angle | None = None
-    compass_noise: Annotated[float, Meta(ge=0, le=180)] | None = None
-    gyro_bias: Annotated[float, Meta(ge=-100, le=100)] | None = None
-    gyro_noise: Annotated[float, Meta(ge=0, le=100)] | None = None
 
     def options(self) -> EquipmentOptions:
         """Return the choices in SI."""
@@ -93,6 +87,21 @@ class EquipmentTable(Table, rename={"gyro_type": "gyro", **_ANGLES}):
         """Return the table of some choices."""
         angles = {name: getattr(options, name) for name in _ANGLES}
         return cls.like(options, **{n: a if a is None else _degrees(a) for n, a in angles.items()})
+
+
+if TYPE_CHECKING:
+    EquipmentTable = _EquipmentTable
+else:
+    EquipmentTable = defstruct(
+        "EquipmentTable",
+        [
+            (name, Optional[_RANGES[name]] if name in _RANGES else kind, None)  # noqa: UP045
+            for name, kind in get_type_hints(EquipmentOptions).items()
+        ],
+        bases=(_EquipmentTable,),
+        rename={"gyro_type": "gyro", **_ANGLES},
+    )
+    EquipmentTable.__doc__ = _EquipmentTable.__doc__
 
 
 class RobotTable(Table):

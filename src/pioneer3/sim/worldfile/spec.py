@@ -1,17 +1,16 @@
 """The contents of a world file: map, robots, boxes, walls, places, people; frozen, in SI."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, sin
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.models import RobotModel
-from pioneer3.sim.equipment import Equipment
+from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.maps import LineMap, MapObject, empty_map, read_map, shipped_map
 from pioneer3.sim.maps.line_map import solid_walls
 from pioneer3.sim.worldfile.person import Person, Point
@@ -20,71 +19,9 @@ Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
 """A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
 
-NONE = "none"
-Camera = Literal["none", "vcc4", "sony"]
-TableIr = Literal["none", "old", "new"]
-
 FARTHEST = 1e5
 """Of a coordinate [m]."""
 BOX_KIND = "Sim.BoxObstacle"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EquipmentOptions:
-    """Choices of :class:`pioneer3.sim.equipment.Equipment`; `None` keeps the model's own.
-
-    Attributes:
-        gripper: Whether there is one.
-        bumpers: Segments in front, and as many behind; they belong to the model.
-        compass: Whether there is a TCM2.
-        gyro_type: 0 none, 1 the host corrects the heading, 2 the controller does.
-        joystick: Whether there is one at the robot.
-        camera: Canon VC-C4 or Sony EVI-D30.
-        camera_port: The AUX port it is connected to.
-        table_ir: The wiring of the table sensors.
-        north: Direction of magnetic north, counter-clockwise from the x axis [rad].
-        compass_noise: Standard deviation [rad].
-        gyro_bias: Added to every rate [rad/s].
-        gyro_noise: Standard deviation [rad/s].
-    """
-
-    gripper: bool | None = None
-    bumpers: int | None = None
-    compass: bool | None = None
-    gyro_type: int | None = None
-    joystick: bool | None = None
-    camera: Camera | None = None
-    camera_port: int | None = None
-    table_ir: TableIr | None = None
-    north: float | None = None
-    compass_noise: float | None = None
-    gyro_bias: float | None = None
-    gyro_noise: float | None = None
-
-    def equipment_of(self, model: RobotModel) -> Equipment:
-        """Return the equipment of a robot of this model."""
-        chosen: dict[str, Any] = {
-            key: None if value == NONE else value for key, value in self._chosen().items()
-        }
-        chosen.pop("bumpers", None)
-        return replace(Equipment.of(model), **chosen)
-
-    def model_with(self, model: RobotModel) -> RobotModel:
-        """Return `model` with the chosen bumpers, which are part of a robot's outline."""
-        if self.bumpers is None:
-            return model
-        return replace(model, front_bumpers=self.bumpers, rear_bumpers=self.bumpers)
-
-    def overridden_by(self, other: "EquipmentOptions") -> "EquipmentOptions":
-        """Return these choices, replaced by those of `other` that are not `None`."""
-        return replace(self, **other._chosen())
-
-    def _chosen(self) -> "dict[str, Any]":
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value for name, value in values.items() if value is not None}
-
-
-NO_OPTIONS = EquipmentOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,9 +13,10 @@ from typing import Any, TypeVar, get_args, get_type_hints
 
 from pioneer3.errors import ConfigError
 from pioneer3.models.toml import load_toml
+from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.maps import shipped_maps
 from pioneer3.sim.maps.text import decoded, one_line, read_bytes, shown, write_bytes, wrong
-from pioneer3.sim.worldfile.spec import EquipmentOptions, Place, RobotSpec, WorldFile
+from pioneer3.sim.worldfile.spec import Place, RobotSpec, WorldFile
 
 Table = TypeVar("Table")
 
@@ -25,15 +26,8 @@ LONGEST_KEY = 40
 MODEL_FILES = (".toml", ".p")
 KINDS = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
 """ARIA's type of the places in each table; a goal with a heading is a GoalWithHeading."""
-_ALONE = {
-    "gripper": "true",
-    "bumpers": "5",
-    "compass": "true",
-    "joystick": "true",
-    "gyro": "1",
-    "table_ir": "new",
-}
-"""Values of the words of `--fit` that may stand without one."""
+_ALONE = {"bumpers": "5", "gyro": "1", "table_ir": "new"}
+"""Values of the words of `--fit` that may stand without one; a switch is on then."""
 _EXPECTED = {
     "int": "a whole number",
     "float": "a number",
@@ -96,15 +90,17 @@ def parse_equipment(text: str) -> EquipmentOptions:
     """
     from pioneer3.sim.worldfile.schema import EquipmentTable  # noqa: PLC0415 - imports msgspec
 
+    switches = get_type_hints(EquipmentOptions).items()
+    alone = {name: "true" for name, kind in switches if kind == bool | None} | _ALONE
     source = _Source("--fit", "")
     said: dict[str, object] = {}
     for word in filter(None, (word.strip() for word in text.split(","))):
         key, equals, value = (part.strip() for part in word.partition("="))
         key = key.replace("-", "_")
-        if key in EquipmentTable.__struct_encode_fields__ and not equals and key not in _ALONE:
+        if key in EquipmentTable.__struct_encode_fields__ and not equals and key not in alone:
             example = "camera=vcc4" if key == "camera" else f"{key.replace('_', '-')}=1"
             raise source.wrong(key, f"needs a value, such as {example}")
-        said[key] = _scalar(value if equals else _ALONE.get(key, "true"))
+        said[key] = _scalar(value if equals else alone.get(key, "true"))
     return _converted(source, said, EquipmentTable).options()
 
 
