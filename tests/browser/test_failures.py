@@ -109,7 +109,7 @@ def test_a_device_that_goes_offline_stops_the_robot(page: Page, product: Product
     page.keyboard.up("ArrowUp")
 
 
-def test_two_pages_that_fight_for_the_wheel_do_not_mix(page: Page, product: Product) -> None:
+def test_two_pages_that_fight_for_control_do_not_mix(page: Page, product: Product) -> None:
     second = page.context.new_page()
     second.goto(product.address)
     wait_for_the_robot(second)

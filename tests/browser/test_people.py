@@ -103,7 +103,7 @@ def test_an_invitation_to_watch_offers_no_more(browser: Browser, shared: Product
         expect(bob.locator("#watch")).to_be_visible()
 
 
-def test_the_wheel_is_handed_over_by_name(browser: Browser, shared: Product) -> None:
+def test_control_is_handed_over_by_name(browser: Browser, shared: Product) -> None:
     with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
         ann.click("#driver")
         ann.click("#lease-take")

@@ -157,7 +157,7 @@ def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product
     second.close()
 
 
-def test_the_wheel_that_is_taken_is_the_selected_robots(page: Page, product: Product) -> None:
+def test_control_that_is_taken_is_the_selected_robots(page: Page, product: Product) -> None:
     page.keyboard.press("2")
     page.locator("#driver").click()
     page.locator("#lease-take").click()

@@ -1,4 +1,4 @@
-"""Schemathesis against the API: no failure, nothing undeclared, no motion without the wheel."""
+"""Schemathesis against the API: no failure, nothing undeclared, no motion without control."""
 
 import asyncio
 import json
@@ -56,7 +56,7 @@ SCHEMA = schemathesis.openapi.from_dict(document())
 
 @dataclass(eq=False)
 class Keeper:
-    """Has the wheel, and lets the robot stand."""
+    """Has control, and lets the robot stand."""
 
     name: str = "keeper"
 
@@ -88,7 +88,7 @@ class Target:
 
 @pytest.fixture
 def target(request: pytest.FixtureRequest) -> Iterator[Target]:
-    """Serve a robot; with the parameter `kept`, somebody has its wheel all the time."""
+    """Serve a robot; with the parameter `kept`, another has control all the time."""
     ready: Future[Target] = Future()
     loop, leave = asyncio.new_event_loop(), asyncio.Event()
     kept = getattr(request, "param", "") == "kept"
@@ -149,7 +149,7 @@ def test_whatever_is_asked_the_answer_is_one_that_the_document_knows(target: Tar
 
 
 @pytest.mark.parametrize("target", ["kept"], indirect=True)
-def test_a_driver_without_the_wheel_moves_nothing(target: Target) -> None:
+def test_a_driver_without_control_moves_nothing(target: Target) -> None:
     headers = target.token(Role.DRIVER)
     for one in OPERATIONS:
         if one.name not in {"take_wheel", "leave", "revoke_session"}:  # takes over; ends itself

@@ -1,4 +1,4 @@
-"""A fuzzer at the page's WebSocket: it goes on answering, and nothing moves without the wheel."""
+"""A fuzzer at the page's WebSocket: it goes on answering, and nothing moves without control."""
 
 import asyncio
 import json
@@ -55,7 +55,7 @@ hard = settings(
 
 
 async def attack(role: Role, sent: list[str | bytes]) -> None:
-    """Send everything as one who has not got the wheel; then the socket must still answer."""
+    """Send everything as a client without control; then the socket must still answer."""
     async with playground() as the, Browser(the.app) as keeper:
         keeper.say("take_wheel")
         _, secret = the.page.access.sessions.open("fuzz", role, Kind.BROWSER)
@@ -80,7 +80,7 @@ async def attack(role: Role, sent: list[str | bytes]) -> None:
 
 @hard
 @given(st.lists(frames, min_size=10, max_size=40))
-async def test_a_driver_without_the_wheel_moves_nothing(sent: list[str | bytes]) -> None:
+async def test_a_driver_without_control_moves_nothing(sent: list[str | bytes]) -> None:
     await attack(Role.DRIVER, sent)
 
 

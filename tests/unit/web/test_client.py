@@ -128,7 +128,7 @@ async def test_a_key_held_while_somebody_else_stops_counts_again_once_let_go() -
         assert the.speed == pytest.approx(0.3)
 
 
-async def test_who_holds_the_wheel_may_press_again_right_after_her_own_stop() -> None:
+async def test_who_holds_control_may_press_again_right_after_her_own_stop() -> None:
     async with product() as the, Browser(the.app) as ann:
         await ann.keep_driving(0.3, 1.5)
         ann.say("stop")
@@ -137,7 +137,7 @@ async def test_who_holds_the_wheel_may_press_again_right_after_her_own_stop() ->
         assert the.speed == pytest.approx(0.3)
 
 
-async def test_the_wheel_is_free_a_moment_after_it_is_let_go() -> None:
+async def test_control_is_free_a_moment_after_it_is_let_go() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         await ann.keep_driving(0.3, 1.0)
         ann.drive(0.0)
@@ -150,7 +150,7 @@ async def test_the_wheel_is_free_a_moment_after_it_is_let_go() -> None:
         assert the.speed == pytest.approx(0.2)
 
 
-async def test_the_wheel_is_free_at_once_when_the_driver_leaves() -> None:
+async def test_control_is_free_at_once_when_the_driver_leaves() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         await ann.keep_driving(0.3, 1.0)
         await ann.leave()

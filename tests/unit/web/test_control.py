@@ -22,7 +22,7 @@ async def hold(the: Product, who: object, twist: Twist2, seconds: float) -> None
         await asyncio.sleep(0.066)
 
 
-async def test_who_asks_for_the_wheel_keeps_it_while_they_are_heard_of() -> None:
+async def test_who_asks_for_control_keeps_it_while_they_are_heard_of() -> None:
     async with product() as the:
         control = the.control
         assert control.take(ANN, keep=True) is None
@@ -79,7 +79,7 @@ async def test_taking_over_what_is_yours_changes_nothing() -> None:
         assert the.speed == pytest.approx(0.3)
 
 
-async def test_handing_over_stops_the_robot_and_passes_the_wheel() -> None:
+async def test_handing_over_stops_the_robot_and_passes_control() -> None:
     async with product() as the:
         await hold(the, ANN, FORWARD, 1.5)
         assert the.control.hand_over(BOB, ANN) == "you do not have control"
@@ -90,7 +90,7 @@ async def test_handing_over_stops_the_robot_and_passes_the_wheel() -> None:
         assert the.control.drive(ANN, FORWARD) == "bob has control"
 
 
-async def test_a_mode_keeps_the_wheel_for_who_started_it() -> None:
+async def test_a_mode_keeps_control_for_who_started_it() -> None:
     async with product() as the:
         control = the.control
         assert control.start(ANN, wander(), 20.0, patience=inf) is None
@@ -134,7 +134,7 @@ async def test_a_mode_ends_with_who_started_it_and_says_who_ended_it(how: str, w
         assert the.speed == 0.0
 
 
-async def test_pages_take_hand_over_and_give_up_the_wheel_openly() -> None:
+async def test_pages_take_hand_over_and_give_up_control_openly() -> None:
     async with (
         product() as the,
         Browser(the.app, user_agent="Mozilla (iPhone; Mobile)") as ann,
@@ -161,7 +161,7 @@ async def test_pages_take_hand_over_and_give_up_the_wheel_openly() -> None:
         assert bob.latest("people")["wheels"] == []
 
 
-async def test_a_page_that_only_lies_open_keeps_the_wheel_by_its_pings() -> None:
+async def test_a_page_that_only_lies_open_keeps_control_by_its_pings() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         ann.say("take_wheel")
         for _ in range(20):
@@ -174,7 +174,7 @@ async def test_a_page_that_only_lies_open_keeps_the_wheel_by_its_pings() -> None
         assert the.control.holder is None
 
 
-async def test_nobody_is_handed_the_wheel_who_is_not_here() -> None:
+async def test_nobody_is_handed_control_who_is_not_here() -> None:
     async with product() as the, Browser(the.app) as ann:
         ann.say("take_wheel")
         ann.say("hand_over", to=99)

@@ -147,7 +147,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
         assert drive.linear.velocity == 0.0
 
 
-async def test_who_has_not_the_wheel_sends_it_nowhere() -> None:
+async def test_who_has_not_control_sends_it_nowhere() -> None:
     async with playground(line_map=ROOM) as the, Browser(the.app) as ann, Browser(the.app) as bob:
         ann.say("take_wheel")
         await asyncio.sleep(SOON)

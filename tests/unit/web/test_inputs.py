@@ -141,7 +141,7 @@ async def test_a_press_right_after_a_reset_drives(source: Input) -> None:
 
 
 @pytest.mark.parametrize("source", get_args(Input))
-async def test_the_wheel_lost_in_the_middle_ends_every_input(source: Input) -> None:
+async def test_control_lost_in_the_middle_ends_every_input(source: Input) -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         grip = Grip(ann, source, 0.3)
         await asyncio.sleep(1.0)

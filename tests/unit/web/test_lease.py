@@ -11,7 +11,7 @@ def test_nobody_holds_a_new_lease() -> None:
     assert Lease[str]().holder(0.0) is None
 
 
-def test_the_first_gets_the_wheel_and_the_second_is_refused() -> None:
+def test_the_first_gets_control_and_the_second_is_refused() -> None:
     lease = Lease[str]()
     assert lease.take("ann", 0.0)
     assert not lease.take("bob", TERM / 2)
@@ -34,7 +34,7 @@ def test_a_refused_attempt_does_not_prolong_the_lease() -> None:
     assert lease.holder(1.0) is None
 
 
-def test_whoever_gives_up_frees_the_wheel_at_once() -> None:
+def test_whoever_gives_up_frees_control_at_once() -> None:
     lease = Lease[str]()
     lease.take("ann", 0.0)
     lease.release("ann")

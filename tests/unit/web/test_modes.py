@@ -90,7 +90,7 @@ async def test_a_stop_by_anybody_ends_a_mode() -> None:
         assert ann.latest("told")["message"].startswith("Vera stopped the robot")
 
 
-async def test_only_who_has_the_wheel_starts_and_ends_modes() -> None:
+async def test_only_who_has_control_starts_and_ends_modes() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
         ann.say("start_mode", mode=WANDER)
         await ann.stay(2.0)

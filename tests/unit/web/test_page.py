@@ -1,4 +1,4 @@
-"""One wheel for all visitors. Virtual time."""
+"""One operator at a time. Virtual time."""
 
 import asyncio
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ async def test_a_drive_expires_after_half_a_second() -> None:
         assert the.robot.supervisor.pilot.asked(asyncio.get_running_loop().time()) == STILL
 
 
-async def test_a_zero_drive_lets_go_but_keeps_the_wheel() -> None:
+async def test_a_zero_drive_lets_go_but_keeps_control() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         the.control.drive_from_page(ANN, STILL)
@@ -47,7 +47,7 @@ async def test_a_zero_drive_lets_go_but_keeps_the_wheel() -> None:
         assert the.control.drive_from_page(ANN, SLOW) is None
 
 
-async def test_even_letting_go_is_refused_to_who_does_not_hold_the_wheel() -> None:
+async def test_even_letting_go_is_refused_to_who_does_not_hold_control() -> None:
     async with product() as the:
         the.control.drive_from_page(ANN, SLOW)
         assert the.control.drive_from_page(BOB, STILL) == "ann has control"

@@ -99,7 +99,7 @@ async def test_a_viewer_may_stop_the_robot(request_: str) -> None:
         assert the.speed == 0.0
 
 
-async def test_nobody_hands_the_wheel_to_a_viewer() -> None:
+async def test_nobody_hands_control_to_a_viewer() -> None:
     async with product() as the, arrive(the, Role.DRIVER) as ann, arrive(the, Role.VIEWER) as vera:
         ann.say("take_wheel")
         ann.say("hand_over", to=vera.latest("people")["id"])

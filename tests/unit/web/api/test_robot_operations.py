@@ -69,7 +69,7 @@ async def test_zero_lets_go() -> None:
 
 
 @pytest.mark.parametrize("call", ["drive", "goto", "mode"])
-async def test_nothing_drives_while_somebody_else_has_the_wheel(call: str) -> None:
+async def test_nothing_drives_while_somebody_else_has_control(call: str) -> None:
     body = {
         "drive": {"v": 0.3},
         "goto": {"x": 1, "y": 0},
@@ -92,7 +92,7 @@ async def test_nothing_drives_while_somebody_else_has_the_wheel(call: str) -> No
         assert the.travelled == 0.0
 
 
-async def test_the_wheel_is_taken_over_openly() -> None:
+async def test_control_is_taken_over_openly() -> None:
     async with product() as the, Browser(the.app) as ann:
         await ann.keep_driving(0.3, 1.5)
         script = script_of(the, Role.DRIVER)
