@@ -24,11 +24,11 @@ Placed = tuple[float, float, float]
 _encoder = msgspec.json.Encoder()
 
 
-class Part(msgspec.Struct, gc=False):
+class Part(msgspec.Struct, gc=False, frozen=True):
     """A part of a message."""
 
 
-class Message(msgspec.Struct, tag_field="type"):
+class Message(msgspec.Struct, tag_field="type", frozen=True):
     """Any message to the page."""
 
 
@@ -40,7 +40,7 @@ def encode(message: msgspec.Struct) -> str:
 # -- the robots and their connections
 
 
-class Shape(Part):
+class Shape(Part, frozen=True):
     """A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]."""
 
     name: str
@@ -55,7 +55,7 @@ class Shape(Part):
     sonar_max: float
 
 
-class SpeedLimits(Part):
+class SpeedLimits(Part, frozen=True):
     """Highest speeds, and those that a page begins with [m/s, rad/s]."""
 
     speed: float
@@ -64,7 +64,7 @@ class SpeedLimits(Part):
     default_turn_rate: float
 
 
-class Robot(Part):
+class Robot(Part, frozen=True):
     """A robot. `robot` and `limits` are null until it has been connected to."""
 
     id: int
@@ -76,14 +76,14 @@ class Robot(Part):
     laser: bool
 
 
-class Model(Part):
+class Model(Part, frozen=True):
     """A type of robot that can be added to the simulated world."""
 
     name: str
     title: str
 
 
-class Hello(Message, tag="hello"):
+class Hello(Message, tag="hello", frozen=True):
     """All robots. `models` is null where the world cannot be changed."""
 
     version: str
@@ -92,7 +92,7 @@ class Hello(Message, tag="hello"):
     gamepad: Scheme
 
 
-class Status(Message, tag="status"):
+class Status(Message, tag="status", frozen=True):
     """The state of the connection to a robot."""
 
     robot: int
@@ -103,7 +103,7 @@ class Status(Message, tag="status"):
 # -- snapshots
 
 
-class Sonar(Part):
+class Sonar(Part, frozen=True):
     """Ranges from the front left on [m]; null where nothing echoed."""
 
     ranges: tuple[float | None, ...]
@@ -115,7 +115,7 @@ class Sonar(Part):
         return cls(tuple(r if isfinite(r) else None for r in sonar.ranges), sonar.enabled)
 
 
-class Motors(Part):
+class Motors(Part, frozen=True):
     """The drive."""
 
     enabled: bool
@@ -129,7 +129,7 @@ class Motors(Part):
         return cls(motors.enabled, motors.stalled, motors.moving, motors.stop_button)
 
 
-class Link(Part):
+class Link(Part, frozen=True):
     """Reports per second [1/s], and counts of bad frames, reports and sessions."""
 
     rate: float
@@ -138,14 +138,14 @@ class Link(Part):
     sessions: int
 
 
-class Driver(Part):
+class Driver(Part, frozen=True):
     """A driver; `id` is the number of a client, null for a script or an action."""
 
     id: int | None
     name: str
 
 
-class ModeEnd(Part):
+class ModeEnd(Part, frozen=True):
     """The mode that ended last, whether it was done, and the reason."""
 
     mode: str
@@ -153,7 +153,7 @@ class ModeEnd(Part):
     why: str
 
 
-class Target(Part):
+class Target(Part, frozen=True):
     """The place that a mode drives to, in the map; `person` if it follows a person there."""
 
     x: float
@@ -162,7 +162,7 @@ class Target(Part):
     person: bool
 
 
-class Snapshot(Part):
+class Snapshot(Part, frozen=True):
     """A reading of a robot, ten times a second. Poses are in the map.
 
     `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
@@ -190,13 +190,13 @@ class Snapshot(Part):
     target: Target | None
 
 
-class Robots(Message, tag="robots"):
+class Robots(Message, tag="robots", frozen=True):
     """New snapshots, of one or several robots."""
 
     snapshots: tuple[Snapshot, ...]
 
 
-class Sweep(Part):
+class Sweep(Part, frozen=True):
     """A sweep of a laser.
 
     `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in
@@ -210,7 +210,7 @@ class Sweep(Part):
     ranges: tuple[int, ...]
 
 
-class Scans(Message, tag="scans"):
+class Scans(Message, tag="scans", frozen=True):
     """New sweeps, of one or several lasers, for clients that subscribed to them."""
 
     scans: tuple[Sweep, ...]
@@ -219,7 +219,7 @@ class Scans(Message, tag="scans"):
 # -- the world
 
 
-class MapCells(Part):
+class MapCells(Part, frozen=True):
     """A grid as a grey PNG picture in base64; its first row is the lowest, which `corner` is at."""
 
     png: str
@@ -227,7 +227,7 @@ class MapCells(Part):
     corner: Placed
 
 
-class MapObject(Part):
+class MapObject(Part, frozen=True):
     """A named place, line or area; `heads` if its heading `theta` means anything."""
 
     role: ObjectRole
@@ -242,7 +242,7 @@ class MapObject(Part):
     points: tuple[tuple[float, float], ...]
 
 
-class Drawing(Part):
+class Drawing(Part, frozen=True):
     """A map: walls as lines x0, y0, x1, y1 [m], grids, and named places."""
 
     name: str
@@ -251,13 +251,13 @@ class Drawing(Part):
     objects: tuple[MapObject, ...]
 
 
-class Map(Message, tag="map"):
+class Map(Message, tag="map", frozen=True):
     """The map, null where none is known."""
 
     map: Drawing | None
 
 
-class Thing(msgspec.Struct, tag_field="kind", kw_only=True):
+class Thing(msgspec.Struct, tag_field="kind", kw_only=True, frozen=True):
     """A thing of the simulated world; its size from the pose to the front, the rear, a side [m]."""
 
     id: int
@@ -268,19 +268,19 @@ class Thing(msgspec.Struct, tag_field="kind", kw_only=True):
     pose: Placed
 
 
-class Box(Thing, tag="box"):
+class Box(Thing, tag="box", frozen=True):
     """A box."""
 
     walks: bool
 
 
-class Person(Thing, tag="person"):
+class Person(Thing, tag="person", frozen=True):
     """A person."""
 
     walks: bool
 
 
-class SimulatedRobot(Thing, tag="robot", kw_only=True):
+class SimulatedRobot(Thing, tag="robot", kw_only=True, frozen=True):
     """A simulated robot; `own` is the number of a robot that the page drives, null of others."""
 
     model: str
@@ -293,7 +293,7 @@ class SimulatedRobot(Thing, tag="robot", kw_only=True):
     charge: float
 
 
-class Clock(Part):
+class Clock(Part, frozen=True):
     """The simulated time [s], null while it runs, and how fast it runs."""
 
     paused: bool
@@ -302,7 +302,7 @@ class Clock(Part):
     time: float | None
 
 
-class World(Message, tag="world"):
+class World(Message, tag="world", frozen=True):
     """Changes of the simulated world.
 
     `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are
@@ -319,7 +319,7 @@ class World(Message, tag="world"):
 # -- the clients
 
 
-class Client(Part):
+class Client(Part, frozen=True):
     """A client of the page."""
 
     id: int
@@ -327,7 +327,7 @@ class Client(Part):
     role: Role
 
 
-class Holder(Part):
+class Holder(Part, frozen=True):
     """The operator who has control of a robot; `id` is null for a script."""
 
     robot: int
@@ -335,7 +335,7 @@ class Holder(Part):
     name: str
 
 
-class People(Message, tag="people"):
+class People(Message, tag="people", frozen=True):
     """The receiving client, the operators who have control, and all clients."""
 
     id: int
@@ -345,31 +345,31 @@ class People(Message, tag="people"):
     guests: tuple[Client, ...]
 
 
-class Told(Message, tag="told"):
+class Told(Message, tag="told", frozen=True):
     """News for this client alone."""
 
     message: str
 
 
-class Refused(Message, tag="refused"):
+class Refused(Message, tag="refused", frozen=True):
     """The reason to refuse a request."""
 
     message: str
 
 
-class EditRefused(Message, tag="edit_refused"):
+class EditRefused(Message, tag="edit_refused", frozen=True):
     """The reason to refuse a change of the simulated world."""
 
     message: str
 
 
-class Added(Message, tag="added"):
+class Added(Message, tag="added", frozen=True):
     """The number of the thing that was added to the simulated world."""
 
     id: int | None
 
 
-class Pong(Message, tag="pong"):
+class Pong(Message, tag="pong", frozen=True):
     """The answer to a ping."""
 
     t: float
@@ -378,21 +378,21 @@ class Pong(Message, tag="pong"):
 # -- details of one robot, for clients that subscribed to them
 
 
-class Sides(Part):
+class Sides(Part, frozen=True):
     """Speeds of the left and the right wheel [m/s]."""
 
     left: float
     right: float
 
 
-class Stalls(Part):
+class Stalls(Part, frozen=True):
     """Whether the left and the right wheels are blocked."""
 
     left: bool
     right: bool
 
 
-class LinkDetails(Part):
+class LinkDetails(Part, frozen=True):
     """The link; `speed` in baud, null where it has none."""
 
     url: str
@@ -404,14 +404,14 @@ class LinkDetails(Part):
     sessions: int
 
 
-class AnalogPort(Part):
+class AnalogPort(Part, frozen=True):
     """The selected analog port and its voltage [V]."""
 
     port: int
     voltage: float
 
 
-class Lines(Part):
+class Lines(Part, frozen=True):
     """Digital and analog lines; `analog` [V] is null where the robot does not tell them all."""
 
     digital_in: tuple[bool, ...]
@@ -420,14 +420,14 @@ class Lines(Part):
     selected: AnalogPort
 
 
-class SensorValue(Part):
+class SensorValue(Part, frozen=True):
     """A value of a sensor, with its unit."""
 
     label: str
     text: str
 
 
-class SensorDetails(Part):
+class SensorDetails(Part, frozen=True):
     """A sensor: its presence in words, and its values while it sends readings."""
 
     name: str
@@ -435,14 +435,14 @@ class SensorDetails(Part):
     values: tuple[SensorValue, ...]
 
 
-class NoDetails(Message, tag="details"):
+class NoDetails(Message, tag="details", frozen=True):
     """The robot is not connected."""
 
     robot: int
     known: Literal[False] = False
 
 
-class Details(Message, tag="details", kw_only=True):
+class Details(Message, tag="details", kw_only=True, frozen=True):
     """More about a robot than a snapshot has."""
 
     robot: int
@@ -464,7 +464,7 @@ class Details(Message, tag="details", kw_only=True):
     sensors: tuple[SensorDetails, ...]
 
 
-class Config(Message, tag="config"):
+class Config(Message, tag="config", frozen=True):
     """The robot's CONFIG, and the reason for not asking it anew, or null."""
 
     robot: int
