@@ -77,10 +77,10 @@ async def _readings(tap: Tap, node: Command) -> list[Row]:
     delays = [1000 * (when - tap.answered[bisect_right(tap.answered, when) - 1]) for when in came]
     pauses = [after - before for before, after in pairwise(came)]
     return [
-        Row("SIP to Odometry in a subscriber, median", median(delays), "ms", 2),
+        Row("SIP to Odometry in a subscriber, median", median(delays), "ms", 2.5),
         Row("the same, 99th percentile", percentile_99(delays), "ms", None),
         Row("off from 10 poses a second", abs(len(pauses) / sum(pauses) - 10), "Hz", 0.1),
-        Row("one core per node, six topics subscribed to", 100 * share, "%", 2.5),
+        Row("one core per node, six topics subscribed to", 100 * share, "%", 3),
         Row("memory of a node", memory, "MiB", 90),
     ]
 
