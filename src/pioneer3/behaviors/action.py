@@ -238,7 +238,7 @@ class Stack:
         name: Shown to people.
         priority: Against other stacks; within, each action has its own.
         actions: Highest priority first.
-        hint: What it does, in a sentence.
+        hint: Its effect, in a few words.
     """
 
     name: str

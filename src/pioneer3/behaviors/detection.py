@@ -15,7 +15,7 @@ SAME_PLACE = 0.12
 BESIDE = 1.4
 """Places up to this far outside a beam, in half beams, may have sent its echo."""
 STANDS = 2.0
-"""What has been at the same place for this long stands there [s]."""
+"""An echo from the same place for this long is furniture [s]."""
 OFTEN = 3
 """At least so many echoes make a place."""
 FORGET = 30.0
@@ -49,7 +49,7 @@ class ClutterPoint:
 
 
 class ClutterMap:
-    """Takes echoes that are nobody's.
+    """Remembers places of echoes that do not come from the person who is followed.
 
     An echo comes from somewhere on an arc; it is said to come from a place that is known already,
     if one is on it.
@@ -75,7 +75,7 @@ class ClutterMap:
             self.spots = [*self.spots, spot][-MOST:]
 
     def explains(self, ping: Ping) -> float:
-        """Return how much longer a range is than that to what stands there [m]; `inf`: nothing."""
+        """Return how much longer a range is than that to the furniture there [m]; `inf`: none."""
         spot = self._at(ping, standing=True)
         return ping.distance - ping.seen(spot.x, spot.y)[0] if spot else inf
 
@@ -94,7 +94,7 @@ class ClutterMap:
         self.spots.append(ClutterPoint(*ping.point, ping.stamp, ping.stamp))
 
     def _clear(self, ping: Ping) -> None:
-        """Doubt what should have sent a nearer echo. Slanting walls send none, so only doubt."""
+        """Count against places that should have echoed nearer: slanting walls may be silent."""
         for spot in self.spots:
             away, off = ping.seen(spot.x, spot.y)
             if (
@@ -107,16 +107,16 @@ class ClutterMap:
 
 
 RADIUS = 0.25
-"""Of somebody who walks, seen from above [m]."""
+"""Of a person who walks, seen from above [m]."""
 REACH = 1.0
 """People are taken up to this far in front of the robot's front end [m]."""
 AHEAD = radians(35)
-"""Transducers that look farther aside find nobody new [rad]."""
+"""Transducers that look farther aside find no new person [rad]."""
 STRAIGHT, FACING = radians(20), 0.3
-"""Whom transducers hear that look farther aside than this [rad] counts as so much farther away [m]:
-who wants to be followed stands straight ahead."""
+"""A person heard farther aside than this [rad] counts as so much farther away [m]: a person who
+wants to be followed stands straight ahead."""
 RETURN_REACH, RETURN_NEAR, RETURN_AHEAD = 1.6, 0.7, radians(60)
-"""Whoever was lost may come back from this far [m], this near to where they are expected [m]."""
+"""A lost person may come back from this far [m], this near to the expected place [m]."""
 FRONT = radians(60)
 """Transducers that look less aside than this are the front [rad]."""
 FRESH = 0.5
@@ -124,7 +124,7 @@ FRESH = 0.5
 STEP = 0.2
 """Neighbours whose ranges differ less hear the same thing [m]."""
 SENDS_BACK = 0.7
-"""Share of half of somebody's width from which echoes come back: they glance off its sides."""
+"""Share of half of a person's width from which echoes come back: they glance off its sides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +135,7 @@ class PersonDetector:
         latest: The last firing of each transducer, by its number.
         now: [s]
         model: Of the robot.
-        clutter: What is known to be furniture.
+        clutter: The known furniture.
     """
 
     latest: Mapping[int, Ping]
@@ -148,7 +148,7 @@ class PersonDetector:
         return [ping for ping in self.latest.values() if self._echo(ping)]
 
     def nearest_person(self) -> Ping | None:
-        """Return the nearest echo in front that may be somebody, or `None`."""
+        """Return the nearest echo in front that may be a person, or `None`."""
         mounts = self.model.sonars
         found = self._candidates(AHEAD, REACH)
         return _nearest(
@@ -159,7 +159,7 @@ class PersonDetector:
         )
 
     def returning_person(self, x: float, y: float) -> Ping | None:
-        """Return the nearest echo close to where somebody is expected, or `None`."""
+        """Return the nearest echo close to the place where a person is expected, or `None`."""
         found = self._candidates(RETURN_AHEAD, RETURN_REACH)
         return _nearest([pair for pair in found if _beside(pair[1], x, y) < RETURN_NEAR])
 
@@ -179,7 +179,7 @@ class PersonDetector:
         return found | _if_wide(run)
 
     def _from_left_to_right(self) -> list[Ping | None]:
-        """Return what the front hears; `None` where nothing echoed lately."""
+        """Return the pings of the front; `None` where nothing echoed lately."""
         mounts = self.model.sonars
         front = [i for i, mount in enumerate(mounts) if abs(mount.theta) < FRONT]
         front.sort(key=lambda i: -mounts[i].theta)
@@ -190,7 +190,7 @@ class PersonDetector:
         return ping if heard else None
 
     def _candidates(self, ahead: float, reach: float) -> list[tuple[float, Ping]]:
-        """Return the echoes that may be somebody, each with its distance from the centre [m]."""
+        """Return the echoes that may be a person, each with its distance from the centre [m]."""
         wide, model = self.walls(), self.model
         found = []
         for number, ping in self.latest.items():
@@ -221,7 +221,7 @@ def _beside(ping: Ping, x: float, y: float) -> float:
 def _if_wide(run: list[Ping]) -> set[int]:
     """Return the numbers of neighbours that hear one thing, if that is wider than a person.
 
-    Somebody is heard by transducers that look past them by half a beam, on either side.
+    Transducers that look past a person by half a beam hear the person too, on either side.
     """
     if len(run) < 2:
         return set()

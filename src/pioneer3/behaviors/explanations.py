@@ -1,4 +1,4 @@
-"""Decisions explained to people: which action decided what, and why."""
+"""Decisions explained to people: the actions, their parts and their reasons."""
 
 from math import degrees
 
@@ -6,7 +6,7 @@ from pioneer3.behaviors.action import Contribution
 from pioneer3.behaviors.engine import Decision
 
 HARDLY = 1e-3
-"""Differences that nobody sees [m/s, rad/s]."""
+"""Smaller differences are not visible [m/s, rad/s]."""
 
 
 def explain(decision: Decision) -> tuple[str, ...]:

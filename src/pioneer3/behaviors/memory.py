@@ -28,7 +28,7 @@ NEAR, SPACING = 3.0, 0.2
 """Points within the first [m] are cumulative, no two closer than the second [m]."""
 MOST = 500
 CLEAN_EVERY, CLEAR = 1.0, 0.075
-"""Every so often [s], what a beam sees past by more than this [m] is forgotten."""
+"""Every so often [s], points that a beam passes by more than this [m] are forgotten."""
 
 
 class LaserMemory:
@@ -67,7 +67,7 @@ class LaserMemory:
         self.current = tuple(seen)
 
     def forget(self, pose: Pose2, now: float) -> None:
-        """Drop what is too old, and what has been left behind."""
+        """Drop points that are too old or too far away."""
         if self.current and now - self.current[0].stamp > STALE_SCAN:
             self.current = ()
         self._keep(lambda p: now - p.stamp <= AGE and hypot(p.x - pose.x, p.y - pose.y) <= DISTANCE)
@@ -156,7 +156,7 @@ class RangeBuffer:
             self.cumulative.append(point)
 
     def forget(self, pose: Pose2, now: float) -> None:
-        """Drop what is too old, and what has been left behind."""
+        """Drop points that are too old or too far away."""
         keep = self._keep
         while self.current and now - self.current[0].stamp > keep.current_age:
             self.current.popleft()
@@ -177,7 +177,7 @@ class RangeBuffer:
 
 
 class RangeMemory:
-    """Takes in every reading of one robot; says what is around."""
+    """Takes in every reading of one robot; returns its surroundings."""
 
     def __init__(self, model: RobotModel) -> None:
         self.model = model
@@ -185,7 +185,7 @@ class RangeMemory:
         self._forget_all()
 
     def update(self, snapshot: Snapshot, scan: Scan | None = None) -> None:
-        """Take in the next reading, and the last scan. What an earlier session saw is forgotten."""
+        """Take in the next reading, and the last scan. Points of an earlier session go."""
         here, now = snapshot.odometry.robot_in_odom, snapshot.stamp
         if snapshot.link.sessions != self._session:
             self._session, self._pose = snapshot.link.sessions, here
@@ -201,7 +201,7 @@ class RangeMemory:
         self._pose = here
 
     def around(self, now: float) -> Surroundings:
-        """Return what is around the robot where it was last heard of, as known at `now` [s]."""
+        """Return the surroundings of the robot at its last reading, as known at `now` [s]."""
         sensors = (self._sonar, self._bumpers, self._laser)
         return Surroundings(
             self._pose,

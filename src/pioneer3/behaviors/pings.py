@@ -15,7 +15,7 @@ HALF_BEAM = radians(15)
 
 @dataclass(frozen=True, slots=True)
 class Ping:
-    """What came back from one firing: something is somewhere on an arc.
+    """The result of one firing: an echo from a point on an arc, or none.
 
     Attributes:
         number: Of the transducer.
@@ -59,7 +59,7 @@ class PingReader:
         self._sequence = self._session = -1
 
     def listen(self, situation: Situation) -> list[Ping]:
-        """Return what is new since the last call."""
+        """Return the pings since the last call."""
         snapshot = situation.snapshot
         if snapshot.sequence == self._sequence:
             return []

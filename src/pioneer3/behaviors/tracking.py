@@ -7,15 +7,15 @@ from pioneer3.behaviors.detection import RADIUS, ClutterMap
 from pioneer3.behaviors.pings import HALF_BEAM, RING, Ping
 
 WANDERS = 0.5
-"""How much the velocity of somebody who walks, turns and stops is another after 1 s [m/s]."""
+"""Change of the velocity of a person who walks, turns and stops, in 1 s [m/s]."""
 UNSURE_SPEED = 0.3
-"""Standard deviation of the speed of somebody who has just been seen [m/s]."""
+"""Standard deviation of the speed of a person who has just been seen [m/s]."""
 FASTEST = 0.8
-"""Nobody who is followed walks faster [m/s]."""
+"""Highest speed of a person who is followed [m/s]."""
 
 
 class KalmanFilter:
-    """Position and velocity of somebody who walks with nearly constant velocity.
+    """Position and velocity of a person who walks with nearly constant velocity.
 
     The state is (x, y, vx, vy), `spread` its covariance, shape (4, 4), in SI units, in odometry's
     frame. A measurement is the position along some direction, so no matrix need be inverted.
@@ -84,27 +84,27 @@ class KalmanFilter:
 
 
 RANGE_SIGMA = 0.06
-"""Of the distance to the middle of somebody whose outline is no circle [m]."""
+"""Of the distance to the middle of a person, whose outline is no circle [m]."""
 BLUR = radians(5)
-"""Who is so far beside the beam is measured half as well [rad]."""
+"""A person so far beside the beam is measured half as well [rad]."""
 MISS_SIGMA = radians(28)
-"""Of the bearing of who is not heard [rad]."""
+"""Of the bearing of a person who is not heard [rad]."""
 FACE_SIGMA = radians(8)
-"""Of the bearing of what several transducers hear [rad]."""
+"""Of the bearing of a person whom several transducers hear [rad]."""
 GATE = 2.5
-"""Echoes that differ from the expectation by more standard deviations are somebody else's."""
+"""Echoes that differ from the expectation by more standard deviations are another's."""
 ALIKE = 0.18
 """Side by side, transducers whose ranges differ less hear the same person [m]."""
 CORE = radians(12)
-"""Who is this near to the axis of a transducer is heard [rad]."""
+"""A person this near to the axis of a transducer is heard [rad]."""
 OUT = radians(20)
-"""Who is not heard is so far from the axis [rad]."""
+"""A person who is not heard is so far from the axis [rad]."""
 WALKED = 0.6
-"""Who has come this far has walked [m]; noise does not get that far."""
+"""A track that has come this far walks [m]; noise does not get that far."""
 
 
 class Track:
-    """Somebody, as told by sonar.
+    """A person, tracked by sonar.
 
     An echo says how far away they are and, roughly, in which direction; silence from where they are
     expected says that they are beside the beam.
@@ -207,7 +207,7 @@ class Track:
 def expected_range(away: float, off: float) -> float:
     """Return the range of a round person whose middle is `away` [m] and `off` the axis [rad].
 
-    Who is beside the beam is met by its edge, which is farther away than their nearest point. No
+    A person beside the beam is met by its edge, which is farther away than their nearest point. No
     beam has a sharp edge, so it is taken to reach half as far out again as they are.
     """
     outside = _outside(off) / 2

@@ -1,4 +1,4 @@
-"""Shows what a robot does while a motion or mode drives it."""
+"""Shows a robot while a motion or mode drives it."""
 
 import shutil
 import sys
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pioneer3.state import Snapshot
 
 QUIET = 1.0
-"""Pause between two lines where nobody watches them come [s]."""
+"""Pause between two lines where the output is no terminal [s]."""
 EXACT = 1e-6
 """Less than this is rounding [m/s], [rad/s]."""
 AWAY = 0.5
@@ -38,7 +38,7 @@ def carry_out(
 
     Args:
         motion: Given the robot.
-        words: What it does then, for people.
+        words: The motion, for people.
         link: Which robot.
         options: When to end, and how to show it.
         speed: Asked for [m/s].
@@ -125,7 +125,7 @@ async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
 
 
 def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
-    """Say which robot does what, unless a program reads."""
+    """Print the robot and its motion, unless a program reads."""
     from pioneer3.robot.identity import kind  # noqa: PLC0415
 
     if not json:
@@ -134,7 +134,7 @@ def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
 
 
 def line(robot: "Driven") -> str:
-    """Return how it moves, where it is and who decides, the most important first."""
+    """Return its motion, its place and the decision, the most important first."""
     now = robot.snapshot
     if now is None:
         return lost(robot)

@@ -1,4 +1,4 @@
-"""The command line: which commands there are, and what an error means for the shell."""
+"""The command line: its commands, and the exit codes of errors."""
 
 import logging
 import sys
@@ -111,7 +111,7 @@ def _tell(error: Exception, code: Exit) -> Exit:
 
 
 def exit_code(error: PioneerError) -> Exit:
-    """Return what `error` means for the shell."""
+    """Return the exit code for `error`."""
     match error:
         case PortPermissionError():
             return Exit.NO_PERMISSION

@@ -119,7 +119,7 @@ def _sign(marker: Marker) -> str:
 
 
 def legend(bounds: Bounds, drawing: Drawing) -> Text:
-    """Return what the colours and signs on the drawing mean, and its corners."""
+    """Return the meaning of colours and signs on the drawing, and its corners."""
     text = Text()
     used = {marker.layer for marker in drawing.markers}
     used |= {layer for layer, segments in drawing.lines.items() if len(segments)}

@@ -42,7 +42,7 @@ def reads(
     Args:
         quantity: Gives the units.
         positive: Whether it must be more than zero.
-        check: Returns the value [SI], or raises ValueError with what is wrong.
+        check: Returns the value [SI], or raises ValueError with the reason.
     """
 
     def convert(_: object, tokens: Sequence[Token]) -> float:
@@ -114,7 +114,7 @@ LINK = LinkOptions()
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionOptions:
-    """What bounds a motion, and how it is shown.
+    """The bounds of a motion, and its output.
 
     Attributes:
         seconds: Stop after this time.
@@ -176,7 +176,7 @@ class WorldOptions:
     def overrides(
         self, robots: tuple[str, ...] = (), *, factory: str = "", own_ports: bool = True
     ) -> "WorldOverrides":
-        """Return what to lay over the world file.
+        """Return the changes to the world file.
 
         Args:
             robots: `MODEL[:NAME]` of each, empty for the world's.

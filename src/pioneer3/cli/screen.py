@@ -172,7 +172,7 @@ def _ring(sonar: Sonar, mounts: Sequence[SonarMount], first: int, length: int) -
 
 
 def _direction(number: int, mounts: Sequence[SonarMount]) -> str:
-    """Return where the transducer looks; its number where nobody knows."""
+    """Return the direction of the transducer; its number where that is not known."""
     return f"{degrees(mounts[number].theta):+z4.0f}°" if number < len(mounts) else f"{number}"
 
 

@@ -157,7 +157,7 @@ class ErrorOptions:
         return realism.with_odometry(mode) if mode else realism
 
     def faults(self) -> "LinkFaults":
-        """Return what is wrong with the cables.
+        """Return the faults of the cables.
 
         Raises:
             ConfigError: A word is wrong.

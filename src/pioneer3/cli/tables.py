@@ -1,4 +1,4 @@
-"""What a robot, a diagnosis and a list of ports look like on a terminal."""
+"""Tables of a robot, a diagnosis and a list of ports for a terminal."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
@@ -33,7 +33,7 @@ VERDICT_STYLES: Final = {
 
 
 def robot_tables(robot: RobotInfo, snapshot: Snapshot | None) -> Iterator[RenderableType]:
-    """Yield who the robot is, and its CONFIG group by group."""
+    """Yield the identity of the robot, and its CONFIG group by group."""
     style = "cyan" if is_simulator(robot) else "green"
     yield Panel(_summary(robot, snapshot), title=Text(kind(robot), f"bold {style}"), style=style)
     if robot.config is None:
@@ -94,7 +94,7 @@ def battery_text(snapshot: Snapshot) -> str:
 
 
 def findings_table(findings: Iterable[Finding]) -> Table:
-    """Return the findings, each with what it means and what to do."""
+    """Return the findings, each with its meaning and the advice."""
     table = Table.grid(padding=(0, 2))
     table.add_column(no_wrap=True)
     table.add_column(style="bold", no_wrap=True)
@@ -144,7 +144,7 @@ def _details(each: Probed) -> str:
 
 
 def advice(found: Sequence[Probed]) -> Text:
-    """Return the option to use, or what to do when there is no robot."""
+    """Return the option to use, or advice when there is no robot."""
     best = choose(found)
     if best is None:
         text = Text("\nNo robot found. Is it on, and its cable plugged in?\nWhy not: ", "bold")

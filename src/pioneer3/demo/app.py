@@ -50,7 +50,7 @@ class PatientDriver(TerminalDriver):
             self.missed = True
 
     def close(self) -> None:
-        """Wait for what is still to be written, but not for ever."""
+        """Wait for the rest to be written, but not for ever."""
         writer = self._writer_thread
         if writer is None or not writer.is_alive():
             return
@@ -159,7 +159,7 @@ class DemoApp(App[None]):
             self._program.let_go("the terminal lost the focus")
 
     def raise_failure(self) -> None:
-        """Raise what ended the program, if it was not a key."""
+        """Raise the error that ended the program, if there was one."""
         if self._serving is not None and self._serving.done() and not self._serving.cancelled():
             self._serving.result()
 
@@ -201,7 +201,7 @@ class DemoApp(App[None]):
         return self._help or len(self._program.details()) > LONG
 
     def _show_said(self) -> None:
-        """Show what was said a moment ago; old news would mislead."""
+        """Show the latest sentences; old news would mislead."""
         now = asyncio.get_running_loop().time()
         fresh = [text for stamp, text in self._said if now - stamp < FRESH]
         self._put("said", Text("\n".join(fresh), overflow="ellipsis", no_wrap=len(fresh) > 1))

@@ -19,7 +19,7 @@ BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
 
 class Ink(StrEnum):
-    """What a dot stands for, as the style it is shown in. Later ones cover earlier ones."""
+    """The meaning of a dot, as its style. Later ones cover earlier ones."""
 
     GRID = "bright_black"
     TRAIL = "blue"

@@ -20,10 +20,10 @@ class Gauge:
     """A value to be drawn as a bar.
 
     Attributes:
-        share: 0 to 1 of what is full, or -1 to 1 if `signed`.
+        share: 0 to 1 of a full bar, or -1 to 1 if `signed`.
         text: The value in words.
-        alarm: Whether somebody should look at it.
-        big: Whether it is what the mode is about.
+        alarm: Whether people should look at it.
+        big: Whether it is the main value of the mode.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Context:
         return self.origin.inverse() @ snapshot.odometry.robot_in_odom
 
     def drives(self, stack: Stack | None) -> bool:
-        """Whether `stack` is what drives the robot."""
+        """Whether `stack` drives the robot."""
         return stack is not None and self.robot.arbiter.mode is stack
 
     def start(self, stack: Stack) -> None:
@@ -79,7 +79,7 @@ class Context:
         self.tell(self.robot.arbiter.start(stack))
 
     def tell(self, refused: str | None) -> None:
-        """Tell why the robot ignores what it was asked, if it does."""
+        """Tell the reason that the robot ignores a command, if there is one."""
         if refused:
             self.say(refused)
 
@@ -91,9 +91,9 @@ class Description:
     Attributes:
         key: Activates it, in lower or upper case.
         name: ARIA's.
-        hint: What it shows or does, in a few words.
-        needs: What a robot needs for it, and how the demo knows.
-        help: What its own keys do, a line each.
+        hint: Its purpose, in a few words.
+        needs: The equipment for it, and the source from which the demo knows.
+        help: Its own keys and their effects, a line each.
         make: Makes it for a robot.
         label: A shorter name for lists; the name if empty.
         by_hand: Whether what its keys set goes on until another key, so that hands must stay near.
@@ -115,7 +115,7 @@ class DemoMode:
 
     Attributes:
         about: Its key, its name, its help.
-        presence: Whether the robot has what it needs, and how one knows.
+        presence: Whether the robot has its equipment, and the source.
         enter: The block that is held while it is active.
         on_key: Takes a key; returns whether that means anything.
         again: Called when it is chosen while it is active.

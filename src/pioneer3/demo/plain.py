@@ -13,7 +13,7 @@ EVERY = 1.0
 
 
 class Plain:
-    """Writes ARIA's lines: the help when a mode begins, its header, then what changes.
+    """Writes ARIA's lines: the help when a mode begins, its header, then changes.
 
     Args:
         write: Given each line.
@@ -45,7 +45,7 @@ class Plain:
         self.show_help()
 
     def look(self) -> None:
-        """Write what has changed."""
+        """Write the changes."""
         program = self._program
         assert program is not None
         details = list(program.details())
@@ -94,7 +94,7 @@ async def serve_plain(
 
 
 async def typed(descriptor: int) -> AsyncGenerator[str, None]:
-    """Yield what comes from a terminal, a pipe or a file."""
+    """Yield the keys from a terminal, a pipe or a file."""
     try:
         async with aclosing(tokens(descriptor)) as source:
             async for token in source:

@@ -46,7 +46,7 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "\x12": RESET_KEY,
     }
 )
-"""By what a terminal sends."""
+"""By the text that a terminal sends."""
 
 
 def named(token: str) -> str:
@@ -61,7 +61,7 @@ T = TypeVar("T")
 
 
 class Display(Protocol):
-    """What shows the demo to people."""
+    """Shows the demo to people."""
 
     def show_help(self) -> None:
         """Show which keys there are."""
@@ -78,7 +78,7 @@ class Program:
 
     Args:
         robot: Connected.
-        face: Shows what happens.
+        face: Shows it to people.
         first: Key of the mode to begin with.
         patience: How long a speed set by hand lasts without a key [s]; see :func:`patient`.
         acts: The colour tracker.
@@ -165,7 +165,7 @@ class Program:
         self._enter(mode)
 
     def let_go(self, why: str) -> None:
-        """End what was set by hand: nobody is near any more."""
+        """End a motion that was set by hand: no person is near any more."""
         if self.active.about.by_hand and self._moves():
             self.robot.arbiter.stop()
             self._face.say(f"Stopped: {why}.")
@@ -238,7 +238,7 @@ class Program:
             return otherwise
 
     def _work(self, coroutine: Coroutine[Any, Any, object]) -> Callable[[], None]:
-        """Run it until the mode is left; return what ends it before."""
+        """Run it until the mode is left; return a function that ends it before."""
         name = self.active.about.name
         task = asyncio.ensure_future(coroutine)
         self._tasks.add(task)
@@ -257,7 +257,7 @@ class Program:
         return end
 
     def _look(self) -> None:
-        """Tell what has happened since the last look; end what nobody holds."""
+        """Tell the news since the last look; end a motion that nobody holds."""
         status, ended = self.robot.supervisor.status.latest, self.robot.arbiter.ended
         if status is not None and status is not self._status:
             lost = status.connection is Connection.LOST

@@ -72,7 +72,7 @@ def flags(robot: Robot) -> Text:
 
 
 def reasons(robot: Robot) -> Text:
-    """Return who decided what, and why the robot stands still if it does."""
+    """Return the parts of the decision, and the reason that the robot stands still, if it does."""
     text = Text(overflow="ellipsis")
     if words := explain(robot.arbiter.decision):
         text.append("; ".join(words), "cyan").append("\n")
@@ -118,7 +118,7 @@ def panel(
 
 
 def _keys(lines: Sequence[str]) -> RenderableType:
-    """Return keys and what they do in two columns; notes go across, warnings in red."""
+    """Return keys and their effects in two columns; notes go across, warnings in red."""
     grid = Table.grid(padding=(0, 1))
     grid.add_column(style="bold cyan", no_wrap=True)
     grid.add_column(style="grey62")

@@ -1,1 +1,1 @@
-"""From keys, sticks and fingers to what the robot shall do."""
+"""From keys and sticks to commands."""

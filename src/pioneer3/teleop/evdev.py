@@ -34,13 +34,13 @@ AXES = {ABS_X: 0, ABS_Y: 1}
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """What an axis says at its two ends."""
+    """The values of an axis at its two ends."""
 
     low: int
     high: int
 
     def part(self, value: int) -> float:
-        """Return -1 to 1 for what the axis says; the middle for an axis without a range."""
+        """Return -1 to 1 for a value of the axis; the middle for an axis without a range."""
         if self.high <= self.low:
             return 0.0
         return min(1.0, max(-1.0, (2 * value - self.low - self.high) / (self.high - self.low)))
@@ -48,7 +48,7 @@ class Range:
 
 @dataclass(slots=True)
 class Decoder:
-    """Tells `gamepad` what the events say.
+    """Decodes events, and passes them to `gamepad`.
 
     Attributes:
         gamepad: Takes buttons and axes.
@@ -63,7 +63,7 @@ class Decoder:
     _lost: bool = field(default=False, init=False)
 
     def feed(self, data: bytes) -> None:
-        """Take what was read, whole events or not."""
+        """Take bytes that were read, whole events or not."""
         data = self._rest + data
         whole = len(data) - len(data) % EVENT.size
         self._rest = data[whole:]
@@ -71,7 +71,7 @@ class Decoder:
             self._take(kind, code, value)
 
     def place(self, axis: int, value: int) -> None:
-        """Take what an axis says, by its code."""
+        """Take the value of an axis, by its code."""
         self.gamepad.axis(AXES[axis], self.ranges[axis].part(value))
 
     def _take(self, kind: int, code: int, value: int) -> None:
@@ -103,10 +103,10 @@ class Device:
 
     Attributes:
         path: Where it was found.
-        name: What it calls itself.
+        name: Its own.
         descriptor: To read events from; does not block.
         ranges: Of its axes, by code.
-        start: What its axes said when it was opened, by code.
+        start: The values of its axes when it was opened, by code.
     """
 
     path: Path
@@ -138,7 +138,7 @@ def open_gamepad(wanted: str = "") -> Iterator[Device | None]:
 
 
 async def read(device: Device) -> AsyncIterator[bytes]:
-    """Yield what the gamepad says as it comes; ends when it is unplugged."""
+    """Yield the bytes of the gamepad as they come; ends when it is unplugged."""
     loop = asyncio.get_running_loop()
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
 
@@ -218,7 +218,7 @@ def _open(path: Path, *, must: bool = False) -> Device | None:
 
 
 def _describe(path: Path, descriptor: int) -> Device | None:
-    """Return what is open there, `None` if it is no gamepad.
+    """Return the open gamepad, `None` if it is none.
 
     Raises:
         OSError: it is no input device at all.

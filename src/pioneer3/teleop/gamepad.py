@@ -1,4 +1,4 @@
-"""A gamepad: which button does what, how fast it drives, and what it asks for. Pure.
+"""A gamepad: its buttons, its speeds, and the twist that it asks for. Pure.
 
 Buttons and axes have the numbers of the W3C's "standard gamepad", which browsers use as well; the
 speeds and the dead zone are Clearpath's (facts.md 14.3).
@@ -11,7 +11,7 @@ from pioneer3.geometry import STILL, Twist2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scheme:
-    """Which button does what, and how fast.
+    """The buttons, and the speeds.
 
     Attributes:
         deadman: Must be held to drive: L1, LB.
@@ -59,7 +59,7 @@ SCHEME = Scheme()
 
 @dataclass(slots=True)
 class Gamepad:
-    """Buttons and sticks as they are, and what they ask for.
+    """The state of buttons and sticks, and the twist that they ask for.
 
     Nothing counts before the deadman button was pressed afresh: not when the gamepad is found with
     the button held, and not after :meth:`let_go`.
@@ -105,7 +105,7 @@ class Gamepad:
 def response(value: float, dead_zone: float) -> float:
     """Return -1 to 1 for how far out an axis is, in proportion beyond the dead zone.
 
-    What is no number counts as the middle. The page's `response.js` does the same.
+    NaN counts as the middle. The page's `response.js` does the same.
     """
     if not abs(value) > dead_zone:
         return 0.0

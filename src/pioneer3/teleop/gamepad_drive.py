@@ -27,9 +27,9 @@ class GamepadDriver:
     Args:
         robot: Connected.
         open_device: Opens the gamepad, or yields `None` while there is none.
-        read: Yields what it says until it is unplugged.
-        tell: Given what a person must know: a gamepad that comes or goes.
-        scheme: Which button does what, and how fast.
+        read: Yields its bytes until it is unplugged.
+        tell: Given news for people: a gamepad that comes or goes.
+        scheme: The buttons and the speeds.
     """
 
     def __init__(

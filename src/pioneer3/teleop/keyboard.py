@@ -56,7 +56,7 @@ MOVES = {
 
 @dataclass(slots=True)
 class Keyboard:
-    """What the keys ask for.
+    """The keys that act, and the twist that they ask for.
 
     Each of the two axes follows its last key for :data:`HOLD`, so that alternating two keys drives
     a curve; with `latch`, a key acts until another one or a stop, as in the lab's `rob_key`, but

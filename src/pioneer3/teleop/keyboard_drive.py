@@ -15,7 +15,7 @@ from pioneer3.teleop.terminal import SEQUENCES
 from pioneer3.units import degrees
 
 RENEW = 0.1
-"""Pause between two looks at what the keys ask for, and two live lines [s]."""
+"""Pause between two commands, and two live lines [s]."""
 COMMAND_TIMEOUT = 0.3
 """A command that is not renewed ends after this [s]: this program may hang too."""
 
@@ -56,7 +56,7 @@ class KeyboardDriver:
     def line(self) -> str:
         """Return the live line: speed or why it stands, speeds set, battery, nearest sonar, pose.
 
-        While the robot moves, 79 columns hold it; a narrow terminal cuts off what matters least.
+        While the robot moves, 79 columns hold it; a narrow terminal cuts off the least important.
         """
         robot, now, keyboard = self._robot, self._robot.snapshot, self._keyboard
         if now is None:
@@ -147,7 +147,7 @@ class KeyRouter:
         self._keys: dict[str, asyncio.Queue[Key]] = {name: asyncio.Queue() for name in numbers}
 
     def shows(self, name: str) -> Callable[[str], None]:
-        """Return what to give the live lines of a robot to."""
+        """Return the function that shows the live lines of a robot."""
 
         def show(line: str) -> None:
             if name == self.chosen[0]:
@@ -183,7 +183,7 @@ class KeyRouter:
                 self._keys[name].put_nowait(key)
 
     def _choose(self, names: Sequence[str]) -> None:
-        """Let these robots have the keys; who had them and is left stands."""
+        """Let these robots have the keys; the robots that lose them stand."""
         for name in self.chosen:
             if names and name not in names:
                 self._keys[name].put_nowait(Key.STOP)

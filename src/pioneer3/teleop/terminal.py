@@ -50,9 +50,9 @@ PATIENCE = 0.05
 
 
 def keys_in(text: str) -> Iterator[Key]:
-    """Yield the keys in what a terminal sent.
+    """Yield the keys in a text that a terminal sent.
 
-    A character without a meaning stops the robot: whoever is in a hurry hits any key. Sequences
+    A character without a meaning stops the robot: people in a hurry hit any key. Sequences
     without one are skipped, since terminals send some by themselves. An ESC that begins no
     sequence is the key.
     """
@@ -115,7 +115,7 @@ async def keys(descriptor: int) -> AsyncIterator[Key]:
 
 
 async def tokens(descriptor: int) -> AsyncGenerator[str, None]:
-    """Yield what each key sends, a character or an escape sequence; ends with the terminal."""
+    """Yield the text of each key, a character or an escape sequence; ends with the terminal."""
     loop = asyncio.get_running_loop()
     chunks: asyncio.Queue[bytes] = asyncio.Queue()
 
@@ -139,7 +139,7 @@ async def tokens(descriptor: int) -> AsyncGenerator[str, None]:
 
 
 async def _soon(chunks: asyncio.Queue[bytes]) -> bytes:
-    """Return what comes within :data:`PATIENCE`, or nothing."""
+    """Return the bytes that come within :data:`PATIENCE`, or none."""
     try:
         async with asyncio.timeout(PATIENCE):
             return await chunks.get()

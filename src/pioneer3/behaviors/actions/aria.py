@@ -13,7 +13,7 @@ FROM, TO = radians(60), radians(120)
 
 @dataclass(slots=True)
 class AvoidSide:
-    """Stands and turns away from what is near beside the robot (facts.md 7.6).
+    """Stands and turns away from obstacles beside the robot (facts.md 7.6).
 
     When that is done it wants straight ahead once, as :class:`AvoidFront` does. ARIA's goes on
     wanting it for ever, and nothing of lower priority steers any more.
@@ -84,7 +84,7 @@ class TurnAway:
 
 @dataclass(slots=True)
 class Input:
-    """Passes on what a program has set until it sets something else (facts.md 7.6).
+    """Passes on the command of a program until it sets another (facts.md 7.6).
 
     Unlike :class:`Hold` it does not expire by itself: a program that ends must end its stack.
     """
@@ -116,7 +116,7 @@ class Input:
         self._v = self._w = self._turn = self._heading = None
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return what was set last."""
+        """Return the last command."""
         if self._turn is not None:  # held as a heading: one reading is too short to turn in
             self._heading, self._turn = wrap(situation.pose.theta + self._turn), None
         if self._v is None and self._w is None and self._heading is None:

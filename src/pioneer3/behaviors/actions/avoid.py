@@ -89,7 +89,7 @@ def _quadrant(theta: float) -> int:
 MOVING = 0.025
 """Slower [m/s] is standing."""
 JUST_NOW = 1.0
-"""Who moved so recently [s] was moving when it hit: our driver and the wall stop it at once."""
+"""A robot that moved so recently [s] was moving at the hit: driver and wall stop it at once."""
 ARRIVED = radians(3)
 
 

@@ -18,14 +18,14 @@ AGAIN = 2.0
 STEEP = radians(30)
 """Farther off its heading it turns where it stands."""
 HELD = 0.3
-"""Who may turn no faster has a corner near something [rad/s]: to :class:`LimiterSweep`, 20 degrees
-from it."""
+"""A robot that may turn no faster has a corner near an obstacle [rad/s]: 20 degrees from it, for
+:class:`LimiterSweep`."""
 ARC = 1.0
 """Radius to turn on in place of a turn where it stands [m]. The rear corner of a P3-AT that leaves
 a wall so swings out by 4 cm, hypot(0.31, 1.25) - 1.25; where it stands by 15 cm."""
 KEEP, TURNING, ROOM = 0.5, 1.0, 0.3
-"""What going on is worth, what turning around costs, what each metre of room is worth; a new
-square is worth 1."""
+"""Worth of going on, cost of turning around, worth of each metre of room; a new square is worth
+1."""
 
 
 @dataclass(slots=True)

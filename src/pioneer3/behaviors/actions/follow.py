@@ -21,7 +21,7 @@ BEARINGS = {
 """Where the lab takes an echo to be, by transducer [rad]. Numbers begin with 0 at the front left:
 1 and 2, at 50 and 30 degrees, look to the left (facts.md 6.4)."""
 LAB_REACH = 1.0
-"""Farther echoes are nobody [m]."""
+"""Farther echoes are no person [m]."""
 SECONDS = 1.2
 """In which a difference shall be gone: three of the lab's cycles of 0.4 s [s]."""
 FASTEST, FASTEST_BACK = 0.5, 0.3
@@ -69,7 +69,7 @@ class FollowLab:
 
 
 def _place(situation: Situation, number: int, distance: float) -> Goal | None:
-    """Return what is `distance` [m] before a transducer; `None` where it sits is not known."""
+    """Return the place `distance` [m] before a transducer; `None` if its mount is not known."""
     sonars = situation.model.sonars
     if number >= len(sonars):
         return None
@@ -79,13 +79,13 @@ def _place(situation: Situation, number: int, distance: float) -> Goal | None:
 
 
 COAST = 1.2
-"""Who has not been heard for this long is lost [s]."""
+"""A person who has not been heard for this long is lost [s]."""
 RETURN = 4.0
-"""For this long, who was lost is looked for around where they were expected [s]."""
+"""For this long, a lost person is looked for around the expected place [s]."""
 BLINK = 0.4
 """A pause of echoes this short is none [s]: a transducer fires every 0.32 s."""
 STANDS_STILL = 10.0
-"""What has never walked is furniture after this time [s]."""
+"""A track that has never walked is furniture after this time [s]."""
 ALIKE = 0.15
 """Echoes from nearly as far away [m] may come from the same person."""
 LEAD = 0.1
@@ -95,21 +95,21 @@ SETTLE = 0.8
 TURN_GAIN = 2.0
 """Turn rate per bearing [1/s]."""
 FACING = radians(4)
-"""Somebody this straight ahead need not be turned to [rad]."""
+"""The robot need not turn to a person this straight ahead [rad]."""
 ASIDE = radians(60)
-"""Somebody this far aside is turned to before driving on [rad]."""
+"""The robot turns to a person this far aside before it drives on [rad]."""
 
 
 @dataclass(slots=True, kw_only=True)
 class FollowTracking:
-    """Follow somebody with a filter and a memory for furniture.
+    """Follow a person with a filter and a memory for furniture.
 
     Attributes:
         keep: Distance from the robot's front end to the person's outline [m].
         speed: Top speed [m/s].
         back: The same, backwards; only while they are heard [m/s].
         turn_rate: Top turn rate [rad/s].
-        target: Who is followed, or `None`.
+        target: The person who is followed, or `None`.
     """
 
     keep: float = 0.3
@@ -124,14 +124,14 @@ class FollowTracking:
 
     @property
     def goal(self) -> Goal | None:
-        """Where whom it follows was taken to be at the last echo or silence."""
+        """The estimated place of the person at the last echo or silence."""
         if self.target is None:
             return None
         x, y = self.target.estimate.position
         return Goal(x=x, y=y, person=True)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the motion towards somebody, or stand still and look for them."""
+        """Return the motion towards the person, or stand still and look for one."""
         now = situation.now
         self._hear(self._listener.listen(situation))
         self._give_up(now)
@@ -149,7 +149,7 @@ class FollowTracking:
             self._clutter.take(ping)
 
     def _give_up(self, now: float) -> None:
-        """Forget who has been silent for too long, and what turns out to be furniture."""
+        """Forget a person who has been silent for too long, and furniture."""
         target = self.target
         if target is None:
             return
@@ -160,7 +160,7 @@ class FollowTracking:
             self._clutter.learn(target.echoes.values())
 
     def _find(self, situation: Situation) -> None:
-        """Look for who was lost, then for anybody."""
+        """Look for the lost person, then for any person."""
         now, lost = situation.now, self._lost
         if now - self._listener.since < RING:
             return  # only a part of what is around has been heard
@@ -174,7 +174,7 @@ class FollowTracking:
             self.target = self._acquire(ping, hearing)
 
     def _acquire(self, first: Ping, hearing: PersonDetector) -> Track:
-        """Return who sent an echo; what else is heard at this time is not them."""
+        """Return a track from an echo; other echoes of this time are clutter."""
         target, alike = Track(first), []
         for ping in hearing.echoes():
             if ping is not first and abs(ping.distance - first.distance) < ALIKE:
@@ -228,7 +228,7 @@ class Blob:
 
 
 class BlobSource(Protocol):
-    """Whoever finds patches of colour in the picture of the robot's camera."""
+    """Finds patches of colour in the picture of the robot's camera."""
 
     def largest(self, channel: int) -> Blob | None:
         """Return the largest patch of a trained colour last seen, or `None`."""
@@ -250,7 +250,7 @@ class ColorFollow:
         patience: A patch not seen for this long is lost [s].
         search_rate: When looking for one [rad/s].
         moving: Whether it drives.
-        acquiring: Whether it looks for what it has lost.
+        acquiring: Whether it looks for a lost patch.
     """
 
     source: BlobSource

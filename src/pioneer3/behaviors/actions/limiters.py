@@ -14,7 +14,7 @@ from pioneer3.models import RobotModel
 
 @dataclass(slots=True)
 class LimiterForwards:
-    """Limits the speed forwards by what is ahead within the robot's width (facts.md 7.6).
+    """Limits the speed forwards by obstacles ahead within the robot's width (facts.md 7.6).
 
     Attributes:
         stop_distance: Nearer than this to the robot's front it may not go [m].
@@ -46,7 +46,7 @@ class LimiterForwards:
 
 @dataclass(slots=True)
 class LimiterBackwards:
-    """Limits the speed backwards by what is behind within one and a half widths (facts.md 7.6).
+    """Limits the speed backwards by obstacles behind within one and a half widths (facts.md 7.6).
 
     Distances are positive here. It looks as far as `slow_distance`; ARIA's box ends at
     `stop_distance` behind the robot, so that it slows down for nothing farther away.
@@ -81,7 +81,7 @@ class LimiterBackwards:
 
 @dataclass(slots=True)
 class LimiterTableSensor:
-    """Lets nobody drive on under a table (facts.md 7.6)."""
+    """Keeps the robot from driving under a table (facts.md 7.6)."""
 
     name: str = "limiter table sensor"
 
@@ -102,7 +102,7 @@ UNSURE = radians(20)
 
 @dataclass(slots=True)
 class LimiterSweep:
-    """Slows the robot down before it meets what it sees or has seen; never below a creep.
+    """Slows the robot down before obstacles that it sees or has seen; never below a creep.
 
     Not one of ARIA's, whose limiters look ahead only, at what is seen now: things that sonars have
     lost and corners of a turning robot are what it runs into. Because memory may be wrong, a robot
@@ -171,16 +171,16 @@ PLANNED_SHARE = 0.7
 
 @dataclass(slots=True, kw_only=True)
 class Brake:
-    """Limits the speed forwards to what can be braked in time.
+    """Limits the speed forwards so that the robot can brake in time.
 
     Where the other limiters keep clear of all that has been heard in the last seconds, and so of
-    where somebody ahead has just walked, this one knows only what each transducer heard last.
-    With distance d to what is ahead, less `clearance`, speed v is allowed where
+    where a person ahead has just walked, this one knows only what each transducer heard last.
+    With distance d to the obstacle ahead, less `clearance`, speed v is allowed where
     v `BRAKE_DELAY` + v^2 / (2 `PLANNED_SHARE` deceleration) <= d. It lets the robot come as near
     as `clearance`.
 
     Attributes:
-        clearance: To be kept between the front end and what is ahead [m].
+        clearance: To be kept between the front end and an obstacle [m].
         beside: To be kept on either side of the robot [m].
     """
 
@@ -234,7 +234,7 @@ TOP = 2.0
 
 @dataclass(slots=True, kw_only=True)
 class DeceleratingLimiter:
-    """Limits the speed one way so that the robot can stop before what is there (facts.md 7.6).
+    """Limits the speed one way so that the robot can stop before an obstacle (facts.md 7.6).
 
     The room it keeps grows with the speed. Outside of it the speed may be as high as
     `preferred_decel` can end in time, `reaction` after it was seen. ARIA says speed 0 at that

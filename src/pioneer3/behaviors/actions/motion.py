@@ -30,7 +30,7 @@ class Move:
 
     Attributes:
         speed: Top speed [m/s].
-        deceleration: What the robot can do [m/s^2].
+        deceleration: The robot's own [m/s^2].
         tolerance: Near enough [m].
     """
 
@@ -43,7 +43,7 @@ class Move:
     _start: Pose2 | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the speed for what is left; stands still when done."""
+        """Return the speed for the rest of the way; stands still when done."""
         here = situation.pose
         start = self._start = self._start or here
         along = (here.x - start.x) * cos(start.theta) + (here.y - start.y) * sin(start.theta)
@@ -69,7 +69,7 @@ class Turn:
 
     Attributes:
         rate: Top turn rate [rad/s].
-        deceleration: What the robot can do [rad/s^2].
+        deceleration: The robot's own [rad/s^2].
         tolerance: Near enough [rad].
     """
 
@@ -83,7 +83,7 @@ class Turn:
     _last: float | None = field(default=None, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the turn rate for what is left; stands still when done."""
+        """Return the turn rate for the rest of the angle; stands still when done."""
         theta = situation.pose.theta
         if self._last is not None:
             self._turned += wrap(theta - self._last)

@@ -44,7 +44,7 @@ WAYS = (
 class StallRecover:
     """Tries ten ways out of a stall, one after the other (facts.md 7.6).
 
-    What it wants is the answer to the stall, which ends every other motion. It leaves the robot
+    Its desire is the answer to the stall, which ends every other motion. It leaves the robot
     alone as soon as a higher priority has taken a channel of motion. It turns more slowly than
     ARIA's, as fast as the robot can: a corner of a robot that stands at a wall swings into it.
 

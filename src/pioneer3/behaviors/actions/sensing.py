@@ -27,7 +27,7 @@ class Table:
 
 
 def table_seen(situation: Situation) -> Table:
-    """Return what the table sensors see; nothing without such sensors."""
+    """Return the state of the table sensors; no table without such sensors."""
     if not situation.model.table_irs:
         return Table()
     bits = situation.snapshot.inputs.digital_in

@@ -78,7 +78,7 @@ class Parameter:
         """Return `value` [SI].
 
         Raises:
-            ValueError: it is out of range; the message says what the range is.
+            ValueError: it is out of range; the message gives the range.
         """
         assert self.quantity is not None
         written = self.quantity.written
@@ -94,12 +94,12 @@ class Parameter:
 class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="mode"):
     """A behavior that drives by itself, with its parameters.
 
-    The first line of a subclass's docstring says what it does, the rest what people should know
-    before they start it. Its `tag` is its name.
+    The first line of a subclass's docstring is its summary, the rest is advice before the start.
+    Its `tag` is its name.
 
     Attributes:
         title: Its heading on the page.
-        doing: What the robot does, for a line about it: "wanders".
+        doing: Its effect, for a line about the robot: "wanders".
         start: On the button that starts it.
         example: Options of the command line, to copy.
         finishes: Whether it comes to an end by itself, so that the end of its time is a failure.
@@ -137,7 +137,7 @@ class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     @classmethod
     def advice(cls) -> str:
-        """Return what people should know before they start it, in one line; may be empty."""
+        """Return advice before the start, in one line; may be empty."""
         return " ".join(cleandoc(cls.__doc__ or "").partition("\n")[2].split())
 
     @classmethod

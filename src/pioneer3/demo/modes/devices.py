@@ -90,7 +90,7 @@ def tcm2(context: Context, about: Description) -> DemoMode:
 
 
 def tcm2_row(reading: CompassReading, rate: float) -> Row:
-    """Return what a packet holds, and the packets in the last second."""
+    """Return the fields of a packet, and the number of packets in the last second."""
     magnetic = zip(("magX", "magY", "magZ"), reading.magnetic, strict=True)
     return Row(
         (

@@ -41,7 +41,7 @@ def driving_row(
     """Return the columns of the teleop modes.
 
     Args:
-        snapshot: What the robot says.
+        snapshot: Of the robot.
         pose: Where it is [m, rad].
         has_charge: Whether the robot has ever told its state of charge.
         emergency: Whether our own emergency stop is latched, too.
@@ -58,7 +58,7 @@ def driving_row(
 
 
 def speed_gauges(context: Context) -> tuple[Gauge, ...]:
-    """Return how fast the robot is, of what it may be."""
+    """Return the speeds of the robot as shares of its limits."""
     snapshot, limits = context.snapshot, context.robot.info.limits
     if snapshot is None:
         return ()

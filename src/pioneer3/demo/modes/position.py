@@ -31,7 +31,7 @@ STANDING, TURNING = 0.01, radians(2)
 
 @dataclass(slots=True)
 class Travel:
-    """Does what MOVE and HEAD do, bounded by the robot's limits.
+    """Moves as MOVE and HEAD do, bounded by the robot's limits.
 
     Attributes:
         name: Shown to people.
@@ -53,7 +53,7 @@ class Travel:
         self._heading, self.done = wrap(heading), False
 
     def decide(self, situation: Situation) -> Desire:
-        """Return speed and heading for what is left."""
+        """Return speed and heading for the rest of the way."""
         here, twist, limits = situation.pose, situation.twist, situation.limits
         if self._last is not None:
             dx, dy = here.x - self._last.x, here.y - self._last.y

@@ -52,7 +52,7 @@ def config_lines(answer: Config) -> Iterator[str]:
 
 
 def model_lines(model: RobotModel) -> Iterator[str]:
-    """Yield what no CONFIG tells, but the model does."""
+    """Yield figures of the model that CONFIG does not have."""
     yield f"of the model {model.name}:"
     yield f"front bumpers  {model.front_bumpers or 'none'}"
     yield f"rear bumpers   {model.rear_bumpers or 'none'}"
@@ -158,7 +158,7 @@ REMEMBERED = 10
 
 
 def command(context: Context, about: Description) -> DemoMode:
-    """Return the mode that sends what is typed."""
+    """Return the mode that sends typed commands."""
     prompt = _Prompt(context)
     return DemoMode(
         about,

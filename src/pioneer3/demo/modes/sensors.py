@@ -13,7 +13,7 @@ from pioneer3.units import DEGREE, MM
 
 SONAR_WIDTH = 6
 FARTHEST = 5.0
-"""What ARIA prints where nothing echoed [m]."""
+"""ARIA prints this where nothing echoed [m]."""
 NEAR = 0.5
 GROUPS: Mapping[str, range] = MappingProxyType(
     {

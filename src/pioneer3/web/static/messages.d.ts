@@ -55,7 +55,7 @@ export interface Model {
   title: string;
 }
 
-/** Which button does what, and how fast. */
+/** The buttons, and the speeds. */
 export interface Scheme {
   deadman: number;
   turbo: number;
