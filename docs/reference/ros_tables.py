@@ -10,7 +10,7 @@ from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
-from pioneer3.ros.messages.update import ImuUpdate, ScanUpdate, StateUpdate
+from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.services import SERVICES
 from pioneer3.ros.node.topics import TOPICS, Direction, Topic, transducer_topic
 
@@ -18,7 +18,7 @@ PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
 EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",
-    ImuUpdate: "with every sample",
+    SensorUpdate: "with every sample",
     DiagnosticsUpdate: "",
 }
 

@@ -4,8 +4,9 @@ import pytest
 
 from pioneer3.geometry import ORIGIN
 from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages import sensors
-from pioneer3.ros.messages.update import Beam, ImuUpdate, MessageOptions, NoEcho, ScanUpdate
+from pioneer3.ros.messages.update import Beam, MessageOptions, NoEcho, ScanUpdate, SensorUpdate
 from pioneer3.state import Scan, Sonar
 from tests.unit.ros.support import Blank, seen, update
 
@@ -66,7 +67,7 @@ def test_a_scan_of_one_reading_has_no_step() -> None:
 def test_a_gyro_tells_the_rate_of_turning_and_nothing_else() -> None:
     message = Blank()
     gyro = GyroReading(stamp=1.0, heading=0.5, rate=-0.25, temperature_raw=3)
-    sensors.imu(message, ImuUpdate(gyro=gyro, stamp="then", frame="imu_link"))
+    sensors.imu(message, SensorUpdate(reading=gyro, stamp="then", frames=Frames()))
     assert (message.header.stamp, message.header.frame_id) == ("then", "imu_link")
     assert message.angular_velocity.z == -0.25
     assert message.orientation_covariance[0] == message.linear_acceleration_covariance[0] == -1

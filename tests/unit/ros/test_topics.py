@@ -2,9 +2,10 @@ from docs.reference.ros_tables import PAGE, filled
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages import sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
-from pioneer3.ros.messages.update import ImuUpdate, MessageOptions, ScanUpdate
+from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topics import COMMANDS, TOPICS, Topic, Update, published, topics_of
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Scan, Sonar
@@ -103,9 +104,9 @@ def update_of(source: type[Update]) -> Update:
             ranges=(1.0,),
         )
         return ScanUpdate(scan=scan, frame="laser", stamp="now")
-    if source is ImuUpdate:
+    if source is SensorUpdate:
         gyro = GyroReading(stamp=5.0, heading=0.0, rate=0.1, temperature_raw=0)
-        return ImuUpdate(gyro=gyro, frame="imu_link", stamp="now")
+        return SensorUpdate(reading=gyro, frames=Frames(), stamp="now")
     if source is DiagnosticsUpdate:
         return DiagnosticsUpdate(found=(), node="/n", hardware="h", stamp="now", make=make)
     return update(seen(sonar=Sonar(ranges=(1.0,) * 16), inputs=Inputs(compass=0.5)))

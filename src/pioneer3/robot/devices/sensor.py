@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.reports import Report
@@ -14,7 +14,7 @@ from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.report_requests import RENEW, ReportRequest
 from pioneer3.robot.supervisor import Supervisor
 
-V = TypeVar("V")
+V = TypeVar("V", bound="Stamped")
 R = TypeVar("R", bound=Report)
 
 PATIENCE = RENEW + 1.0
@@ -22,6 +22,14 @@ PATIENCE = RENEW + 1.0
 ANSWER_PATIENCE = 1.0
 TRIES = 3
 RATE_WINDOW = 1.0
+
+
+class Stamped(Protocol):
+    """A reading with the time of its arrival."""
+
+    @property
+    def stamp(self) -> float:
+        """[s, monotonic]."""
 
 
 @dataclass(frozen=True, slots=True)

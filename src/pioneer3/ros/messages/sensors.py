@@ -11,9 +11,9 @@ from pioneer3.ros.description.tree import BUMPER_HEIGHT, bumper_segments, height
 from pioneer3.ros.messages.update import (
     UNMEASURED,
     Beam,
-    ImuUpdate,
     NoEcho,
     ScanUpdate,
+    SensorUpdate,
     StateUpdate,
     fill_header,
 )
@@ -250,13 +250,13 @@ def scan(message: Any, update: ScanUpdate) -> None:
     message.intensities = list(map(float, sweep.reflectances))
 
 
-def imu(message: Any, update: ImuUpdate) -> None:
+def imu(message: Any, update: SensorUpdate) -> None:
     """Fill a sensor_msgs/Imu: the rate of turning, and that there is nothing else."""
-    fill_header(message, update.stamp, update.frame)
+    fill_header(message, update.stamp, update.frames.imu)
     message.orientation.w = 1.0
     message.orientation_covariance = list(NOT_THERE)
     message.linear_acceleration_covariance = list(NOT_THERE)
-    message.angular_velocity.z = update.gyro.rate
+    message.angular_velocity.z = update.reading.rate
     variances = [0.0] * 9
     variances[::4] = UNMEASURED, UNMEASURED, GYRO_VARIANCE
     message.angular_velocity_covariance = variances

@@ -13,7 +13,6 @@ from typing import Any, Final
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import SONAR_MAX
-from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.ros.description.tree import Frames, Tree
 from pioneer3.state import Scan, Snapshot
 
@@ -125,11 +124,11 @@ class ScanUpdate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ImuUpdate:
-    """A new sample of the gyro."""
+class SensorUpdate:
+    """A new reading of one of :attr:`Devices.sensors`."""
 
-    gyro: GyroReading
-    frame: str
+    reading: Any
+    frames: Frames
     stamp: Any
 
 

@@ -10,7 +10,7 @@ from typing import Final
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError
 from pioneer3.models import RobotModel
-from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.robot.devices.sensor import Stamped
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.description.tree import Tree, tree_of
 from pioneer3.ros.description.urdf import describe
@@ -22,7 +22,7 @@ from pioneer3.ros.messages.diagnostics import (
     hardware_id,
 )
 from pioneer3.ros.messages.motion import WheelAngles
-from pioneer3.ros.messages.update import ImuUpdate, ScanUpdate, StateUpdate
+from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
 from pioneer3.ros.node.middleware import Middleware
@@ -95,8 +95,11 @@ class RobotNode:
                 self._publishing.publish_device(
                     ScanUpdate, self._robot.laser.values, self._scan_update
                 ),
-                self._publishing.publish_device(
-                    ImuUpdate, self._robot.devices.gyro.values, self._imu_update
+                *(
+                    self._publishing.publish_device(
+                        SensorUpdate, sensor.values, self._sensor_update, sensor.kind.name
+                    )
+                    for sensor in self._robot.devices.sensors
                 ),
                 self._follow_link(),
             ):
@@ -138,9 +141,8 @@ class RobotNode:
         """Return whether the robot has the device that a topic is published from."""
         if topic.source is ScanUpdate:
             return bool(self._robot.laser.presence.there)
-        if topic.source is ImuUpdate:
-            return bool(self._robot.devices.gyro.presence.there)
-        return True
+        sensors = {each.kind.name: each for each in self._robot.devices.sensors}
+        return not topic.sensor or bool(sensors[topic.sensor].presence.there)
 
     async def _publish_state(self) -> None:
         async for snapshot in self._robot.snapshots(patience=inf):
@@ -171,8 +173,8 @@ class RobotNode:
             period=pause if pause < LONGEST_PERIOD else 0.0,
         )
 
-    def _imu_update(self, gyro: GyroReading) -> ImuUpdate:
-        return ImuUpdate(gyro=gyro, frame=self._frames.imu, stamp=self._stamp(gyro.stamp))
+    def _sensor_update(self, reading: Stamped) -> SensorUpdate:
+        return SensorUpdate(reading=reading, frames=self._frames, stamp=self._stamp(reading.stamp))
 
     async def _publish_diagnostics(self) -> None:
         """Publish also while the robot is lost."""

@@ -76,18 +76,22 @@ class Publishing:
                     for name in topic.names(self._profile)
                 ]
 
-    def publish(self, update: Update) -> None:
-        """Publish the topics of this kind of update that are due."""
-        for row in self._rows:
-            if isinstance(update, row.topic.source) and row.is_due(update):
+    def publish(self, update: Update, sensor: str = "") -> None:
+        """Publish the topics of this kind of update, and of this sensor, that are due."""
+        for row in self._of(type(update), sensor):
+            if row.is_due(update):
                 assert row.topic.fill is not None
                 message = self._middleware.make(row.topic.type_name)
                 row.topic.fill(message, update)
                 row.publish(message)
 
-    def has_subscribers(self, source: type[Update]) -> bool:
-        """Return whether anybody subscribes to a topic of this kind of update."""
-        return any(row.subscribed for row in self._rows if row.topic.source is source)
+    def has_subscribers(self, source: type[Update], sensor: str = "") -> bool:
+        """Return whether anybody subscribes to a topic of this kind of update and sensor."""
+        return any(row.subscribed for row in self._of(source, sensor))
+
+    def _of(self, source: type[Update], sensor: str) -> list[_Row]:
+        topics = ((row, row.topic) for row in self._rows)
+        return [row for row, topic in topics if topic.source is source and topic.sensor == sensor]
 
     def lose_robot(self) -> None:
         """Publish on latched topics, once, that nothing is known: they must not outlive it."""
@@ -102,6 +106,7 @@ class Publishing:
         source: type[Update],
         values: Callable[[], AsyncGenerator[V, None]],
         update_of: Callable[[V], Update],
+        sensor: str = "",
     ) -> None:
         """Read a device while its topic has subscribers; without that topic, do nothing.
 
@@ -109,17 +114,18 @@ class Publishing:
             source: Kind of update.
             values: Yields values of the device.
             update_of: Makes an update of a value.
+            sensor: Name of the sensor, if it is one.
         """
-        while any(row.publishers for row in self._rows if row.topic.source is source):
-            if not self.has_subscribers(source):
+        while any(row.publishers for row in self._of(source, sensor)):
+            if not self.has_subscribers(source, sensor):
                 await asyncio.sleep(LOOK)
                 continue
             try:
                 async with aclosing(values()) as found:
                     async for value in found:
-                        if not self.has_subscribers(source):
+                        if not self.has_subscribers(source, sensor):
                             break
-                        self.publish(update_of(value))
+                        self.publish(update_of(value), sensor)
                     else:
                         return
             except DeviceError:  # another robot is at the other end now

@@ -9,13 +9,13 @@ from pioneer3.geometry import Twist2
 from pioneer3.models import RobotModel
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
-from pioneer3.ros.messages.update import ImuUpdate, MessageOptions, ScanUpdate, StateUpdate
+from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands
 from pioneer3.state import Charging
 
 SLOWLY: Final = 1.0
 """Between two messages of a topic that hardly changes [s]; of diagnostics too (REP 107)."""
-Update = StateUpdate | ScanUpdate | ImuUpdate | DiagnosticsUpdate
+Update = StateUpdate | ScanUpdate | SensorUpdate | DiagnosticsUpdate
 """Anything that topics are published from."""
 
 
@@ -37,6 +37,7 @@ class Topic:
         standard: Name after the conventions of ROS packages, relative; `None` if it has none.
         type_name: Type of its messages.
         source: Kind of update that it is published from.
+        sensor: Name of the sensor whose readings are published; empty for all other topics.
         fill: Puts such an update into an empty message; `None` for a topic that is subscribed to.
         parse: Returns the command in a message; `None` for a topic that is published.
         changes: Returns the content that matters, where a message is sent only when that is new;
@@ -53,6 +54,7 @@ class Topic:
     standard: str | None = None
     type_name: str
     source: type[Update] = StateUpdate
+    sensor: str = ""
     fill: Callable[[Any, Any], None] | None = None
     parse: Callable[[Any], Twist2] | None = None
     changes: Callable[[Any], object] | None = None
@@ -217,7 +219,8 @@ TOPICS: Final = (
     Topic(
         standard="imu/data_raw",
         type_name="sensor_msgs/Imu",
-        source=ImuUpdate,
+        source=SensorUpdate,
+        sensor="gyro",
         fill=sensors.imu,
         note="turn rate, where the robot sends its gyro's samples (GyroType 1)",
     ),
