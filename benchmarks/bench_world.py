@@ -121,7 +121,7 @@ def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6)
 @cache
 def compiled_wander() -> Control:
     """Return the loop over robots, compiled."""
-    import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: PLC0415
+    import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     compile_: Any = numba.njit
     compiled: Control = compile_(wander)

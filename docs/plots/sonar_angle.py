@@ -72,7 +72,7 @@ def table() -> str:
 
 def draw() -> None:
     """Draw both curves over the angle."""
-    from matplotlib import pyplot  # noqa: PLC0415
+    from matplotlib import pyplot
 
     pyplot.rcParams["svg.hashsalt"] = "sonar"
 

@@ -192,7 +192,7 @@ def touch_in_front(robot: SimulatedRobot) -> None:
 
 async def test_a_front_bumper_keeps_the_robot_from_pushing_on_but_not_from_leaving() -> None:
     async with SimulatedRobot() as robot:
-        from dataclasses import replace  # noqa: PLC0415
+        from dataclasses import replace
 
         model = replace(robot.body.model, front_bumpers=5, rear_bumpers=5)
         async with connect_async(robot.open, model=model) as driver:

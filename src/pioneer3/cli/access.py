@@ -27,7 +27,7 @@ def list_(*, web_port: WebPort = 8080, json: Flag = False) -> int:
         web_port: TCP port of the page.
         json: Print JSON.
     """
-    from pioneer3.web.api.http_client import sessions  # noqa: PLC0415
+    from pioneer3.web.api.http_client import sessions
 
     known = sessions(web_port)
     if json:
@@ -48,8 +48,8 @@ def invite(*, role: Literal["viewer", "driver"] = "driver", web_port: WebPort = 
         role: What it may do: look and stop, or drive as well.
         web_port: TCP port of the page.
     """
-    from pioneer3.web.access.invitations import terminal_lines  # noqa: PLC0415
-    from pioneer3.web.api.http_client import invite as ask  # noqa: PLC0415
+    from pioneer3.web.access.invitations import terminal_lines
+    from pioneer3.web.api.http_client import invite as ask
 
     invitation = ask(web_port, role)
     for line in terminal_lines(invitation.url):
@@ -67,7 +67,7 @@ def revoke(session: str, *, web_port: WebPort = 8080) -> int:
         session: Its number, from pioneer3 access list.
         web_port: TCP port of the page.
     """
-    from pioneer3.web.api.http_client import revoke as ask  # noqa: PLC0415
+    from pioneer3.web.api.http_client import revoke as ask
 
     ask(web_port, session)
     return 0

@@ -44,13 +44,13 @@ async def _demo(
     *,
     plain: bool,
 ) -> int:
-    from contextlib import AsyncExitStack  # noqa: PLC0415
+    from contextlib import AsyncExitStack
 
-    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
-    from pioneer3.demo.modes import MODES  # noqa: PLC0415
-    from pioneer3.demo.start import start_plain, start_screen  # noqa: PLC0415
-    from pioneer3.errors import ConfigError  # noqa: PLC0415
-    from pioneer3.robot.devices import Acts  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.demo.modes import MODES
+    from pioneer3.demo.start import start_plain, start_screen
+    from pioneer3.errors import ConfigError
+    from pioneer3.robot.devices import Acts
 
     keys = [one.key for one in MODES]
     if mode.lower() not in keys:

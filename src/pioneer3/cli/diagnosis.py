@@ -28,9 +28,9 @@ def info(*, link: LinkOptions = LINK, json: Flag = False) -> int:
 
 
 async def _info(link: LinkOptions, *, json: bool) -> int:
-    from contextlib import AsyncExitStack  # noqa: PLC0415
+    from contextlib import AsyncExitStack
 
-    from pioneer3.cli.process import busy_sign, write_json  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign, write_json
 
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {link.port} ..."):
@@ -44,9 +44,9 @@ async def _info(link: LinkOptions, *, json: bool) -> int:
 
 
 def _show_robot(robot: "Robot") -> None:
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from pioneer3.cli.tables import robot_tables  # noqa: PLC0415
+    from pioneer3.cli.tables import robot_tables
 
     console = Console(highlight=False)
     for table in robot_tables(robot.info, robot.snapshot):
@@ -54,7 +54,7 @@ def _show_robot(robot: "Robot") -> None:
 
 
 def _as_data(robot: "Robot") -> dict[str, object]:
-    from pioneer3.robot.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind
 
     info, snapshot = robot.info, robot.snapshot
     return {
@@ -89,8 +89,8 @@ def doctor(
 
 
 async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
-    from pioneer3.cli.process import busy_sign, write_json  # noqa: PLC0415
-    from pioneer3.doctor.diagnose import (  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign, write_json
+    from pioneer3.doctor.diagnose import (
         diagnose,
         exit_code,
         gather,
@@ -107,9 +107,9 @@ async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) ->
 
 
 def _show_findings(findings: "tuple[Finding, ...]") -> None:
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from pioneer3.cli.tables import findings_table, verdict  # noqa: PLC0415
+    from pioneer3.cli.tables import findings_table, verdict
 
     console = Console(highlight=False)
     console.print(findings_table(findings))
@@ -133,8 +133,8 @@ def find_port(*, no_probe: Flag = False, wait: Flag = False, json: Flag = False)
 
 
 async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
-    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
-    from pioneer3.doctor.probe import SIMULATOR_URL, found_code  # noqa: PLC0415
+    from pioneer3.doctor.ports import list_ports
+    from pioneer3.doctor.probe import SIMULATOR_URL, found_code
 
     ports = await _replugged() if wait else list_ports()
     urls = () if wait else (SIMULATOR_URL,)
@@ -149,8 +149,8 @@ async def _find_port(*, no_probe: bool, wait: bool, json: bool) -> int:
 async def _looked_at(
     ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
 ) -> "list[Probed]":
-    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
-    from pioneer3.doctor.probe import not_probed, probe, probe_port  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.doctor.probe import not_probed, probe, probe_port
 
     if no_probe:
         return not_probed(ports, urls)
@@ -166,9 +166,9 @@ async def _looked_at(
 
 async def _replugged() -> "tuple[SerialPort, ...]":
     """Lead a person through unplugging and plugging in; return the ports that came back."""
-    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
-    from pioneer3.doctor.ports import list_ports  # noqa: PLC0415
-    from pioneer3.doctor.probe import came_back, wait_for_plug  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.doctor.ports import list_ports
+    from pioneer3.doctor.probe import came_back, wait_for_plug
 
     before = list_ports()
     _say("Unplug the robot's cable from this computer, then press Enter. ")
@@ -183,7 +183,7 @@ async def _replugged() -> "tuple[SerialPort, ...]":
 
 async def _enter_pressed() -> None:
     """Wait for a line on stdin; unlike a thread that reads, this can be interrupted."""
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
     loop, ready = asyncio.get_running_loop(), asyncio.Event()
     try:
@@ -203,8 +203,8 @@ def _say(text: str) -> None:
 
 
 def _print_json(found: "list[Probed]") -> None:
-    from pioneer3.cli.process import write_json  # noqa: PLC0415
-    from pioneer3.doctor.probe import choose  # noqa: PLC0415
+    from pioneer3.cli.process import write_json
+    from pioneer3.doctor.probe import choose
 
     best = choose(found)
     ports = [
@@ -221,9 +221,9 @@ def _print_json(found: "list[Probed]") -> None:
 
 
 def _show_ports(found: "list[Probed]", *, probed: bool) -> None:
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from pioneer3.cli.tables import advice, ports_table  # noqa: PLC0415
+    from pioneer3.cli.tables import advice, ports_table
 
     console = Console(highlight=False)
     if found:

@@ -61,7 +61,7 @@ def drive(
 
 async def _for(driving: Coroutine[Any, Any, None], seconds: float | None) -> None:
     """Drive for so long, or until the driver quits."""
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
     try:
         async with asyncio.timeout(seconds) as limit:
@@ -80,9 +80,9 @@ async def _drive(
     latch: bool,
     patience: float,
 ) -> None:
-    from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-    from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
-    from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
+    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard_drive import KeyboardDriver
+    from pioneer3.teleop.terminal import keys, raw_terminal
 
     with raw_terminal() as terminal:
         async with link.connect(max_speed=max_speed) as robot:
@@ -103,9 +103,9 @@ async def _drive_gamepad(
     max_speed: float | None,
     name: str,
 ) -> None:
-    from pioneer3.teleop.evdev import open_gamepad, read  # noqa: PLC0415
-    from pioneer3.teleop.gamepad import SCHEME  # noqa: PLC0415
-    from pioneer3.teleop.gamepad_drive import GamepadDriver  # noqa: PLC0415
+    from pioneer3.teleop.evdev import open_gamepad, read
+    from pioneer3.teleop.gamepad import SCHEME
+    from pioneer3.teleop.gamepad_drive import GamepadDriver
 
     def tell(news: str) -> None:
         write_line(f"\r\x1b[K{news}" if sys.stdout.isatty() else news)

@@ -57,7 +57,7 @@ def carry_out(
 
 def how_to_stop() -> str:
     """Return which keys stop a robot that drives by itself."""
-    from pioneer3.teleop.terminal import is_in_front  # noqa: PLC0415
+    from pioneer3.teleop.terminal import is_in_front
 
     return "\nany key stops it   k: emergency stop" if is_in_front() else "Ctrl-C stops it"
 
@@ -86,10 +86,10 @@ async def show_while(
     Raises:
         MotionError: as `motion` does.
     """
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
-    from pioneer3.errors import MotionError  # noqa: PLC0415
-    from pioneer3.teleop.terminal import is_in_front  # noqa: PLC0415
+    from pioneer3.errors import MotionError
+    from pioneer3.teleop.terminal import is_in_front
 
     listens, pressed = is_in_front(), list[str]()
     tasks = [asyncio.ensure_future(_show(robot, json=json))]
@@ -111,8 +111,8 @@ async def show_while(
 
 async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
     """Stop at any key, and hard at k; note in `pressed` which it was."""
-    from pioneer3.teleop.keyboard import Key  # noqa: PLC0415
-    from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
+    from pioneer3.teleop.keyboard import Key
+    from pioneer3.teleop.terminal import keys, raw_terminal
 
     with raw_terminal() as terminal:
         async for key in keys(terminal):
@@ -126,7 +126,7 @@ async def _obey_keys(robot: "Driven", pressed: list[str]) -> None:
 
 def announce(robot: "Driven", words: str, *, json: bool = False) -> None:
     """Print the robot and its motion, unless a program reads."""
-    from pioneer3.robot.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind
 
     if not json:
         info = robot.info
@@ -153,9 +153,9 @@ def lost(robot: "Driven") -> str:
 
 async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapshot | None"]:
     """Yield each reading for `seconds`; `None` again and again while the link is lost."""
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
-    from pioneer3.errors import LinkError  # noqa: PLC0415
+    from pioneer3.errors import LinkError
 
     clock = asyncio.get_running_loop().time
     end = clock() + seconds
@@ -209,7 +209,7 @@ async def _show(robot: "Driven", *, json: bool) -> None:
         async for _ in looks(robot):
             rewrite(line(robot))
     else:
-        import asyncio  # noqa: PLC0415
+        import asyncio
 
         clock, there = asyncio.get_running_loop().time, True
         due = clock() + QUIET

@@ -36,9 +36,9 @@ def show(file: str) -> int:
     Args:
         file: A shipped map (office), or a .map, .yaml or .toml file.
     """
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
-    from pioneer3.sim.map_convert import look  # noqa: PLC0415
+    from pioneer3.sim.map_convert import look
 
     _print_map(look(file), Console(highlight=False))
     return 0
@@ -62,8 +62,8 @@ def check(
         robot: The model that must have room at homes and on the way to goals.
         json: Print JSON for programs, nothing else.
     """
-    from pioneer3.cli.process import write_json  # noqa: PLC0415
-    from pioneer3.sim import map_convert  # noqa: PLC0415
+    from pioneer3.cli.process import write_json
+    from pioneer3.sim import map_convert
 
     findings, code = map_convert.check(file, robot)
     if json:
@@ -94,8 +94,8 @@ def convert(
         resolution: Side of a pixel of a .yaml map [m].
         force: Write over files that are there.
     """
-    from pioneer3.cli.process import write_line  # noqa: PLC0415
-    from pioneer3.sim import map_convert  # noqa: PLC0415
+    from pioneer3.cli.process import write_line
+    from pioneer3.sim import map_convert
 
     done = map_convert.convert(source, target, resolution=resolution, force=force)
     for path in done.files:
@@ -106,9 +106,9 @@ def convert(
 
 
 def _print_map(info: "MapInfo", console: "Console") -> None:
-    from rich.text import Text  # noqa: PLC0415
+    from rich.text import Text
 
-    from pioneer3.cli.map_drawing import Canvas, legend  # noqa: PLC0415
+    from pioneer3.cli.map_drawing import Canvas, legend
 
     title = Text(info.name, "bold", no_wrap=True, overflow="ellipsis")
     width, height = info.size
@@ -128,8 +128,8 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
 
 
 def _print_findings(file: str, findings: "tuple[Finding, ...]") -> None:
-    from rich.console import Console  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from rich.console import Console
+    from rich.text import Text
 
     console = Console(highlight=False)
     for finding in findings:

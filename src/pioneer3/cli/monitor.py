@@ -41,9 +41,9 @@ def monitor(
 
 
 async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
-    from contextlib import AsyncExitStack  # noqa: PLC0415
+    from contextlib import AsyncExitStack
 
-    from pioneer3.cli.process import busy_sign  # noqa: PLC0415
+    from pioneer3.cli.process import busy_sign
 
     async with AsyncExitStack() as stack:
         with busy_sign(f"Connecting to {link.port} ..."):
@@ -57,8 +57,8 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
 
 
 async def _print_json(robot: "Robot", seconds: float) -> int:
-    from pioneer3.cli.live import watch  # noqa: PLC0415
-    from pioneer3.cli.process import write_json  # noqa: PLC0415
+    from pioneer3.cli.live import watch
+    from pioneer3.cli.process import write_json
 
     def show(snapshot: "Snapshot | None" = None) -> None:
         write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
@@ -67,9 +67,9 @@ async def _print_json(robot: "Robot", seconds: float) -> int:
 
 
 async def _print_lines(robot: "Robot", seconds: float) -> int:
-    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.process import write_line  # noqa: PLC0415
-    from pioneer3.cli.screen import line  # noqa: PLC0415
+    from pioneer3.cli.live import lost, watch
+    from pioneer3.cli.process import write_line
+    from pioneer3.cli.screen import line
 
     return await watch(
         robot,
@@ -80,11 +80,11 @@ async def _print_lines(robot: "Robot", seconds: float) -> int:
 
 
 async def _show_screen(robot: "Robot", seconds: float) -> int:
-    from rich.console import Console  # noqa: PLC0415
-    from rich.live import Live  # noqa: PLC0415
+    from rich.console import Console
+    from rich.live import Live
 
-    from pioneer3.cli.live import looks  # noqa: PLC0415
-    from pioneer3.cli.screen import screen  # noqa: PLC0415
+    from pioneer3.cli.live import looks
+    from pioneer3.cli.screen import screen
 
     console, code = Console(highlight=False), 0
     with Live(console=console, screen=True, auto_refresh=False) as live:
@@ -98,14 +98,14 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
 
 
 async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
-    from pioneer3.arcos.reports import Report  # noqa: PLC0415
-    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
-    from pioneer3.doctor.decoding_link import DecodingLink, described  # noqa: PLC0415
-    from pioneer3.links import Link, opener  # noqa: PLC0415
-    from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
+    from pioneer3.arcos.reports import Report
+    from pioneer3.cli.live import lost, watch
+    from pioneer3.cli.process import write_json, write_line
+    from pioneer3.doctor.decoding_link import DecodingLink, described
+    from pioneer3.links import Link, opener
+    from pioneer3.runtime.connect import connect_async
 
     began = asyncio.get_running_loop().time()
 

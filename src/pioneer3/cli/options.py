@@ -64,7 +64,7 @@ def reads(
 
 
 def _patient(seconds: float) -> float:
-    from pioneer3.teleop.keyboard import patient  # noqa: PLC0415
+    from pioneer3.teleop.keyboard import patient
 
     return patient(seconds)
 
@@ -97,7 +97,7 @@ class LinkOptions:
         self, *, max_speed: float | None = None, auto_enable: bool = True
     ) -> "AbstractAsyncContextManager[Robot]":
         """Return the connection; entered it is made, left it is closed and the robot stands."""
-        from pioneer3.runtime.connect import connect_async  # noqa: PLC0415
+        from pioneer3.runtime.connect import connect_async
 
         return connect_async(
             self.port,
@@ -135,9 +135,9 @@ class MotionOptions:
         Raises:
             MotionError: as `motion` does, or it took too long.
         """
-        import asyncio  # noqa: PLC0415
+        import asyncio
 
-        from pioneer3.errors import MotionError  # noqa: PLC0415
+        from pioneer3.errors import MotionError
 
         try:
             async with asyncio.timeout(self.seconds) as limit:
@@ -186,8 +186,8 @@ class WorldOptions:
         Raises:
             ConfigError: A word is wrong.
         """
-        from pioneer3.sim.worldfile import parse_equipment  # noqa: PLC0415
-        from pioneer3.sim.worldfile.arguments import (  # noqa: PLC0415
+        from pioneer3.sim.worldfile import parse_equipment
+        from pioneer3.sim.worldfile.arguments import (
             WorldOverrides,
             parse_robot,
             parse_start,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def new_loop() -> "AbstractEventLoop":
     """Return a loop that can wait for sockets, which that of Windows cannot unless asked for."""
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
     return asyncio.SelectorEventLoop() if sys.platform == "win32" else asyncio.new_event_loop()
 
@@ -25,7 +25,7 @@ def run_until_told_to_leave(command: Coroutine[Any, Any, int | None]) -> int:
 
     A hang-up that is ignored, as under nohup, stays ignored.
     """
-    import asyncio  # noqa: PLC0415  40 ms that `--help` need not wait
+    import asyncio  # 40 ms that `--help` need not wait
 
     received: list[int] = []
     before: dict[int, Any] = {}
@@ -82,7 +82,7 @@ def write_json(value: object, *, indent: int | None = None) -> None:
 
     Infinity and NaN are null; digits beyond a millionth are rounding, and left out.
     """
-    import msgspec  # noqa: PLC0415
+    import msgspec
 
     data = msgspec.json.encode(_rounded(msgspec.to_builtins(value)))
     write_line((msgspec.json.format(data, indent=indent) if indent else data).decode())
@@ -105,7 +105,7 @@ def busy_sign(text: str) -> Iterator[None]:
     if not sys.stderr.isatty():
         yield
         return
-    from rich.console import Console  # noqa: PLC0415
+    from rich.console import Console
 
     with Console(stderr=True).status(text):
         yield

@@ -68,15 +68,15 @@ def ros1(
 
 
 async def _serve(arguments: tuple[str, ...], port: str | None, baud: int | None) -> int:
-    from pioneer3.cli.process import write_line  # noqa: PLC0415
-    from pioneer3.ros.ros1.start import Options, serve  # noqa: PLC0415
+    from pioneer3.cli.process import write_line
+    from pioneer3.ros.ros1.start import Options, serve
 
     return await serve(Options(port=port, baud=baud, arguments=arguments), write_line)
 
 
 def _install(folder: Path) -> int:
-    from pioneer3.cli.process import write_line  # noqa: PLC0415
-    from pioneer3.ros.ros1.package import install_package  # noqa: PLC0415
+    from pioneer3.cli.process import write_line
+    from pioneer3.ros.ros1.package import install_package
 
     package = install_package(folder)
     write_line(

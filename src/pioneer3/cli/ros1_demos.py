@@ -26,8 +26,8 @@ def robots(*arguments: Arguments, json: Flag = False) -> int:
         arguments: ROS's own; they change nothing.
         json: Print JSON.
     """
-    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
-    from pioneer3.ros.ros1.client import find_robots  # noqa: PLC0415
+    from pioneer3.cli.process import write_json, write_line
+    from pioneer3.ros.ros1.client import find_robots
 
     found = find_robots()
     if json:
@@ -63,14 +63,14 @@ def rob_key(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    from pioneer3.cli.drive import KEYS  # noqa: PLC0415
+    from pioneer3.cli.drive import KEYS
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import rewrite, tell_cuts  # noqa: PLC0415
-        from pioneer3.cli.process import write_line  # noqa: PLC0415
-        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-        from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
-        from pioneer3.teleop.terminal import keys, raw_terminal  # noqa: PLC0415
+        from pioneer3.cli.live import rewrite, tell_cuts
+        from pioneer3.cli.process import write_line
+        from pioneer3.teleop.keyboard import Keyboard
+        from pioneer3.teleop.keyboard_drive import KeyboardDriver
+        from pioneer3.teleop.terminal import keys, raw_terminal
 
         with raw_terminal() as terminal:
             write_line(KEYS)
@@ -106,18 +106,18 @@ def rob_key_multi(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    from pioneer3.cli.live import announce, rewrite  # noqa: PLC0415
-    from pioneer3.cli.process import write_line  # noqa: PLC0415
-    from pioneer3.ros.client.graph import chosen  # noqa: PLC0415
-    from pioneer3.ros.ros1.client import find_robots, run_program  # noqa: PLC0415
-    from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-    from pioneer3.teleop.keyboard_drive import (  # noqa: PLC0415
+    from pioneer3.cli.live import announce, rewrite
+    from pioneer3.cli.process import write_line
+    from pioneer3.ros.client.graph import chosen
+    from pioneer3.ros.ros1.client import find_robots, run_program
+    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard_drive import (
         KEYS,
         KeyboardDriver,
         KeyRouter,
         numbers,
     )
-    from pioneer3.teleop.terminal import raw_terminal, tokens  # noqa: PLC0415
+    from pioneer3.teleop.terminal import raw_terminal, tokens
 
     known = find_robots()
     wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
@@ -152,7 +152,7 @@ def p3_sonar(
     """
 
     async def show(driven: "TopicRobot") -> None:
-        from pioneer3.cli.sonar import show_sonar  # noqa: PLC0415
+        from pioneer3.cli.sonar import show_sonar
 
         await show_sonar(driven, inf if seconds is None else seconds, json=json)
 
@@ -212,11 +212,11 @@ def android_teleop(
     """
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import rewrite  # noqa: PLC0415
-        from pioneer3.ros.client.phone import flicks  # noqa: PLC0415
-        from pioneer3.ros.ros1.middleware import RospyTopics  # noqa: PLC0415
-        from pioneer3.teleop.keyboard import Keyboard  # noqa: PLC0415
-        from pioneer3.teleop.keyboard_drive import KeyboardDriver  # noqa: PLC0415
+        from pioneer3.cli.live import rewrite
+        from pioneer3.ros.client.phone import flicks
+        from pioneer3.ros.ros1.middleware import RospyTopics
+        from pioneer3.teleop.keyboard import Keyboard
+        from pioneer3.teleop.keyboard_drive import KeyboardDriver
 
         keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
         await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu, RospyTopics()))

@@ -45,14 +45,14 @@ def run_mode(
     """Let `mode` drive the robot for `seconds`, as the node of its name; `speed` was asked for."""
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import show_while, tell_cuts  # noqa: PLC0415
+        from pioneer3.cli.live import show_while, tell_cuts
 
         limits = driven.info.limits
         tell_cuts(limits, speed, None)
         length = inf if seconds is None else seconds
         await show_while(driven, driven.run(mode.stack(limits), length), json=json)
 
-    from pioneer3.cli.live import how_to_stop  # noqa: PLC0415
+    from pioneer3.cli.live import how_to_stop
 
     words = None if json else f"{mode.doing}; {how_to_stop()}"
     return drive_robot(mode.name(), arguments, which, drive, words=words)
@@ -67,11 +67,11 @@ def drive_robot(
     words: str | None = None,
 ) -> int:
     """Find the robot, be the node `name` and drive, until that ends or Ctrl-C."""
-    from pioneer3.ros.client.graph import chosen  # noqa: PLC0415
-    from pioneer3.ros.ros1.client import find_robots, run_program  # noqa: PLC0415
+    from pioneer3.ros.client.graph import chosen
+    from pioneer3.ros.ros1.client import find_robots, run_program
 
     async def work(robots: "list[TopicRobot]") -> None:
-        from pioneer3.cli.live import announce  # noqa: PLC0415
+        from pioneer3.cli.live import announce
 
         (robot,) = robots
         if words is not None:

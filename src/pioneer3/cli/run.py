@@ -53,8 +53,8 @@ def run(
         record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
     """
     _refuse_nonsense(port, robot, simulated=ideal or world != AS_USUAL)
-    from pioneer3.sim.worldfile.arguments import parse_robot  # noqa: PLC0415
-    from pioneer3.web.live import Options, live  # noqa: PLC0415
+    from pioneer3.sim.worldfile.arguments import parse_robot
+    from pioneer3.web.live import Options, live
 
     options = Options(
         ports=port,

@@ -117,7 +117,7 @@ class TimeOptions:
         Raises:
             ConfigError: The speed is none, or two are given.
         """
-        from pioneer3.sim.server.pacer import Pacer  # noqa: PLC0415
+        from pioneer3.sim.server.pacer import Pacer
 
         if self.fast and self.speed != 1.0:
             raise ConfigError("--speed and --fast: give one of them")
@@ -147,7 +147,7 @@ class ErrorOptions:
         Raises:
             ConfigError: Two ways of odometry error are given.
         """
-        from pioneer3.sim.realism import Realism  # noqa: PLC0415
+        from pioneer3.sim.realism import Realism
 
         mode = self.odom_error_mode
         if self.no_error and mode not in {None, "none"}:
@@ -162,7 +162,7 @@ class ErrorOptions:
         Raises:
             ConfigError: A word is wrong.
         """
-        from pioneer3.sim.server.faults import LinkFaults  # noqa: PLC0415
+        from pioneer3.sim.server.faults import LinkFaults
 
         return LinkFaults.parse(self.fault)
 
@@ -261,7 +261,7 @@ def sim(
         _warn(note)
     if ports.warning:
         _warn(ports.warning)
-    from pioneer3.sim.server.start import simulator  # noqa: PLC0415
+    from pioneer3.sim.server.start import simulator
 
     simulation = simulator(
         map_name=map_.name(),
@@ -278,7 +278,7 @@ def sim(
 
 
 async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]") -> int:
-    import asyncio  # noqa: PLC0415
+    import asyncio
 
     async with AsyncExitStack() as stack:
         try:

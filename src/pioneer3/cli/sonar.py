@@ -75,8 +75,8 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
 
     Returns the exit code: 1 if the link is lost in the end.
     """
-    from pioneer3.cli.live import lost, watch  # noqa: PLC0415
-    from pioneer3.cli.process import write_json, write_line  # noqa: PLC0415
+    from pioneer3.cli.live import lost, watch
+    from pioneer3.cli.process import write_json, write_line
 
     def show(snapshot: "Snapshot") -> None:
         distances = hull_distances(robot.info.model, snapshot.sonar.ranges)
@@ -99,11 +99,11 @@ async def show_sonar(robot: "Driven", seconds: float, *, json: bool) -> int:
 
 
 async def _show(robot: "Driven", seconds: float) -> int:
-    from rich.console import Console  # noqa: PLC0415
-    from rich.live import Live  # noqa: PLC0415
+    from rich.console import Console
+    from rich.live import Live
 
-    from pioneer3.cli.live import looks, lost  # noqa: PLC0415
-    from pioneer3.demo.drawing import reach_for, ring  # noqa: PLC0415
+    from pioneer3.cli.live import looks, lost
+    from pioneer3.demo.drawing import reach_for, ring
 
     console = Console(highlight=False)
     reach, code = 3.0, 0
@@ -122,10 +122,10 @@ async def _show(robot: "Driven", seconds: float) -> int:
 
 
 def _view(info: "RobotInfo", snapshot: "Snapshot", picture: "Canvas") -> "RenderableType":
-    from rich.console import Group  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from rich.console import Group
+    from rich.text import Text
 
-    from pioneer3.robot.identity import kind  # noqa: PLC0415
+    from pioneer3.robot.identity import kind
 
     drawn = picture.text()
     drawn.end = "\n"

@@ -235,7 +235,7 @@ class DemoApp(App[None]):
         pose, ranges = snapshot.odometry.robot_in_odom, snapshot.sonar.ranges
         self._trail.add(pose)
         self._reach = reach_for(ranges, self._reach)
-        scan = program.robot.devices.laser.latest if program.active.about.key == "l" else None
+        scan = program.robot.laser.latest if program.active.about.key == "l" else None
         drawn = ring(
             program.robot.info.model,
             ranges,

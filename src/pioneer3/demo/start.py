@@ -37,7 +37,7 @@ def log_told_by(say: Callable[[str], None]) -> Iterator[None]:
 
 async def start_screen(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
     """Run the demo on the whole terminal; return the exit code."""
-    from pioneer3.demo.app import DemoApp  # noqa: PLC0415  textual takes its time
+    from pioneer3.demo.app import DemoApp  # textual takes its time
 
     app = DemoApp(partial(Program, robot, first=first, patience=patience, acts=acts))
     with log_told_by(app.say):

@@ -96,7 +96,7 @@ class SerialPort:
 
 def list_ports() -> tuple[SerialPort, ...]:
     """Return the serial ports of this computer, USB adapters first."""
-    import serialx  # noqa: PLC0415  costs 100 ms
+    import serialx  # costs 100 ms
 
     ports = [
         _examined(

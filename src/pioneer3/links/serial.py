@@ -30,7 +30,7 @@ async def open_serial(path: str, first_speed: int | None = None) -> StreamLink:
     Raises:
         PortNotFoundError, PortPermissionError, PortBusyError, LinkError: with a remedy.
     """
-    import serialx  # noqa: PLC0415  costs 100 ms
+    import serialx  # costs 100 ms
 
     first = first_speed or remembered_speed(path) or SPEEDS[0]
     speeds = (first, *(s for s in SPEEDS if s != first))

@@ -30,11 +30,11 @@ async def open_link(url: str, *, baud: int | None = None) -> Link:
     scheme, rest = split_url(url)
     match scheme:
         case "serial":
-            from pioneer3.links.serial import open_serial  # noqa: PLC0415
+            from pioneer3.links.serial import open_serial
 
             return await open_serial(rest, baud)
         case "tcp":
-            from pioneer3.links.stream import open_tcp  # noqa: PLC0415
+            from pioneer3.links.stream import open_tcp
 
             return await open_tcp(*split_host(f"tcp:{rest}"))
         case _:
@@ -51,7 +51,7 @@ def opener(url: str, *, baud: int | None = None) -> Opener:
     scheme, rest = split_url(url)
     if scheme != "replay":
         return partial(open_link, url, baud=baud)
-    from pioneer3.links.tap import Replay  # noqa: PLC0415
+    from pioneer3.links.tap import Replay
 
     return Replay(Path(rest)).open
 

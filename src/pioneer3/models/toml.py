@@ -76,7 +76,7 @@ def parse_toml(text: str, source: str) -> RobotModel:
 
 
 def _convert(table: Table) -> RobotModel:
-    import msgspec  # noqa: PLC0415 - 60 ms that only those who read a file pay
+    import msgspec  # 60 ms that only those who read a file pay
 
     try:
         return msgspec.convert(table, RobotModel)

@@ -304,6 +304,6 @@ class Supervisor:
 def _remember_speed(session: Session) -> None:
     scheme, _, path = session.link.url.partition(":")
     if session.speed is not None and scheme == "serial":
-        from pioneer3.links.serial import remember_speed  # noqa: PLC0415
+        from pioneer3.links.serial import remember_speed
 
         remember_speed(path, session.speed)

@@ -244,7 +244,7 @@ def _bits(descriptor: int, kind: int) -> int:
 
 def _get(descriptor: int, number: int, size: int) -> bytes:
     """Ask the device: EVIOCGNAME 0x06, EVIOCGBIT 0x20 + kind, EVIOCGABS 0x40 + axis."""
-    from fcntl import ioctl  # noqa: PLC0415
+    from fcntl import ioctl
 
     return ioctl(descriptor, request(number, size), bytes(size))
 

@@ -6,7 +6,7 @@ from math import isfinite
 from typing import Protocol
 
 from pioneer3.geometry import Pose2
-from pioneer3.robot.devices.laser import Laser
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.state import Scan
 from pioneer3.tasks import running
 from pioneer3.units import MM
@@ -134,7 +134,7 @@ class ScanChannel(FrameChannel):
         return client in self._subscribers
 
     async def follow(
-        self, robot: int, laser: Laser, sensor_in_map: Callable[[Scan], Pose2]
+        self, robot: int, laser: LaserSource, sensor_in_map: Callable[[Scan], Pose2]
     ) -> None:
         """Keep the laser of a robot on while a client subscribes; ends by cancellation."""
         while True:
@@ -143,7 +143,9 @@ class ScanChannel(FrameChannel):
                 await self._unwanted.wait()
             self.forget(robot)
 
-    async def _read(self, robot: int, laser: Laser, sensor_in_map: Callable[[Scan], Pose2]) -> None:
+    async def _read(
+        self, robot: int, laser: LaserSource, sensor_in_map: Callable[[Scan], Pose2]
+    ) -> None:
         clock = asyncio.get_running_loop().time
         if not laser.presence.there:
             return

@@ -148,7 +148,7 @@ class ConnectionLimits:
 def spare_files() -> int:
     """Return the number of files that this process can still open."""
     try:
-        from resource import RLIMIT_NOFILE, getrlimit  # noqa: PLC0415  not on Windows
+        from resource import RLIMIT_NOFILE, getrlimit  # not on Windows
     except ImportError:
         return USUAL_FILES
     most = getrlimit(RLIMIT_NOFILE)[0]

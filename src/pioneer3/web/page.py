@@ -151,7 +151,7 @@ class Page:
                 self._watch_snapshots(view),
                 view.details.run(),
                 view.details.ask(),
-                self.scans.follow(number, robot.devices.laser, view.sensor_in_map),
+                self.scans.follow(number, robot.laser, view.sensor_in_map),
             ):
                 yield view
         finally:

@@ -47,7 +47,7 @@ class RobotView:
 
     def describe(self) -> messages.Robot:
         """Return the part of the hello for this robot."""
-        laser = bool(self.robot.devices.laser.presence.there)
+        laser = bool(self.robot.laser.presence.there)
         return robot_part(self.number, self.name, self.robot.supervisor.info, laser=laser)
 
     def status(self) -> messages.Status:

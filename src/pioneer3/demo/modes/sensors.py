@@ -123,7 +123,7 @@ Point = tuple[float, float]
 
 def laser(context: Context, about: Description) -> DemoMode:
     """Return the mode that shows the laser."""
-    device = context.robot.devices.laser
+    device = context.robot.laser
     raw, held = False, ExitStack()
 
     def on_key(key: str) -> bool:

@@ -45,7 +45,7 @@ def find_robots() -> list[RobotTopics]:
         NoRobotError: there is no master.
     """
     find_rospy()
-    import rosgraph  # noqa: PLC0415
+    import rosgraph
 
     uri = rosgraph.get_master_uri()
     master = rosgraph.Master("/pioneer3")
@@ -89,8 +89,8 @@ async def run_program(
 @asynccontextmanager
 async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio.Event]:
     """Be a ROS node while the block lasts; the event says that somebody shut it down."""
-    import rosgraph  # noqa: PLC0415
-    import rospy  # noqa: PLC0415
+    import rosgraph
+    import rospy
 
     odd = [argument for argument in arguments if ":=" not in argument]
     if odd:
@@ -161,7 +161,7 @@ async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[Topic
 
 def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
     """Return the identity of a robot by its node's parameters."""
-    import rospy  # noqa: PLC0415
+    import rospy
 
     said = str(rospy.get_param(f"{topics.node}/{MODEL}", UNKNOWN_MODEL))
     found = load_model(model) if model else find_model(said) or load_model(UNKNOWN_MODEL)
@@ -184,8 +184,8 @@ def _publish(middleware: RospyTopics, publisher: Publisher, wanted: Twist2) -> N
 
 def _switch_motors(node: str, on: bool) -> None:
     """Call the service of the robot's node; nobody waits for it."""
-    import rospy  # noqa: PLC0415
-    from std_srvs.srv import Empty  # noqa: PLC0415
+    import rospy
+    from std_srvs.srv import Empty
 
     name = "enable_motors" if on else "disable_motors"
 

@@ -47,8 +47,8 @@ class MasterWatch:
     """
 
     def __init__(self, name: str, tell: Callable[[str], None]) -> None:
-        from rosgraph import Master  # noqa: PLC0415
-        from rospy import get_node_uri  # noqa: PLC0415
+        from rosgraph import Master
+        from rospy import get_node_uri
 
         self._name, self._uri = name, str(get_node_uri())
         self._master = Master(name)
@@ -75,8 +75,8 @@ class MasterWatch:
 
     def look(self) -> None:
         """Find out whether the master is there and knows this node; see to it that it does."""
-        from rosgraph import MasterException  # noqa: PLC0415
-        from rospy import ROSException, get_param  # noqa: PLC0415
+        from rosgraph import MasterException
+        from rospy import ROSException, get_param
 
         try:
             known = self._knows_us() and not self._unfinished
@@ -103,7 +103,7 @@ class MasterWatch:
 
     def _look_at_types(self) -> None:
         """Tell of topics that somebody publishes as another type: ROS just drops those messages."""
-        from rospy.impl.registration import get_topic_manager  # noqa: PLC0415
+        from rospy.impl.registration import get_topic_manager
 
         types, odd = dict(self._master.getTopicTypes()), {}
         for topic, ours in get_topic_manager().get_subscriptions():
@@ -118,7 +118,7 @@ class MasterWatch:
         self._odd = odd
 
     def _knows_us(self) -> bool:
-        from rosgraph import MasterException  # noqa: PLC0415
+        from rosgraph import MasterException
 
         try:  # a node is known to a new master by its first log message; its services are not
             self._master.lookupService(f"{self._name}/get_loggers")
@@ -127,7 +127,7 @@ class MasterWatch:
         return True
 
     def _register(self) -> None:
-        from rospy.impl.registration import (  # noqa: PLC0415
+        from rospy.impl.registration import (
             get_service_manager,
             get_topic_manager,
         )

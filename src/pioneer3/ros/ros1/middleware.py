@@ -67,7 +67,7 @@ def find_rospy(places: Sequence[Path] = PLACES) -> None:
 def message_class(type_name: str) -> Any:
     """Return the class of a message type such as `nav_msgs/Odometry`."""
     if type_name == BUMPER_TYPE:
-        from genpy.dynamic import generate_dynamic  # noqa: PLC0415
+        from genpy.dynamic import generate_dynamic
 
         return generate_dynamic(type_name, BUMPER_STATE)[type_name]
     package, name = type_name.split("/")
@@ -82,7 +82,7 @@ class Publisher:
     """
 
     def __init__(self, name: str, type_name: str, *, latched: bool, queue: int) -> None:
-        import rospy  # noqa: PLC0415
+        import rospy
 
         self._publisher = rospy.Publisher(
             name,
@@ -111,7 +111,7 @@ class RospyTopics:
 
     def resolve(self, name: str) -> str:
         """Return the full name of a topic after remapping."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         return str(rospy.resolve_name(name))
 
@@ -125,7 +125,7 @@ class RospyTopics:
         self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
     ) -> Any:
         """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         def received(message: Any) -> None:
             header = message._connection_header
@@ -146,20 +146,20 @@ class RospyMiddleware(RospyTopics):
     @property
     def name(self) -> str:
         """Full name of the node."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         return str(rospy.get_name())
 
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         return rospy.Time.from_sec(max(0.0, rospy.get_rostime().to_sec() - age))
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
         """Offer a service of the package `std_srvs`."""
-        import rospy  # noqa: PLC0415
-        from std_srvs import srv  # noqa: PLC0415
+        import rospy
+        from std_srvs import srv
 
         kind = type_name.removeprefix("std_srvs/")
 
@@ -173,7 +173,7 @@ class RospyMiddleware(RospyTopics):
 
     def describe(self, urdf: str) -> None:
         """Set `robot_description`, unless it has a description that is not of this package."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         there = rospy.get_param(DESCRIPTION, "")
         if there and MAKER not in str(there):
@@ -191,7 +191,7 @@ class RospyMiddleware(RospyTopics):
 
     def forget(self) -> None:
         """Leave the parameter server as it was."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
             if self._described is not None and rospy.get_param(DESCRIPTION, "") == self._described:
@@ -201,12 +201,12 @@ class RospyMiddleware(RospyTopics):
 
     def on_shutdown(self, call: Callable[[], None]) -> None:
         """Call `call` in a thread of rospy's when somebody shuts the node down."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         rospy.on_shutdown(call)
 
     def warn(self, sentence: str) -> None:
         """Log a warning."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         rospy.logwarn(sentence)

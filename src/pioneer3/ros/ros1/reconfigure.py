@@ -15,8 +15,8 @@ class Reconfigure:
     """The server of the driving parameters; made in a thread, as it talks to the master."""
 
     def __init__(self, parameters: DrivingParameters) -> None:
-        import rospy  # noqa: PLC0415
-        from dynamic_reconfigure.server import Server  # noqa: PLC0415
+        import rospy
+        from dynamic_reconfigure.server import Server
 
         self._parameters = parameters
         for name, value in parameters.wanted.items():
@@ -25,7 +25,7 @@ class Reconfigure:
 
     def forget(self) -> None:
         """Put back the earlier parameters: the next node must not take these for new ones."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         before = self._parameters.before
         with suppress(OSError, KeyError, rospy.ROSException):  # the master may be gone
@@ -37,7 +37,7 @@ class Reconfigure:
 
     def _set(self, config: Any, _level: int) -> Any:
         """Take new values, in rospy's thread; return those in force."""
-        import rospy  # noqa: PLC0415
+        import rospy
 
         try:
             values = self._parameters.set(config)
@@ -77,6 +77,6 @@ def _description(parameters: Sequence[DrivingParameter]) -> Any:
 
 
 def _config(values: dict[str, float]) -> Any:
-    from dynamic_reconfigure.encoding import Config  # noqa: PLC0415
+    from dynamic_reconfigure.encoding import Config
 
     return Config(values)

@@ -62,8 +62,8 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
             " pioneer3 ros1 --help lists those"
         )
     find_rospy()
-    import rosgraph  # noqa: PLC0415
-    import rospy  # noqa: PLC0415
+    import rosgraph
+    import rospy
 
     master = rosgraph.get_master_uri()
     stay_on_this_computer(master)
@@ -137,7 +137,7 @@ async def simulator_or_robot(tell: Callable[[str], None]) -> str:
 
 def _introduce(info: RobotInfo) -> None:
     """Let programs know the robot's model, and whether it is a simulator."""
-    import rospy  # noqa: PLC0415
+    import rospy
 
     rospy.set_param(f"~{MODEL}", info.model.name)
     rospy.set_param(f"~{SIMULATED}", is_simulator(info))
@@ -145,7 +145,7 @@ def _introduce(info: RobotInfo) -> None:
 
 def _forget(arguments: Sequence[str]) -> None:
     """Delete the parameters that were for this run only: they would hold for the next one."""
-    import rospy  # noqa: PLC0415
+    import rospy
 
     private = [each[1:] for each in arguments if each.startswith("_") and each[1:2] != "_"]
     for name in (*(each.partition(":=")[0] for each in private), MODEL, SIMULATED):
@@ -155,7 +155,7 @@ def _forget(arguments: Sequence[str]) -> None:
 
 def _parameters(raw: RawParameters) -> NodeParameters:
     """Return the parameters below the node's name, and warn of those that are unused or unsafe."""
-    import rospy  # noqa: PLC0415
+    import rospy
 
     parameters = read_parameters(raw)
     for sentence in unused_parameters(raw, parameters.profile, NAMES):

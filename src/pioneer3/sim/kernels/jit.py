@@ -97,7 +97,7 @@ def is_cached() -> bool:
 @cache
 def _compiled(function: Any) -> Any:
     """Return a copy of `function` that calls compiled kernels only, compiled."""
-    import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: PLC0415
+    import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     names = function.__globals__
     called = {name: names[name] for name in function.__code__.co_names if name in names}

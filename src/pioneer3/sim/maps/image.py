@@ -63,8 +63,8 @@ def parse_image(path: Path, raw: bytes) -> Image:
     Raises:
         ConfigError: As for :func:`read_image`.
     """
-    from PIL.PngImagePlugin import PngImageFile  # noqa: PLC0415
-    from PIL.PpmImagePlugin import PpmImageFile  # noqa: PLC0415
+    from PIL.PngImagePlugin import PngImageFile
+    from PIL.PpmImagePlugin import PpmImageFile
 
     try:
         with warnings.catch_warnings():
@@ -143,7 +143,7 @@ def to_pgm(shades: Bytes) -> bytes:
 
 
 def _written(pixels: Bytes, kind: str) -> bytes:
-    from PIL.Image import fromarray  # noqa: PLC0415
+    from PIL.Image import fromarray
 
     file = BytesIO()
     fromarray(np.ascontiguousarray(pixels)).save(file, kind, optimize=True)

@@ -226,7 +226,7 @@ def _fields(path: Path, text: str) -> dict[str, Field]:
     Raises:
         ConfigError: It is not YAML, is not a table, or has a key twice.
     """
-    import yaml  # noqa: PLC0415
+    import yaml
 
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -251,7 +251,7 @@ def _fields(path: Path, text: str) -> dict[str, Field]:
 
 
 def _field(path: Path, key: "Node", value: "Node") -> Field:
-    from yaml import SequenceNode  # noqa: PLC0415
+    from yaml import SequenceNode
 
     line = Line(path, key.start_mark.line + 1, "")
     name = key.value if isinstance(key.value, str) else ""

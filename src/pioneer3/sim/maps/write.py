@@ -123,7 +123,7 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
     Raises:
         ConfigError: The picture would be too large, or a file cannot be written.
     """
-    import yaml  # noqa: PLC0415
+    import yaml
 
     image = path.with_suffix(".pgm")
     bounds = framed(line_map.bounds, resolution)

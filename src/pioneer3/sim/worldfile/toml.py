@@ -58,7 +58,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
     Raises:
         ConfigError: It is wrong; names file, line and key.
     """
-    from pioneer3.sim.worldfile.schema import FileTable  # noqa: PLC0415 - imports msgspec
+    from pioneer3.sim.worldfile.schema import FileTable  # imports msgspec
 
     source = _Source(str(path) if str(path).isprintable() else ascii(str(path)), text)
     try:
@@ -88,7 +88,7 @@ def parse_equipment(text: str) -> EquipmentOptions:
     Raises:
         ConfigError: A word is unknown, or its value is wrong.
     """
-    from pioneer3.sim.worldfile.schema import EquipmentTable  # noqa: PLC0415 - imports msgspec
+    from pioneer3.sim.worldfile.schema import EquipmentTable  # imports msgspec
 
     switches = get_type_hints(EquipmentOptions).items()
     alone = {name: "true" for name, kind in switches if kind == bool | None} | _ALONE
@@ -115,9 +115,9 @@ def write_world(world: WorldFile, path: Path) -> None:
 
 def to_toml(world: WorldFile, folder: Path) -> str:
     """Return the text of a world file that lies in `folder`; defaults are left out."""
-    from msgspec import to_builtins  # noqa: PLC0415
+    from msgspec import to_builtins
 
-    from pioneer3.sim.worldfile import schema  # noqa: PLC0415 - imports msgspec
+    from pioneer3.sim.worldfile import schema  # imports msgspec
 
     places = {key: tuple(p for p in world.places if _key(p) == key) for key in KINDS}
     file = schema.FileTable(
@@ -257,7 +257,7 @@ def _converted(source: _Source, data: dict[str, object], kind: type[Table]) -> T
     Raises:
         ConfigError: A key is missing or unknown, or a value is wrong.
     """
-    import msgspec  # noqa: PLC0415
+    import msgspec
 
     if unknown := _unknown_key(source, "", data, kind):
         raise unknown  # here, as msgspec names no place in the topmost table

@@ -45,7 +45,7 @@ def owners(chain: Path, key: Path) -> Certificate:
     Raises:
         ConfigError: the files do not fit each other, or cannot be read.
     """
-    import ssl  # noqa: PLC0415
+    import ssl
 
     try:
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(chain, key, password="")
@@ -69,7 +69,7 @@ def own(folder: Path, names: Sequence[str]) -> Certificate:
     Raises:
         ConfigError: the folder cannot be written to.
     """
-    from pioneer3.web.access import certificate_authority  # noqa: PLC0415
+    from pioneer3.web.access import certificate_authority
 
     certificate = Certificate(folder / "server.pem", folder / "server.key", folder / "ca.pem")
     try:
@@ -85,7 +85,7 @@ def own(folder: Path, names: Sequence[str]) -> Certificate:
 
 def digest(path: Path) -> str:
     """Return the fingerprint of a certificate, as phones and browsers show it."""
-    from ssl import PEM_cert_to_DER_cert  # noqa: PLC0415
+    from ssl import PEM_cert_to_DER_cert
 
     return sha256(PEM_cert_to_DER_cert(path.read_text())).digest().hex(":").upper()
 
@@ -97,9 +97,9 @@ def is_private(path: Path) -> bool:
 
 def _is_good(known: Certificate, authority: "x509.Certificate", names: Sequence[str]) -> bool:
     """Whether a certificate that was made before is still good."""
-    from cryptography import x509  # noqa: PLC0415
+    from cryptography import x509
 
-    from pioneer3.web.access.certificate_authority import names_in  # noqa: PLC0415
+    from pioneer3.web.access.certificate_authority import names_in
 
     try:
         certificate = x509.load_pem_x509_certificate(known.chain.read_bytes())

@@ -57,7 +57,7 @@ def pairing_url(base: str, token: str, role: Role) -> str:
 
 def terminal_lines(url: str) -> list[str]:
     """Return the QR code of `url` for a terminal, light on dark or dark on light."""
-    import segno  # noqa: PLC0415
+    import segno
 
     out = StringIO()
     segno.make(url, error="l", micro=False).terminal(out, compact=True, border=2)
@@ -66,7 +66,7 @@ def terminal_lines(url: str) -> list[str]:
 
 def svg(url: str) -> str:
     """Return the QR code of `url` as an SVG element, for a page."""
-    import segno  # noqa: PLC0415
+    import segno
 
     out = BytesIO()
     code = segno.make(url, error="m", micro=False)
