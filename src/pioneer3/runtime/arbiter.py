@@ -19,6 +19,12 @@ from pioneer3.robot.supervisor import RobotInfo, Status
 from pioneer3.state import Scan, Snapshot
 from pioneer3.stops import Stop
 
+GAMEPAD = 100
+KEYBOARD = 90
+WEB = 80
+PROGRAM = 50
+"""Priorities of inputs, above that of modes: the order of twist_mux (facts.md 14.6)."""
+
 log = logging.getLogger(__name__)
 
 

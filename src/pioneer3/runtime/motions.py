@@ -9,8 +9,7 @@ from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.errors import LinkError, MotionError
 from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor
-from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.state import Snapshot
 
 STUCK_PATIENCE = 2.0

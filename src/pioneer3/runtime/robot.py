@@ -13,10 +13,9 @@ from pioneer3.robot.devices import Devices
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
-from pioneer3.runtime.arbiter import Arbiter
+from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.runtime.driven import LOST_AFTER, readings
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
-from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.state import Snapshot
 
 MOTOR_PATIENCE = 4.0

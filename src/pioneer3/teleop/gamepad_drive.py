@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractContextManager
 
 from pioneer3.behaviors.actions import Hold
-from pioneer3.runtime.priorities import GAMEPAD
+from pioneer3.runtime.arbiter import GAMEPAD
 from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.evdev import Decoder, Device
 from pioneer3.teleop.gamepad import SCHEME, Gamepad, Scheme

@@ -7,8 +7,8 @@ from math import isfinite
 from typing import Final
 
 from pioneer3.behaviors.actions import Hold
+from pioneer3.runtime.arbiter import KEYBOARD
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.priorities import KEYBOARD
 from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.teleop.terminal import SEQUENCES

@@ -27,8 +27,7 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import Goto, Mode
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.pilot import STANDING, STOPPED
-from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, WEB
+from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, WEB, Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.placement.straight_path import PathCheck, check_path
 from pioneer3.web import requests

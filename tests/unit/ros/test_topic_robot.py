@@ -13,8 +13,8 @@ from pioneer3.geometry import STILL, Twist2
 from pioneer3.ros.client.robot import SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotBuilder
 from pioneer3.ros.messages import motion, sensors
+from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.priorities import PROGRAM
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.maps import LineMap
 from pioneer3.state import Snapshot

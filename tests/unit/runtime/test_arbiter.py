@@ -11,8 +11,7 @@ from pioneer3 import MotionError, Robot, connect_async
 from pioneer3.behaviors.action import MODE, Desire, Situation, Stack
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Twist2
-from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.priorities import GAMEPAD, KEYBOARD, PROGRAM, WEB
+from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, PROGRAM, WEB, Arbiter
 from tests.support import SimulatedRobot
 
 LONG = 0.5

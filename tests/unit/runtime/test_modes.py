@@ -15,7 +15,7 @@ from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack
 from pioneer3.behaviors.actions import Hold, Move
 from pioneer3.geometry import Twist2
 from pioneer3.links.tap import read_recording
-from pioneer3.runtime.priorities import KEYBOARD, MODE
+from pioneer3.runtime.arbiter import KEYBOARD, MODE
 from tests.support import SimulatedRobot, wall_at
 
 

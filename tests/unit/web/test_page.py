@@ -7,7 +7,7 @@ import pytest
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Pose2, Twist2
-from pioneer3.runtime.priorities import KEYBOARD
+from pioneer3.runtime.arbiter import KEYBOARD
 from pioneer3.web.control import EXPIRY
 from pioneer3.web.scene import Scene
 from tests.unit.web.browser import product

@@ -16,7 +16,7 @@ from pioneer3.ros.node.command_order import CommandStream, NewestCommand
 from pioneer3.ros.node.middleware import Middleware, Sender
 from pioneer3.ros.node.names import CommandName
 from pioneer3.ros.node.topics import COMMANDS
-from pioneer3.runtime.priorities import PROGRAM
+from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.robot import Robot
 from pioneer3.stops import Stop
 
