@@ -1,5 +1,6 @@
 """The accessories of a robot: those it has, and the choices of people about them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from math import isfinite, pi
 from typing import Any, Literal
@@ -100,10 +101,8 @@ class EquipmentOptions:
 
     def equipment_of(self, model: RobotModel) -> Equipment:
         """Return the equipment of a robot of this model."""
-        chosen: dict[str, Any] = {
-            key: None if value == "none" else value for key, value in self._chosen().items()
-        }
-        chosen.pop("bumpers", None)
+        bare = ((name, None if value == "none" else value) for name, value in self._chosen())
+        chosen: Mapping[str, Any] = {name: value for name, value in bare if name != "bumpers"}
         return replace(Equipment.of(model), **chosen)
 
     def model_with(self, model: RobotModel) -> RobotModel:
@@ -114,11 +113,11 @@ class EquipmentOptions:
 
     def overridden_by(self, other: "EquipmentOptions") -> "EquipmentOptions":
         """Return these choices, replaced by those of `other` that are not `None`."""
-        return replace(self, **other._chosen())
+        return replace(self, **dict(other._chosen()))
 
-    def _chosen(self) -> "dict[str, Any]":
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value for name, value in values.items() if value is not None}
+    def _chosen(self) -> list[tuple[str, Any]]:
+        values = ((field.name, getattr(self, field.name)) for field in fields(self))
+        return [(name, value) for name, value in values if value is not None]
 
 
 NO_OPTIONS = EquipmentOptions()

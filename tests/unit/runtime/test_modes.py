@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
-from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Ranked, Situation, Stack
 from pioneer3.behaviors.actions import Hold, Move
 from pioneer3.geometry import Twist2
 from pioneer3.links.tap import read_recording
-from pioneer3.runtime.arbiter import KEYBOARD, MODE
+from pioneer3.runtime.arbiter import KEYBOARD
 from tests.support import SimulatedRobot, wall_at
 
 
