@@ -1,4 +1,4 @@
-"""What `test_new_mode.py` runs with a package that has one more mode, `spin`."""
+"""Run by `test_extend.py` with a package that has one more mode, `spin`."""
 
 import asyncio
 from math import radians
