@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Generic, TypeVar
 
 from pioneer3.arcos.commands import Command, to_payload
 from pioneer3.arcos.host_events import Timing
@@ -16,13 +17,56 @@ from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
-from pioneer3.robot.feed import Feed
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot, VelocityCommand
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
 from pioneer3.robot.session import Session
 from pioneer3.state import Identity, Snapshot
+
+T = TypeVar("T")
+
+
+class Feed(Generic[T]):
+    """A value that changes; readers always get the newest."""
+
+    def __init__(self) -> None:
+        self.latest: T | None = None
+        self._count = 0
+        self._changed = asyncio.Event()
+        self._closed = False
+
+    def publish(self, value: T) -> None:
+        """Make `value` the latest and wake every reader."""
+        self.latest = value
+        self._count += 1
+        self._wake()
+
+    def close(self) -> None:
+        """End every iteration."""
+        self._closed = True
+        self._wake()
+
+    async def values(self) -> AsyncIterator[T]:
+        """Yield each value published from now on, but only the newest to a slow reader.
+
+        The last one before :meth:`close` is not skipped.
+        """
+        seen = self._count
+        while True:
+            if self._count != seen:
+                seen = self._count
+                if self.latest is not None:
+                    yield self.latest
+            elif self._closed:
+                return
+            else:
+                await self._changed.wait()
+
+    def _wake(self) -> None:
+        self._changed.set()
+        self._changed = asyncio.Event()
+
 
 log = logging.getLogger(__name__)
 

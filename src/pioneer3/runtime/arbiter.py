@@ -13,9 +13,8 @@ from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
-from pioneer3.robot.feed import Feed
 from pioneer3.robot.pilot import LATCHED, STOPPED, Pilot, VelocityCommand
-from pioneer3.robot.supervisor import RobotInfo, Status
+from pioneer3.robot.supervisor import Feed, RobotInfo, Status
 from pioneer3.state import Scan, Snapshot
 from pioneer3.stops import Stop
 

@@ -148,7 +148,7 @@ class Page:
             self._publish_status(view)
             async with running(
                 self._watch_status(view),
-                self._watch_snapshots(view),
+                view.publish_snapshots(self.snapshots, self.clients),
                 view.details.run(),
                 view.details.ask(),
                 self.scans.follow(number, robot.laser, view.sensor_in_map),
@@ -311,18 +311,6 @@ class Page:
         async for _ in view.robot.supervisor.status.values():
             self._publish_robots()
             self._publish_status(view)
-
-    async def _watch_snapshots(self, view: RobotView) -> None:
-        async for snapshot in view.robot.supervisor.snapshots.values():
-            if self.clients.connected:
-                text = messages.encode(view.snapshot(snapshot, self._driver(view.control)))
-                self.snapshots.put(view.number, text)
-
-    def _driver(self, control: Control) -> messages.Driver | None:
-        driver = control.driver()
-        if driver is None or isinstance(driver, str):
-            return messages.Driver(None, driver) if driver else None
-        return messages.Driver(self.clients.number_of(driver), driver.name)
 
     def _wake(self) -> None:
         for client in self.clients.connected.values():

@@ -1,5 +1,8 @@
 """One robot of the page: its control, and the messages that describe it."""
 
+from collections.abc import Sized
+from typing import Protocol
+
 from pioneer3.behaviors.action import Goal
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
@@ -11,12 +14,24 @@ from pioneer3.runtime.arbiter import Ended
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
-from pioneer3.web.control import Control
+from pioneer3.web.broadcast import FrameChannel
+from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import Details
 from pioneer3.web.scene import Scene
 
 SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
+
+
+class Viewers(Protocol):
+    """The clients of a page, as far as a robot's messages name them."""
+
+    @property
+    def connected(self) -> Sized:
+        """All of them."""
+
+    def number_of(self, operator: object) -> int | None:
+        """Return the number of a client, or `None` for a script."""
 
 
 class RobotView:
@@ -55,6 +70,13 @@ class RobotView:
         status = self.robot.supervisor.status.latest
         assert status is not None
         return messages.Status(self.number, status.connection, status.message)
+
+    async def publish_snapshots(self, channel: FrameChannel, viewers: Viewers) -> None:
+        """Put each snapshot into `channel`, encoded once for all, while there are `viewers`."""
+        async for snapshot in self.robot.supervisor.snapshots.values():
+            if viewers.connected:
+                driver = _driver(self.control.driver(), viewers)
+                channel.put(self.number, messages.encode(self.snapshot(snapshot, driver)))
 
     def snapshot(self, snapshot: Snapshot, driver: messages.Driver | None) -> messages.Snapshot:
         """Return the message part for a reading."""
@@ -161,3 +183,10 @@ def _limits(limits: Limits) -> messages.SpeedLimits:
         default_speed=min(DEFAULT_SPEED, limits.max_speed),
         default_turn_rate=min(DEFAULT_TURN_RATE, limits.max_turn_rate),
     )
+
+
+def _driver(driver: Operator | str | None, viewers: Viewers) -> messages.Driver | None:
+    """Return the client, or the name of the program, that drives."""
+    if driver is None or isinstance(driver, str):
+        return messages.Driver(None, driver) if driver else None
+    return messages.Driver(viewers.number_of(driver), driver.name)

@@ -10,9 +10,8 @@ from pioneer3.arcos import commands
 from pioneer3.behaviors.action import Stack
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.robot.explain import why_not_moving
-from pioneer3.robot.feed import Feed
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
-from pioneer3.robot.supervisor import Connection, RobotInfo, Status
+from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import LOST_AFTER, readings
 from pioneer3.runtime.motions import run_mode

@@ -2,7 +2,7 @@
 
 import asyncio
 
-from pioneer3.robot.feed import Feed
+from pioneer3.robot.supervisor import Feed
 
 
 async def collect(feed: Feed[int], pause: float = 0.0) -> list[int]:
