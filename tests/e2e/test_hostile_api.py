@@ -152,7 +152,7 @@ def test_whatever_is_asked_the_answer_is_one_that_the_document_knows(target: Tar
 def test_a_driver_without_control_moves_nothing(target: Target) -> None:
     headers = target.token(Role.DRIVER)
     for one in OPERATIONS:
-        if one.name not in {"take_wheel", "leave", "revoke_session"}:  # takes over; ends itself
+        if one.name not in {"take_control", "leave", "revoke_session"}:  # takes over; ends itself
             attack(target, one, headers)
     assert target.travelled == 0.0
 

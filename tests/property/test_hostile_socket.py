@@ -57,7 +57,7 @@ hard = settings(
 async def attack(role: Role, sent: list[str | bytes]) -> None:
     """Send everything as a client without control; then the socket must still answer."""
     async with playground() as the, Browser(the.app) as keeper:
-        keeper.say("take_wheel")
+        keeper.say("take_control")
         _, secret = the.page.access.sessions.open("fuzz", role, Kind.BROWSER)
         before = the.simulation.body.robot_in_world
         cookie = f"pioneer3-8080={secret}"

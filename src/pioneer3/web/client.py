@@ -235,7 +235,7 @@ class Client:
                 view.robot.reset_emergency_stop()
             case requests.SwitchMotors(on):
                 return view.robot.arbiter.set_motors(on=on)
-            case requests.TakeWheel():
+            case requests.TakeControl():
                 return control.take(self, keep=True)
             case requests.TakeOver():
                 control.take_over(self)
@@ -244,7 +244,7 @@ class Client:
                 if client is None or client.role is not Role.DRIVER:
                     return "nobody of that number is here who may drive"
                 return control.hand_over(self, client)
-            case requests.GiveUpWheel():
+            case requests.ReleaseControl():
                 control.release(self)
         return None
 

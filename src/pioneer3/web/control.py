@@ -8,7 +8,7 @@ Rules:
    the operator started. A mode that a page started ends with the page, and when the page falls
    silent.
 4. A take-over stops the robot first. Then the new operator has control, and the old one is told.
-5. The robot stops when its operator leaves or gives up control.
+5. The robot stops when its operator leaves or releases control.
 6. Of an operator's inputs a gamepad comes before the keyboard, and the keyboard before a touch.
    One of them drives. The other has to be let go and held anew before it counts: no input drives
    again by itself because another one was let go.

@@ -341,8 +341,8 @@ class People(Message, tag="people", frozen=True):
     id: int
     name: str
     role: Role
-    wheels: tuple[Holder, ...]
-    guests: tuple[Client, ...]
+    control: tuple[Holder, ...]
+    clients: tuple[Client, ...]
 
 
 class Told(Message, tag="told", frozen=True):

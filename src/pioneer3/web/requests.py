@@ -57,7 +57,7 @@ class SwitchMotors(RobotRequest, tag="motors"):
     on: bool
 
 
-class TakeWheel(RobotRequest, tag="take_wheel"):
+class TakeControl(RobotRequest, tag="take_control"):
     """Take control if it is free, and keep it."""
 
 
@@ -71,8 +71,8 @@ class HandOver(RobotRequest, tag="hand_over"):
     to: int
 
 
-class GiveUpWheel(RobotRequest, tag="give_up_wheel"):
-    """Give up control; the robot stops."""
+class ReleaseControl(RobotRequest, tag="release_control"):
+    """Release control; the robot stops."""
 
 
 class StartMode(RobotRequest, tag="start_mode"):
@@ -197,7 +197,7 @@ class SetSpeed(Request, tag="speed"):
 
 DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
-ControlRequest = TakeWheel | TakeOver | HandOver | GiveUpWheel
+ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
 ModeRequest = StartMode | GotoPlace | EndMode
 """Starts or ends a mode."""

@@ -134,18 +134,18 @@ async def test_a_mode_ends_with_who_started_it_and_says_who_ended_it(how: str, w
         assert the.speed == 0.0
 
 
-async def test_pages_take_hand_over_and_give_up_control_openly() -> None:
+async def test_pages_take_hand_over_and_release_control_openly() -> None:
     async with (
         product() as the,
         Browser(the.app, user_agent="Mozilla (iPhone; Mobile)") as ann,
         Browser(the.app, user_agent="Mozilla (X11)") as bob,
     ):
         assert (ann.latest("people")["name"], bob.latest("people")["name"]) == ("phone", "laptop")
-        ann.say("take_wheel")
+        ann.say("take_control")
         await asyncio.sleep(0.2)
-        (wheel,) = bob.latest("people")["wheels"]
-        assert wheel == {"robot": 1, "id": ann.latest("people")["id"], "name": "phone"}
-        bob.say("take_wheel")
+        (holder,) = bob.latest("people")["control"]
+        assert holder == {"robot": 1, "id": ann.latest("people")["id"], "name": "phone"}
+        bob.say("take_control")
         bob.say("hand_over", to=ann.latest("people")["id"])
         await asyncio.sleep(0.2)
         reasons = [message["message"] for message in bob.all("refused")]
@@ -156,14 +156,14 @@ async def test_pages_take_hand_over_and_give_up_control_openly() -> None:
         ann.say("take_over")
         await asyncio.sleep(0.2)
         assert bob.latest("told")["message"] == "phone took over; you watch now"
-        ann.say("give_up_wheel")
+        ann.say("release_control")
         await asyncio.sleep(0.2)
-        assert bob.latest("people")["wheels"] == []
+        assert bob.latest("people")["control"] == []
 
 
 async def test_a_page_that_only_lies_open_keeps_control_by_its_pings() -> None:
     async with product() as the, Browser(the.app) as ann, Browser(the.app) as bob:
-        ann.say("take_wheel")
+        ann.say("take_control")
         for _ in range(20):
             ann.say("ping", t=0)
             await asyncio.sleep(1.0)
@@ -176,7 +176,7 @@ async def test_a_page_that_only_lies_open_keeps_control_by_its_pings() -> None:
 
 async def test_nobody_is_handed_control_who_is_not_here() -> None:
     async with product() as the, Browser(the.app) as ann:
-        ann.say("take_wheel")
+        ann.say("take_control")
         ann.say("hand_over", to=99)
         await asyncio.sleep(0.1)
         assert "nobody of that number" in ann.latest("refused")["message"]

@@ -135,7 +135,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
         assert drive.linear.velocity == 0.0
         assert newest(bob)["mode"] is None
         async with Browser(the.app) as ann:
-            bob.say("give_up_wheel")
+            bob.say("release_control")
             await asyncio.sleep(SOON)
             ann.say("goto", x=6, y=0)
             await asyncio.sleep(3.0)
@@ -149,7 +149,7 @@ async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
 
 async def test_who_has_not_control_sends_it_nowhere() -> None:
     async with playground(line_map=ROOM) as the, Browser(the.app) as ann, Browser(the.app) as bob:
-        ann.say("take_wheel")
+        ann.say("take_control")
         await asyncio.sleep(SOON)
         bob.say("goto", x=6, y=0)
         await asyncio.sleep(SOON)

@@ -32,7 +32,7 @@ async def test_a_page_starts_a_mode_and_ends_it(wish: dict[str, object], name: s
         assert ann.all("refused") == []
         assert ann.snapshot["mode"] == name
         assert ann.driver in {"you", None}  # lab's rule has nobody to follow
-        assert ann.latest("people")["wheels"][0]["name"] == "script"
+        assert ann.latest("people")["control"][0]["name"] == "script"
         ann.say("end_mode")
         await ann.stay(1.0)
         now = ann.snapshot

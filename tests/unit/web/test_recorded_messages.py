@@ -43,19 +43,19 @@ MAP = LineMap(
 READS = (
     "robots",
     "robots/1/snapshot",
-    "robots/1/wheel",
+    "robots/1/control",
     "robots/1/mode",
     "me",
     "sessions",
 )
 CALLS: tuple[tuple[str, str, object], ...] = (
-    ("PUT", "robots/1/wheel", {}),
-    ("PUT", "robots/1/wheel", {"take_over": True}),
+    ("PUT", "robots/1/control", {}),
+    ("PUT", "robots/1/control", {"take_over": True}),
     ("POST", "robots/1/drive", {"v": 0.0}),
     ("PUT", "robots/1/mode", {"mode": "turn", "angle": 1.0}),
     ("DELETE", "robots/1/mode", None),
     ("POST", "robots/1/stop", None),
-    ("DELETE", "robots/1/wheel", None),
+    ("DELETE", "robots/1/control", None),
     ("POST", "emergency_stop", None),
     ("POST", "robots/1/reset", None),
     ("PUT", "robots/1/motors", {"on": True}),
@@ -100,7 +100,7 @@ async def talk(the: Playground) -> list[str]:
         ann.say("add_person", path=[[-1.0, 1.0], [-1.0, -1.0]])
         await ann.stay(1.05)
         texts += ann.take()
-        ann.say("take_wheel")
+        ann.say("take_control")
         ann.say("start_mode", mode={"mode": "turn", "angle": pi / 2})
         await ann.stay(1.05)
         texts += ann.take()

@@ -14,10 +14,10 @@ DRIVERS_ONLY = [
     ("drive", {"v": 0.3, "w": 0.0}),
     ("motors", {"on": True}),
     ("reset_emergency_stop", {}),
-    ("take_wheel", {}),
+    ("take_control", {}),
     ("take_over", {}),
     ("hand_over", {"to": 1}),
-    ("give_up_wheel", {}),
+    ("release_control", {}),
     ("goto", {"x": 1, "y": 0}),
     ("end_mode", {}),
 ]
@@ -101,7 +101,7 @@ async def test_a_viewer_may_stop_the_robot(request_: str) -> None:
 
 async def test_nobody_hands_control_to_a_viewer() -> None:
     async with product() as the, arrive(the, Role.DRIVER) as ann, arrive(the, Role.VIEWER) as vera:
-        ann.say("take_wheel")
+        ann.say("take_control")
         ann.say("hand_over", to=vera.latest("people")["id"])
         await asyncio.sleep(0.2)
         assert "may drive" in ann.latest("refused")["message"]
@@ -137,14 +137,14 @@ async def test_everybody_is_told_who_is_here() -> None:
     ):
         await asyncio.sleep(0.2)
         told = ann.latest("people")
-        assert [(g["name"], g["role"]) for g in told["guests"]] == [
+        assert [(c["name"], c["role"]) for c in told["clients"]] == [
             ("Ann", "driver"),
             ("Vera", "viewer"),
         ]
         assert vera.latest("people")["role"] == "viewer"
         await vera.leave()
         await asyncio.sleep(0.2)
-        assert [guest["name"] for guest in ann.latest("people")["guests"]] == ["Ann"]
+        assert [client["name"] for client in ann.latest("people")["clients"]] == ["Ann"]
 
 
 async def test_who_asks_in_a_loop_is_refused_but_their_stops_are_not() -> None:

@@ -57,7 +57,7 @@ async def test_a_page_that_takes_nothing_still_stops_the_robot() -> None:
 
 async def test_a_page_that_takes_nothing_for_ten_seconds_is_sent_away_and_told_why() -> None:
     async with product() as the, Slow(the) as ann:
-        ann.say("take_wheel")
+        ann.say("take_control")
         await asyncio.sleep(0.5)
         ann.awake.clear()
         await asyncio.sleep(PATIENCE - 0.5)

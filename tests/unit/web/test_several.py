@@ -131,20 +131,20 @@ async def test_an_emergency_stop_of_one_leaves_the_others_alone() -> None:
         assert the.speeds == [0.3, 0.0]
 
 
-async def test_each_robot_has_a_wheel_of_its_own() -> None:
+async def test_each_robot_has_an_operator_of_its_own() -> None:
     async with fleet(2) as the, Browser(the.app) as ann, Browser(the.app) as bob:
         both = keep_driving(ann, 1, 0.3, 2.0), keep_driving(bob, 2, -0.2, 2.0)
         driving = [asyncio.ensure_future(one) for one in both]
         await asyncio.sleep(1.8)
         assert the.speeds == [0.3, -0.2]
-        wheels = ann.latest("people")["wheels"]
+        holders = ann.latest("people")["control"]
         ids = [page.latest("people")["id"] for page in (ann, bob)]
-        assert [(wheel["robot"], wheel["id"]) for wheel in wheels] == [(1, ids[0]), (2, ids[1])]
+        assert [(holder["robot"], holder["id"]) for holder in holders] == [(1, ids[0]), (2, ids[1])]
         await asyncio.gather(*driving)
         assert ann.all("refused") == bob.all("refused") == []
 
 
-async def test_who_goes_lets_go_of_every_wheel() -> None:
+async def test_a_client_that_leaves_releases_control_of_every_robot() -> None:
     async with fleet(2) as the, Browser(the.app) as ann:
         both = [asyncio.ensure_future(keep_driving(ann, n, 0.3, 2.0)) for n in (1, 2)]
         await asyncio.gather(*both)
@@ -155,9 +155,9 @@ async def test_who_goes_lets_go_of_every_wheel() -> None:
         assert [view.control.holder for view in the.views] == [None, None]
 
 
-async def test_news_of_a_wheel_names_the_robot() -> None:
+async def test_news_of_control_names_the_robot() -> None:
     async with fleet(2, "left", "right") as the, Browser(the.app) as ann, Browser(the.app) as bob:
-        ann.say("take_wheel", robot=2)
+        ann.say("take_control", robot=2)
         await asyncio.sleep(0.2)
         bob.say("take_over", robot=2)
         await asyncio.sleep(0.2)

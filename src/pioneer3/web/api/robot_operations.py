@@ -70,13 +70,13 @@ def drive(request: ApiRequest, body: types.Velocity) -> types.CommandResult | Er
     return _result(request)
 
 
-def get_wheel(request: ApiRequest) -> types.ControlState | ErrorResponse:
+def get_control(request: ApiRequest) -> types.ControlState | ErrorResponse:
     """Return who has control of the robot."""
     holder = request.view.control.holder
     return types.ControlState(holder.name if holder else None, holder is request.caller)
 
 
-def take_wheel(
+def take_control(
     request: ApiRequest, body: types.ControlRequest
 ) -> types.ControlState | ErrorResponse:
     """Take control for 5 s, or renew that.
@@ -88,11 +88,11 @@ def take_wheel(
         control.take_over(request.caller)
     elif refused := control.take(request.caller, keep=True):
         return ErrorResponse(409, refused)
-    return get_wheel(request)
+    return get_control(request)
 
 
-def give_up_wheel(request: ApiRequest) -> ErrorResponse | None:
-    """Give up control; the robot stops. Nothing happens if it is not yours."""
+def release_control(request: ApiRequest) -> ErrorResponse | None:
+    """Release control; the robot stops. Nothing happens if it is not yours."""
     request.view.control.release(request.caller)
     return None
 
@@ -186,9 +186,9 @@ ROBOTS = (
     operation("POST", f"{ROBOT}/reset", reset_emergency_stop, DRIVER, 404),
     operation("PUT", f"{ROBOT}/motors", switch_motors, DRIVER, 404, 409),
     operation("POST", f"{ROBOT}/drive", drive, DRIVER, 404, 409),
-    operation("GET", f"{ROBOT}/wheel", get_wheel, VIEWER, 404),
-    operation("PUT", f"{ROBOT}/wheel", take_wheel, DRIVER, 404, 409),
-    operation("DELETE", f"{ROBOT}/wheel", give_up_wheel, DRIVER, 404),
+    operation("GET", f"{ROBOT}/control", get_control, VIEWER, 404),
+    operation("PUT", f"{ROBOT}/control", take_control, DRIVER, 404, 409),
+    operation("DELETE", f"{ROBOT}/control", release_control, DRIVER, 404),
     operation("GET", "/api/modes", list_modes, VIEWER),
     operation("GET", f"{ROBOT}/mode", get_mode, VIEWER, 404),
     operation("PUT", f"{ROBOT}/mode", start_mode, DRIVER, 404, 409),

@@ -180,8 +180,8 @@ function sendToRobot(message) {
 function takePeople(message) {
   people.receive(message);
   model.viewer = people.viewer;
-  model.guest = message.id;
-  model.leases = message.wheels;
+  model.client = message.id;
+  model.leases = message.control;
 }
 
 function showSnapshots({ snapshots }) {

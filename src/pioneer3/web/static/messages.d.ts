@@ -301,8 +301,8 @@ export interface People {
   id: number;
   name: string;
   role: Role;
-  wheels: Holder[];
-  guests: Client[];
+  control: Holder[];
+  clients: Client[];
 }
 
 /** Permissions. Viewers look, and stop the robot. Drivers do the rest as well. */
@@ -496,8 +496,8 @@ export interface SwitchMotors {
 }
 
 /** Take control if it is free, and keep it. */
-export interface TakeWheel {
-  type: "take_wheel";
+export interface TakeControl {
+  type: "take_control";
   robot?: number | null;
 }
 
@@ -514,9 +514,9 @@ export interface HandOver {
   robot?: number | null;
 }
 
-/** Give up control; the robot stops. */
-export interface GiveUpWheel {
-  type: "give_up_wheel";
+/** Release control; the robot stops. */
+export interface ReleaseControl {
+  type: "release_control";
   robot?: number | null;
 }
 
@@ -683,4 +683,4 @@ export interface SetSpeed {
 
 export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeWheel | TakeOver | HandOver | GiveUpWheel | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;

@@ -154,7 +154,7 @@ async def test_a_revoked_script_that_drives_stops() -> None:
         assert (await script.ask("PUT", "/api/robots/1/mode", body)).status == 200
         await asyncio.sleep(3.0)
         assert the.speed > 0
-        assert (await here.ask("GET", "/api/robots/1/wheel")).json["holder"] == "survey"
+        assert (await here.ask("GET", "/api/robots/1/control")).json["holder"] == "survey"
         assert (await here.ask("DELETE", f"/api/sessions/{made['id']}")).status == 204
         await asyncio.sleep(0.5)
         assert the.speed == 0.0

@@ -77,14 +77,14 @@ async def test_nothing_drives_while_somebody_else_has_control(call: str) -> None
     }[call]
     method = "PUT" if call == "mode" else "POST"
     async with product() as the, Browser(the.app, user_agent="Mozilla") as ann:
-        ann.say("take_wheel")
+        ann.say("take_control")
         await asyncio.sleep(0.1)
         script = Script(the.app)
         answer = await script.ask(method, f"{ROBOT}/{call}", body)
         assert (answer.status, answer.detail) == (409, "laptop has control")
-        assert (await script.ask("PUT", f"{ROBOT}/wheel", {})).status == 409
-        assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204  # not theirs: nothing
-        assert (await script.ask("GET", f"{ROBOT}/wheel")).json == {
+        assert (await script.ask("PUT", f"{ROBOT}/control", {})).status == 409
+        assert (await script.ask("DELETE", f"{ROBOT}/control")).status == 204  # not theirs: nothing
+        assert (await script.ask("GET", f"{ROBOT}/control")).json == {
             "holder": "laptop",
             "yours": False,
         }
@@ -96,14 +96,14 @@ async def test_control_is_taken_over_openly() -> None:
     async with product() as the, Browser(the.app) as ann:
         await ann.keep_driving(0.3, 1.5)
         script = script_of(the, Role.DRIVER)
-        taken = await script.ask("PUT", f"{ROBOT}/wheel", {"take_over": True})
+        taken = await script.ask("PUT", f"{ROBOT}/control", {"take_over": True})
         assert taken.json == {"holder": "survey", "yours": True}
         await asyncio.sleep(0.1)
         assert ann.latest("told")["message"] == "survey took over; you watch now"
-        assert ann.latest("people")["wheels"] == [{"robot": 1, "id": None, "name": "survey"}]
+        assert ann.latest("people")["control"] == [{"robot": 1, "id": None, "name": "survey"}]
         early = await script.ask("POST", f"{ROBOT}/drive", {"v": 0.3})
         assert (early.status, early.detail) == (409, "the robot is still stopping")
-        assert (await script.ask("DELETE", f"{ROBOT}/wheel")).status == 204
+        assert (await script.ask("DELETE", f"{ROBOT}/control")).status == 204
         assert the.control.holder is None
 
 

@@ -12,8 +12,8 @@ export class Model {
   world = new World();
   /** Whether this page may only look, and stop. */
   viewer = false;
-  /** Number of this page's guest, by which drivers are told apart. */
-  guest = null;
+  /** Number of this page among the clients, by which drivers are told apart. */
+  client = null;
   /** Control leases that are held. @type {import("../messages.d.ts").Holder[]} */
   leases = [];
   #selected = null;
@@ -64,9 +64,9 @@ export class Model {
     return this.selected?.status ?? null;
   }
 
-  /** The robots whose lease this page's guest has: those that they drive, also by a mode. */
+  /** The robots that this page has control of: those that it drives, also by a mode. */
   get mine() {
-    return [...this.robots.values()].filter((robot) => this.holderOf(robot)?.id === this.guest);
+    return [...this.robots.values()].filter((robot) => this.holderOf(robot)?.id === this.client);
   }
 
   /** The holder of a Robot's control lease, or undefined for nobody. @returns {import("../messages.d.ts").Holder | undefined} */
@@ -78,7 +78,7 @@ export class Model {
   get driver() {
     const driver = this.snapshot?.driver ?? null;
     if (driver === null) return null;
-    return driver.id !== null && driver.id === this.guest ? "you" : "other";
+    return driver.id !== null && driver.id === this.client ? "you" : "other";
   }
 
   /** The selected robot as a thing of the simulated world, or undefined. */

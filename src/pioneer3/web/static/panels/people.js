@@ -25,9 +25,9 @@ export class People {
     this.#notify = notify;
     byId("driver").addEventListener("click", () => this.#open(byId("people").hidden));
     byId("people-close").addEventListener("click", () => this.#open(false));
-    byId("lease-take").addEventListener("click", () => this.#send({ type: "take_wheel" }));
+    byId("lease-take").addEventListener("click", () => this.#send({ type: "take_control" }));
     byId("lease-take-over").addEventListener("click", () => this.#send({ type: "take_over" }));
-    byId("lease-release").addEventListener("click", () => this.#send({ type: "give_up_wheel" }));
+    byId("lease-release").addEventListener("click", () => this.#send({ type: "release_control" }));
     byId("invite-driver").addEventListener("click", () => this.#invite("driver"));
     byId("invite-viewer").addEventListener("click", () => this.#invite("viewer"));
     byId("token").addEventListener("click", () => this.#makeToken());
@@ -57,7 +57,7 @@ export class People {
   }
 
   get #lease() {
-    return this.#people?.wheels.find(({ robot }) => robot === this.#robot?.id) ?? null;
+    return this.#people?.control.find(({ robot }) => robot === this.#robot?.id) ?? null;
   }
 
   get #mine() {
@@ -65,7 +65,7 @@ export class People {
   }
 
   #draw() {
-    const { name, role, guests } = this.#people;
+    const { name, role, clients } = this.#people;
     const lease = this.#lease;
     const state = JSON.stringify([this.#people, this.#robot]);
     if (state === this.#drawn) return; // new buttons would lose the focus
@@ -76,7 +76,7 @@ export class People {
     byId("lease-take").hidden = this.viewer || lease !== null;
     byId("lease-take-over").hidden = this.viewer || lease === null || this.#mine;
     byId("lease-release").hidden = !this.#mine;
-    byId("people-list").replaceChildren(...guests.map((guest) => this.#row(guest)));
+    byId("people-list").replaceChildren(...clients.map((client) => this.#row(client)));
   }
 
   #row({ id, name, role }) {

@@ -86,7 +86,7 @@ export class Picker {
   #holderOf(robot, { text }) {
     const holder = this.#model.holderOf(robot);
     if (!holder || text.endsWith("drive") || text.endsWith("drives")) return "";
-    return holder.id === this.#model.guest ? "you have control" : `${holder.name} has control`;
+    return holder.id === this.#model.client ? "you have control" : `${holder.name} has control`;
   }
 
   /** Shows so many in the row as fit, the selected one among them. */
@@ -187,7 +187,7 @@ function judge(robot, model) {
   if (snapshot.motors.stop_button) return ["Stop button", "bad", "stop"];
   if (snapshot.motors.stalled) return ["Stalled", "bad", "stop"];
   if (snapshot.battery.low) return ["Battery low", "bad", "battery"];
-  if (snapshot.driver && snapshot.driver.id !== null && snapshot.driver.id === model.guest) return ["You drive", "you", "drive"];
+  if (snapshot.driver && snapshot.driver.id !== null && snapshot.driver.id === model.client) return ["You drive", "you", "drive"];
   if (snapshot.driver) return [`${snapshot.driver.name} drives`, "warn", "drive"];
   return ["Ready", "good", "ready"];
 }
