@@ -10,7 +10,8 @@ import pytest
 from pioneer3 import Robot, connect_async
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
-from pioneer3.behaviors.modes import goto, teleop, wander
+from pioneer3.behaviors.modes import goto, wander
+from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.maps import LineMap

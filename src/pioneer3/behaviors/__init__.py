@@ -5,9 +5,27 @@ An action has a name and turns a :class:`Situation` into a :class:`Desire`, or `
 :mod:`pioneer3.behaviors.modes`, the stock actions in :mod:`pioneer3.behaviors.actions`.
 """
 
-from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack, Weighted
-from pioneer3.behaviors.engine import Decision, resolve
-from pioneer3.behaviors.surroundings import Buffer, Echo, Surroundings
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Action, Desire, Ranked, Situation, Stack, Weighted
+    from pioneer3.behaviors.engine import Decision, resolve
+    from pioneer3.behaviors.surroundings import Buffer, Echo, Surroundings
+
+_HOME = {
+    "Action": "action",
+    "Buffer": "surroundings",
+    "Decision": "engine",
+    "Desire": "action",
+    "Echo": "surroundings",
+    "Ranked": "action",
+    "Situation": "action",
+    "Stack": "action",
+    "Surroundings": "surroundings",
+    "Weighted": "action",
+    "resolve": "engine",
+}
 
 __all__ = [
     "Action",
@@ -22,3 +40,10 @@ __all__ = [
     "Weighted",
     "resolve",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import public names at their first use: `--help` reads the modes only (PEP 562)."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'pioneer3.behaviors' has no attribute {name!r}")
+    return getattr(import_module(f"pioneer3.behaviors.{_HOME[name]}"), name)

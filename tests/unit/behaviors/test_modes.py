@@ -12,10 +12,9 @@ from pioneer3.behaviors.modes import (
     Turn,
     Wander,
     goto,
-    teleop,
-    unguarded,
     wander,
 )
+from pioneer3.behaviors.modes.by_hand import teleop, unguarded
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import LIMITS, around, seen

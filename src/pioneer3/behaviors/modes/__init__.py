@@ -6,7 +6,6 @@ The page's forms, the HTTP API, the command line, ROS's demos, the demo and the 
 
 from typing import TYPE_CHECKING, Union
 
-from pioneer3.behaviors.modes.by_hand import color_follow, teleop, unguarded
 from pioneer3.behaviors.modes.follow import Follow, follow
 from pioneer3.behaviors.modes.goto import Goto, goto
 from pioneer3.behaviors.modes.mode import Mode
@@ -36,10 +35,7 @@ __all__ = [
     "Preset",
     "Turn",
     "Wander",
-    "color_follow",
     "follow",
     "goto",
-    "teleop",
-    "unguarded",
     "wander",
 ]

@@ -5,23 +5,23 @@ from pioneer3.behaviors.actions import ColorFollow, DeceleratingLimiter, RatioIn
 from pioneer3.behaviors.modes.goto import guards
 
 
-def teleop(ratios: RatioInput, *, priority: int = MODE) -> Stack:
+def teleop(ratios: RatioInput) -> Stack:
     """Return the stack that drives by `ratios` and stops before obstacles."""
     actions = [
         Ranked(50, ratios),
         Ranked(40, DeceleratingLimiter()),
         Ranked(39, DeceleratingLimiter(backwards=True)),
     ]
-    return Stack.of("teleop", priority, actions, "drives by keys or stick, stops before obstacles")
+    return Stack.of("teleop", MODE, actions, "drives by keys or stick, stops before obstacles")
 
 
-def unguarded(ratios: RatioInput, *, priority: int = MODE) -> Stack:
+def unguarded(ratios: RatioInput) -> Stack:
     """Return the stack that drives by `ratios`, into obstacles too."""
     hint = "drives by keys or stick; NOTHING keeps it from obstacles"
-    return Stack.of("unguarded", priority, [Ranked(50, ratios)], hint)
+    return Stack.of("unguarded", MODE, [Ranked(50, ratios)], hint)
 
 
-def color_follow(follow: ColorFollow, *, priority: int = MODE) -> Stack:
+def color_follow(follow: ColorFollow) -> Stack:
     """Return the stack that drives after a colour and stops before obstacles."""
     actions = [*guards(), Ranked(70, follow)]
-    return Stack.of("color follow", priority, actions, "drives after a colour that a camera sees")
+    return Stack.of("color follow", MODE, actions, "drives after a colour that a camera sees")

@@ -1,14 +1,14 @@
 """The mode that follows a person."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from msgspec import Meta
 
-from pioneer3.behaviors.action import MODE, Action, Ranked, Stack
-from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
-from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
 from pioneer3.behaviors.modes.mode import Choice, Choices, Distance, Mode
-from pioneer3.limits import Limits
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Action, Stack
+    from pioneer3.limits import Limits
 
 Rule = Literal["tracking", "lab"]
 RULES = Choices(
@@ -37,26 +37,29 @@ class Follow(Mode, frozen=True, tag="follow"):
         Meta(title="Distance to keep", description="Distance to keep; 0.3 unless given."),
     ] = None
 
-    def stack(self, limits: Limits) -> Stack:
+    def stack(self, limits: "Limits") -> "Stack":
         """Return a fresh stack that follows; no rule is faster than 0.5 m/s."""
         return follow(self.rule, keep=self.keep)
 
 
-def follow(rule: Rule = "tracking", *, keep: float | None = None, priority: int = MODE) -> Stack:
+def follow(rule: Rule = "tracking", *, keep: float | None = None) -> "Stack":
     """Return the stack that follows the person in front.
 
-    Both rules are held back alike: by :class:`Brake` ahead, as the other limiters would keep the
+    Both rules are held back alike: by `Brake` ahead, as the other limiters would keep the
     robot from where the person has just been, and by ARIA's limiter behind.
 
     Args:
         rule: `lab` goes to the nearest echo, `tracking` to the person that it has been following.
         keep: Distance to keep [m]; from the transducer for `lab`, from the robot's front end for
             `tracking`; 0.3 unless given.
-        priority: Against other stacks.
 
     Raises:
         ValueError: there is no such rule.
     """
+    from pioneer3.behaviors.action import MODE, Ranked, Stack
+    from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
+    from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
+
     action: Action
     match rule:
         case "lab":
@@ -72,4 +75,4 @@ def follow(rule: Rule = "tracking", *, keep: float | None = None, priority: int 
         Ranked(80, LimiterBackwards()),
         Ranked(50, action),
     ]
-    return Stack.of("follow", priority, actions, Follow.doing)
+    return Stack.of("follow", MODE, actions, Follow.doing)

@@ -1,20 +1,14 @@
 """The mode that drives to a place."""
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
-from pioneer3.behaviors.action import MODE, Ranked, Stack
-from pioneer3.behaviors.actions import Goto as GotoAction
-from pioneer3.behaviors.actions import (
-    LimiterBackwards,
-    LimiterForwards,
-    LimiterSweep,
-    LimiterTableSensor,
-    StallRecover,
-)
 from pioneer3.behaviors.modes.mode import Angle, Coordinate, Mode, Speed
-from pioneer3.limits import Limits
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Ranked, Stack
+    from pioneer3.limits import Limits
 
 
 class Goto(Mode, frozen=True, tag="goto"):
@@ -39,26 +33,31 @@ class Goto(Mode, frozen=True, tag="goto"):
     ] = None
     speed: Annotated[Speed, Meta(description="At most.")] = 0.3
 
-    def stack(self, limits: Limits) -> Stack:
+    def stack(self, limits: "Limits") -> "Stack":
         """Return a fresh stack that goes there, no faster than `limits`."""
         return goto(self.x, self.y, self.heading, speed=min(self.speed, limits.max_speed))
 
 
-def goto(
-    x: float,
-    y: float,
-    heading: float | None = None,
-    *,
-    speed: float = 0.4,
-    priority: int = MODE,
-) -> Stack:
-    """Return the stack that drives to a point of odometry's frame; see :class:`GotoAction`."""
+def goto(x: float, y: float, heading: float | None = None, *, speed: float = 0.4) -> "Stack":
+    """Return the stack that drives to a point of odometry's frame."""
+    from pioneer3.behaviors.action import MODE, Ranked, Stack
+    from pioneer3.behaviors.actions.motion import Goto as GotoAction
+
     actions = [*guards(), Ranked(50, GotoAction(x, y, heading, speed=speed))]
-    return Stack.of("goto", priority, actions, Goto.doing)
+    return Stack.of("goto", MODE, actions, Goto.doing)
 
 
-def guards() -> list[Ranked]:
+def guards() -> "list[Ranked]":
     """Return the actions that keep the robot clear of obstacles, as in ARIA's input group."""
+    from pioneer3.behaviors.action import Ranked
+    from pioneer3.behaviors.actions.limiters import (
+        LimiterBackwards,
+        LimiterForwards,
+        LimiterSweep,
+        LimiterTableSensor,
+    )
+    from pioneer3.behaviors.actions.recover import StallRecover
+
     return [
         Ranked(110, StallRecover()),
         Ranked(100, LimiterTableSensor()),

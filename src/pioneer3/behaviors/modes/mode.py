@@ -2,14 +2,16 @@
 
 from dataclasses import dataclass
 from inspect import cleandoc
-from typing import Annotated, Any, ClassVar, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Meta
 
-from pioneer3.behaviors.action import Stack
-from pioneer3.limits import Limits
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Stack
+    from pioneer3.limits import Limits
 
 Coordinate = Annotated[float, Meta(ge=-1e4, le=1e4), LENGTH]
 Distance = Annotated[float, Meta(ge=0.1, le=3.0), LENGTH]
@@ -119,7 +121,7 @@ class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         60.0
     )
 
-    def stack(self, limits: Limits) -> Stack:
+    def stack(self, limits: "Limits") -> "Stack":
         """Return a fresh stack that does this, no faster than `limits`."""
         raise NotImplementedError
 

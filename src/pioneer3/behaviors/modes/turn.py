@@ -1,13 +1,14 @@
 """The mode that turns on the spot."""
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
-from pioneer3.behaviors.action import MODE, Ranked, Stack
-from pioneer3.behaviors.actions import Turn as TurnAction
 from pioneer3.behaviors.modes.mode import Angle, Mode, TurnRate
-from pioneer3.limits import Limits
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Stack
+    from pioneer3.limits import Limits
 
 
 class Turn(Mode, frozen=True, tag="turn"):
@@ -26,8 +27,11 @@ class Turn(Mode, frozen=True, tag="turn"):
     angle: Annotated[Angle, Meta(description="Positive is to the left.")]
     rate: Annotated[TurnRate, Meta(title="Turn rate", description="At most.")] = 0.5
 
-    def stack(self, limits: Limits) -> Stack:
+    def stack(self, limits: "Limits") -> "Stack":
         """Return a fresh stack that turns, no faster than `limits`."""
+        from pioneer3.behaviors.action import MODE, Ranked, Stack
+        from pioneer3.behaviors.actions.motion import Turn as TurnAction
+
         action = TurnAction(
             angle=self.angle,
             rate=min(self.rate, limits.max_turn_rate),

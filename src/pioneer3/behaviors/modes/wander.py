@@ -3,23 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from msgspec import Meta
 
-from pioneer3.behaviors.action import MODE, Ranked, Stack
-from pioneer3.behaviors.actions import (
-    AvoidFront,
-    Bumpers,
-    ConstantVelocity,
-    Explore,
-    LimiterForwards,
-    LimiterSweep,
-    StallRecover,
-    Unstick,
-)
 from pioneer3.behaviors.modes.mode import Choice, Choices, Mode, Speed
-from pioneer3.limits import Limits
+
+if TYPE_CHECKING:
+    from pioneer3.behaviors.action import Ranked, Stack
+    from pioneer3.limits import Limits
 
 Preset = Literal["lab", "aria", "explore"]
 PRESETS = Choices(
@@ -45,13 +37,13 @@ class Wander(Mode, frozen=True, tag="wander"):
         Meta(description="Where nothing is near; 0.15 of lab, 0.4 of aria, 0.3 of explore."),
     ] = None
 
-    def stack(self, limits: Limits) -> Stack:
+    def stack(self, limits: "Limits") -> "Stack":
         """Return a fresh stack that wanders, no faster than `limits`."""
         speed = None if self.speed is None else min(self.speed, limits.max_speed)
         return wander(preset=self.preset, speed=speed)
 
 
-def wander(*, preset: Preset = "lab", speed: float | None = None, priority: int = MODE) -> Stack:
+def wander(*, preset: Preset = "lab", speed: float | None = None) -> "Stack":
     """Return the stack that drives about and keeps clear of obstacles.
 
     Args:
@@ -59,19 +51,26 @@ def wander(*, preset: Preset = "lab", speed: float | None = None, priority: int 
             more: a limiter that knows the robot's corners, and a way out where they would turn for
             ever. `explore` seeks new ground, through doors that the others take for walls.
         speed: When nothing is near [m/s]; the preset's own if `None`: 0.15, 0.4 and 0.3.
-        priority: Against other stacks.
 
     Raises:
         ValueError: there is no such preset.
     """
+    from pioneer3.behaviors.action import MODE, Stack
+
     if preset not in _ACTIONS:
         raise ValueError(f"there is no preset {preset!r}; take {' or '.join(_ACTIONS)}")
     own = _ACTIONS[preset]
     actions = own.actions(own.speed if speed is None else speed)
-    return Stack.of("wander", priority, actions, Wander.doing)
+    return Stack.of("wander", MODE, actions, Wander.doing)
 
 
-def _lab(speed: float) -> list[Ranked]:
+def _lab(speed: float) -> "list[Ranked]":
+    from pioneer3.behaviors.action import Ranked
+    from pioneer3.behaviors.actions.avoid import AvoidFront
+    from pioneer3.behaviors.actions.limiters import LimiterForwards, LimiterSweep
+    from pioneer3.behaviors.actions.motion import ConstantVelocity
+    from pioneer3.behaviors.actions.recover import StallRecover, Unstick
+
     return [
         Ranked(100, StallRecover()),
         Ranked(95, LimiterForwards(0.3, 0.6, 0.25, name="near limiter")),
@@ -84,7 +83,13 @@ def _lab(speed: float) -> list[Ranked]:
     ]
 
 
-def _aria(speed: float) -> list[Ranked]:
+def _aria(speed: float) -> "list[Ranked]":
+    from pioneer3.behaviors.action import Ranked
+    from pioneer3.behaviors.actions.avoid import AvoidFront, Bumpers
+    from pioneer3.behaviors.actions.limiters import LimiterSweep
+    from pioneer3.behaviors.actions.motion import ConstantVelocity
+    from pioneer3.behaviors.actions.recover import StallRecover, Unstick
+
     return [
         Ranked(100, Bumpers()),
         Ranked(90, StallRecover()),
@@ -95,7 +100,13 @@ def _aria(speed: float) -> list[Ranked]:
     ]
 
 
-def _explore(speed: float) -> list[Ranked]:
+def _explore(speed: float) -> "list[Ranked]":
+    from pioneer3.behaviors.action import Ranked
+    from pioneer3.behaviors.actions.avoid import Bumpers
+    from pioneer3.behaviors.actions.explore import Explore
+    from pioneer3.behaviors.actions.limiters import LimiterForwards, LimiterSweep
+    from pioneer3.behaviors.actions.recover import StallRecover
+
     return [
         Ranked(110, Bumpers()),
         Ranked(100, StallRecover()),
@@ -111,7 +122,7 @@ class _Own:
     """A preset's own speed [m/s], and its actions at a speed."""
 
     speed: float
-    actions: Callable[[float], list[Ranked]]
+    actions: "Callable[[float], list[Ranked]]"
 
 
 _ACTIONS: Mapping[str, _Own] = MappingProxyType(

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from pioneer3.acts import Picture
-from pioneer3.behaviors import modes as stacks
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Blob, ColorFollow
+from pioneer3.behaviors.modes import by_hand as stacks
 from pioneer3.demo.columns import Row
 from pioneer3.demo.mode import Context, DemoMode, Description
 from pioneer3.errors import DeviceError

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
-from pioneer3.behaviors import modes as stacks
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.modes import Mode
+from pioneer3.behaviors.modes import by_hand as stacks
 from pioneer3.demo.columns import Cell, Row, degrees_tenths, millimetres, tenths, whole_degrees
 from pioneer3.demo.mode import Context, DemoMode, Description, Gauge
 from pioneer3.geometry import Pose2
