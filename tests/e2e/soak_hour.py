@@ -117,7 +117,7 @@ class Host:
         elif (chance := random.random()) < 0.004:
             self.leave(tick, politely=chance < 0.002)
         elif chance < 0.008:
-            self._next = tick + random.randrange(200)  # the watchdog bites after 100
+            self._next = tick + random.randrange(200)  # the watchdog expires after 100
         else:
             choices = MOTION if chance < 0.8 else OTHER
             self.firmware.receive(frame(random.choice(choices)(random)), now)

@@ -159,7 +159,7 @@ async def test_a_robot_that_talks_but_does_not_hear_is_given_up() -> None:
     async with SimulatedRobot(to_robot=lambda data: ()) as robot:
         for payload in (b"\0", b"\1", b"\2", b"\1"):
             robot.firmware.receive(encode(payload), now())
-        with pytest.raises(NoRobotError, match="talks, but does not hear"):
+        with pytest.raises(NoRobotError, match="sends, but does not receive"):
             async with connect_async(robot.open):
                 pass
         assert now() == pytest.approx(12.0, abs=0.5)

@@ -311,7 +311,7 @@ async def test_each_step_in_lock_step_is_one_report() -> None:
             assert lab.world.time - before == pytest.approx(0.1)
 
 
-async def test_a_silent_host_in_lock_step_costs_patience_until_its_watchdog_bites() -> None:
+async def test_a_silent_host_in_lock_step_costs_patience_until_its_watchdog_expires() -> None:
     async with Lab(Pacer(lock_step=True)) as lab:
         link = await lab.open()
         assert await passed(lab, 1.0) == pytest.approx(1.0, abs=0.03)  # nobody to wait for

@@ -9,7 +9,7 @@ Rules:
 1. Each SYNC is answered, a repeated one again; SYNC0 begins anew.
 2. The same numbers mean other things by phase: 0 is SYNC0 or PULSE, 1 SYNC1 or OPEN, 2 SYNC2 or
    CLOSE. OPEN may come without its argument, when it is SYNC1 to the letter.
-3. Any packet with a right checksum feeds the watchdog. When it expires, the firmware stops the
+3. Any packet with a right checksum restarts the watchdog. When it expires, the firmware stops the
    robot; when packets come again it goes on with the old motion, as real robots do.
 4. Before OPEN nothing but the answers is sent.
 

@@ -49,7 +49,8 @@ from pioneer3.state import Identity
 TRIES_PER_SPEED: Final = 2
 TRIES_BEFORE_STOP: Final = 1
 TRIES_BEFORE_STOP_OVER_NETWORK: Final = 2
-"""So many SYNC0 go out alone. A network may lead to AMRISim, and it may be slow to answer."""
+"""Number of SYNC0 sent before one follows a STOP. A network may lead to AMRISim, and it may be slow
+to answer."""
 ROUNDING: Final = 1e-9
 """Event loops wake up this much early [s]."""
 WAIT_FOR_REPORT: Final = 0.25
@@ -245,7 +246,7 @@ class Host:
     def _close_earlier_session(self, now: float) -> list[Event]:
         """Close the session that the robot still serves; begin when it has fallen silent."""
         if now >= self._began + self._timing.give_up:
-            return [self._lose("the robot talks, but does not hear: its receive line is dead")]
+            return [self._lose("the robot sends, but does not receive: its receive line is dead")]
         self.state, self._tries = State.SYNC0, 1  # it answers, so this is its speed
         self._overheard = True
         self.deadline = now + self._timing.drain
@@ -308,7 +309,7 @@ class Host:
             self._queue(commands.RequestConfig(), now)
             self._config_due = now + self._timing.config_retry
         if now >= self._sent_at + self._timing.pulse:
-            if not self._outbox:  # packets that wait for the link feed the watchdog too
+            if not self._outbox:  # packets that wait for the link restart the watchdog too
                 self._queue(commands.Pulse(), now)
             self._sent_at = now
         self.deadline = min(

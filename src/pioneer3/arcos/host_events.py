@@ -10,7 +10,7 @@ from pioneer3.state import Identity
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """How long the host waits, all in [s].
+    """Waiting times of the host [s].
 
     Attributes:
         listen: Before the first SYNC packet at each speed; a robot that serves an earlier session
@@ -19,7 +19,7 @@ class Timing:
         drain: Silence to wait for after closing an earlier session.
         config_retry: Between requests for CONFIG.
         config_patience: After which the session goes on without CONFIG.
-        pulse: Longest pause between two packets; the robot's watchdog bites at 2 s.
+        pulse: Longest pause between two packets; the robot's watchdog stops it after 2 s.
         silence: Without an information packet for this long the robot is lost (ARIA: 8 s).
         give_up: Longest handshake over all speeds.
     """
@@ -35,7 +35,7 @@ class Timing:
 
 
 class State(Enum):
-    """Where the session is."""
+    """State of the session."""
 
     LISTENING = -1
     SYNC0 = 0

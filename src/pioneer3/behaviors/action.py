@@ -232,7 +232,7 @@ class Ranked:
 
 @dataclass(frozen=True, slots=True)
 class Stack:
-    """A mode: actions that drive together.
+    """Actions that drive together.
 
     Attributes:
         name: Shown to people.

@@ -11,7 +11,8 @@ from pioneer3.links.base import HUNG_UP
 CLOSE_PATIENCE = 0.5
 CONNECT_PATIENCE = 5.0
 LONGEST_ROUND_TRIP = 1.0
-"""Connecting takes one round trip; a longer time is that of the name lookup [s]."""
+"""Upper bound of the measured round trip [s]; connecting can take longer because of the name
+lookup."""
 KEEPALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 10_000}
 """A far end that vanishes without closing is noticed within about 10 s [s, s, times, ms]."""
 

@@ -1,4 +1,4 @@
-"""Limits on commands: the last step before the wire, without an off switch."""
+"""Limits that every velocity command passes last; `send_unsafe` goes past them."""
 
 from math import isfinite
 

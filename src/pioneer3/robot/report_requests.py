@@ -1,4 +1,4 @@
-"""ReportRequests for reports that the robot sends on demand. No I/O, no clock.
+"""Requests for reports that the robot sends only when asked. No I/O, no clock.
 
 Rules:
 

@@ -39,9 +39,9 @@ CLOSE_TIMEOUT = 0.5
 LATE = 0.2
 """The program was held up if the session runs this much too late [s]."""
 MAX_WAITING = 256
-"""Most commands of devices and programs that may wait for a blocked link."""
+"""Largest number of commands of devices and programs that wait for a blocked link."""
 BATCH_SIZE = 8
-"""Most of them that are written together: a stop never waits for more."""
+"""Largest number of waiting commands in one write: a stop never waits for more."""
 
 
 class Listener(Protocol):

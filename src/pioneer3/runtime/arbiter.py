@@ -190,9 +190,9 @@ class Arbiter:
         ]
 
     def _why_mode_ends(self, decision: Decision) -> str | None:
-        """Return the reason to end the mode, even one that waits; `None` to go on.
+        """Return the reason to end the mode, or `None`.
 
-        It would go on by itself once somebody asks for something else.
+        A waiting mode ends too: else it would drive again after the next command.
         """
         if self.mode is None:
             return None
@@ -253,7 +253,7 @@ class Arbiter:
             self._stand()
 
     def stop(self, by: Hold | None = None, *, why: str = STOPPED) -> None:
-        """End every command and stand still; holds other than `by` must be released first.
+        """End every command and stand still; other holds count again only after a release.
 
         A mode ends with the reason `why`.
         """
@@ -319,7 +319,7 @@ class Arbiter:
             self.ended = Ended(mode, done, why)
 
     def _end_commands(self, why: str = STOPPED) -> None:
-        """End all but the holds, which the stop outdates."""
+        """Remove all but the holds; the stop makes those ignored."""
         if self.mode is not None:
             self._forget_mode(why)
         self._parts = [part for part in self._parts if part.is_held]

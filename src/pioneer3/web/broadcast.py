@@ -1,4 +1,4 @@
-"""Texts for all clients: made once, and only the newest for a client that is behind."""
+"""Texts for all clients, each made once. A slow client gets the newest only."""
 
 import asyncio
 from collections.abc import Callable
@@ -37,7 +37,7 @@ class Channel(Protocol):
         """Counts the changes."""
 
     def since(self, seen: int) -> list[str]:
-        """Return the texts that bring a client up to date that knows version `seen`, 0 for none."""
+        """Return the texts newer than version `seen`; 0 for all."""
 
 
 class RetainedChannel:

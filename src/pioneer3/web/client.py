@@ -36,7 +36,7 @@ MOST_ANSWERS = 32
 
 
 class SendQueue:
-    """The texts that a client has not been sent yet, made when they can be sent: the newest then.
+    """Unsent texts of one client. Each is made just before it is sent, from the newest data.
 
     It stays small however slow the client is. Snapshots begin with the first one that comes: an old
     one would look like a fresh one.

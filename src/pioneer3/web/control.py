@@ -39,13 +39,13 @@ T = TypeVar("T")
 TERM = 1.0
 """A lease lasts this long after its holder let go [s]."""
 EXPIRY = 0.5
-"""A page that falls silent drives this much longer [s]."""
+"""Time that a velocity from a page lasts without renewal [s]."""
 KEPT = 5.0
 """An operator who asked for control and falls silent loses it after this [s]."""
 STOPPING = 3.0
 """After a take-over, commands wait for the robot to stand no longer than this [s]."""
 GOTO_TIME = 600.0
-"""To reach a place of the map [s]."""
+"""Time limit of a drive to a place [s]."""
 INPUTS: dict[Input, tuple[str, int]] = {
     "gamepad": ("web gamepad", GAMEPAD),
     "keyboard": ("web keyboard", KEYBOARD),
@@ -141,7 +141,7 @@ class Inputs:
         self._arbiter.decide()
 
     def stop(self, why: str = STOPPED) -> None:
-        """Let go of every input and stop, which ends a mode because of `why`.
+        """Release every input and stop the robot. A mode ends with the reason `why`.
 
         Commands that others hold must be let go before they count again.
         """

@@ -14,9 +14,9 @@ Metre = Annotated[float, Meta(ge=-1e4, le=1e4)]
 """A coordinate in the map [m]."""
 Radian = Annotated[float, Meta(ge=-100.0, le=100.0)]
 Side = Annotated[float, Meta(ge=0.1, le=20.0)]
-"""Of a box [m]."""
+"""Side of a box [m]."""
 Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
-"""At most so fast [m/s]."""
+"""Highest speed [m/s]."""
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 

@@ -100,7 +100,7 @@ def test_a_pulse_or_another_open_does_nothing(harmless: bytes) -> None:
     assert robot.outgoing() == b""
 
 
-def test_the_watchdog_bites_once_after_its_time_and_any_packet_feeds_it() -> None:
+def test_the_watchdog_expires_once_after_its_time_and_any_packet_restarts_it() -> None:
     robot = opened()
     assert robot.tick(1.99) == []
     assert robot.tick(2.0) == [WatchdogExpired()]
@@ -111,13 +111,13 @@ def test_the_watchdog_bites_once_after_its_time_and_any_packet_feeds_it() -> Non
     assert robot.tick(62.0) == [WatchdogExpired()]
 
 
-def test_bytes_that_are_no_packet_do_not_feed_the_watchdog() -> None:
+def test_bytes_that_are_no_packet_do_not_restart_the_watchdog() -> None:
     robot = opened()
     robot.receive(b"noise" + SYNC0[:-1] + b"\x07", 1.9)
     assert robot.tick(2.0) == [WatchdogExpired()]
 
 
-def test_a_watchdog_of_zero_never_bites() -> None:
+def test_a_watchdog_of_zero_never_expires() -> None:
     assert opened(watchdog=0).tick(1e6) == []
 
 

@@ -247,7 +247,7 @@ def test_a_robot_that_streams_and_does_not_listen_is_given_up() -> None:
     for cycle in range(1, 200):
         events += host.receive(wire(SIP), cycle * 0.1)
         events += host.tick(cycle * 0.1)
-    assert events == [Lost("the robot talks, but does not hear: its receive line is dead")]
+    assert events == [Lost("the robot sends, but does not receive: its receive line is dead")]
 
 
 def test_dislodging_keeps_the_speed_that_the_robot_answers_at() -> None:

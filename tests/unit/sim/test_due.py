@@ -49,7 +49,7 @@ def test_in_a_session_with_every_report() -> None:
     assert times == pytest.approx([0.1 * number for number in range(1, 11)])
 
 
-def test_when_the_watchdog_bites_between_two_reports() -> None:
+def test_when_the_watchdog_expires_between_two_reports() -> None:
     bench = Bench().open()
     bench.firmware.tick(0.04)
     bench.now = 0.05
@@ -71,7 +71,7 @@ def test_config_tells_the_watchdog_of_the_hosts_own_time() -> None:
     assert config.watchdog_ms == 2000
 
 
-def test_a_watchdog_of_nought_never_bites() -> None:
+def test_a_watchdog_of_nought_never_expires() -> None:
     bench = Bench().open()
     bench.firmware.watchdog = 0.0
     bench.say(ON, commands.Vel(0.3))

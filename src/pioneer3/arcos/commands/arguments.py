@@ -10,7 +10,7 @@ type  meaning               followed by
 
 After a string ARIA's `comStr` adds a NUL that is not counted; its `comDataN` leaves out the length.
 
-An integer stands for itself modulo 2**16: ARIA squeezes every argument through a signed 16-bit
+An integer stands for itself modulo 2**16: ARIA converts every argument to a signed 16-bit
 number, so that 40000 arrives as 0x1B 25536, and two packed bytes of 0xF60A as 0x1B 0x09F6.
 Each field takes the one value of that class that lies in its range.
 

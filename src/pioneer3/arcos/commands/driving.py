@@ -50,7 +50,7 @@ _S16 = Integer(2, signed=True)
 
 @dataclass(frozen=True, slots=True)
 class Pulse:
-    """Do nothing but feed the watchdog (ARCOS 0, PULSE; SYNC0 before the session is open).
+    """Do nothing but restart the watchdog (ARCOS 0, PULSE; SYNC0 before the session is open).
 
     ARIA's SETLATV has number 0 too, with an argument that is ignored.
     """

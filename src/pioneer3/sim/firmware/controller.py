@@ -233,7 +233,7 @@ def configuration(
     sonar_cycle: float,
     watchdog: float,
 ) -> Config:
-    """Return CONFIG for `body`; SIPs come every `cycle` [s], the `watchdog` bites after that [s].
+    """Return CONFIG for `body`; SIPs come every `cycle` [s], the `watchdog` expires after that [s].
 
     One sonar of each array fires every `sonar_cycle` [s].
 

@@ -1,8 +1,8 @@
 // Held inputs become velocity commands. While an input is held, its velocity is sent again and again; on
-// release, three zeros and then nothing, so that others can drive. Every other way out is `stop`. Nothing
-// survives a stop: an input that is still held must be released and pressed again. A press begins with a
-// zero, which marks it as fresh. One source drives at a time; the inputs of a source that loses to one of
-// higher priority count again only when they are pressed again.
+// release, three zeros and then nothing, so that others can drive. `releaseAll` does the same for all inputs,
+// `forget` sends nothing, and `stop` sends a stop. After a stop, an input that is still held must be released
+// and pressed again. A press begins with a zero, which marks it as fresh. One source drives at a time; the
+// inputs of a source that loses to one of higher priority count again only when they are pressed again.
 
 const PERIOD = 66; // ms, 15 Hz
 const ZEROS = 3;
