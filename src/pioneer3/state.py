@@ -181,7 +181,7 @@ class LinkQuality:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Snapshot:
-    """One coherent reading of everything the robot reports.
+    """A coherent set of everything the robot reports.
 
     Attributes:
         stamp: Time at which its first byte arrived [s, monotonic].

@@ -67,7 +67,7 @@ class Desire:
         turn_acceleration: Limit of turning faster [rad/s^2].
         turn_deceleration: Least deceleration of turns [rad/s^2].
         until: When this ends [s, monotonic].
-        despite_stall: Whether this is the answer to a stall, which ends every other motion.
+        answers_stall: Whether this is the answer to a stall, which ends every other motion.
         reason: Shown to people, in a few words: the cause, such as an echo.
     """
 
@@ -84,7 +84,7 @@ class Desire:
     turn_acceleration: Channel = None
     turn_deceleration: Channel = None
     until: float = inf
-    despite_stall: bool = False
+    answers_stall: bool = False
     reason: str = ""
 
     def __post_init__(self) -> None:
@@ -136,14 +136,14 @@ class Combined:
         motion: By channel (`v`, `turn`, `w`); a strength of 1 leaves nothing to lower priorities.
         limits: By channel, where an action has set one.
         until: When the first desire that counts in `motion` ends [s, monotonic].
-        despite_stall: Whether one of these answers a stall.
+        answers_stall: Whether one of these answers a stall.
         contributions: The parts of the actions, highest priority first.
     """
 
     motion: dict[str, Weighted] = field(default_factory=dict)
     limits: dict[str, float] = field(default_factory=dict)
     until: float = inf
-    despite_stall: bool = False
+    answers_stall: bool = False
     contributions: tuple[Contribution, ...] = ()
 
     def strength(self, channel: str) -> float:
@@ -163,7 +163,7 @@ class Situation:
 
     Attributes:
         now: [s, monotonic].
-        snapshot: The latest reading of the robot.
+        snapshot: The latest snapshot of the robot.
         model: Its sizes and equipment.
         limits: The bounds on its motion.
         around: The obstacles that its sensors see and have seen.
@@ -202,7 +202,7 @@ class Action(Protocol):
         """Shown to people; unique in its stack."""
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return the desire at this instant, or `None`. Called once per reading of the robot."""
+        """Return the desire at this instant, or `None`. Called once per snapshot."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -291,7 +291,7 @@ PATIENCE = 15.0
 PROGRESS = 0.1
 """A robot that comes less than this nearer in that time makes no progress [m]."""
 LONGEST_GAP = 1.0
-"""Longest time between two readings that counts [s]: without readings, nothing is known."""
+"""Longest time between two snapshots that counts [s]: without them, nothing is known."""
 
 
 @dataclass(slots=True)

@@ -55,7 +55,7 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
         theta: The robot's heading, from which headings become turns [rad].
     """
     motion, limits, parts = dict(above.motion), dict(above.limits), list(above.contributions)
-    until, despite_stall = above.until, above.despite_stall
+    until, answers_stall = above.until, above.answers_stall
     group = sorted(group, key=lambda proposal: proposal.action)
     asked = {channel: _wanted(channel, group, theta) for channel in MOTION}
     for channel, found in asked.items():
@@ -68,14 +68,14 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
             parts.append(_contribution(proposal, channel, counted))
             motion[channel] = _mean(motion.get(channel), counted)
             until = min(until, proposal.desire.until)
-            despite_stall = despite_stall or proposal.desire.despite_stall
+            answers_stall = answers_stall or proposal.desire.answers_stall
     for channel in (*LOWEST, *HIGHEST):
         for proposal in group:
             limit = as_weighted(getattr(proposal.desire, channel))
             if limit is not None:
                 parts.append(_contribution(proposal, channel, Weighted(limit.value)))
                 limits[channel] = _safest(channel, limits.get(channel), limit.value)
-    return Combined(motion, limits, until, despite_stall, tuple(parts))
+    return Combined(motion, limits, until, answers_stall, tuple(parts))
 
 
 def _contribution(proposal: Proposal, channel: str, counted: Weighted) -> Contribution:
@@ -143,14 +143,14 @@ class Decision:
         until: When it ends [s, monotonic].
         contributions: The parts of the actions in it, highest priority first.
         limits: Set by actions, by channel of `Desire`.
-        despite_stall: Whether it is the answer to a stall.
+        answers_stall: Whether it is the answer to a stall.
     """
 
     twist: Twist2 = STILL
     until: float = inf
     contributions: tuple[Contribution, ...] = ()
     limits: Mapping[str, float] = field(default_factory=dict)
-    despite_stall: bool = False
+    answers_stall: bool = False
 
     @property
     def v_by(self) -> str | None:
@@ -218,7 +218,7 @@ def _decision(combined: Combined, limits: Limits) -> Decision:
         _clip(motion.get("v", 0.0), known.get("v_max", inf), known.get("back_max", inf)),
         _clip(w, known.get("left_max", inf), known.get("right_max", inf)),
     )
-    return Decision(twist, combined.until, combined.contributions, known, combined.despite_stall)
+    return Decision(twist, combined.until, combined.contributions, known, combined.answers_stall)
 
 
 def _clip(value: float, top: float, bottom: float) -> float:

@@ -177,7 +177,7 @@ class RangeBuffer:
 
 
 class RangeMemory:
-    """Takes in every reading of one robot; returns its surroundings."""
+    """Takes in every snapshot of one robot; returns its surroundings."""
 
     def __init__(self, model: RobotModel) -> None:
         self.model = model
@@ -185,12 +185,12 @@ class RangeMemory:
         self._forget_all()
 
     def update(self, snapshot: Snapshot, scan: Scan | None = None) -> None:
-        """Take in the next reading, and the last scan. Points of an earlier session go."""
+        """Take in the next snapshot, and the last scan. Points of an earlier session go."""
         here, now = snapshot.odometry.robot_in_odom, snapshot.stamp
         if snapshot.link.sessions != self._session:
             self._session, self._pose = snapshot.link.sessions, here
             self._forget_all()
-        # readings were made on the way here: the pose before is as near (facts.md 7.2)
+        # its readings were made on the way here: the pose before is as near (facts.md 7.2)
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
         self._push(snapshot, here, now)
@@ -201,7 +201,7 @@ class RangeMemory:
         self._pose = here
 
     def around(self, now: float) -> Surroundings:
-        """Return the surroundings of the robot at its last reading, as known at `now` [s]."""
+        """Return the surroundings of the robot at its last snapshot, as known at `now` [s]."""
         sensors = (self._sonar, self._bumpers, self._laser)
         return Surroundings(
             self._pose,

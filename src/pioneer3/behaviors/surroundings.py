@@ -133,4 +133,4 @@ def _seen_from(
 
 
 NOTHING_SENSED = Surroundings(Pose2(), sensing=False)
-"""Of a robot without range sensors, or before their first reading."""
+"""Of a robot without range sensors, or before the first snapshot."""

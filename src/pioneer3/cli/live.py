@@ -79,7 +79,7 @@ def tell_cuts(limits: "Limits", speed: float | None, turn_rate: float | None) ->
 async def show_while(
     robot: "Driven", motion: Coroutine[Any, Any, None], *, json: bool = False
 ) -> None:
-    """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each reading.
+    """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each snapshot.
 
     In a terminal any key stops it, and k is the emergency stop.
 
@@ -152,7 +152,7 @@ def lost(robot: "Driven") -> str:
 
 
 async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapshot | None"]:
-    """Yield each reading for `seconds`; `None` again and again while the link is lost."""
+    """Yield each snapshot for `seconds`; `None` again and again while the link is lost."""
     import asyncio
 
     from pioneer3.errors import LinkError
@@ -172,7 +172,7 @@ async def looks(robot: "Driven", seconds: float = inf) -> AsyncIterator["Snapsho
 async def watch(
     robot: "Driven", seconds: float, show: Callable[["Snapshot"], None], gone: Callable[[], None]
 ) -> int:
-    """Call `show` with each reading for `seconds`, and `gone` once at each loss of the link.
+    """Call `show` with each snapshot for `seconds`, and `gone` once at each loss of the link.
 
     Returns the exit code: 1 if the link is lost in the end.
     """

@@ -38,7 +38,7 @@ def screen(
 
     Args:
         info: The robot last connected.
-        snapshot: The latest reading, or `None` while the link is lost.
+        snapshot: The latest snapshot, or `None` while the link is lost.
         why: Why the robot stands still, or `None`.
         status: How it stands with the connection.
         width: Of the terminal, in columns.
@@ -61,7 +61,7 @@ def screen(
 
 
 def line(snapshot: Snapshot) -> str:
-    """Return the reading as one line of text."""
+    """Return the snapshot as one line of text."""
     odometry, pose = snapshot.odometry, snapshot.odometry.robot_in_odom
     words = [
         f"#{snapshot.sequence}",

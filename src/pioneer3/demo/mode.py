@@ -63,7 +63,7 @@ class Context:
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` while the link is lost."""
+        """The latest snapshot, or `None` while the link is lost."""
         return self.robot.snapshot
 
     def pose(self, snapshot: Snapshot) -> Pose2:

@@ -71,7 +71,7 @@ def _about_the_request(pilot: Pilot, snapshot: Snapshot, now: float) -> Iterator
             "The motors do not come on: is the stop button pressed, the charger plugged in, "
             "or the battery empty?"
         )
-    if asked.is_zero and pilot.expired and limits:
+    if asked.is_zero and pilot.asked_for_motion and limits:
         yield (f"{_EXPIRED}{limits.expiry:g} s: send it again for as long as the robot shall move.")
     if asked.is_zero:
         yield f"{IDLE}{'' if motors.enabled else ', and the motors are off'}."

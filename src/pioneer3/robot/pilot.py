@@ -50,12 +50,12 @@ LONGEST_PAUSE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """A velocity that the arbiter requests.
+    """A velocity command of the arbiter.
 
     Attributes:
         twist: [m/s, rad/s].
         until: Latest time of expiry [s, loop time].
-        after: Number of the last stop when this was first requested.
+        after: Number of the last stop when this began.
         answers_stall: Whether this frees stalled wheels.
         accelerations: The robot's own if `None`.
     """
@@ -132,7 +132,7 @@ class Pilot:
         self._recovering_from: Stop | None = None
         self._recovery_until = -inf
         self._sent_accelerations: Accelerations | None = None
-        self._control_released = False
+        self._left_to_raw_commands = False
         self._motors_wanted: bool | None = None
         self._motors_wanted_at = -inf
         self._motors_seen = False
@@ -169,7 +169,7 @@ class Pilot:
     def session_lost(self, why: str, now: float) -> None:
         """Forget all commands: none may reach the next session."""
         self._outbox = Outbox()
-        self._snapshot, self._sent, self._control_released = None, None, False
+        self._snapshot, self._sent, self._left_to_raw_commands = None, None, False
         self._motors_wanted, self._motors_seen, self._enable_tries = None, False, 0
         self.deadline = inf
         self._block(f"the link was lost ({why})", now)
@@ -186,7 +186,7 @@ class Pilot:
         is_answer = command.answers_stall and stalled is not None
         if command.after < self.last_stop.number and not is_answer:
             return self.last_stop.told
-        self._blocked, self._control_released = None, False
+        self._blocked, self._left_to_raw_commands = None, False
         if (
             stalled is not None
             and self._recovering_from != self.last_stop
@@ -204,7 +204,7 @@ class Pilot:
     def stop(self, now: float) -> None:
         """Stand still, at the set deceleration."""
         self._forget_command()
-        self._control_released = False
+        self._left_to_raw_commands = False
         if self._snapshot is None:
             self._count_stop(self.last_stop.why)
         else:
@@ -229,10 +229,10 @@ class Pilot:
             self.emergency = False
             self._count_stop(self.last_stop.why)
 
-    def release_control(self, now: float) -> None:
-        """Leave motion to raw commands until :meth:`stop` or a fresh request."""
+    def leave_to_raw_commands(self, now: float) -> None:
+        """Leave motion to raw commands until :meth:`stop` or a fresh velocity command."""
         self._block("a raw command drives the robot", now)
-        self._control_released, self._sent = True, None
+        self._left_to_raw_commands, self._sent = True, None
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
         """Switch the motors on, or off once the robot stands; return a refusal, or `None`."""
@@ -269,7 +269,7 @@ class Pilot:
         self._update_velocity(now)
 
     def tick(self, now: float) -> None:
-        """Let requests expire."""
+        """Let the velocity command expire."""
         self._check_pause(now)
         self.deadline = now + REPEAT
         self._update_velocity(now)
@@ -281,11 +281,11 @@ class Pilot:
 
     @property
     def blocked(self) -> str | None:
-        """The reason to ignore requests until a fresh one, or `None`."""
+        """The reason to ignore velocity commands until a fresh one, or `None`."""
         return self._blocked
 
     def asked(self, now: float) -> Twist2:
-        """Return the requested twist at `now` [s], before limits."""
+        """Return the twist of the velocity command at `now` [s], before limits."""
         return self._command.twist if now < self._command.until else STILL
 
     @property
@@ -301,8 +301,8 @@ class Pilot:
         return self._sent == STILL and self._at_rest and self._observed_at > self._sent_at
 
     @property
-    def expired(self) -> bool:
-        """Whether the last request was motion (that may have expired since)."""
+    def asked_for_motion(self) -> bool:
+        """Whether the last velocity command was not zero; it may have expired since."""
         return not self._command.twist.is_zero
 
     @property
@@ -370,7 +370,7 @@ class Pilot:
     def _update_velocity(self, now: float) -> None:
         """Send the velocity that is due."""
         snapshot, limits = self._snapshot, self.limits
-        if snapshot is None or limits is None or self._control_released:
+        if snapshot is None or limits is None or self._left_to_raw_commands:
             return
         self._update_motors(now)
         self._set_accelerations(limits)

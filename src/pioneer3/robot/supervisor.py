@@ -123,7 +123,7 @@ class Supervisor:
         timing: Timeouts of the host.
 
     Attributes:
-        on_reading: Called with every reading, at once.
+        snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class Supervisor:
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
-        self.on_reading: Callable[[Snapshot], None] = lambda snapshot: None
+        self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._open_link = open_link
         self._model = model
         self._restrict = restrict
@@ -236,7 +236,7 @@ class Supervisor:
         """
         self._send(command)
         if to_payload(command)[:1] in MOTION:
-            self.pilot.release_control(self._clock())
+            self.pilot.leave_to_raw_commands(self._clock())
 
     @contextmanager
     def requested(self, name: str, request: ReportRequest) -> Iterator[None]:
@@ -292,9 +292,9 @@ class Supervisor:
         )
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """Pass a snapshot on: first to `on_reading`, which misses none, then to the readers."""
+        """Pass a snapshot on: first to `snapshot_taken`, which misses none, then to the readers."""
         self._snapshot = snapshot
-        self.on_reading(snapshot)
+        self.snapshot_taken(snapshot)
         self.snapshots.publish(snapshot)
 
     def on_report(self, report: Report, now: float) -> None:

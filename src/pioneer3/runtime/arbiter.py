@@ -35,18 +35,18 @@ class Drivable(Protocol):
         snapshots: All snapshots.
         status: State of the connection.
         info: Of the robot last connected, or `None`.
-        on_reading: Called with every snapshot, at once.
+        snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
     """
 
     pilot: Pilot
     snapshots: Feed[Snapshot]
     status: Feed[Status]
     info: RobotInfo | None
-    on_reading: Callable[[Snapshot], None]
+    snapshot_taken: Callable[[Snapshot], None]
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` without a connection."""
+        """The latest snapshot, or `None` without a connection."""
 
     def drive(self, command: VelocityCommand) -> str | None:
         """Drive as :meth:`Pilot.drive` does; return the reason to ignore it, or `None`."""
@@ -120,7 +120,7 @@ class Arbiter:
         self._memory: RangeMemory | None = None
         self._progress = ProgressChecker()
         self._clock = asyncio.get_running_loop().time
-        supervisor.on_reading = self._take
+        supervisor.snapshot_taken = self._take
 
     @property
     def driver(self) -> str | None:
@@ -171,7 +171,7 @@ class Arbiter:
                 decision.twist,
                 decision.until,
                 after=situation.last_stop.number,
-                answers_stall=decision.despite_stall,
+                answers_stall=decision.answers_stall,
                 accelerations=_accelerations(decision, situation.limits),
             )
             return self._supervisor.drive(command)
@@ -199,7 +199,7 @@ class Arbiter:
         if self._supervisor.pilot.emergency:
             return LATCHED
         part = next(part for part in self._parts if part.stack is self.mode)
-        if decision.despite_stall and self.last_stop.stalled is not None:
+        if decision.answers_stall and self.last_stop.stalled is not None:
             part.after = self.last_stop.number
         return None if part.after >= self.last_stop.number else self.last_stop.why
 

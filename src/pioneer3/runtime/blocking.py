@@ -284,7 +284,7 @@ class BlockingRobot(Facade):
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` while the link is lost."""
+        """The latest snapshot, or `None` while the link is lost."""
         return cast("Snapshot | None", self._read("snapshot"))
 
     @property

@@ -31,12 +31,12 @@ class Driven(Protocol):
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` while there is none."""
+        """The latest snapshot, or `None` while there is none."""
 
     def snapshots(
         self, seconds: float = inf, patience: float = LOST_AFTER
     ) -> AsyncIterator[Snapshot]:
-        """Return :func:`readings` of it."""
+        """Return :func:`snapshots_of` of it."""
 
     def why_not_moving(self) -> str | None:
         """Return in one sentence the reason to stand still, or `None` while the robot moves."""
@@ -48,14 +48,14 @@ class Driven(Protocol):
         """Stop as hard as possible, motors off, latched."""
 
 
-async def readings(
+async def snapshots_of(
     robot: Drivable, seconds: float = inf, patience: float = LOST_AFTER
 ) -> AsyncIterator[Snapshot]:
-    """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow.
+    """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
 
     This is the rule for everything that waits for a robot: a lost link is an error. Motions and
-    modes turn it into a MotionError. The driver goes on connecting; a new iteration yields readings
-    as soon as the robot is back.
+    modes turn it into a MotionError. The driver goes on connecting; a new iteration yields
+    snapshots as soon as the robot is back.
 
     Raises:
         LinkError: the link is lost, and nothing has come for `patience` [s], `inf` to wait for as

@@ -17,7 +17,7 @@ STUCK_PATIENCE = 2.0
 EARLY = 1e-6
 """A loop may call somebody so much too early [s]."""
 
-Readings = AsyncIterator[Snapshot]
+Snapshots = AsyncIterator[Snapshot]
 
 
 @contextmanager
@@ -30,7 +30,7 @@ def lost_as_motion_error(name: str) -> Iterator[None]:
 
 
 async def carry_out(
-    action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor, readings: Readings
+    action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor, snapshots: Snapshots
 ) -> None:
     """Let `action` drive until it is done.
 
@@ -43,7 +43,7 @@ async def carry_out(
     moved_at = clock()
     try:
         with lost_as_motion_error(action.name):
-            async for _ in readings:
+            async for _ in snapshots:
                 if action.done:
                     return
                 _check(action, arbiter, supervisor)
@@ -57,7 +57,7 @@ async def carry_out(
         arbiter.remove(action)
 
 
-async def run_mode(mode: Stack, arbiter: Arbiter, readings: Readings, *, until: float) -> None:
+async def run_mode(mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until: float) -> None:
     """Let `mode` drive `until` then [s, loop time], or until it has reached its aim.
 
     Raises:
@@ -67,7 +67,7 @@ async def run_mode(mode: Stack, arbiter: Arbiter, readings: Readings, *, until: 
     arbiter.start(mode)
     try:
         with lost_as_motion_error(mode.name):
-            async for _ in readings:
+            async for _ in snapshots:
                 ended = arbiter.ended
                 if ended is not None and ended.mode is mode and ended.done:
                     return

@@ -14,7 +14,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
-from pioneer3.runtime.driven import LOST_AFTER, readings
+from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.state import Snapshot
 
@@ -49,21 +49,21 @@ class Robot:
 
     @property
     def snapshot(self) -> Snapshot | None:
-        """The latest reading, or `None` while the link is lost."""
+        """The latest snapshot, or `None` while the link is lost."""
         return self.supervisor.snapshot
 
     def snapshots(
         self, seconds: float = inf, patience: float = LOST_AFTER
     ) -> AsyncIterator[Snapshot]:
-        """Yield each reading as it arrives, for `seconds`; the newest when the reader is slow.
+        """Yield each snapshot as it arrives, for `seconds`; the newest when the reader is slow.
 
         A loss that is mended within `patience` [s] only leaves a gap; with `inf` every loss does.
-        The driver goes on connecting: after an error, iterate again for the next readings.
+        The driver goes on connecting: after an error, iterate again for the next snapshots.
 
         Raises:
             LinkError: the link has been lost for `patience`, or is lost when `seconds` are over.
         """
-        return readings(self.supervisor, seconds, patience)
+        return snapshots_of(self.supervisor, seconds, patience)
 
     def drive(self, speed: float, turn_rate: float = 0.0) -> None:
         """Drive at `speed` [m/s] and `turn_rate` [rad/s] until that expires.

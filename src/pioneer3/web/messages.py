@@ -163,7 +163,7 @@ class Target(Part, frozen=True):
 
 
 class Snapshot(Part, frozen=True):
-    """A reading of a robot, ten times a second. Poses are in the map.
+    """A snapshot of a robot, ten times a second. Poses are in the map.
 
     `why` is the reason for the robot to stand still, and `standing` the kind of that reason.
     `decided` says which action of the `mode` decides what; `commanded` is the last command sent.

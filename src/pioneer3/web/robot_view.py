@@ -23,7 +23,7 @@ SONAR_MAX = 5.0
 DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
 
 
-class Viewers(Protocol):
+class ConnectedClients(Protocol):
     """The clients of a page, as far as a robot's messages name them."""
 
     @property
@@ -71,15 +71,15 @@ class RobotView:
         assert status is not None
         return messages.Status(self.number, status.connection, status.message)
 
-    async def publish_snapshots(self, channel: FrameChannel, viewers: Viewers) -> None:
-        """Put each snapshot into `channel`, encoded once for all, while there are `viewers`."""
+    async def publish_snapshots(self, channel: FrameChannel, clients: ConnectedClients) -> None:
+        """Put each snapshot into `channel`, encoded once for all, while there are `clients`."""
         async for snapshot in self.robot.supervisor.snapshots.values():
-            if viewers.connected:
-                driver = _driver(self.control.driver(), viewers)
+            if clients.connected:
+                driver = _driver(self.control.driver(), clients)
                 channel.put(self.number, messages.encode(self.snapshot(snapshot, driver)))
 
     def snapshot(self, snapshot: Snapshot, driver: messages.Driver | None) -> messages.Snapshot:
-        """Return the message part for a reading."""
+        """Return the message part for a snapshot."""
         arbiter, odom = self.robot.arbiter, snapshot.odometry.robot_in_odom
         return snapshot_part(
             self.number,
@@ -136,7 +136,7 @@ def snapshot_part(
     commanded: Twist2 | None = None,
     target: messages.Target | None = None,
 ) -> messages.Snapshot:
-    """Return the message part for a reading of a robot at `pose` of the map."""
+    """Return the message part for a snapshot of a robot at `pose` of the map."""
     link = now.link
     return messages.Snapshot(
         robot=number,
@@ -185,8 +185,8 @@ def _limits(limits: Limits) -> messages.SpeedLimits:
     )
 
 
-def _driver(driver: Operator | str | None, viewers: Viewers) -> messages.Driver | None:
+def _driver(driver: Operator | str | None, clients: ConnectedClients) -> messages.Driver | None:
     """Return the client, or the name of the program, that drives."""
     if driver is None or isinstance(driver, str):
         return messages.Driver(None, driver) if driver else None
-    return messages.Driver(viewers.number_of(driver), driver.name)
+    return messages.Driver(clients.number_of(driver), driver.name)

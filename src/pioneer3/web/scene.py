@@ -150,7 +150,7 @@ class Scene:
         return self.remote.map if self.remote else self.map
 
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
-        """Return the apparent pose of the odometry's origin [m, rad], from its present reading.
+        """Return the apparent pose of the odometry's origin [m, rad], from its present snapshot.
 
         It wanders where the true pose is known and odometry drifts.
         """

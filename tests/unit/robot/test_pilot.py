@@ -422,7 +422,7 @@ def happens(pilot: Pilot, stop: str) -> None:
             pilot.emergency_stop(0.2)
             pilot.reset_emergency_stop()
         case "raw command":
-            pilot.release_control(0.2)
+            pilot.leave_to_raw_commands(0.2)
         case "sleep":
             pilot.tick(LONGEST_PAUSE + 0.3)
         case "lost link":

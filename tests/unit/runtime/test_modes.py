@@ -29,7 +29,7 @@ class Go:
 
     def decide(self, situation: Situation) -> Desire | None:
         if self.answers_stalls and situation.snapshot.motors.stalled:
-            return Desire(v=-0.1, despite_stall=True)
+            return Desire(v=-0.1, answers_stall=True)
         return Desire(v=self.speed)
 
 

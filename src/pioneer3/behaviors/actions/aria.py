@@ -117,7 +117,7 @@ class Input:
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the last command."""
-        if self._turn is not None:  # held as a heading: one reading is too short to turn in
+        if self._turn is not None:  # held as a heading: one snapshot is too short to turn in
             self._heading, self._turn = wrap(situation.pose.theta + self._turn), None
         if self._v is None and self._w is None and self._heading is None:
             return None

@@ -118,7 +118,7 @@ class Goto:
     then it passes by, `turn_amount` off. Differences from ARIA's, whose figures these are: it can
     end at a heading; it slows down where it turns; it has not arrived while it rolls backwards
     through the goal; the side to pass on changes once when the goal comes to lie behind, not at
-    every reading.
+    every snapshot.
 
     Attributes:
         x: [m].

@@ -33,7 +33,7 @@ class RatioInput:
     """Drives by shares of full speed (facts.md 7.6, 8.3). A pushed stick comes before keys.
 
     Keys: :meth:`up` and :meth:`down` change the speed by a twentieth, :meth:`left` and
-    :meth:`right` turn in full for one reading, :meth:`space` stops. A gamepad or a program
+    :meth:`right` turn in full for one period, :meth:`space` stops. A gamepad or a program
     :meth:`push` es and :meth:`release` s.
 
     Attributes:
@@ -55,7 +55,7 @@ class RatioInput:
     _keyed: float = field(default=0.0, init=False)
     _key_turn: int = field(default=0, init=False)
     _pressed: int = field(default=0, init=False)
-    _reading: int | None = field(default=None, init=False)
+    _sequence: int | None = field(default=None, init=False)
     _pushed: Ratios | None = field(default=None, init=False)
     _until: float = field(default=inf, init=False)
 
@@ -78,11 +78,11 @@ class RatioInput:
         self._keyed = max(-1.0, self._keyed - self.key_step)
 
     def left(self) -> None:
-        """Turn left, at once and for the next reading."""
+        """Turn left, at once and until the snapshot after the next."""
         self._pressed = 1
 
     def right(self) -> None:
-        """Turn right, at once and for the next reading."""
+        """Turn right, at once and until the snapshot after the next."""
         self._pressed = -1
 
     def space(self) -> None:
@@ -141,13 +141,13 @@ class RatioInput:
         return drive * full * given.throttle, turn * rate * given.throttle
 
     def _turn_once(self, situation: Situation) -> int:
-        """Return the turn of a key: at once, and for the whole of the reading that follows.
+        """Return the turn of a key: at once, and until the snapshot after the next.
 
-        A held key repeats faster than readings come, so that it turns without a gap.
+        A held key repeats faster than snapshots come, so that it turns without a gap.
         """
-        reading = situation.snapshot.sequence
-        if reading != self._reading:
-            self._reading, self._key_turn, self._pressed = reading, self._pressed, 0
+        sequence = situation.snapshot.sequence
+        if sequence != self._sequence:
+            self._sequence, self._key_turn, self._pressed = sequence, self._pressed, 0
         return self._pressed or self._key_turn
 
 

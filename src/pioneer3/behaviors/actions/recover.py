@@ -100,17 +100,17 @@ class StallRecover:
             self._target = None
         if situation.now >= self._end or (v == 0.0 and self._target is None):
             self._way = None
-            return Desire(v=0.0, w=0.0, reason="tried", despite_stall=True)
+            return Desire(v=0.0, w=0.0, reason="tried", answers_stall=True)
         reason = f"stalled: {way.words}"
         if self._target is None:
-            return Desire(v=v, w=0.0, reason=reason, despite_stall=True)
+            return Desire(v=v, w=0.0, reason=reason, answers_stall=True)
         return Desire(
             v=v,
             heading=self._target,
             left_max=self.turn_rate,
             right_max=self.turn_rate,
             reason=reason,
-            despite_stall=True,
+            answers_stall=True,
         )
 
     def _speed(self, drive: int, situation: Situation) -> float:

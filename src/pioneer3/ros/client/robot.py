@@ -13,7 +13,7 @@ from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.pilot import STANDING, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
 from pioneer3.runtime.arbiter import Arbiter
-from pioneer3.runtime.driven import LOST_AFTER, readings
+from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
 from pioneer3.runtime.motions import run_mode
 from pioneer3.state import Motors, Snapshot
 
@@ -47,7 +47,7 @@ class TopicSupervisor:
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = info
-        self.on_reading: Callable[[Snapshot], None] = lambda snapshot: None
+        self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._publish = publish
         self._switch = switch
         self._fresh: Snapshot | None = None
@@ -87,7 +87,7 @@ class TopicSupervisor:
             self.status.publish(Status(Connection.CONNECTED, self.info.url))
         self._fresh = snapshot = self._with_stall(snapshot, now)
         self.pilot.observe(snapshot, now)
-        self.on_reading(snapshot)
+        self.snapshot_taken(snapshot)
         self.snapshots.publish(snapshot)
         self._flush(again=True)
 
@@ -196,7 +196,7 @@ class TopicRobot:
         self, seconds: float = inf, patience: float = LOST_AFTER
     ) -> AsyncIterator[Snapshot]:
         """See :meth:`Robot.snapshots`."""
-        return readings(self.supervisor, seconds, patience)
+        return snapshots_of(self.supervisor, seconds, patience)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`; see :meth:`Robot.run`."""

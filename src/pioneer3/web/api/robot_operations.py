@@ -20,7 +20,7 @@ def list_robots(request: ApiRequest) -> list[types.Robot]:
 
 
 def get_snapshot(request: ApiRequest) -> types.Snapshot | ErrorResponse:
-    """Return the newest reading of the robot."""
+    """Return the newest snapshot of the robot."""
     snapshot = request.view.robot.snapshot
     if snapshot is None:
         return ErrorResponse(409, "the robot is not connected")
@@ -150,7 +150,7 @@ def describe(view: RobotView) -> types.Robot:
 
 
 def read(view: RobotView, now: Snapshot) -> types.Snapshot:
-    """Return a reading and the driver."""
+    """Return a snapshot and the driver."""
     driver = view.control.driver()
     return types.Snapshot(
         sequence=now.sequence,

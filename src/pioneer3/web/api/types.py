@@ -56,7 +56,7 @@ class Robot(msgspec.Struct):
 
 
 class Snapshot(msgspec.Struct):
-    """One reading of everything; `sequence` counts them. Poses are in odometry's frame."""
+    """A snapshot of everything; `sequence` counts them. Poses are in odometry's frame."""
 
     sequence: int
     pose: Pose2

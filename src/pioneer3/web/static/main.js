@@ -166,7 +166,7 @@ function tap(point, type) {
   return false;
 }
 
-const hold = (point, type) => (!editor.active && goto.propose(point, type) ? goto : null);
+const longPress = (point, type) => (!editor.active && goto.propose(point, type) ? goto : null);
 
 function sendDrive(message) {
   const request = { ...message, robot: model.selected?.id };
@@ -256,7 +256,7 @@ function refused({ message }) {
 /** Shows which data are still up to date, and stops driving where they are not. */
 function refresh() {
   model.setSocket(connection.open);
-  if (drive.holding && model.obstacle !== null) drive.stop();
+  if (drive.holding && model.refusal !== null) drive.stop();
   const { live, snapshot } = model;
   showConnection(model, connection.retryAt, people.holder);
   showOverlay(model, connection.retryAt);
@@ -281,7 +281,7 @@ listenToCanvas(canvas, view, {
   changed: () => (scene.invalidate(), showMode(view.mode)),
   tap,
   twice: () => goto.withdraw(),
-  hold,
+  longPress,
 });
 listenToPointer(canvas, view);
 listenToTools(view, {

@@ -88,7 +88,7 @@ export interface Robots {
   snapshots: Snapshot[];
 }
 
-/** A reading of a robot, ten times a second. Poses are in the map. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
+/** A snapshot of a robot, ten times a second. Poses are in the map. `why` is the reason for the robot to stand still, and `standing` the kind of that reason. `decided` says which action of the `mode` decides what; `commanded` is the last command sent. */
 export interface Snapshot {
   robot: number;
   sequence: number;

@@ -52,7 +52,7 @@ def test_it_backs_and_turns_away_first(
 ) -> None:
     desire = StallRecover().decide(at(0.0, motors, 0.3, *echoes))
     assert desire is not None
-    assert desire.despite_stall
+    assert desire.answers_stall
     assert value(desire, "v") == -0.15
     assert value(desire, "heading") == pytest.approx(0.3 + radians(degrees))
     assert desire.reason == "stalled: back and turn"

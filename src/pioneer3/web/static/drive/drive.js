@@ -11,7 +11,7 @@ const LIFETIME = { gamepad: 5, tilt: 15 }; // periods in which an input must be 
 
 export class Drive {
   #source = "touch"; // of all held inputs
-  #holds = new Map(); // input -> {command, left: periods, which a page that stood still does not use up}
+  #holds = new Map(); // input -> {command, periodsLeft}; a page that stands still uses up no periods
   #zeros = 0;
   #timer = 0;
   #send;
@@ -123,7 +123,7 @@ export class Drive {
   }
 
   #hold(input, command) {
-    this.#holds.set(input, { command, left: LIFETIME[this.#source] ?? Infinity });
+    this.#holds.set(input, { command, periodsLeft: LIFETIME[this.#source] ?? Infinity });
   }
 
   #beginZeros() {
@@ -132,7 +132,7 @@ export class Drive {
   }
 
   #tick() {
-    for (const [input, hold] of this.#holds) if (hold.left-- <= 0) return this.release(input);
+    for (const [input, hold] of this.#holds) if (hold.periodsLeft-- <= 0) return this.release(input);
     if (this.holding) {
       this.#request();
     } else if (this.#zeros > 0) {

@@ -1,4 +1,4 @@
-// Driving by hand, with any input: press, release, stop. A press is refused where the model has an obstacle,
+// Driving by hand, with any input: press, release, stop. A press does not drive while the model has a refusal,
 // and the robot stops when the page may no longer notice a release.
 
 export class Teleop {
@@ -26,8 +26,8 @@ export class Teleop {
 
   /** An input is pressed; returns whether it is held now. */
   press = (source, input, command) => {
-    if (this.#model.obstacle === null) return this.#drive.press(source, input, command);
-    this.#notify(this.#model.obstacle);
+    if (this.#model.refusal === null) return this.#drive.press(source, input, command);
+    this.#notify(this.#model.refusal);
     return false;
   };
 

@@ -21,9 +21,9 @@ export const kindOf = (pointerType) => (pointerType === "mouse" ? "mouse" : "tou
  * @param tap     function(point, pointerType): a tap that no taker has; returns whether it is used up:
  *                then it is no half of a double tap
  * @param twice   function(), after a double tap, which shows all or follows
- * @param hold    function(point, pointerType): a finger stays; returns the taker that has it now, or null
+ * @param longPress function(point, pointerType): a finger stays; returns the taker that has it, or null
  */
-export function listenToCanvas(canvas, view, { takers, changed, tap, twice, hold }) {
+export function listenToCanvas(canvas, view, { takers, changed, tap, twice, longPress }) {
   const fingers = new Map(); // pointerId -> {x, y}
   let held = null; // the pointer that a taker has: {id, at, by}
   let lastTap = { at: -Infinity, x: 0, y: 0 };
@@ -53,7 +53,7 @@ export function listenToCanvas(canvas, view, { takers, changed, tap, twice, hold
 
   function stay(id, at, type) {
     if (moved || fingers.size !== 1) return;
-    const by = hold(at, type);
+    const by = longPress(at, type);
     if (!by) return;
     fingers.delete(id);
     held = { id, at, by };

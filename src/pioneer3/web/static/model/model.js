@@ -97,7 +97,7 @@ export class Model {
   }
 
   /** The reason why a press does not drive, or null when it may. */
-  get obstacle() {
+  get refusal() {
     if (!this.socketOpen) return "Not connected to the driver.";
     if (this.selected && !this.selected.connected) return "The robot is not connected.";
     if (!this.live) return "No news from the robot: driving blind is not possible.";
