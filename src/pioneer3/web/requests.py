@@ -222,6 +222,7 @@ Edit = (
 AnyRequest = DriveRequest | ControlRequest | ModeRequest | ViewRequest | Ping | Edit
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
+_stops: msgspec.json.Decoder[Stop | EmergencyStop] = msgspec.json.Decoder(Stop | EmergencyStop)
 
 
 def decode(text: str) -> AnyRequest:
@@ -234,3 +235,12 @@ def decode(text: str) -> AnyRequest:
         return _decoder.decode(text)
     except RecursionError:
         raise msgspec.ValidationError(TOO_DEEP) from None
+
+
+def is_stop(text: bytes) -> bool:
+    """Return whether `text` is a request to stop; any other is rejected at its tag."""
+    try:
+        _stops.decode(text)
+    except (msgspec.MsgspecError, RecursionError):
+        return False
+    return True

@@ -9,6 +9,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.frames import Frame
 
 from pioneer3.web.messages import Told, encode
+from pioneer3.web.requests import is_stop
 
 UNSENT = 16_384
 """Unsent bytes that the system keeps for a page; one more frame is kept here."""
@@ -24,8 +25,6 @@ MOST_UNREAD = 65_536
 """A page that has sent so much more than could be read is closed [bytes]."""
 POLICY_VIOLATION = 1008
 FLOODS = "this page sends too much"
-STOPS = b"stop"
-"""Every request to stop contains it."""
 
 
 class BoundedWebSocket(WebSocketsSansIOProtocol):
@@ -63,7 +62,9 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
 
     def handle_text(self, event: Frame) -> None:
         """Accept a message unless there were too many; a stop is always accepted."""
-        if not self._closing and (self._count() <= ENOUGH or STOPS in event.data or not event.fin):
+        if self._closing:
+            return
+        if self._count() <= ENOUGH or not event.fin or is_stop(bytes(event.data)):
             super().handle_text(event)
 
     def handle_bytes(self, event: Frame) -> None:

@@ -2,18 +2,21 @@
 
 import asyncio
 import json
+import re
 from contextlib import suppress
 
 import pytest
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosedError
 
+from pioneer3.web.requests import is_stop
 from pioneer3.web.websocket import ENOUGH, FLOODS, MOST_UNREAD, TOO_MANY
 from tests.unit.web.test_server import closing_code, served, until_driving, until_standing
 
 pytestmark = pytest.mark.realtime
 
 PING = '{"type":"ping","t":1}'
+RESET = '{"type":"reset_emergency_stop"}'
 PATIENCE = 20.0
 
 
@@ -56,6 +59,52 @@ async def test_a_stop_behind_too_many_pings_is_heard_and_the_page_stays() -> Non
                     break
         assert pongs < ENOUGH  # the oldest answers are forgotten, and the last pings were not heard
         assert page.close_code is None
+
+
+@pytest.mark.parametrize("stop", ['{"type":"stop"}', '{ "robot": 1, "type" : "emergency_stop" }'])
+def test_a_stop_is_told_by_its_type(stop: str) -> None:
+    assert is_stop(stop.encode())
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        RESET,
+        '{"type":"stop_button","id":1,"pressed":false}',
+        '{"type":"drive","v":0.3,"w":0,"input":"stop"}',
+        '{"type":"drive","input":{"type":"stop"}}',
+        '"stop"',
+        "stop",
+        "[" * 10_000,
+        "",
+    ],
+)
+def test_another_message_about_stops_is_no_stop(other: str) -> None:
+    assert not is_stop(other.encode())
+
+
+async def test_resets_are_limited_as_other_messages_are_and_stops_still_pass() -> None:
+    async with served() as (sim, where), connect(f"ws://{where}/ws") as page:
+        await until_driving(sim, page)
+        flood = [PING] * (ENOUGH + 20)
+        page.transport.write(burst([*flood, '{"type":"emergency_stop"}', *[RESET] * 20]))
+        await until_standing(sim)
+        latched: list[str] = []
+        async with asyncio.timeout(PATIENCE):
+            async for text in page:
+                latched += re.findall('"emergency_stop":(true|false)', str(text))
+                if latched.count("true") and len(latched) >= latched.index("true") + 5:
+                    break
+        assert latched[-5:] == ["true"] * 5  # no reset behind the stop was heard
+        assert page.close_code is None
+
+
+async def test_who_floods_with_resets_is_told_then_closed() -> None:
+    async with served() as (_, where), connect(f"ws://{where}/ws") as page:
+        page.transport.write(burst([RESET] * (TOO_MANY + 10)))
+        async with asyncio.timeout(PATIENCE):
+            assert await told(page) == [f"{FLOODS}: only stops are heard"]
+        assert page.close_code == 1008
 
 
 async def test_who_floods_stops_driving() -> None:
