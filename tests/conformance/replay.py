@@ -32,6 +32,7 @@ from pioneer3.robot.assemble import POSITION_MODULUS
 from pioneer3.robot.assemble import Counter as WrappingCounter
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
@@ -210,7 +211,7 @@ def played(path: Path, clock: Clock = float) -> Session:
         clock: When our robot gets what the program sent at a time of the capture.
     """
     body = Body(MODEL, START)
-    world = World(the_map(), [body])
+    world = World(the_map(), [body], Kernels())
     firmware = Firmware(world, body, name="AMRISim")
     pending = [(clock(chunk.time), chunk.data) for chunk in went(path, FROM_HOST)][::-1]
     reader, step, end = PacketReader(), 0, pending[0][0] + CYCLE

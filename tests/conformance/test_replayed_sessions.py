@@ -13,6 +13,7 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.reports import BatteryInfo, Config, Io, SyncEcho, SyncIdentity
 from pioneer3.geometry import Pose2
 from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.world import World
 from tests.conformance.old_emulator import BEAM_STEP
 from tests.conformance.replay import (
@@ -145,7 +146,7 @@ def _sonar_heard(path: Path) -> Float:
 def _sonar_of_the_map(path: Path) -> Float:
     """What our transducers measure at the places where the old emulator was [mm]."""
     body = Body(MODEL, START)
-    world = World(the_map(), [body])
+    world = World(the_map(), [body], Kernels())
     ranges = []
     for place in _places(pair(path).theirs):
         body.robot_in_world = place
@@ -165,7 +166,7 @@ def _places(session: Session) -> list[Pose2]:
 def test_the_laser_says_the_same_wherever_it_went(path: Path) -> None:
     theirs = pair(path).theirs
     body = Body(MODEL, START)
-    world = World(the_map(), [body])
+    world = World(the_map(), [body], Kernels())
     apart_mm = []
     for place, cycle in zip(_places(theirs), theirs.cycles, strict=True):
         sweep = [
