@@ -222,8 +222,8 @@ def _is_asynchronous(kind: type) -> bool:
     return kind.__module__.startswith("pioneer3.") and any(
         inspect.iscoroutinefunction(member)
         or _iterates(inspect.signature(member).return_annotation)
-        for name, member in vars(kind).items()
-        if inspect.isfunction(member) and not name.startswith("_")
+        for name, member in inspect.getmembers(kind, inspect.isfunction)
+        if not name.startswith("_")
     )
 
 
