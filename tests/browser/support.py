@@ -14,7 +14,7 @@ from contextlib import (
 from dataclasses import dataclass
 from typing import TypeVar
 
-from playwright.sync_api import Page
+from playwright.sync_api import Error, Page
 
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
@@ -146,7 +146,14 @@ def hold(page: Page, key: str, moving: Callable[[], bool]) -> None:
 
 def wait_for_the_robot(page: Page) -> None:
     """Wait until the page shows a snapshot; by asking, for its CSP forbids injected pollers."""
-    until(lambda: bool(page.evaluate("Boolean(window.pioneer3?.state.snapshot)")))
+
+    def has_snapshot() -> bool:
+        try:
+            return bool(page.evaluate("Boolean(window.pioneer3?.state.snapshot)"))
+        except Error:  # the page is just being replaced
+            return False
+
+    until(has_snapshot)
 
 
 def later(page: Page, reports: int = 4) -> None:
