@@ -172,7 +172,7 @@ def flag_table(name: str) -> str:
 
 
 def choice_table() -> str:
-    """Return what the arguments that are choices may be."""
+    """Return the values of the arguments that are choices."""
     found = {
         slot.kind.choices
         for cls in commands.every_command()
@@ -193,7 +193,7 @@ def mm(metres: float) -> str:
 
 
 def model_table() -> str:
-    """Return what the shipped models differ in."""
+    """Return the numbers in which the shipped models differ."""
     rows: dict[str, Callable[[RobotModel], str]] = {
         "radius": lambda model: mm(model.radius),
         "width": lambda model: mm(model.width),

@@ -191,7 +191,7 @@ class MobileSimOptions:
     ignore_command: Annotated[tuple[int, ...], Parameter(negative=(), show_default=False)] = ()
 
     def log_handler(self) -> logging.Handler:
-        """Return what writes the log file.
+        """Return the handler that writes the log file.
 
         Raises:
             ConfigError: The file cannot be written.

@@ -216,11 +216,11 @@ class GoalParallelEnv(ParallelEnv[str, Float32, Float32]):
         self._steps = 0
 
     def observation_space(self, agent: str) -> Space[Float32]:
-        """Return what `agent` can observe."""
+        """Return the space of observations of `agent`."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Space[Float32]:
-        """Return what `agent` can do."""
+        """Return the space of actions of `agent`."""
         return self.action_spaces[agent]
 
     def reset(

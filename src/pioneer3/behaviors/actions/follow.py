@@ -163,7 +163,7 @@ class FollowTracking:
         """Look for the lost person, then for any person."""
         now, lost = situation.now, self._lost
         if now - self._listener.since < RING:
-            return  # only a part of what is around has been heard
+            return  # only some of the sonars have been heard
         hearing = PersonDetector(self._listener.latest, now, situation.model, self._clutter)
         ping = None
         if lost is not None and now - lost.heard <= RETURN:

@@ -161,7 +161,7 @@ class Commands:
             self._expiry = self._loop.call_later(self._timeout, self._expired, sender)
 
     def _expired(self, sender: str) -> None:
-        """Say why the robot stops, once for each sender; another stop has its own reason."""
+        """Log the reason of a stop, once for each sender; another stop has its own reason."""
         stopped = self._hold.ignored(self._last_stop) is not None
         if stopped or self._robot.snapshot is None or sender in self._expired_of:
             return
@@ -173,7 +173,7 @@ class Commands:
         )
 
     def _tell(self) -> None:
-        """Say why commands are ignored, once."""
+        """Log the reason to ignore commands, once."""
         if self._refusal is not None and self._refusal != self._told:
             self._warn(f"cmd_vel is ignored: {self._refusal} (a zero lets go)")
         self._told = self._refusal
