@@ -64,6 +64,7 @@ class RobotNode:
         self._frames = options.frames.with_prefix(options.prefix)
         self._tree = self._tree_of(self._model)
         self._wheels = WheelAngles()
+        self._sensors = {each.kind.name: each for each in robot.devices.sensors}
         self._sent: list[Command] = []
         self._scanned_at = -inf
         self._commands = Commands(robot, parameters.timeout, middleware.warn)
@@ -99,7 +100,7 @@ class RobotNode:
                     self._publishing.publish_device(
                         SensorUpdate, sensor.values, self._sensor_update, sensor.kind.name
                     )
-                    for sensor in self._robot.devices.sensors
+                    for sensor in self._sensors.values()
                 ),
                 self._follow_link(),
             ):
@@ -141,8 +142,7 @@ class RobotNode:
         """Return whether the robot has the device that a topic is published from."""
         if topic.source is ScanUpdate:
             return bool(self._robot.laser.presence.there)
-        sensors = {each.kind.name: each for each in self._robot.devices.sensors}
-        return not topic.sensor or bool(sensors[topic.sensor].presence.there)
+        return not topic.sensor or bool(self._sensors[topic.sensor].presence.there)
 
     async def _publish_state(self) -> None:
         async for snapshot in self._robot.snapshots(patience=inf):
