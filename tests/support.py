@@ -90,7 +90,7 @@ class SimulatedRobot:
         kernels: Kernels | None = None,
     ) -> None:
         self.body = Body(load_model(model), home)
-        self.world = World(line_map, [self.body], kernels, seed=seed, realism=realism)
+        self.world = World(line_map, [self.body], kernels or Kernels(), seed=seed, realism=realism)
         self.equipment = equipment
         self.firmware = Firmware(self.world, self.body, equipment=equipment)
         self.to_robot, self.to_host = to_robot, to_host
