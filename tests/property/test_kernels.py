@@ -19,7 +19,7 @@ from pioneer3.sim.kernels import (
 )
 from pioneer3.sim.kernels.echoes import ALL, SHADE
 from pioneer3.sim.maps import read_map
-from pioneer3.sim.raycast import cast_reference
+from pioneer3.sim.raycast import cast_reference, ranges_reference
 from tests.property.scenes import (
     ANGLES,
     BODIES,
@@ -63,7 +63,7 @@ def reflected(
     They differ where rounding decides which of two walls is nearer, or whether one is steep enough.
     """
     angles = np.array([angle])
-    each = np.array([cast_reference(origin, angles, wall[None], limit)[0] for wall in walls])
+    each = ranges_reference(origin, angles, walls, limit)[0]
     along = walls[:, 2:] - walls[:, :2]
     sines = abs(cos(angle) * along[:, 1] - sin(angle) * along[:, 0]) / np.hypot(*along.T)
     robot = float(cast_reference(origin, angles, others, limit)[0])
@@ -92,7 +92,8 @@ def edges_heard(origin: Float, axis: float, walls: Float, echoes: Echoes, limit:
     """
     found = [[limit], [limit]]
     if echoes.edges is not None:
-        for x, y in (echoes.edges.walls[:, :2] - origin).tolist():
+        apart = echoes.edges.walls[:, :2] - origin
+        for x, y in apart[np.hypot(*apart.T) < echoes.edge_range + 1e-6].tolist():
             away, bearing = np.hypot(x, y), np.arctan2(y, x)
             sight = cast_reference(origin, np.array([bearing]), walls, limit)[0]
             off = abs(float(np.angle(np.exp(1j * (bearing - axis)))))

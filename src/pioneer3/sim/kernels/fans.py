@@ -1,5 +1,9 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
-"""Laser fans: near segments rasterised onto the beams, the nearest one wins."""
+"""Laser fans: near segments rasterised onto the beams, the nearest one wins.
+
+Where there are many segments, as in scanned maps, most are hidden; then each beam walks through the
+grid as far as it sees.
+"""
 
 from math import ceil, cos, floor, inf, pi, sin, sqrt, tau
 
@@ -7,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.sim.kernels.jit import inlined, kernel
-from pioneer3.sim.kernels.rays import meeting
+from pioneer3.sim.kernels.rays import meeting, walk
 from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK
 
@@ -24,6 +28,9 @@ TINY = 1e-300
 
 NEAREST = 1e-12
 """A range below this [m] is none; its inverse is finite."""
+
+MANY = 16
+"""Pieces of walls for each beam from which on walking is faster than rasterising them."""
 
 MARGIN = 5e-5
 """Beams this close to a segment's end are measured one by one; above the error of _angle [rad]."""
@@ -171,16 +178,28 @@ def fans(
         south, north = cells(y - limit - SLACK, y + limit + SLACK, frame[1], frame[3])
         west, east = max(west, 0), min(east, columns - 1)
         south, north = max(south, 0), min(north, rows - 1)
+        bottom, top = south * columns, (north + 1 if west <= east else south) * columns
         count = 0
-        for row in range(south, north + 1 if west <= east else south):
-            for k in range(starts[row * columns + west], starts[row * columns + east + 1]):
-                ax, ay = pieces[k, 0] - x, pieces[k, 1] - y
-                bx, by = pieces[k, 2] - x, pieces[k, 3] - y
-                seen[0, count], seen[1, count] = c * ax + s * ay, c * ay - s * ax
-                seen[2, count], seen[3, count] = c * bx + s * by, c * by - s * bx
-                # a wall that was in the box one cell before is met already
-                count += not (west <= pieces[k, 4] <= east and south <= pieces[k, 5] <= north)
-        _paint(count, seen, plan, limit, start, step, headings, beams)
+        for row in range(bottom, top, columns):
+            count += starts[row + east + 1] - starts[row + west]
+        if count > MANY * len(beams):
+            for k in range(len(beams)):
+                dx = c * headings[0, k] - s * headings[1, k]
+                dy = s * headings[0, k] + c * headings[1, k]
+                away, _ = walk(x, y, dx, dy, limit, 0.0, walls)
+                beams[k] = 1.0 / max(away, NEAREST)
+        else:
+            count = 0
+            for row in range(bottom, top, columns):
+                for k in range(starts[row + west], starts[row + east + 1]):
+                    ax, ay = pieces[k, 0] - x, pieces[k, 1] - y
+                    bx, by = pieces[k, 2] - x, pieces[k, 3] - y
+                    seen[0, count], seen[1, count] = c * ax + s * ay, c * ay - s * ax
+                    seen[2, count], seen[3, count] = c * bx + s * by, c * by - s * bx
+                    # a wall that was in the box one cell before is met already
+                    before = west <= pieces[k, 4] <= east and south <= pieces[k, 5] <= north
+                    count += not before
+            _paint(count, seen, plan, limit, start, step, headings, beams)
         count = 0
         for i in range(neighbours(x, y, limit, owner, others, found) if len(shapes) > 1 else 0):
             k = found[i]

@@ -65,7 +65,7 @@ def _entry(px: float, py: float, dx: float, dy: float, columns: int, rows: int) 
 
 
 @inlined
-def _walk(
+def walk(
     ox: float, oy: float, dx: float, dy: float, limit: float, steep: float, walls: Walls
 ) -> tuple[float, float]:
     """Walk along a ray, cell by cell, no further than the nearest wall.
@@ -175,7 +175,7 @@ def _nearest_edge(
             if away < reach and ax * ex + ay * ey >= wide * away:
                 sight = max(away - SHADE, 0.0)
                 scale = 1.0 / max(away, TOUCH)
-                best, _ = _walk(ox, oy, ex * scale, ey * scale, sight, 0.0, walls)
+                best, _ = walk(ox, oy, ex * scale, ey * scale, sight, 0.0, walls)
                 if best >= sight:
                     reach = away
     return reach
@@ -221,7 +221,7 @@ def sonar(
                     s * table[m, k] + c * table[m, k + 1],
                 )
                 # beyond the nearest echo so far the transducer does not listen
-                best, heard = _walk(ox, oy, dx, dy, nearest, steep, walls)
+                best, heard = walk(ox, oy, dx, dy, nearest, steep, walls)
                 echo = heard <= best + TOUCH
                 nearest = min(nearest, heard) if echo else nearest
                 rays[0, count], rays[1, count], rays[2, count], rays[3, count] = ox, oy, dx, dy

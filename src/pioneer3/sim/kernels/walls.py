@@ -10,6 +10,12 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Int32 = NDArray[np.int32]
 
+LARGEST_CELL, SMALLEST_CELL = 1.0, 0.25
+"""Sides of cells [m]: many small ones where walls are short, as in scanned maps."""
+
+WALLS_PER_CELL = 4
+"""A cell is as wide as so many walls are long, within these bounds."""
+
 MOST_CELLS = 1 << 20
 """Cells get larger where a huge map would need more."""
 
@@ -98,13 +104,20 @@ class Grid:
         return np.repeat(box, counts), self.cell_items[ranges(first, counts)].astype(np.int64)
 
 
-def build_grid(walls: Float, cell: float = 1.0) -> Grid:
-    """Sort `walls` (W, 4) [m], finite, into cells with sides of `cell` [m] or, if need be, more."""
+def build_grid(walls: Float, cell: float | None = None) -> Grid:
+    """Sort `walls` (W, 4) [m], finite, into cells with sides of `cell` [m] or, if need be, more.
+
+    Without `cell` the sides suit the length of the walls.
+    """
     walls = np.ascontiguousarray(walls, dtype=np.float64).reshape(-1, 4)
+    length = float(_lengths(walls).sum())
+    if cell is None:
+        mean = length / max(len(walls), 1)
+        cell = min(max(WALLS_PER_CELL * mean, SMALLEST_CELL), LARGEST_CELL)
     points = walls.reshape(-1, 2)
     low = points.min(axis=0, initial=np.inf) if len(walls) else np.zeros(2)
     high = points.max(axis=0, initial=-np.inf) if len(walls) else np.zeros(2)
-    cell = _large_enough(cell, high - low, float(_lengths(walls).sum()))
+    cell = _large_enough(cell, high - low, length)
     corner = low - OFFSET * cell
     columns, rows = (np.floor((high - corner) / cell + OFFSET).astype(np.int64) + 1).tolist()
     cells, owners = rasterise(walls - np.tile(corner, 2), cell)
