@@ -4,7 +4,6 @@ from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import Echoes, find_edges
 from pioneer3.sim.kernels.jit import is_cached, numba_version
 from pioneer3.sim.kernels.kernels import (
-    MANY_WALLS,
     WORTH_COMPILING,
     WORTH_THREADS,
     Kernels,
@@ -15,7 +14,6 @@ from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 __all__ = [
-    "MANY_WALLS",
     "WORTH_COMPILING",
     "WORTH_THREADS",
     "Drives",

@@ -147,6 +147,24 @@ def _hidden(x: float, y: float, radius: float, start: float, step: float, out: F
 
 
 @kernel
+def _walk_beams(
+    x: float,
+    y: float,
+    c: float,
+    s: float,
+    limit: float,
+    headings: Float,
+    walls: Walls,
+    out: Float,
+) -> None:
+    """Measure each beam of a laser at (x, y), turned by the angle of (c, s), into `out` [1/m]."""
+    for k in range(len(out)):
+        dx, dy = c * headings[0, k] - s * headings[1, k], s * headings[0, k] + c * headings[1, k]
+        away, _ = walk(x, y, dx, dy, limit, 0.0, walls)
+        out[k] = 1.0 / max(away, NEAREST)
+
+
+@kernel
 def fans(
     first: int,
     last: int,
@@ -183,11 +201,7 @@ def fans(
         for row in range(bottom, top, columns):
             count += starts[row + east + 1] - starts[row + west]
         if count > MANY * len(beams):
-            for k in range(len(beams)):
-                dx = c * headings[0, k] - s * headings[1, k]
-                dy = s * headings[0, k] + c * headings[1, k]
-                away, _ = walk(x, y, dx, dy, limit, 0.0, walls)
-                beams[k] = 1.0 / max(away, NEAREST)
+            _walk_beams(x, y, c, s, limit, headings, walls, beams)
         else:
             count = 0
             for row in range(bottom, top, columns):

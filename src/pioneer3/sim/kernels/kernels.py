@@ -25,9 +25,6 @@ Int32 = NDArray[np.int32]
 
 WORTH_COMPILING = 5
 """Robots from which on compiled kernels pay in real time; loading them takes a second."""
-MANY_WALLS = 500
-"""Walls from which on they pay for one robot too: a plain scan of a laser in a scanned map takes
-0.1 to 0.6 s."""
 
 WORTH_THREADS = 50
 """Robots from which on sharing the work among threads pays."""

@@ -18,7 +18,6 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import (
-    MANY_WALLS,
     WORTH_COMPILING,
     WORTH_THREADS,
     compiled_kernels,
@@ -164,8 +163,7 @@ async def simulator(
     here = RunningSimulation(simulation, _robots(spawned, simulation, ptys=ptys), rng, client_maps)
     here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
     work = [simulation.run()]
-    many = len(bodies) >= WORTH_COMPILING or len(world.map.walls) >= MANY_WALLS
-    if many or factory_robot or simulation.pace.speed > 1:
+    if len(bodies) >= WORTH_COMPILING or factory_robot or simulation.pace.speed > 1:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
         elif is_cached():
