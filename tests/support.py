@@ -20,7 +20,7 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import Kernels
+from pioneer3.sim.kernels import Kernels, is_cached
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
@@ -90,7 +90,13 @@ class SimulatedRobot:
         kernels: Kernels | None = None,
     ) -> None:
         self.body = Body(load_model(model), home)
-        self.world = World(line_map, [self.body], kernels or Kernels(), seed=seed, realism=realism)
+        self.world = World(
+            line_map,
+            [self.body],
+            kernels or Kernels(compiled=is_cached()),
+            seed=seed,
+            realism=realism,
+        )
         self.equipment = equipment
         self.firmware = Firmware(self.world, self.body, equipment=equipment)
         self.to_robot, self.to_host = to_robot, to_host

@@ -1,10 +1,12 @@
 """The stick on the screen and the choice of what to drive with, on a phone with fingers."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from tests.browser.drawn import repaint
 from tests.browser.support import SLACK, Product, later, speed, until
 from tests.browser.visit import Visit, visit
 
@@ -29,11 +31,10 @@ def push(phone: Visit, forward: float, left: float = 0.0) -> tuple[float, float]
     return x - left * reach, y - forward * reach
 
 
-@pytest.mark.parametrize("size", PHONES.values(), ids=[*PHONES])
-def test_everything_fits_and_nothing_covers_the_stops(
-    browser: Browser, product: Product, size: tuple[int, int]
-) -> None:
-    with visit(browser, product.address, size=size, phone=True) as phone:
+def test_everything_fits_and_nothing_covers_the_stops(phone: Visit) -> None:
+    for size in PHONES.values():
+        phone.page.set_viewport_size({"width": size[0], "height": size[1]})
+        repaint(phone.page)
         for name in ("#stick", "#stop", "#estop", "#way-stick", "#way-keys", "#way-tilt"):
             box = phone.page.locator(name).bounding_box()
             assert box is not None
@@ -66,15 +67,17 @@ def test_the_stick_drives_in_proportion_up_to_the_sliders(phone: Visit, product:
     assert {message.get("input") for message in phone.drives()} == {"touch"}
 
 
-@pytest.mark.parametrize(("forward", "left"), [(0, 1), (0, -1), (-1, 0)])
-def test_the_stick_drives_the_way_it_points(
-    phone: Visit, product: Product, forward: int, left: int
-) -> None:
+def test_the_stick_drives_the_way_it_points(phone: Visit, product: Product) -> None:
     drive = product.simulation.body.drive
-    push(phone, forward, left)
-    until(lambda: drive.linear.velocity * forward > 0.2 or drive.angular.velocity * left > 0.4)
-    phone.touch("touchEnd")
-    until(lambda: drive.linear.velocity == drive.angular.velocity == 0.0)
+
+    def goes(forward: int, left: int) -> bool:
+        return drive.linear.velocity * forward > 0.2 or drive.angular.velocity * left > 0.4
+
+    for forward, left in ((0, 1), (0, -1), (-1, 0)):
+        push(phone, forward, left)
+        until(partial(goes, forward, left))
+        phone.touch("touchEnd")
+        until(lambda: drive.linear.velocity == drive.angular.velocity == 0.0)
 
 
 def test_a_finger_that_comes_down_off_the_middle_moves_nothing_by_itself(

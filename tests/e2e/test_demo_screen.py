@@ -87,7 +87,7 @@ async def test_what_matters_is_on_the_screen_at_any_size(columns: int, rows: int
         assert "Ctrl-R: release it" in last
         assert "Esc: quit" in last
         for key in LETTERS:
-            assert any(line.startswith(f" {key} ") for line in the.lines)
+            await the.until(lambda: any(line.startswith(f" {key} ") for line in the.lines))  # noqa: B023
         assert "  transVel    rotVel         x         y        th     volts" in the.text
         assert any("\u2801" <= letter <= "\u28ff" for letter in the.text)  # dots of the ring
         assert "Nothing is asked" in the.text or "It stands because" in the.text

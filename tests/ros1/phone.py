@@ -1,4 +1,4 @@
-"""A phone that tells how it turns on /android/imu, fifty times a second.
+"""A phone that tells how it turns on /android/imu, fifty times a second, once somebody listens.
 
 Usage: /usr/bin/python3 phone.py < FLICKS, a line each: turns about x, y, z [rad/s], which
 lasts 0.2 s.
@@ -24,6 +24,8 @@ def read() -> None:
 
 rospy.init_node("phone")
 publisher = rospy.Publisher("/android/imu", Imu, queue_size=10)
+while not publisher.get_num_connections():
+    rospy.sleep(0.02)
 threading.Thread(target=read, daemon=True).start()
 rate = rospy.Rate(50)
 while not rospy.is_shutdown():

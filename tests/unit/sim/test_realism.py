@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import ORIGIN, Pose2, arc
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import WAY_NOISE
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import (
@@ -60,7 +61,7 @@ def drive_square(body: Body, world: World, side: float, sense: int) -> tuple[flo
 
 def square(realism: Realism, sense: int, side: float = 4.0) -> tuple[float, float]:
     body = Body(DX)
-    return drive_square(body, World(None, [body], realism=realism), side, sense)
+    return drive_square(body, World(None, [body], Kernels(), realism=realism), side, sense)
 
 
 def textbook(wheel_ratio: float, base_ratio: float, side: float = 4.0) -> tuple[Float, Float]:
@@ -122,7 +123,7 @@ def test_large_errors_end_where_exact_arcs_do() -> None:
 
 def test_the_scale_makes_a_square_larger_and_nothing_else() -> None:
     body = Body(DX)
-    world = World(None, [body], realism=constant(scale=1.01))
+    world = World(None, [body], Kernels(), realism=constant(scale=1.01))
     body.enable_motors(on=True)
     body.drive.linear.travel(4.0)
     finish(world, [body])
@@ -133,7 +134,7 @@ def test_the_scale_makes_a_square_larger_and_nothing_else() -> None:
 @pytest.mark.parametrize("sense", [CCW, CW])
 def test_an_ideal_robot_closes_a_square_of_10_m_within_a_millimetre(sense: int) -> None:
     body = Body(AT)
-    drive_square(body, World(None, [body], realism=IDEAL), 10.0, sense)
+    drive_square(body, World(None, [body], Kernels(), realism=IDEAL), 10.0, sense)
     assert hypot(body.robot_in_world.x, body.robot_in_world.y) < 0.001
     assert abs(body.robot_in_world.theta) < radians(0.01)
 
@@ -144,7 +145,7 @@ def fleet(realism: Realism, count: int, seed: int | None = 0, model: str = "p3dx
     bodies = [Body(chosen, Pose2(0.0, 3.0 * n)) for n in range(count)]
     for body in bodies:
         body.enable_motors(on=True)
-    return World(None, bodies, seed=seed, realism=realism)
+    return World(None, bodies, Kernels(), seed=seed, realism=realism)
 
 
 def noises(world: World) -> Float:
@@ -266,7 +267,7 @@ def busy_world(seed: int, realism: Realism) -> World:
         body.enable_motors(on=True)
         body.drive.linear.go(0.2 + 0.1 * n)
         body.drive.angular.go(0.3 - 0.2 * n)
-    return World(LineMap(name="room", walls=walls), bodies, seed=seed, realism=realism)
+    return World(LineMap(name="room", walls=walls), bodies, Kernels(), seed=seed, realism=realism)
 
 
 def history(world: World, steps: Sequence[float]) -> list[bytes]:

@@ -9,6 +9,7 @@ import pytest
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.sensors import SONAR_RANGE
@@ -29,7 +30,7 @@ def driving(realism: Realism = IN_TURN, *, models: tuple[str, ...] = ("p3dx-sh",
         body.enable_motors(on=True)
         body.drive.linear.go(0.2)
         body.drive.angular.go(0.4)
-    world = World(ROOM, bodies, realism=realism)
+    world = World(ROOM, bodies, Kernels(), realism=realism)
     for body in bodies:
         world.fresh_sonar(body)
     return world

@@ -75,13 +75,13 @@ def numba_version() -> str:
 
 @cache
 def cache_directory() -> Path:
-    """Return a directory of its own for these sources, this Python and this numba.
+    """Return a directory of its own for these sources, where they are, this Python and this numba.
 
-    Left alone, numba compiles anew when the file of the function called has changed, and does not
-    notice a change in the file of one that it calls.
+    Left alone, numba compiles anew when the file of the function called has changed or moved, and
+    does not notice a change in the file of one that it calls.
     """
     here = Path(__file__).parent
-    digest = sha256(f"{sys.implementation.cache_tag} {numba_version()}".encode())
+    digest = sha256(f"{here} {sys.implementation.cache_tag} {numba_version()}".encode())
     for source in (*sorted(here.glob("*.py")), *(here.parent / name for name in USED)):
         digest.update(source.read_bytes())
     caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
