@@ -28,7 +28,7 @@ from pioneer3.state import Identity
 
 
 class Phase(Enum):
-    """Where the session is."""
+    """Progress of the session."""
 
     WAITING = auto()
     SYNCED0 = auto()

@@ -13,7 +13,7 @@ from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
 
 
 class StampedPoint(NamedTuple):
-    """Where it is in odometry's frame [m], and when it was seen [s]."""
+    """A point in the frame of the odometry [m], and the time it was seen [s]."""
 
     x: float
     y: float

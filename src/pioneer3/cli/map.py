@@ -122,7 +122,7 @@ def _print_map(info: "MapInfo", console: "Console") -> None:
     console.print(title)
     if counts:
         console.print(counts)
-    console.print(canvas.text(), end="")
+    console.print(canvas.text())
     console.print(canvas.ruler())
     console.print(marks)
 

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 from rich.cells import cell_len
 from rich.text import Text
 
+from pioneer3.demo.braille import Braille
 from pioneer3.sim.maps.grid import samples
 from pioneer3.sim.maps.line_map import Bounds
 from pioneer3.sim.worldfile.drawing import Drawing, Layer, Marker
 
-BLANK: Final = 0x2800
-DOTS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
-"""The bit of each dot of a braille character, its rows from the top."""
 ARROWS: Final = "→↗↑↖←↙↓↘"
 SIGNS: Mapping[Layer, str] = MappingProxyType({Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"})
 STYLES: Mapping[Layer, str] = MappingProxyType(
@@ -33,11 +31,11 @@ STYLES: Mapping[Layer, str] = MappingProxyType(
 ROUND: Final = (1, 2, 5)
 
 
-class Canvas:
+class Canvas(Braille):
     """Characters that a drawing fits on.
 
     Args:
-        drawing: What to draw.
+        drawing: Of the map.
         columns: Characters at most.
         rows: The same.
     """
@@ -47,29 +45,18 @@ class Canvas:
         width, height = bounds.x_max - bounds.x_min, bounds.y_max - bounds.y_min
         # a character is two dots wide and four high, and dots are about square
         self.scale = max(width / (2 * columns - 1), height / (4 * rows - 1), 1e-6)
-        self.columns = min(columns, int(width / self.scale) // 2 + 1)
-        self.rows = min(rows, int(height / self.scale) // 4 + 1)
+        super().__init__(
+            min(columns, int(width / self.scale) // 2 + 1),
+            min(rows, int(height / self.scale) // 4 + 1),
+            [*STYLES.values()],
+        )
         self._bounds = bounds
-        self._bits = np.zeros((self.rows, self.columns), dtype=np.int64)
-        self._styles = [[""] * self.columns for _ in range(self.rows)]
-        self._letters: dict[tuple[int, int], tuple[str, str]] = {}
         for layer in Layer:
             self._draw_lines(layer, drawing.lines.get(layer, np.empty((0, 4))))
         for marker in drawing.markers:
-            self._put(*self._cell(marker), _sign(marker), STYLES[marker.layer])
+            self.write(*self._place(marker), _sign(marker), STYLES[marker.layer])
         for marker in drawing.markers:
             self._name(marker)
-
-    def text(self) -> Text:
-        """Return all of it, one line of text a row."""
-        text = Text(no_wrap=True, overflow="crop")
-        for row in range(self.rows):
-            for column in range(self.columns):
-                dots = chr(BLANK + int(self._bits[row, column])), self._styles[row][column]
-                letter, style = self._letters.get((row, column), dots)
-                text.append(letter, style or None)
-            text.append("\n")
-        return text
 
     def ruler(self) -> Text:
         """Return a line that is a round number of metres long, and says so."""
@@ -87,28 +74,22 @@ class Canvas:
         y = (self._bounds.y_max - points[:, 1]) / self.scale
         across = np.rint(x).astype(np.int64).clip(0, 2 * self.columns - 1)
         down = np.rint(y).astype(np.int64).clip(0, 4 * self.rows - 1)
-        np.bitwise_or.at(self._bits, (down // 4, across // 2), DOTS[down % 4, across % 2])
-        for row, column in set(zip((down // 4).tolist(), (across // 2).tolist(), strict=True)):
-            self._styles[row][column] = STYLES[layer]
+        for dot in set(zip(across.tolist(), down.tolist(), strict=True)):
+            self.dot(*dot, STYLES[layer])
 
-    def _cell(self, marker: Marker) -> tuple[int, int]:
+    def _place(self, marker: Marker) -> tuple[int, int]:
+        """Return row and column of a sign."""
         column = int((marker.pose.x - self._bounds.x_min) / self.scale / 2 + 0.25)
         row = int((self._bounds.y_max - marker.pose.y) / self.scale / 4 + 0.125)
         return min(max(row, 0), self.rows - 1), min(max(column, 0), self.columns - 1)
 
-    def _put(self, row: int, column: int, letter: str, style: str) -> None:
-        self._letters[row, column] = letter, style
-
     def _name(self, marker: Marker) -> None:
         """Write a name beside its sign, right or else left, if that hides no other sign."""
         name = "".join(c for c in marker.name[:20] if c.isprintable() and cell_len(c) == 1)
-        row, column = self._cell(marker)
+        row, column = self._place(marker)
         for first in (column + 1, column - len(name)):
-            cells = [(row, at) for at in range(first, first + len(name))]
-            inside = first >= 0 and first + len(name) <= self.columns
-            if inside and not any(cell in self._letters for cell in cells):
-                for cell, letter in zip(cells, name, strict=True):
-                    self._put(*cell, letter, STYLES[marker.layer])
+            if self.is_free(row, first, len(name)):
+                self.write(row, first, name, STYLES[marker.layer])
                 return
 
 

@@ -81,7 +81,7 @@ Patience = Annotated[float, reads(DURATION, check=_patient)]
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkOptions:
-    """Which robot.
+    """The link to the robot.
 
     Attributes:
         port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.

@@ -44,7 +44,7 @@ NO_EFFECT = {
 @Parameter(name="*", group=WORLD)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapOptions:
-    """What stands there.
+    """The map and the robots in it.
 
     Attributes:
         map_: A shipped map or world (office, lab), or a .map, map_server .yaml or world .toml file.
@@ -68,7 +68,7 @@ class MapOptions:
 @Parameter(name="*", group=PORTS)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PortOptions:
-    """Where robots are met.
+    """Ports of the robots.
 
     Attributes:
         port: TCP port of the first robot (8101), the others have the next ones; 0 takes free ones.
@@ -90,7 +90,7 @@ class PortOptions:
 
     @property
     def warning(self) -> str:
-        """What to say of the address; nothing on loopback."""
+        """A warning about the address; empty on loopback."""
         if self.bind in LOOPBACK:
             return ""
         return f"there is no password: whoever reaches {self.bind} can drive these robots"
@@ -127,7 +127,7 @@ class TimeOptions:
 @Parameter(name="*", group=ERRORS)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorOptions:
-    """What goes wrong.
+    """Errors of the robots.
 
     Attributes:
         ideal: No noise, no slip, sonar as thin rays: robots do exactly what they are told.
@@ -170,7 +170,7 @@ class ErrorOptions:
 @Parameter(name="*", group=MOBILESIM)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MobileSimOptions:
-    """What scripts for MobileSim pass.
+    """Options of scripts for MobileSim.
 
     Attributes:
         no_gui: There is never a window.

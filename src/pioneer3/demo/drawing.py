@@ -3,19 +3,11 @@
 from collections import deque
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
-from itertools import groupby
 from math import ceil, cos, hypot, inf, isfinite, pi, radians, sin
-from operator import itemgetter
-from typing import Final
 
-from rich.text import Text
-
+from pioneer3.demo.braille import Braille
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, SonarMount
-
-BLANK: Final = 0x2800
-BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-"""The bit of each dot of a braille character, its rows from the top."""
 
 
 class Ink(StrEnum):
@@ -30,10 +22,7 @@ class Ink(StrEnum):
     BODY = "green"
 
 
-ORDER: Final = tuple(Ink)
-
-
-class Canvas:
+class Canvas(Braille):
     """Dots on a plane around the robot: x [m] is up, y [m] is left.
 
     Args:
@@ -48,27 +37,21 @@ class Canvas:
     def __init__(self, columns: int, rows: int, reach: float) -> None:
         if columns < 1 or rows < 1 or not 0 < reach < inf:
             raise ValueError(f"no picture of {reach} m has {columns} x {rows} characters")
-        self.columns, self.rows = columns, rows
+        super().__init__(columns, rows, [*Ink])
         self._across, self._down = 2 * columns, 4 * rows
         self.scale = 2 * reach / min(self._across, self._down)
-        self._bits = [[0] * columns for _ in range(rows)]
-        self._inks = [[-1] * columns for _ in range(rows)]
-        self._letters: dict[tuple[int, int], str] = {}
 
-    def dot(self, x: float, y: float, ink: Ink) -> None:
+    def point(self, x: float, y: float, ink: Ink) -> None:
         """Set the dot at a point [m], if it is in the picture."""
-        if cell := self._dot_of(x, y):
-            across, down = cell
-            row, column = down // 4, across // 2
-            self._bits[row][column] |= BITS[down % 4][across % 2]
-            self._stain(row, column, ink)
+        if dot := self._dot_of(x, y):
+            self.dot(*dot, ink)
 
     def line(self, x1: float, y1: float, x2: float, y2: float, ink: Ink) -> None:
         """Draw from one point to another [m]."""
         steps = max(1, ceil(hypot(x2 - x1, y2 - y1) / self.scale * 1.5))
         for step in range(steps + 1):
             part = step / steps
-            self.dot(x1 + part * (x2 - x1), y1 + part * (y2 - y1), ink)
+            self.point(x1 + part * (x2 - x1), y1 + part * (y2 - y1), ink)
 
     def box(self, x1: float, y1: float, x2: float, y2: float, ink: Ink) -> None:
         """Fill a rectangle [m], `x1` below `x2` and `y1` below `y2`; it is a dot at least."""
@@ -92,40 +75,12 @@ class Canvas:
         steps = max(1, ceil(radius * (end - start) / self.scale * (1.5 if gap == 1 else 1 / gap)))
         for step in range(steps + 1):
             bearing = start + step / steps * (end - start)
-            self.dot(x + radius * cos(bearing), y + radius * sin(bearing), ink)
+            self.point(x + radius * cos(bearing), y + radius * sin(bearing), ink)
 
-    def write(self, x: float, y: float, text: str, ink: Ink) -> None:
+    def name(self, x: float, y: float, text: str, ink: Ink) -> None:
         """Write `text` from a point [m] to the right, as far as there is room."""
-        if cell := self._dot_of(x, y):
-            row, first = cell[1] // 4, cell[0] // 2
-            for column, letter in enumerate(text[: self.columns - first], first):
-                self._letters[row, column] = letter
-                self._inks[row][column] = ORDER.index(ink)
-
-    def lines(self) -> list[str]:
-        """Return the picture as plain text, each line `columns` wide."""
-        return ["".join(letter for letter, _ in row) for row in self._cells()]
-
-    def text(self) -> Text:
-        """Return the picture in colours."""
-        text = Text(no_wrap=True, overflow="crop", end="")
-        for number, row in enumerate(self._cells()):
-            text.append("\n" if number else "")
-            for ink, cells in groupby(row, key=itemgetter(1)):
-                letters = "".join(letter for letter, _ in cells)
-                text.append(letters, None if ink is None else ink.value)
-        return text
-
-    def _cells(self) -> Iterable[list[tuple[str, Ink | None]]]:
-        for row in range(self.rows):
-            yield [self._cell(row, column) for column in range(self.columns)]
-
-    def _cell(self, row: int, column: int) -> tuple[str, Ink | None]:
-        ink = self._inks[row][column]
-        if ink < 0:
-            return " ", None
-        letter = self._letters.get((row, column)) or chr(BLANK + self._bits[row][column])
-        return letter, ORDER[ink]
+        if dot := self._dot_of(x, y):
+            self.write(dot[1] // 4, dot[0] // 2, text, ink)
 
     def _dot_of(self, x: float, y: float) -> tuple[int, int] | None:
         """Return column and row of the dot that a point falls on, or `None` outside."""
@@ -134,10 +89,6 @@ class Canvas:
         if 0 <= across < self._across and 0 <= down < self._down:
             return across, down
         return None
-
-    def _stain(self, row: int, column: int, ink: Ink) -> None:
-        """Let the ink that covers the others colour the whole character."""
-        self._inks[row][column] = max(self._inks[row][column], ORDER.index(ink))
 
 
 REACHES = (1.0, 2.0, 3.0, 5.0)
@@ -179,9 +130,9 @@ def ring(
     canvas = Canvas(columns, rows, reach)
     _grid(canvas, reach)
     for x, y in trail:
-        canvas.dot(x, y, Ink.TRAIL)
+        canvas.point(x, y, Ink.TRAIL)
     for x, y in laser:
-        canvas.dot(x, y, Ink.LASER)
+        canvas.point(x, y, Ink.LASER)
     _body(canvas, model)
     for mount, distance in zip(model.sonars, ranges, strict=False):
         if isfinite(distance):
@@ -217,7 +168,7 @@ def _grid(canvas: Canvas, reach: float) -> None:
     number = 1
     while (radius := number * step) <= reach:
         canvas.arc(0.0, 0.0, radius, Ink.GRID, gap=4)
-        canvas.write(radius - 2 * canvas.scale, 0.0, f"{radius:g} m", Ink.GRID)
+        canvas.name(radius - 2 * canvas.scale, 0.0, f"{radius:g} m", Ink.GRID)
         number += 1
 
 

@@ -169,14 +169,14 @@ class GoalSimulation:
 
     @property
     def poses(self) -> Float:
-        """Where the robots are, in the frame of the map [m, rad], shape (N, 3)."""
+        """Poses of the robots in the frame of the map [m, rad], shape (N, 3)."""
         poses = self.world.outlines.poses.T.copy()
         poses[:, :2] -= self._offsets
         return poses
 
     @property
     def active(self) -> Bool:
-        """Which robots have not been removed, shape (N,)."""
+        """Whether each robot is still there, shape (N,)."""
         active: Bool = self.world.outlines.hidden == 0
         return active
 

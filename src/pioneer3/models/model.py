@@ -110,7 +110,7 @@ SWITCH_SPEEDS = (0, 9600, 19200, 38400, 57600, 115200)
 
 @dataclass(frozen=True, slots=True)
 class SonarMount:
-    """Where a sonar transducer sits [m] and looks [rad], in the robot's frame."""
+    """Position [m] and direction [rad] of a sonar transducer, in the robot's frame."""
 
     x: float
     y: float
@@ -123,7 +123,7 @@ class SonarMount:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaserMount:
-    """Where the laser range finder sits [m] and looks [rad], in the robot's frame.
+    """Position [m] and direction [rad] of the laser range finder, in the robot's frame.
 
     Attributes:
         kind: ARIA's name for the product, such as `lms2xx` or `urg2.0`.
@@ -141,7 +141,7 @@ class LaserMount:
 
 
 class IrMount(NamedTuple):
-    """Where an upward-looking table sensor sits [m], in the robot's frame."""
+    """Position of an upward-looking table sensor [m], in the robot's frame."""
 
     x: float
     y: float

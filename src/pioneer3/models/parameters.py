@@ -114,7 +114,7 @@ class Parameters:
     """The keys of one file or section; a key without a value counts as not given."""
 
     def __init__(self, source: str, lines: Iterable[Line]) -> None:
-        """Where a key repeats, its last line counts."""
+        """Take the last line of a key that repeats."""
         self._source = source
         self._all = tuple(lines)
         self._lines: Mapping[str, Line] = {line.key.lower(): line for line in self._all}

@@ -1,4 +1,4 @@
-"""One simulated robot: where it is, where it believes it is, its drive, its energy.
+"""One simulated robot: its true pose, its odometry, its drive, its energy.
 
 A body is a view of one robot's numbers; a world keeps those of all its robots side by side.
 """
@@ -34,7 +34,7 @@ from pioneer3.units import DEGREE
 FULL = 13.0
 """Voltage of three charged lead-acid batteries at rest [V]."""
 EMPTY = 11.0
-"""Where the firmware shuts down [V] (facts.md 14.2)."""
+"""Below this the firmware shuts down [V] (facts.md 14.2)."""
 RESISTANCE = 0.1
 """Of the batteries and their wires [ohm]: driving costs some voltage."""
 NOMINAL = 12.0
@@ -61,7 +61,7 @@ class Battery:
 
     @property
     def energy(self) -> float:
-        """What is left [J]."""
+        """Energy left [J]."""
         return self._body.wheel(ENERGY)
 
     @energy.setter
@@ -92,9 +92,9 @@ class Body:
     Attributes:
         model: Its sizes and limits.
         home: Where it starts, and :meth:`reset` brings it back [m, rad].
-        drive: What moves it.
-        firing: Which transducers fire, in which order; changed by `World.fire`.
-        battery: What drives it.
+        drive: Of the wheels.
+        firing: The transducers that fire, in order; changed by `World.fire`.
+        battery: Of the motors and the controller.
     """
 
     def __init__(self, model: RobotModel, home: Pose2 = ORIGIN) -> None:
@@ -117,7 +117,7 @@ class Body:
         number: int,
         bumpers: Callable[[], Bumpers] = lambda: (0, 0),
     ) -> None:
-        """Be a view of these numbers from now on; they hold what this robot is like already."""
+        """Be a view of these numbers from now on; they describe this robot already."""
         self.drives, self.outlines, self.number = drives, outlines, number
         self.drive = Drive(drives, number)
         self._bumpers = bumpers
@@ -135,16 +135,16 @@ class Body:
 
     @property
     def robot_in_odom(self) -> Pose2:
-        """What its wheels say [m, rad]."""
+        """Pose by odometry [m, rad]."""
         return Pose2(self.wheel(ODOM_X), self.wheel(ODOM_Y), self.wheel(ODOM_THETA))
 
     def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
-        """Make the wheels believe in `pose`."""
+        """Set the odometry to `pose`."""
         self.drives.wheels[ODOM_X : ODOM_THETA + 1, self.number] = pose.x, pose.y, pose.theta
 
     @property
     def wheel_travel(self) -> tuple[float, float]:
-        """What the left and the right wheel have rolled since power-on [m]."""
+        """Way of the left and the right wheel since power-on [m]."""
         return self.wheel(LEFT), self.wheel(RIGHT)
 
     @property
@@ -213,7 +213,7 @@ class Body:
         self.drive.halt()
 
     def session_ended(self) -> None:
-        """What the firmware does when nobody is connected: it forgets what the host has set."""
+        """Forget the settings of the host, as the firmware does when nobody is connected."""
         self._as_delivered()
         self.reset_odometry()
 

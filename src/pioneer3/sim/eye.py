@@ -1,7 +1,7 @@
-"""What a camera on a robot sees of the people, boxes and robots around it, as blobs of colour.
+"""The people, boxes and robots around a robot, as its camera sees them: blobs of colour.
 
-A pinhole without lens errors or noise. Walls hide what is behind them, whatever their height, and
-so does whatever is nearer.
+A pinhole without lens errors or noise. Walls, whatever their height, and nearer things hide all
+behind them.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ Float = NDArray[np.float64]
 Kind = Literal["person", "box", "robot"]
 
 HEIGHTS: dict[Kind, float] = {"person": 1.7, "box": 0.5, "robot": 0.3}
-"""Of what is seen [m]."""
+"""Of each kind of thing [m]."""
 FARTHEST = 12.0
 """Nothing is seen beyond [m]."""
 NEAREST = 0.05
@@ -60,7 +60,7 @@ class Eye:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Patch:
-    """What is seen of one thing, in [pixels] from the upper left corner; edges belong to it."""
+    """The visible part of a thing, in [pixels] from the upper left corner; edges belong to it."""
 
     kind: Kind
     area: int
@@ -73,14 +73,14 @@ class Patch:
 
 
 def look(world: World, body: Body, eye: Eye, pan: float = 0.0, tilt: float = 0.0) -> list[Patch]:
-    """Return what `body` sees of each thing.
+    """Return the visible part of each thing around `body`.
 
     Args:
         world: Where it is.
-        body: Who looks; the eye is above its front.
+        body: The robot that looks; the eye is above its front.
         eye: The camera.
-        pan: Where the camera looks, to the left of straight ahead [rad].
-        tilt: And up [rad].
+        pan: Of the camera, to the left of straight ahead [rad].
+        tilt: Of the camera, upwards [rad].
     """
     mount = Pose2(body.model.length_front, 0.0, pan)
     at = body.robot_in_world @ mount
@@ -123,7 +123,7 @@ def _within_reach(sides: Float, at: Pose2) -> bool:
 
 
 def _patch(kind: Kind, depths: Float, eye: Eye, tilt: float) -> Patch | None:
-    """Return what is seen of a thing whose depth in each column is `depths` [m], `inf` for none."""
+    """Return the visible part of a thing with `depths` [m] in the columns, `inf` for none."""
     columns = np.flatnonzero(depths < FARTHEST)
     if not len(columns):
         return None

@@ -1,4 +1,4 @@
-"""What else is in a world and may move: boxes, and people on their paths."""
+"""Boxes, and people on their paths: the things in a world that may move, beside robots."""
 
 from math import hypot, pi, tan
 
@@ -11,7 +11,7 @@ from pioneer3.sim.worldfile import Box, Person
 Float = NDArray[np.float64]
 
 CUT = 1 - tan(pi / 8)
-"""What cutting the corners of a square takes of half its side, to make it a regular octagon."""
+"""Share of half a side that cut corners take, to make a square a regular octagon."""
 POLITE = 0.15
 """Nearer to a robot nobody walks on towards it [m]."""
 
@@ -32,7 +32,7 @@ class Obstacle:
 
     @property
     def name(self) -> str:
-        """What to call it on screen."""
+        """Name on the screen."""
         return self.kind.name
 
     @property

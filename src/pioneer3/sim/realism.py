@@ -1,7 +1,7 @@
-"""What makes a simulated robot as wrong as a real one; each part can be switched off.
+"""Errors of a simulated robot, as large as those of a real one; each part can be switched off.
 
-The numbers are of the size that calibrated robots and ordinary rooms show; where they come from is
-said beside them and in docs/explanation/realism.md.
+The numbers are of the size that calibrated robots and ordinary rooms show; their sources are in
+docs/explanation/realism.md.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 OdometryMode = Literal["none", "constant", "random_init", "random_each_update", "all"]
-"""Where the odometry's error comes from.
+"""Source of the odometry's error.
 
 `none`: it is right. `constant`: the wheels are as wrong as configured. `random_init`: each robot is
 wrong in its own way, drawn once. `random_each_update`: nothing is systematic, not even slip; every
@@ -37,7 +37,7 @@ def _within(name: str, value: float, low: float, high: float) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OdometryErrors:
-    """What the wheels do not see (Borenstein and Feng, UMBmark, 1995).
+    """Errors of the odometry (Borenstein and Feng, UMBmark, 1995).
 
     Where each robot is wrong in its own way, the three ratios are bounds: a robot has something
     between one over it and it.
@@ -63,7 +63,7 @@ class OdometryErrors:
     slip: float = 0.05
 
     def __post_init__(self) -> None:
-        """Refuse what no robot does, naming the field."""
+        """Refuse impossible values, with the name of the field."""
         if self.mode not in MODES:
             raise ConfigError(f"odometry mode: {self.mode!r} is none of {', '.join(MODES)}")
         for name in ("wheel_ratio", "base_ratio", "scale"):
@@ -98,7 +98,7 @@ class OdometryErrors:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SonarErrors:
-    """What a transducer hears, and what not.
+    """Errors of the sonar.
 
     A flat wall is heard as far off the axis as half of `width` and `critical` together: 42 degrees
     unless set otherwise, as Cao and Borenstein (2002) measured with Polaroid transducers.
@@ -129,7 +129,7 @@ class SonarErrors:
     cycle: float = 0.04
 
     def __post_init__(self) -> None:
-        """Refuse what no transducer does, naming the field."""
+        """Refuse impossible values, with the name of the field."""
         if not 1 <= self.rays <= 99:
             raise ConfigError(f"sonar rays: {self.rays}, but it takes 1 to 99")
         _within("sonar width", self.width, 0.0, radians(120))
@@ -141,7 +141,7 @@ class SonarErrors:
         _within("sonar drop_out and cross_talk together", self.drop_out + self.cross_talk, 0.0, 1.0)
 
     def echoes(self, grid: Grid) -> Echoes:
-        """Return what of the walls of a map is heard."""
+        """Return the walls and edges of a map that are heard."""
         return Echoes(
             steep=float(np.cos(self.critical)) if self.critical < pi / 2 else 0.0,
             edges=find_edges(grid) if self.edge_range else None,
@@ -150,11 +150,11 @@ class SonarErrors:
 
     @property
     def spoils(self) -> bool:
-        """Whether what is heard is ever anything but the exact range."""
+        """Whether a reading ever differs from the exact range."""
         return any((self.cross_talk, self.drop_out, self.noise, self.quantum))
 
     def spoil(self, ranges: Float, limit: float, rng: Generator) -> Float:
-        """Return what is heard in place of exact `ranges` (..., M) if all fire together.
+        """Return the readings for exact `ranges` (..., M) if all fire together.
 
         Each transducer is mistaken for the one beside it. Ranges end at `limit` [m].
         """
@@ -203,7 +203,7 @@ class SonarErrors:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Realism:
-    """All of it.
+    """All errors of a robot.
 
     Attributes:
         odometry: Of the wheels.
@@ -216,7 +216,7 @@ class Realism:
     laser_noise: float = 0.005
 
     def __post_init__(self) -> None:
-        """Refuse a laser that nobody would buy."""
+        """Refuse impossible noise of the laser."""
         _within("laser noise", self.laser_noise, 0.0, 1.0)
 
     @classmethod

@@ -28,16 +28,16 @@ def dots(canvas: Canvas, ink: Ink) -> set[tuple[float, float]]:
 
 def test_a_dot_lies_where_it_should_up_is_forward_and_left_is_left() -> None:
     canvas = Canvas(3, 3, 1.0)  # 6 x 12 dots, of 2 m / 6 each
-    canvas.dot(1.9, 0.9, Ink.FAR)
+    canvas.point(1.9, 0.9, Ink.FAR)
     assert canvas.lines() == ["⠁  ", "   ", "   "]
-    canvas.dot(-1.9, -0.9, Ink.FAR)
+    canvas.point(-1.9, -0.9, Ink.FAR)
     assert canvas.lines() == ["⠁  ", "   ", "  ⢀"]
 
 
 def test_what_lies_outside_is_left_out() -> None:
     canvas = Canvas(4, 2, 1.0)
     for x, y in ((5.0, 0.0), (0.0, 5.0), (-5.0, 0.0), (0.0, -5.0)):
-        canvas.dot(x, y, Ink.FAR)
+        canvas.point(x, y, Ink.FAR)
     assert canvas.lines() == ["    ", "    "]
 
 

@@ -18,8 +18,8 @@ BEARINGS = {
     5: radians(-40),
     6: radians(-40),
 }
-"""Where the lab takes an echo to be, by transducer [rad]. Numbers begin with 0 at the front left:
-1 and 2, at 50 and 30 degrees, look to the left (facts.md 6.4)."""
+"""Bearing of an echo in the lab's rule, by transducer [rad]. Numbers begin with 0 at the front
+left: 1 and 2, at 50 and 30 degrees, look to the left (facts.md 6.4)."""
 LAB_REACH = 1.0
 """Farther echoes are no person [m]."""
 SECONDS = 1.2

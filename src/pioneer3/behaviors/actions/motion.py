@@ -146,7 +146,7 @@ class Goto:
 
     @property
     def goal(self) -> Goal:
-        """Where it is going to."""
+        """Point and heading to drive to."""
         return Goal(x=self.x, y=self.y, heading=self.heading)
 
     def aim(self, x: float, y: float, heading: float | None = None) -> None:

@@ -12,7 +12,7 @@ LEFT, RIGHT = 1 << 0, 1 << 1
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Which of the two sees the edge of a table."""
+    """Sensors of table edges, left and right; true where one sees an edge."""
 
     left: bool = False
     right: bool = False

@@ -70,7 +70,7 @@ class Quaternion(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
-    """Where a link sits on another one.
+    """The pose of a link on another one.
 
     Attributes:
         name: Of the joint.

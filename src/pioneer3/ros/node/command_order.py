@@ -1,4 +1,4 @@
-"""Which commands count: of one publisher after a silence, of several in which order. Pure."""
+"""Order of commands from several publishers, and from one after a silence. Pure."""
 
 from collections import deque
 from math import inf, isfinite

@@ -1,8 +1,10 @@
 """Accessories that only report: battery, wheel encoders, joystick (protocol.md 5.2, 5.8, 5.9)."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import ClassVar
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
@@ -24,25 +26,52 @@ def charge_percent(battery: BatteryState) -> int:
     return max(0, min(100, round(100 * share)))
 
 
-class BatteryGauge:
-    """One battery with a gauge; its flags are all clear."""
+Request = commands.RequestBatteryInfo | commands.RequestEncoders | commands.JoyInfo
 
-    def __init__(self, body: CarryingRobot) -> None:
-        self._body = body
-        self._request = ReportRequest()
+
+class Gauge(ABC):
+    """A device that answers one kind of request with one kind of report."""
+
+    request: ClassVar[type[Request]]
+
+    def __init__(self) -> None:
+        self._asked = ReportRequest()
+
+    @abstractmethod
+    def read(self) -> Report:
+        """Return the report."""
 
     def obey(self, command: Command, now: float) -> bool:
         """Take requests for reports."""
-        match command:
-            case commands.RequestBatteryInfo(how):
-                self._request.set(how)
-                return True
-        return False
+        if not isinstance(command, self.request):
+            return False
+        self._asked.set(command.how)
+        return True
 
     def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the charge when it is due."""
-        if not self._request.due(cycle=cycle):
-            return ()
+        """Return the report when it is due."""
+        return (self.read(),) if self._asked.due(cycle=cycle) else ()
+
+    def inputs(self, sip: Inputs, now: float) -> Inputs:
+        """Return `sip` unchanged."""
+        return sip
+
+    def hang_up(self) -> None:
+        """Send no more reports."""
+        self._asked = ReportRequest()
+
+
+class BatteryGauge(Gauge):
+    """One battery with a gauge; its flags are all clear. The firmware reports the voltage."""
+
+    request = commands.RequestBatteryInfo
+
+    def __init__(self, body: CarryingRobot) -> None:
+        super().__init__()
+        self._body = body
+
+    def read(self) -> Report:
+        """Return the charge."""
         percent = charge_percent(self._body.battery)
         battery = SmartBattery(
             flags1=0,
@@ -51,51 +80,27 @@ class BatteryGauge:
             relative_charge_percent=percent,
             absolute_charge_percent=percent,
         )
-        return (BatteryInfo((battery,)),)
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged; the firmware adds the voltage."""
-        return sip
-
-    def hang_up(self) -> None:
-        """Send no more reports."""
-        self._request = ReportRequest()
+        return BatteryInfo((battery,))
 
 
 TICKS_PER_METRE = {"skid": 138_000, "differential": 128_000}
 """Of a P3-AT and a P3-DX, as usually quoted of their manuals, unverified (protocol.md 5.1)."""
 
 
-class Encoders:
+class Encoders(Gauge):
     """Two counters of 32 bits that run from power-on; SETO does not reset them."""
 
+    request = commands.RequestEncoders
+
     def __init__(self, body: CarryingRobot) -> None:
+        super().__init__()
         self._body = body
         self._ticks = TICKS_PER_METRE[body.model.drive]
-        self._request = ReportRequest()
 
-    def obey(self, command: Command, now: float) -> bool:
-        """Take requests for reports."""
-        match command:
-            case commands.RequestEncoders(how):
-                self._request.set(how)
-                return True
-        return False
-
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the counts when they are due."""
-        if not self._request.due(cycle=cycle):
-            return ()
+    def read(self) -> Report:
+        """Return the counts."""
         left, right = (_s32(way * self._ticks) for way in self._body.wheel_travel)
-        return (EncoderReport(left_counts=left, right_counts=right),)
-
-    def inputs(self, sip: Inputs, now: float) -> Inputs:
-        """Return `sip` unchanged."""
-        return sip
-
-    def hang_up(self) -> None:
-        """Send no more reports; the counters run on."""
-        self._request = ReportRequest()
+        return EncoderReport(left_counts=left, right_counts=right)
 
 
 def _s32(count: float) -> int:
@@ -133,34 +138,24 @@ class StickPosition:
             raise ConfigError(f"{self!r}: not finite")
 
 
-class Joystick:
+class Joystick(Gauge):
     """Reports the position of :attr:`stick`; it does not drive the simulated robot."""
 
+    request = commands.JoyInfo
+
     def __init__(self) -> None:
+        super().__init__()
         self.stick = StickPosition()
-        self._request = ReportRequest()
 
-    def obey(self, command: Command, now: float) -> bool:
-        """Take requests for reports."""
-        match command:
-            case commands.JoyInfo(how):
-                self._request.set(how)
-                return True
-        return False
-
-    def reports(self, now: float, *, cycle: bool) -> Sequence[Report]:
-        """Return the stick's position when it is due."""
-        if not self._request.due(cycle=cycle):
-            return ()
+    def read(self) -> Report:
+        """Return the stick's position."""
         stick = self.stick
-        return (
-            JoystickReport(
-                button1=int(stick.button1),
-                button2=int(stick.button2),
-                x_raw=_raw(CENTRE + CENTRE * stick.left),
-                y_raw=_raw(CENTRE + CENTRE * stick.forward),
-                throttle_raw=_raw(2 * CENTRE * stick.throttle),
-            ),
+        return JoystickReport(
+            button1=int(stick.button1),
+            button2=int(stick.button2),
+            x_raw=_raw(CENTRE + CENTRE * stick.left),
+            y_raw=_raw(CENTRE + CENTRE * stick.forward),
+            throttle_raw=_raw(2 * CENTRE * stick.throttle),
         )
 
     def inputs(self, sip: Inputs, now: float) -> Inputs:
@@ -168,10 +163,6 @@ class Joystick:
         if not self.stick.button1:
             return sip
         return replace(sip, flags=sip.flags | SipFlag.JOYSTICK_BUTTON)
-
-    def hang_up(self) -> None:
-        """Send no more reports."""
-        self._request = ReportRequest()
 
 
 def _raw(value: float) -> int:

@@ -100,7 +100,7 @@ class Drives:
 
     @property
     def arrays(self) -> tuple[Float, Flags, Float, Float]:
-        """What kernels walk: axes, flags, wheels, errors."""
+        """Arguments of kernels: axes, flags, wheels, errors."""
         return self.axes, self.flags, self.wheels, self.errors
 
     @property

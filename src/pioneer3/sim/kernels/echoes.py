@@ -35,7 +35,7 @@ SECTORS, BEND = 64, 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Echoes:
-    """What sends sound back; robots and other things that move always do.
+    """Walls and edges that send sound back; robots and other moving things always do.
 
     Attributes:
         steep: Sine of the smallest angle between a ray and a wall that sends it back.

@@ -34,12 +34,12 @@ class Mounts:
 
     @property
     def arrays(self) -> tuple[Float, Int32, Int32]:
-        """What kernels walk: table, offsets, kinds."""
+        """Arguments of kernels: table, offsets, kinds."""
         return self.table, self.offsets, self.kinds
 
     @property
     def absent(self) -> Bool:
-        """Which transducers of the output each robot does not have, shape (N, most)."""
+        """Whether a robot lacks a transducer of the output, shape (N, most)."""
         absent: Bool = np.arange(self.most) >= np.diff(self.offsets)[self.kinds, None]
         return absent
 

@@ -33,7 +33,7 @@ FAR = 1e9
 """From further away a ray does not find the grid [cells]; rounding would lose its way."""
 
 NOWHERE = 1e8
-"""Where hidden robots are placed [m]."""
+"""Coordinate of hidden robots [m]."""
 
 
 class Robots:
@@ -93,7 +93,7 @@ class Robots:
 
     @property
     def arrays(self) -> tuple[Float, Float, Int32, Int32]:
-        """What kernels walk: box, shapes, cell_start, cell_items."""
+        """Arguments of kernels: box, shapes, cell_start, cell_items."""
         return self.box, self.shapes, self.cell_start, self.cell_items
 
     @property

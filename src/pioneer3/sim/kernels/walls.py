@@ -68,7 +68,7 @@ class Grid:
 
     @property
     def arrays(self) -> tuple[Float, Int32, Float]:
-        """What kernels walk: frame, cell_start, pieces."""
+        """Arguments of kernels: frame, cell_start, pieces."""
         return self.frame, self.cell_start, self.pieces
 
     @property

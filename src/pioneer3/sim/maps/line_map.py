@@ -147,7 +147,7 @@ class LineMap:
 
     @property
     def starts(self) -> tuple[Pose2, ...]:
-        """Where robots begin: the homes; without any the first dock, as in MobileSim."""
+        """Poses at the start: the homes; without any the first dock, as in MobileSim."""
         docks = [item.pose for item in self.objects if item.role == "dock"]
         return self.homes or tuple(docks[:1])
 

@@ -34,7 +34,7 @@ export interface Shape {
   sonar_max: number;
 }
 
-/** Where a sonar transducer sits [m] and looks [rad], in the robot's frame. */
+/** Position [m] and direction [rad] of a sonar transducer, in the robot's frame. */
 export interface SonarMount {
   x: number;
   y: number;
