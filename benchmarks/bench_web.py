@@ -78,7 +78,8 @@ async def _presses() -> list[Row]:
                 holding = asyncio.ensure_future(_hold(pages[0]))
                 stops = [await _press(pages[-1], wire) for _ in range(PRESSES)]
                 holding.cancel()
-                await asyncio.sleep(1)  # a key that is held must be let go before it counts again
+                # a key that is held must be let go before it counts again
+                await pages[0].send('{"type":"drive","v":0,"w":0}')
                 await _drive_off(pages[0], wire)
                 drives = [await _drive(pages[0], wire, number) for number in range(MESSAGES)]
                 for task in reading:
