@@ -32,6 +32,8 @@ AMR_OFFICE = Path(__file__).parents[2] / "shared/maps/AMROffice.map"
 MODEL = load_model("p3dx-sh")
 SONAR_LIMIT, LASER_LIMIT, BEAMS = 5.0, 8.0, 181
 MANY_RAYS = 20_000
+PIECE, WAVE, LASER_REACH = 0.03, 0.01, 32.0
+"""Length of the pieces of a scanned wall, how far it waves, range of the simulator's laser [m]."""
 RAYS_BAR, BEAMS_BAR = 15.0, 40.0
 """Million per second."""
 WARM = (
@@ -54,6 +56,26 @@ def office(copies: int = 1) -> Float:
     walls, side = np.concatenate([walls, box]), ceil(sqrt(copies))
     shifts = [(k % side * (x1 - x0 + 1), k // side * (y1 - y0 + 1)) * 2 for k in range(copies)]
     return np.concatenate([walls + shift for shift in shifts])
+
+
+def scanned() -> Float:
+    """Return the office as a scan of it looks: walls of thousands of short pieces, not straight."""
+    random, pieces = np.random.default_rng(4), []
+    for x0, y0, x1, y1 in office().tolist():
+        count = ceil(np.hypot(x1 - x0, y1 - y0) / PIECE)
+        points = np.linspace((x0, y0), (x1, y1), count + 1)
+        points += random.uniform(-WAVE, WAVE, points.shape)
+        pieces.append(np.concatenate([points[:-1], points[1:]], axis=1))
+    return np.concatenate(pieces)
+
+
+def scan_time(kernels: Kernels) -> float:
+    """Return what a laser's scan in a scanned map takes [s], in the mean of some places."""
+    grid = build_grid(scanned())
+    robots = crowd(kernels, build_grid(office()), 10)
+    kernels.place(robots)
+    fan = laser_fan((0.02, 0.0, 0.0), -pi / 2, pi / (BEAMS - 1), BEAMS)
+    return seconds(lambda: kernels.cast_fans(grid, robots, fan, LASER_REACH)) / len(robots)
 
 
 def crowd(kernels: Kernels, grid: Grid, count: int) -> Robots:
@@ -130,6 +152,7 @@ def compiled_rows() -> Iterator[Row]:
         yield Row(f"numba: {what} per robot, 1000 as against 10", one / other, "times", 1.5)
     growth = seconds_per_ray(kernels, 405) / seconds_per_ray(kernels, 1)
     yield Row("numba: ray among 100 000 segments as against 247", growth, "times", 2)
+    yield Row("numba: 181 beams in a scanned map", 1000 * scan_time(kernels), "ms", 0.5)
 
 
 def start_rows() -> Iterator[Row]:
@@ -147,6 +170,8 @@ def rows() -> Iterator[Row]:
     if find_spec("numba"):
         yield from start_rows()
         yield from compiled_rows()
-    rays, beams = speeds(Kernels(compiled=False), 1, 1)
+    kernels = Kernels(compiled=False)
+    rays, beams = speeds(kernels, 1, 1)
     yield Row("plain: sonar, 1 robot", rays / 1e6, "M/s", None)
     yield Row("plain: 181 beams, 1 robot", beams / 1e6, "M/s", None)
+    yield Row("plain: 181 beams in a scanned map", 1000 * scan_time(kernels), "ms", 50)
