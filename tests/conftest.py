@@ -9,6 +9,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 LONGEST = 1000.0
 """Virtual time [s] after which a test hangs."""

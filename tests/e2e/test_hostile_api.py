@@ -132,7 +132,6 @@ def attack(target: Target, one: Operation, headers: dict[str, str]) -> None:
         @given(case=strategy)
         @settings(
             max_examples=EXAMPLES,
-            deadline=None,
             derandomize=True,
             database=None,
             suppress_health_check=list(HealthCheck),

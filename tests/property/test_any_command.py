@@ -15,7 +15,7 @@ from tests.support import frame
 COMMANDS = [cls for cls in commands.every_command() if cls is not commands.Close]
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(st.lists(st.sampled_from(COMMANDS).flatmap(messages), max_size=6))
 def test_any_commands_leave_a_robot_that_reports(said: list[commands.Command]) -> None:
     body = Body(load_model("p3at-sh"))

@@ -79,7 +79,7 @@ def test_every_field_of_every_message_can_be_generated() -> None:
 
 
 @given(st.sampled_from(commands.every_command()).flatmap(messages))
-@settings(deadline=None, max_examples=600)
+@settings(max_examples=600)
 def test_every_command_comes_back(command: commands.Command) -> None:
     payload = commands.to_payload(command)
     is_old = commands.is_old(type(command))
@@ -88,7 +88,7 @@ def test_every_command_comes_back(command: commands.Command) -> None:
 
 
 @given(st.binary(max_size=20), st.booleans())
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 def test_no_bytes_make_reading_a_command_raise(payload: bytes, simulator: bool) -> None:
     command = commands.from_payload(payload, simulator=simulator)
     again = commands.to_payload(command)
@@ -104,7 +104,7 @@ COMMAND_LIKE = st.builds(
 
 
 @given(COMMAND_LIKE, st.booleans())
-@settings(deadline=None, max_examples=600)
+@settings(max_examples=600)
 def test_what_a_command_is_read_as_can_be_written(payload: bytes, simulator: bool) -> None:
     command = commands.from_payload(payload, simulator=simulator)
     again = commands.to_payload(command)
@@ -114,13 +114,13 @@ def test_what_a_command_is_read_as_can_be_written(payload: bytes, simulator: boo
 
 
 @given(st.sampled_from(REPORTS).flatmap(messages))
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 def test_every_report_comes_back(report: reports.Report) -> None:
     assert reports.from_payload(reports.to_payload(report)) == report
 
 
 @given(st.binary(max_size=60))
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 def test_reading_a_report_loses_no_byte(payload: bytes) -> None:
     assert reports.to_payload(reports.from_payload(payload)) == payload
 
@@ -129,7 +129,7 @@ KNOWN_IDS = sorted({number for cls in reports.ALL for number in reports.numbers(
 
 
 @given(st.sampled_from(KNOWN_IDS), st.binary(max_size=250))
-@settings(deadline=None, max_examples=600)
+@settings(max_examples=600)
 def test_reading_a_report_with_a_known_id_loses_no_byte(number: int, data: bytes) -> None:
     payload = bytes([number]) + data
     assert reports.to_payload(reports.from_payload(payload)) == payload
@@ -142,7 +142,6 @@ def test_reading_a_report_with_a_known_id_loses_no_byte(number: int, data: bytes
     st.lists(st.binary(min_size=3, max_size=3), max_size=40),
     st.binary(max_size=30),
 )
-@settings(deadline=None)
 def test_a_sip_of_any_length_loses_no_byte(
     number: int, head: bytes, sonar: list[bytes], tail: bytes
 ) -> None:

@@ -35,7 +35,7 @@ def clipped(wall: tuple[float, ...], shape: tuple[float, float, float], grown: F
 
 
 @given(SEGMENTS, SHAPES)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_a_robot_at_the_origin_agrees_with_exact_clipping(
     wall: tuple[float, ...], shape: tuple[float, float, float]
 ) -> None:
@@ -46,7 +46,7 @@ def test_a_robot_at_the_origin_agrees_with_exact_clipping(
 
 
 @given(SEGMENTS, SHAPES, st.floats(-50, 50), st.floats(-50, 50), st.floats(-7, 7))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_moving_robot_and_wall_together_changes_nothing(
     wall: tuple[float, ...], shape: tuple[float, float, float], x: float, y: float, theta: float
 ) -> None:
@@ -61,7 +61,6 @@ def test_moving_robot_and_wall_together_changes_nothing(
 
 
 @given(st.lists(SEGMENTS, max_size=6), SHAPES)
-@settings(deadline=None)
 def test_many_walls_hit_if_one_does(
     walls: list[tuple[float, ...]], shape: tuple[float, float, float]
 ) -> None:

@@ -49,9 +49,7 @@ frames = st.one_of(
     st.text(max_size=200),
     st.binary(max_size=50),
 )
-hard = settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
-)
+hard = settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 
 
 async def attack(role: Role, sent: list[str | bytes]) -> None:

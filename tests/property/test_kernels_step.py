@@ -105,7 +105,7 @@ def kernels(request: pytest.FixtureRequest) -> Kernels:
 
 
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(0, 3), st.booleans())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_robots_never_drive_into_anything(
     kernels: Kernels, seed: int, count: int, things: int, noisy: bool
 ) -> None:

@@ -1,6 +1,6 @@
 """Faulty cables: as often as asked for, and the same every time."""
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.arcos.packet import PacketReader, encode
@@ -22,7 +22,6 @@ def arrivals(faults: LinkFaults, chunks: list[bytes]) -> list[bytes]:
 
 
 @given(shares, shares, st.floats(0, 2), seeds, traffic)
-@settings(deadline=None)
 def test_the_same_seed_gives_the_same_faults(
     drop: float, corrupt: float, delay: float, seed: int, chunks: list[bytes]
 ) -> None:
@@ -34,7 +33,6 @@ def test_the_same_seed_gives_the_same_faults(
 
 
 @given(st.floats(0, 2), seeds, traffic)
-@settings(deadline=None)
 def test_a_slow_cable_loses_nothing_and_keeps_the_order(
     delay: float, seed: int, chunks: list[bytes]
 ) -> None:
@@ -42,7 +40,6 @@ def test_a_slow_cable_loses_nothing_and_keeps_the_order(
 
 
 @given(shares, seeds, packets)
-@settings(deadline=None)
 def test_what_is_not_lost_arrives_whole(drop: float, seed: int, sent: list[bytes]) -> None:
     line = Channel(LinkFaults(drop=drop, seed=seed), "in")
     reader = PacketReader()
@@ -53,7 +50,6 @@ def test_what_is_not_lost_arrives_whole(drop: float, seed: int, sent: list[bytes
 
 
 @given(st.floats(0.05, 0.95), seeds)
-@settings(deadline=None)
 def test_as_many_packets_are_lost_as_asked_for(drop: float, seed: int) -> None:
     line = Channel(LinkFaults(drop=drop, seed=seed), "in")
     count = 4000
@@ -63,7 +59,6 @@ def test_as_many_packets_are_lost_as_asked_for(drop: float, seed: int) -> None:
 
 
 @given(st.floats(0.05, 0.95), seeds)
-@settings(deadline=None)
 def test_as_many_bytes_are_spoiled_as_asked_for(corrupt: float, seed: int) -> None:
     line = Channel(LinkFaults(corrupt=corrupt, seed=seed), "in")
     count = 4000
@@ -73,7 +68,6 @@ def test_as_many_bytes_are_spoiled_as_asked_for(corrupt: float, seed: int) -> No
 
 
 @given(shares, shares, st.floats(0, 1e6), seeds, st.booleans())
-@settings(deadline=None)
 def test_faults_read_what_they_write(
     drop: float, corrupt: float, delay: float, seed: int, frozen: bool
 ) -> None:

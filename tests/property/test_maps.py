@@ -40,14 +40,13 @@ def check(content: bytes) -> None:
 
 
 @given(st.binary())
-@settings(deadline=None)
 def test_any_bytes_give_a_map_or_one_line(content: bytes) -> None:
     check(b"2D-Map\nLINES\n" + content)
     check(content)
 
 
 @given(TEXTS)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_nearly_right_text_gives_a_map_or_one_line(text: str) -> None:
     check(text.encode("utf-8", "surrogatepass"))
 
@@ -56,7 +55,6 @@ CELLS = st.sets(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=1)
 
 
 @given(CELLS)
-@settings(deadline=None)
 def test_the_outline_is_every_edge_between_occupied_and_free_once(
     cells: set[tuple[int, int]],
 ) -> None:
@@ -80,7 +78,6 @@ def test_the_outline_is_every_edge_between_occupied_and_free_once(
 
 
 @given(CELLS)
-@settings(deadline=None)
 def test_no_two_walls_on_one_line_touch(cells: set[tuple[int, int]]) -> None:
     walls = outline(np.array(sorted(cells), dtype=float), 1.0)
     level = walls[walls[:, 1] == walls[:, 3]]

@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.errors import ConfigError
@@ -69,33 +69,28 @@ def holds(name: str, content: bytes, image: bytes = b"P5 1 1 255\n\0") -> None:
 
 
 @given(lines_of(YAML_KEYS))
-@settings(deadline=None)
 def test_any_yaml(text: str) -> None:
     holds("m.yaml", text.encode("utf-8", "surrogatepass"))
     holds("m.yaml", YAML + text.encode("utf-8", "surrogatepass"))
 
 
 @given(lines_of(TOML_KEYS))
-@settings(deadline=None)
 def test_any_world(text: str) -> None:
     holds("m.toml", b"[world]\n" + text.encode("utf-8", "surrogatepass"))
 
 
 @given(st.binary(max_size=300))
-@settings(deadline=None)
 def test_any_bytes(content: bytes) -> None:
     for name in ("m.yaml", "m.toml", "m", "m.png"):
         holds(name, content)
 
 
 @given(st.binary(max_size=80), st.sampled_from([b"", b"P2 ", b"P5 2 2 ", b"P2 2 2 9 "]))
-@settings(deadline=None)
 def test_any_pgm(content: bytes, start: bytes) -> None:
     holds("m.yaml", YAML, start + content)
 
 
 @given(st.integers(8, len(PICTURE) - 1), st.binary(max_size=4), st.booleans())
-@settings(deadline=None)
 def test_any_damaged_png(at: int, change: bytes, keep: bool) -> None:
     holds("m.yaml", YAML, PICTURE[:at] + change + (PICTURE[at + len(change) :] if keep else b""))
 
@@ -104,7 +99,6 @@ CELLS = st.sets(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=1)
 
 
 @given(CELLS)
-@settings(deadline=None)
 def test_pictures_and_points_have_one_outline(cells: set[tuple[int, int]]) -> None:
     occupied = np.zeros((7, 7), dtype=np.bool_)
     occupied[tuple(np.array(sorted(cells)).T[::-1])] = True
@@ -117,7 +111,6 @@ NUMBERS = st.integers(-100_000, 100_000)
 
 
 @given(st.lists(st.tuples(NUMBERS, NUMBERS, NUMBERS, NUMBERS), max_size=5))
-@settings(deadline=None)
 def test_whole_millimetres_survive_an_aria_map(rows: list[tuple[int, int, int, int]]) -> None:
     before = LineMap(name="m", walls=np.array(rows, dtype=float).reshape(-1, 4) * 0.001)
     with TemporaryDirectory() as folder:
@@ -167,7 +160,6 @@ WORLDS = st.builds(
 
 
 @given(WORLDS)
-@settings(deadline=None)
 def test_a_world_survives_its_file(world: WorldFile) -> None:
     here = Path("/somewhere")
     assert parse_world(here / "w.toml", to_toml(world, here)) == world

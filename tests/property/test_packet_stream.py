@@ -139,7 +139,7 @@ def test_a_payload_with_a_flipped_bit_is_never_delivered(
     assert bytes(raw[3:-2]) in reader.rejected
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.integers(0, 1 << 32))
 def test_a_megabyte_of_random_bytes_does_no_harm(seed: int) -> None:
     random, reader = Random(seed), PacketReader()

@@ -24,7 +24,7 @@ starts: st.SearchStrategy[Start] = st.one_of(
 requests = st.builds(PlacementRequest, st.just("r"), st.sampled_from(MODELS), starts)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(
     st.booleans(),
     st.lists(boxes, max_size=4),

@@ -11,7 +11,7 @@ from pioneer3.sim.firmware.laser import SweepFrames, packets
 WORD = st.integers(-0x8000, 0x7FFF)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(max_examples=150)
 @given(
     total=st.one_of(st.integers(1, 100), st.sampled_from([181, 361, 541, 721])),
     extended=st.booleans(),

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.geometry import STILL, Twist2
@@ -132,7 +132,6 @@ PRESSES = st.lists(
 
 
 @given(PRESSES, st.floats(2 * LATE, 1.0))
-@settings(deadline=None)
 def test_no_press_is_lost_or_reversed(
     presses: list[tuple[int, Twist2, float]], pause: float
 ) -> None:

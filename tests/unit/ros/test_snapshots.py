@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.geometry import Pose2, Twist2
@@ -44,7 +44,6 @@ def gathered(snapshot: Snapshot) -> Snapshot:
     st.builds(Twist2, st.floats(-1, 1), st.floats(-2, 2)),
     RANGES,
 )
-@settings(deadline=None)
 def test_pose_speeds_and_ranges_arrive(pose: Pose2, twist: Twist2, ranges: list[float]) -> None:
     arrived = gathered(seen(pose, twist, sonar=Sonar(ranges=tuple(ranges))))
     there = arrived.odometry.robot_in_odom

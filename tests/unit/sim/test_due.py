@@ -128,7 +128,7 @@ class TestLookingOnlyThenIsEnough:
             heard.append(bench.firmware.device.outgoing())
         return heard
 
-    @settings(deadline=None, max_examples=40)
+    @settings(max_examples=40)
     @given(
         st.lists(
             st.tuples(

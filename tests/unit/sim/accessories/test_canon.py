@@ -3,7 +3,7 @@
 from math import radians
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.sim.accessories.canon import CanonVcc4
@@ -123,7 +123,6 @@ def test_frames_may_come_in_pieces_and_in_noise(camera: CanonVcc4) -> None:
 
 
 @given(st.lists(st.tuples(st.binary(max_size=12), st.floats(0, 5)), max_size=12))
-@settings(deadline=None)
 def test_it_takes_anything(said: list[tuple[bytes, float]]) -> None:
     made = CanonVcc4()
     now = 0.0

@@ -78,7 +78,7 @@ def test_what_it_does_not_have_nobody_takes(command: Command) -> None:
 
 
 @pytest.mark.parametrize("cls", POLITE)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(data=st.data())
 def test_sounds_lamps_and_switches_are_taken_silently(cls: type[Any], data: st.DataObject) -> None:
     rack = Accessories(FakeCarrier())
@@ -233,7 +233,7 @@ def run(said: list[tuple[Command, float]]) -> list[object]:
     return heard
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(
     st.lists(
         st.tuples(st.sampled_from(commands.every_command()).flatmap(messages), st.floats(0.0, 0.5)),

@@ -3,7 +3,7 @@
 from math import radians
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pioneer3.sim.accessories.pan_tilt_zoom import PtzPosition
@@ -118,7 +118,6 @@ def test_packets_may_come_in_pieces(camera: SonyEvi) -> None:
 
 
 @given(st.lists(st.tuples(st.binary(max_size=14), st.floats(0, 5)), max_size=12))
-@settings(deadline=None)
 def test_it_takes_anything(said: list[tuple[bytes, float]]) -> None:
     made = SonyEvi()
     now = 0.0
