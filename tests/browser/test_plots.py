@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.drawn import repaint
-from tests.browser.support import Product, later, until
+from tests.browser.support import Product, hold, later, until
 from tests.browser.views import drive, open_view
 
 COLUMNS = [
@@ -36,9 +36,8 @@ INK = """(canvas) => {
 @pytest.fixture
 def plots(page: Page, product: Product) -> Page:
     """Drive for a moment, then open the plots."""
-    drive(page, product)
     body = product.simulation.body
-    until(lambda: body.robot_in_world.x > body.home.x + 0.25)
+    hold(page, "ArrowUp", lambda: body.robot_in_world.x > body.home.x + 0.25)
     page.keyboard.up("ArrowUp")
     open_view(page, "plots")
     return page
