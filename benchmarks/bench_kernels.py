@@ -70,7 +70,7 @@ def scanned() -> Float:
 
 
 def scan_time(kernels: Kernels) -> float:
-    """Return what a laser's scan in a scanned map takes [s], in the mean of some places."""
+    """Return the time of a laser's scan in a scanned map [s], the mean of some places."""
     grid = build_grid(scanned())
     robots = crowd(kernels, build_grid(office()), 10)
     kernels.place(robots)

@@ -32,7 +32,10 @@ def cast_reference(origin: Float, angles: Float, walls: Float, limit: float) -> 
 
 
 def ranges_reference(origin: Float, angles: Float, walls: Float, limit: float) -> Float:
-    """Return what :func:`cast_reference` does, of each wall as if it were alone, shape (B, W)."""
+    """Return the range [m] along each ray to each wall as if it were alone, shape (B, W).
+
+    Arguments are those of :func:`cast_reference`; a wall that a ray misses is at `limit`.
+    """
     dx, dy = np.cos(angles)[:, None], np.sin(angles)[:, None]
     x0, y0, x1, y1 = (walls - np.tile(origin, 2)).T
     along0, along1 = dx * x0 + dy * y0, dx * x1 + dy * y1
