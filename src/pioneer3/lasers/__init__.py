@@ -1,0 +1,14 @@
+"""Laser range finders: their protocols, both sides, without I/O.
+
+=============  ==============================================================================
+module         contents
+=============  ==============================================================================
+client         the host's side as all protocols have it: events, scans, the `Client` protocol
+device         the laser's side as simulators use it: the mirror's turns, the `Device` protocol
+scip           Hokuyo's SCIP 1.1 and 2.0
+lms2xx         SICK's telegrams of the LMS-2xx
+cola           SICK's CoLa-A: LMS-1xx, LMS-5xx, TiM
+=============  ==============================================================================
+
+Facts: docs/reference/scip.md, lms2xx.md, cola.md.
+"""

@@ -1,0 +1,166 @@
+"""The host's side of a laser, as every protocol has it. No I/O.
+
+A :class:`Client` finds the laser in whatever state it is, makes it scan, and returns scans. When it
+says :class:`Lost`, the caller closes the link, and begins anew with a new client.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserIdentity:
+    """The identity that a laser sends; empty for what it does not tell.
+
+    Attributes:
+        vendor: Maker.
+        product: Type.
+        serial: Serial number.
+        firmware: Version of its program.
+        firmware_date: Of that, as the laser writes it.
+        protocol: Language and version.
+        status: How it says that it is, such as `Sensor works well.`
+    """
+
+    vendor: str = ""
+    product: str = ""
+    serial: str = ""
+    firmware: str = ""
+    firmware_date: str = ""
+    protocol: str = ""
+    status: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RawScan:
+    """One scan in the laser's frame.
+
+    Attributes:
+        stamp: Time of the first reading [s, monotonic].
+        first: Direction of the first reading, counter-clockwise from straight ahead [rad].
+        step: From one reading to the next [rad].
+        beam_time: From one reading to the next [s].
+        period: From one scan to the next [s].
+        near: Shortest range that the laser measures [m].
+        far: Longest one [m].
+        ranges: [m], shape (N,), as in REP 117: `inf` where nothing is in range, `-inf` where
+            something is too near, NaN where there is no valid reading.
+        intensities: In the laser's own unit, shape (N,); empty where it sends none.
+        echoes: For multi-echo lasers all echoes of each reading [m], the nearest first; else empty.
+        device_time: The laser's own clock at the scan [s], or `None` without one.
+    """
+
+    stamp: float
+    first: float
+    step: float
+    beam_time: float
+    period: float
+    near: float
+    far: float
+    ranges: tuple[float, ...]
+    intensities: tuple[int, ...] = ()
+    echoes: tuple[tuple[float, ...], ...] = ()
+    device_time: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedWanted:
+    """The link must be set to `baud` from now on, after the bytes of `outgoing()` have left."""
+
+    baud: int
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """The laser has said what it is."""
+
+    identity: LaserIdentity
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A scan has come."""
+
+    scan: RawScan
+
+
+@dataclass(frozen=True, slots=True)
+class Remarked:
+    """Something for the log: a recovery step, an error that the laser reports."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """No scans come; the reason, and advice, in a sentence without a final stop."""
+
+    reason: str
+
+
+Event = SpeedWanted | Identified | Measured | Remarked | Lost
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanSettings:
+    """Wishes for the scans; a laser that cannot fulfil one does what comes nearest.
+
+    Attributes:
+        first: Direction of the first reading [rad], or `None` for the whole field.
+        last: Direction of the last one [rad], or `None`.
+        step: Between two readings [rad], or `None` for the laser's own.
+        cluster: Neighbouring readings that become one, 1 to 99 (SCIP).
+        skip: Scans left out after each one, 0 to 9.
+        intensities: Whether they are wanted.
+        multi_echo: Whether all echoes are wanted, from lasers that have them.
+        calibrate_time: Whether the laser's clock is compared with ours, where it has one.
+    """
+
+    first: float | None = None
+    last: float | None = None
+    step: float | None = None
+    cluster: int = 1
+    skip: int = 0
+    intensities: bool = False
+    multi_echo: bool = False
+    calibrate_time: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Patience:
+    """How long a client waits.
+
+    Attributes:
+        answer: For an answer that lasers give at once [s].
+        silence: For the next scan before the laser is lost, at least ten scan periods [s].
+        give_up: For the first scan [s].
+    """
+
+    answer: float = 0.25
+    silence: float = 1.0
+    give_up: float = 8.0
+
+
+class Client(Protocol):
+    """The host's side: call :meth:`receive` and :meth:`tick`, obey the events, send `outgoing`.
+
+    Attributes:
+        deadline: When :meth:`tick` must next be called [s, monotonic].
+    """
+
+    deadline: float
+
+    def receive(self, data: bytes, now: float) -> list[Event]:
+        """Process bytes received at `now` [s, monotonic]; return the events that follow."""
+
+    def tick(self, now: float) -> list[Event]:
+        """Act on the passing of time. Harmless to call too often."""
+
+    def outgoing(self) -> bytes:
+        """Return and forget the bytes to put on the wire, at once.
+
+        They go out at the speed that was wanted before they were queued.
+        """
+
+    def leave(self, now: float) -> None:
+        """Queue the commands that end scanning and leave the laser as the next program likes it."""

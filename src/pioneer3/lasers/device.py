@@ -1,0 +1,93 @@
+"""The laser's side, as the simulator drives it, whatever the protocol. No I/O.
+
+A :class:`Device` is one unit: its settings, its mirror, its line. It tells the :class:`Turn` that
+its mirror makes next; who has the physics hands the :class:`Sweep` in when the turn is over. Each
+host has a :class:`Connection`; a unit on a serial line has one for ever, whoever opens the port.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    """One turn of the mirror: the readings that it takes.
+
+    Attributes:
+        first: Direction of the first reading [rad].
+        step: From one reading to the next [rad].
+        count: Number of readings.
+        beam_time: From one reading to the next [s].
+        period: Of the whole turn, with the part that measures nothing [s].
+    """
+
+    first: float
+    step: float
+    count: int
+    beam_time: float
+    period: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """The readings of one turn.
+
+    Attributes:
+        turn: The turn.
+        began: Time of the first reading [s].
+        ranges: [m], shape (count,), with the errors of the laser; `inf` where nothing came back.
+        intensities: 0 to 1, shape (count,): share of the light of a perfect matt white wall, more
+            for reflectors; 0 where nothing came back.
+        echoes: All echoes of each reading [m], the nearest first, shape (count, up to 3); empty
+            where there is never more than one.
+    """
+
+    turn: Turn
+    began: float
+    ranges: Sequence[float]
+    intensities: Sequence[float]
+    echoes: Sequence[tuple[float, ...]] = ()
+
+
+class Connection(Protocol):
+    """One host at a device."""
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Take bytes of the host, in any pieces."""
+
+    def outgoing(self, now: float) -> bytes:
+        """Return and forget the bytes that may leave by `now`: no faster than the line's speed."""
+
+    def close(self) -> None:
+        """Take the end of a network connection; a serial line has none."""
+
+
+class Device(Protocol):
+    """One laser.
+
+    Attributes:
+        speed: The line's speed [baud]; `None` where there is no serial line. A host at another
+            speed neither hears nor is heard.
+        turn: What the mirror does next, or `None` while nothing is measured or nobody wants it.
+        deadline: When :meth:`tick` has something to do, or bytes may leave [s]; `inf`: never.
+    """
+
+    speed: int | None
+    deadline: float
+
+    @property
+    def turn(self) -> Turn | None:
+        """What the mirror does next, or `None` while nobody wants readings."""
+
+    def connect(self) -> Connection:
+        """Return the connection of one more host."""
+
+    def measured(self, sweep: Sweep, now: float) -> None:
+        """Take the readings of a turn that is over."""
+
+    def tick(self, now: float) -> None:
+        """Act on the passing of time."""
+
+    def switch_on(self, now: float) -> None:
+        """Begin as after a power cycle: what is not stored is forgotten."""

@@ -1,0 +1,410 @@
+"""Laser range finders as data: field, range, timing, errors, interfaces (lasers.md).
+
+Angles are counter-clockwise, seen from above, from straight ahead of the laser.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from enum import StrEnum
+from math import inf, radians
+from types import MappingProxyType
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import TURN
+
+
+class LaserProtocol(StrEnum):
+    """The languages of lasers."""
+
+    SCIP = "SCIP"
+    LMS2XX = "LMS-2xx telegrams"
+    COLA = "CoLa-A"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RangeError:
+    """Errors of ranges up to `up_to` [m].
+
+    Attributes:
+        up_to: [m].
+        systematic: Largest lasting error, the same for all readings of one unit [m].
+        share: The same as a share of the range, in addition.
+        sigma: Standard deviation of one reading [m].
+    """
+
+    up_to: float
+    systematic: float
+    share: float = 0.0
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Steps:
+    """Geometry of a SCIP laser as its PP answer gives it (scip.md).
+
+    Attributes:
+        shortest: DMIN [mm]; smaller values are codes.
+        longest: DMAX [mm].
+        per_turn: ARES.
+        first: AMIN, the first step measured.
+        last: AMAX, the last one.
+        front: AFRT, the step that looks straight ahead.
+        rpm: SCAN [1/min].
+    """
+
+    shortest: int
+    longest: int
+    per_turn: int
+    first: int
+    last: int
+    front: int
+    rpm: int
+
+    def angle(self, step: int) -> float:
+        """Return the direction of `step` [rad]."""
+        return (step - self.front) * TURN / self.per_turn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserModel:
+    """One type of laser range finder.
+
+    Attributes:
+        name: In files and options, such as `utm-30lx`.
+        title: For people.
+        protocol: Its language.
+        product: The product name that the unit sends.
+        first: Direction of the first reading [rad].
+        last: Direction of the last one [rad].
+        step: From one reading to the next, as delivered [rad].
+        near: Shortest range [m].
+        far: Longest range [m].
+        turn: Time of one turn of the mirror [s].
+        errors: Of its ranges, by range.
+        spot: Diameter of the light spot at the laser [m].
+        divergence: Growth of that with the range [rad].
+        speeds: Serial speeds [baud], the one at delivery first; empty without a serial line.
+        tcp_ports: Empty without Ethernet.
+        steps: Of a SCIP laser.
+        kinds: ARIA's names of the type.
+    """
+
+    name: str
+    title: str
+    protocol: LaserProtocol
+    product: str
+    first: float
+    last: float
+    step: float
+    near: float
+    far: float
+    turn: float
+    errors: tuple[RangeError, ...]
+    spot: float = 0.01
+    divergence: float = 0.004
+    speeds: tuple[int, ...] = ()
+    tcp_ports: tuple[int, ...] = ()
+    steps: Steps | None = None
+    kinds: tuple[str, ...] = ()
+
+    @property
+    def count(self) -> int:
+        """Readings of a scan, as delivered."""
+        return round((self.last - self.first) / self.step) + 1
+
+    def error_at(self, metres: float) -> RangeError:
+        """Return the errors of ranges of about `metres`."""
+        return next((e for e in self.errors if metres <= e.up_to), self.errors[-1])
+
+
+def _scip(
+    name: str,
+    title: str,
+    product: str,
+    steps: Steps,
+    *,
+    far: float,
+    errors: tuple[RangeError, ...],
+    speeds: tuple[int, ...] = (),
+    tcp_ports: tuple[int, ...] = (),
+    kinds: tuple[str, ...] = ("urg2.0",),
+) -> LaserModel:
+    return LaserModel(
+        name=name,
+        title=title,
+        protocol=LaserProtocol.SCIP,
+        product=product,
+        first=steps.angle(steps.first),
+        last=steps.angle(steps.last),
+        step=TURN / steps.per_turn,
+        near=steps.shortest / 1000,
+        far=far,
+        turn=60 / steps.rpm,
+        errors=errors,
+        speeds=speeds,
+        tcp_ports=tcp_ports,
+        steps=steps,
+        kinds=kinds,
+    )
+
+
+def _sick(
+    name: str,
+    title: str,
+    protocol: LaserProtocol,
+    *,
+    product: str,
+    field: tuple[float, float],
+    step: float,
+    near: float,
+    far: float,
+    turn: float,
+    errors: tuple[RangeError, ...],
+    spot: float,
+    divergence: float,
+    speeds: tuple[int, ...] = (),
+    tcp_ports: tuple[int, ...] = (),
+    kinds: tuple[str, ...],
+) -> LaserModel:
+    return LaserModel(
+        name=name,
+        title=title,
+        protocol=protocol,
+        product=product,
+        first=radians(field[0]),
+        last=radians(field[1]),
+        step=radians(step),
+        near=near,
+        far=far,
+        turn=turn,
+        errors=errors,
+        spot=spot,
+        divergence=divergence,
+        speeds=speeds,
+        tcp_ports=tcp_ports,
+        kinds=kinds,
+    )
+
+
+HOKUYO_PORT = 10940
+SICK_PORTS = (2111, 2112)
+_URG_SPEEDS = (19200, 57600, 115200, 38400)
+_LMS_SPEEDS = (9600, 38400, 19200, 500000)
+_URG = Steps(shortest=20, longest=5600, per_turn=1024, first=44, last=725, front=384, rpm=600)
+_UBG = Steps(shortest=20, longest=5600, per_turn=1024, first=44, last=725, front=384, rpm=2142)
+_UTM = Steps(shortest=23, longest=60000, per_turn=1440, first=0, last=1080, front=540, rpm=2400)
+_UST = Steps(shortest=20, longest=30000, per_turn=1440, first=0, last=1080, front=540, rpm=2400)
+_METRE_AND_ON = (
+    RangeError(up_to=1.0, systematic=0.01, sigma=0.003),
+    RangeError(up_to=inf, systematic=0.0, share=0.01, sigma=0.01),
+)
+_UG01 = (
+    RangeError(up_to=1.0, systematic=0.03, sigma=0.005),
+    RangeError(up_to=inf, systematic=0.0, share=0.03, sigma=0.015),
+)
+_UTM_ERRORS = (
+    RangeError(up_to=10.0, systematic=0.03, sigma=0.01),
+    RangeError(up_to=inf, systematic=0.05, sigma=0.03),
+)
+_UST_ERRORS = (RangeError(up_to=inf, systematic=0.04, sigma=0.012),)
+_LMS1XX_ERRORS = (RangeError(up_to=inf, systematic=0.03, sigma=0.012),)
+_TIM_ERRORS = (RangeError(up_to=inf, systematic=0.06, sigma=0.02),)
+
+LASERS: Mapping[str, LaserModel] = MappingProxyType(
+    {
+        model.name: model
+        for model in (
+            _scip(
+                "urg-04lx",
+                "Hokuyo URG-04LX",
+                "SOKUIKI Sensor URG-04LX",
+                _URG,
+                far=4.095,
+                errors=_METRE_AND_ON,
+                speeds=_URG_SPEEDS,
+                kinds=("urg", "urg2.0"),
+            ),
+            _scip(
+                "urg-04lx-ug01",
+                "Hokuyo URG-04LX-UG01",
+                "SOKUIKI Sensor URG-04LX-UG01",
+                _URG,
+                far=5.6,
+                errors=_UG01,
+                speeds=(115200,),
+            ),
+            _scip(
+                "ubg-04lx-f01",
+                "Hokuyo UBG-04LX-F01",
+                "SOKUIKI Sensor UBG-04LX-F01",
+                _UBG,
+                far=5.6,
+                errors=_METRE_AND_ON,
+                speeds=_URG_SPEEDS,
+            ),
+            _scip(
+                "utm-30lx",
+                "Hokuyo UTM-30LX",
+                "SOKUIKI Sensor UTM-30LX",
+                _UTM,
+                far=30.0,
+                errors=_UTM_ERRORS,
+                speeds=(115200,),
+                tcp_ports=(HOKUYO_PORT,),
+            ),
+            _scip(
+                "ust-10lx",
+                "Hokuyo UST-10LX",
+                "SOKUIKI Sensor UST-10LX",
+                _UST,
+                far=10.0,
+                errors=_UST_ERRORS,
+                tcp_ports=(HOKUYO_PORT,),
+            ),
+            _scip(
+                "ust-20lx",
+                "Hokuyo UST-20LX",
+                "SOKUIKI Sensor UST-20LX",
+                _UST,
+                far=20.0,
+                errors=_UST_ERRORS,
+                tcp_ports=(HOKUYO_PORT,),
+            ),
+            _sick(
+                "lms-200",
+                "SICK LMS-200",
+                LaserProtocol.LMS2XX,
+                product="LMS200;301061;V02.30 ",
+                field=(-90, 90),
+                step=1.0,
+                near=0.0,
+                far=32.0,
+                turn=1 / 75,
+                errors=(
+                    RangeError(up_to=8.0, systematic=0.015, sigma=0.005),
+                    RangeError(up_to=inf, systematic=0.04, sigma=0.01),
+                ),
+                spot=0.012,
+                divergence=0.0044,
+                speeds=_LMS_SPEEDS,
+                kinds=("lms2xx",),
+            ),
+            _sick(
+                "lms-291",
+                "SICK LMS-291",
+                LaserProtocol.LMS2XX,
+                product="LMS291;S05   ;V02.30 ",
+                field=(-90, 90),
+                step=1.0,
+                near=0.0,
+                far=80.0,
+                turn=1 / 75,
+                errors=(RangeError(up_to=inf, systematic=0.035, sigma=0.01),),
+                spot=0.012,
+                divergence=0.0044,
+                speeds=_LMS_SPEEDS,
+                kinds=("lms2xx",),
+            ),
+            _sick(
+                "lms-111",
+                "SICK LMS-111",
+                LaserProtocol.COLA,
+                product="LMS111",
+                field=(-135, 135),
+                step=0.5,
+                near=0.05,
+                far=20.0,
+                turn=0.02,
+                errors=_LMS1XX_ERRORS,
+                spot=0.008,
+                divergence=0.015,
+                tcp_ports=SICK_PORTS,
+                kinds=("lms1xx",),
+            ),
+            _sick(
+                "lms-511",
+                "SICK LMS-511",
+                LaserProtocol.COLA,
+                product="LMS511",
+                field=(-95, 95),
+                step=0.5,
+                near=0.1,
+                far=80.0,
+                turn=0.02,
+                errors=(
+                    RangeError(up_to=10.0, systematic=0.025, sigma=0.007),
+                    RangeError(up_to=20.0, systematic=0.035, sigma=0.009),
+                    RangeError(up_to=inf, systematic=0.05, sigma=0.014),
+                ),
+                spot=0.0136,
+                divergence=0.0045,
+                tcp_ports=SICK_PORTS,
+                kinds=("lms5xx",),
+            ),
+            _sick(
+                "tim551",
+                "SICK TiM551",
+                LaserProtocol.COLA,
+                product="TiM551",
+                field=(-135, 135),
+                step=1.0,
+                near=0.05,
+                far=10.0,
+                turn=1 / 15,
+                errors=_TIM_ERRORS,
+                spot=0.007,
+                divergence=0.0173,
+                tcp_ports=SICK_PORTS,
+                kinds=("tim551", "tim5xx"),
+            ),
+            _sick(
+                "tim561",
+                "SICK TiM561",
+                LaserProtocol.COLA,
+                product="TiM561",
+                field=(-135, 135),
+                step=1 / 3,
+                near=0.05,
+                far=10.0,
+                turn=1 / 15,
+                errors=_TIM_ERRORS,
+                spot=0.007,
+                divergence=0.0173,
+                tcp_ports=SICK_PORTS,
+                kinds=("tim561",),
+            ),
+            _sick(
+                "tim571",
+                "SICK TiM571",
+                LaserProtocol.COLA,
+                product="TiM571",
+                field=(-135, 135),
+                step=1 / 3,
+                near=0.05,
+                far=25.0,
+                turn=1 / 15,
+                errors=_TIM_ERRORS,
+                spot=0.007,
+                divergence=0.0173,
+                tcp_ports=SICK_PORTS,
+                kinds=("tim571",),
+            ),
+        )
+    }
+)
+"""By name."""
+
+
+def load_laser(name: str) -> LaserModel:
+    """Return the laser of this name.
+
+    Raises:
+        ConfigError: there is none; the message names those that there are.
+    """
+    found = LASERS.get(name.strip().lower())
+    if found is not None:
+        return found
+    close = get_close_matches(name.lower(), LASERS, n=1)
+    hint = f", did you mean {close[0]}?" if close else f"; known are {', '.join(LASERS)}"
+    raise ConfigError(f"{name!r}: no such laser{hint}")
