@@ -1,9 +1,10 @@
-"""The state of a robot at one instant. Immutable, in SI units, without behaviour."""
+"""The state of a robot at one instant, and the scans of its lasers. Immutable, in SI units."""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from math import cos, inf, isfinite, sin
 
-from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.geometry import ORIGIN, Pose2, Twist2, wrap
 
 
 class Charging(StrEnum):
@@ -205,16 +206,29 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scan:
-    """One sweep of a laser range finder.
+    """One scan of a laser range finder.
 
     Attributes:
-        stamp: Time at which it began to arrive [s, monotonic].
-        sequence: Number of the sweep.
-        robot_in_odom: Pose of the robot at `stamp` [m, rad].
+        stamp: Time of the first reading [s, monotonic]; of the simulator's laser in the robot's
+            own stream, the time at which it began to arrive.
+        sequence: Number of the scan.
+        robot_in_odom: Pose of the robot at the first reading [m, rad].
         sensor_in_robot: Pose of the laser [m, rad].
-        angles: Of the readings, counter-clockwise in the laser's frame [rad], shape (N,).
-        ranges: [m], shape (N,); `inf` where nothing echoed.
-        reflectances: 0 to 255, shape (N,); empty where the laser measures none.
+        angles: Of the readings, ascending, counter-clockwise in the laser's frame, seen from above
+            [rad], shape (N,).
+        ranges: [m], shape (N,), as in REP 117: `inf` where nothing echoed, `-inf` where something
+            is too near, NaN where there is no valid reading.
+        reflectances: In the laser's own unit, shape (N,); empty where the laser measures none.
+        laser: Name of the laser.
+        beam_time: From one reading to the next [s]; negative for a laser upside down, which
+            measures the last reading first; 0 where all are measured at once.
+        period: From one scan to the next [s]; 0 where it is not known.
+        near: Shortest range that the laser measures [m].
+        far: Longest one [m].
+        echoes: All echoes of each reading [m], the nearest first, shape (N, 1 to 3); empty where
+            the laser tells only one.
+        last_in_odom: Pose of the robot at the last reading [m, rad]; `None` where it stood still or
+            nothing is known of its motion.
     """
 
     stamp: float
@@ -224,8 +238,36 @@ class Scan:
     angles: tuple[float, ...]
     ranges: tuple[float, ...]
     reflectances: tuple[int, ...] = ()
+    laser: str = "laser"
+    beam_time: float = 0.0
+    period: float = 0.0
+    near: float = 0.0
+    far: float = inf
+    echoes: tuple[tuple[float, ...], ...] = ()
+    last_in_odom: Pose2 | None = None
 
     @property
     def sensor_in_odom(self) -> Pose2:
-        """Pose of the laser [m, rad]."""
+        """Pose of the laser at the first reading [m, rad]."""
         return self.robot_in_odom @ self.sensor_in_robot
+
+    def points_in_odom(self) -> list[tuple[float, float]]:
+        """Return the points that echoed [m], each seen from where the robot was at its time."""
+        begin = self.sensor_in_odom
+        readings, steps = zip(self.angles, self.ranges, strict=True), len(self.angles) - 1
+        if self.last_in_odom is None or not steps:
+            x, y, theta = begin.x, begin.y, begin.theta
+            return [
+                (x + r * cos(theta + a), y + r * sin(theta + a)) for a, r in readings if isfinite(r)
+            ]
+        end = self.last_in_odom @ self.sensor_in_robot
+        dx, dy = (end.x - begin.x) / steps, (end.y - begin.y) / steps
+        turn = wrap(end.theta - begin.theta) / steps
+        return [
+            (
+                begin.x + i * dx + r * cos(begin.theta + i * turn + a),
+                begin.y + i * dy + r * sin(begin.theta + i * turn + a),
+            )
+            for i, (a, r) in enumerate(readings)
+            if isfinite(r)
+        ]

@@ -3,8 +3,8 @@
 Numbers are read in SI. Without a unit they are in metres, degrees and seconds.
 """
 
-from collections.abc import Callable, Coroutine, Sequence
-from contextlib import AbstractAsyncContextManager
+from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -16,6 +16,7 @@ from cyclopts.validators import Number
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
+    from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile.arguments import WorldOverrides
 
@@ -78,6 +79,63 @@ Seconds = Annotated[float, reads(DURATION, positive=True)]
 Patience = Annotated[float, reads(DURATION, check=_patient)]
 
 
+LASERS = Group.create_ordered("Laser range finders")
+SEVERAL = Parameter(negative=(), show_default=False)
+
+
+@Parameter(name="*", group=LASERS)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserOptions:
+    """The laser range finders at this computer.
+
+    Attributes:
+        laser: [MODEL@]PORT, such as /dev/ttyACM0, tcp://192.168.0.10:10940, lms-200@/dev/ttyUSB1;
+            auto looks for one; once for each.
+        laser_pose: x,y,heading[,upside-down] on the robot, such as 160mm,0,0; else as its model
+            says; in the order of the lasers.
+        laser_mask: Sectors to leave out, such as -135:-120,120:135; in the order of the lasers.
+    """
+
+    laser: Annotated[
+        tuple[str, ...], Parameter(env_var="PIONEER3_LASER", metavar="PORT"), SEVERAL
+    ] = ()
+    laser_pose: Annotated[
+        tuple[str, ...], Parameter(metavar="POSE", allow_leading_hyphen=True), SEVERAL
+    ] = ()
+    laser_mask: Annotated[
+        tuple[str, ...], Parameter(metavar="SECTORS", allow_leading_hyphen=True), SEVERAL
+    ] = ()
+
+    async def specs(
+        self, record: Path | None = None, taken: Sequence[str] = ()
+    ) -> "tuple[LaserSpec, ...]":
+        """Return the lasers, after looking for those that are `auto`.
+
+        Args:
+            record: New file for every byte of the robot; each laser has its own, with its name
+                added.
+            taken: Ports that are the robots'.
+
+        Raises:
+            ConfigError: An option is wrong.
+            LinkError: There is no laser to be found.
+        """
+        if not (self.laser or self.laser_pose or self.laser_mask):
+            return ()
+        from pioneer3.robot.lasers.spec import parse_lasers
+
+        found = list(self.laser)
+        if AUTO in found:
+            from pioneer3.doctor.lasers import find_laser
+
+            found[found.index(AUTO)] = await find_laser((*taken, *found))
+        return parse_lasers(found, self.laser_pose, self.laser_mask, record=record)
+
+
+NO_LASERS = LaserOptions()
+AUTO = "auto"
+
+
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkOptions:
@@ -87,25 +145,31 @@ class LinkOptions:
         port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.
         baud: Serial speed to try first.
         record: New file for every byte on the wire; --port replay:FILE plays it.
+        lasers: Its laser range finders.
     """
 
     port: Port = DEFAULT_PORT
     baud: Baud = None
     record: Path | None = None
+    lasers: LaserOptions = NO_LASERS
 
-    def connect(
+    @asynccontextmanager
+    async def connect(
         self, *, max_speed: float | None = None, auto_enable: bool = True
-    ) -> "AbstractAsyncContextManager[Robot]":
-        """Return the connection; entered it is made, left it is closed and the robot stands."""
+    ) -> "AsyncIterator[Robot]":
+        """Connect during the block; after it the connection is closed and the robot stands."""
         from pioneer3.runtime.connect import connect_async
 
-        return connect_async(
+        connection = connect_async(
             self.port,
             baud=self.baud,
             max_speed=max_speed,
             auto_enable=auto_enable,
             record=self.record,
+            lasers=await self.lasers.specs(self.record, [self.port]),
         )
+        async with connection as robot:
+            yield robot
 
 
 LINK = LinkOptions()

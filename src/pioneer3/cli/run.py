@@ -6,7 +6,17 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import PORT, WORLD, Baud, Flag, Speed, TcpPort, WorldOptions
+from pioneer3.cli.options import (
+    NO_LASERS,
+    PORT,
+    WORLD,
+    Baud,
+    Flag,
+    LaserOptions,
+    Speed,
+    TcpPort,
+    WorldOptions,
+)
 from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.errors import ConfigError
 
@@ -22,6 +32,7 @@ def run(
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
     ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
+    lasers: LaserOptions = NO_LASERS,
     sim_port: TcpPort = 8101,
     web_port: TcpPort = 8080,
     lan: Flag = False,
@@ -35,6 +46,7 @@ def run(
 
     Example: pioneer3 run --port /dev/ttyUSB0
     Example: pioneer3 run -r p3at -r p3dx:bob
+    Example: pioneer3 run --port /dev/ttyUSB0 --laser auto
 
     Args:
         port: A robot: /dev/ttyUSB0, tcp://192.168.0.160:8101, replay:FILE; once for each.
@@ -43,6 +55,7 @@ def run(
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
+        lasers: Of the robot.
         sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
@@ -56,6 +69,8 @@ def run(
     from pioneer3.sim.worldfile.arguments import parse_robot
     from pioneer3.web.live import Options, live
 
+    if len(port) > 1 and lasers != NO_LASERS:
+        raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
     options = Options(
         ports=port,
         baud=baud,
@@ -71,6 +86,7 @@ def run(
         show_tokens=sys.stdout.isatty(),
         max_speed=max_speed,
         record=record,
+        lasers=lambda: lasers.specs(record, port),
     )
     return run_until_told_to_leave(live(options, _tell))
 

@@ -140,6 +140,48 @@ def ring(
     return canvas
 
 
+def around_laser(
+    points: Iterable[tuple[float, float]], columns: int, rows: int, reach: float
+) -> Canvas:
+    """Return the picture of a laser alone: its points, rings of metres, itself in the middle.
+
+    Args:
+        points: That the laser hit, x ahead and y to the left [m].
+        columns: Width [characters].
+        rows: Height [characters].
+        reach: From the laser to the nearest edge of the picture [m].
+
+    Raises:
+        ValueError: there is no room, or nothing to reach.
+    """
+    canvas = Canvas(columns, rows, reach)
+    _grid(canvas, reach)
+    for x, y in points:
+        canvas.point(x, y, Ink.LASER)
+    canvas.box(-canvas.scale, -canvas.scale, canvas.scale, canvas.scale, Ink.BODY)
+    return canvas
+
+
+FAR_REACHES = (*REACHES, 8.0, 12.0, 20.0, 30.0)
+SHOWN = 0.9
+"""Share of a laser's points that its picture shows."""
+
+
+def reach_for_points(points: Iterable[tuple[float, float]], before: float) -> float:
+    """Return the reach [m] that shows most of a laser's points, steadily.
+
+    Args:
+        points: In the picture's frame [m].
+        before: The reach until now, which is kept while it fits as well.
+    """
+    distances = sorted(hypot(x, y) for x, y in points)
+    if not distances:
+        return before
+    far = distances[min(len(distances) - 1, int(SHOWN * len(distances)))]
+    fitting = next((reach for reach in FAR_REACHES if far <= reach), FAR_REACHES[-1])
+    return before if fitting < before and far > LEAVING * fitting else fitting
+
+
 def reach_for(ranges: Iterable[float], before: float = REACHES[-1]) -> float:
     """Return the reach [m] that shows half of the echoes, steadily.
 
@@ -166,6 +208,8 @@ def _grid(canvas: Canvas, reach: float) -> None:
     """Draw a ring for each metre, the half ones where there is room; name the outermost."""
     step = 0.5 if reach <= 1.0 else 1.0
     number = 1
+    if reach > REACHES[-1]:
+        step = 2.0 if reach <= 12.0 else 5.0
     while (radius := number * step) <= reach:
         canvas.arc(0.0, 0.0, radius, Ink.GRID, gap=4)
         canvas.name(radius - 2 * canvas.scale, 0.0, f"{radius:g} m", Ink.GRID)

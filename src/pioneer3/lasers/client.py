@@ -126,6 +126,9 @@ class ScanSettings:
     calibrate_time: bool = True
 
 
+AS_DELIVERED = ScanSettings()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Patience:
     """How long a client waits.

@@ -163,4 +163,12 @@ def _laser_in(given: Parameters) -> LaserMount | None:
     x, y, theta = given.pose("Laser")
     # "auto-connect" is the only key that says whether the laser exists (facts.md 6.3)
     mounted = given.flag("LaserAutoConnect", default=True)
-    return LaserMount(kind=kind, x=x, y=y, theta=theta) if kind and mounted else None
+    if not (kind and mounted):
+        return None
+    return LaserMount(
+        kind=kind,
+        x=x,
+        y=y,
+        theta=theta,
+        upside_down=given.flag("LaserFlipped", default=False),
+    )

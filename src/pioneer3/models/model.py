@@ -127,17 +127,25 @@ class LaserMount:
 
     Attributes:
         kind: ARIA's name for the product, such as `lms2xx` or `urg2.0`.
+        upside_down: Whether it hangs head down, so that it turns clockwise.
+        masked: Sectors to leave out, such as posts of the robot itself: pairs of directions in the
+            laser's frame, seen from above, the first counter-clockwise to the second [rad].
     """
 
     kind: str
     x: float
     y: float
     theta: float
+    upside_down: bool = False
+    masked: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a pose that is not on a robot."""
         _check_word("kind", self.kind)
         _check_mount(self.x, self.y, self.theta)
+        for number, sector in enumerate(self.masked):
+            for end in sector:
+                _check(f"masked[{number}]", end, BEARING)
 
 
 class IrMount(NamedTuple):

@@ -31,7 +31,10 @@ _ANGLES = {
     "theta_deg": "theta",
 }
 _HEADING_UNITS = Bounds(64, 1_000_000)
-_KEYS = {field: key for key, field in _ANGLES.items()} | {"heading_factor": "heading_units"}
+_KEYS = {field: key for key, field in _ANGLES.items()} | {
+    "heading_factor": "heading_units",
+    "masked": "masked_deg",
+}
 
 Table = dict[str, object]
 
@@ -96,6 +99,8 @@ def _in_radians(table: Table, kind: type, where: str = "") -> Table:
             result[_ANGLES[key]] = _angle(place, value, BOUNDS.get(_ANGLES[key], BEARING))
         elif key == "heading_units":
             result["heading_factor"] = tau / _number(place, value, _HEADING_UNITS)
+        elif key == "masked_deg" and isinstance(value, list):
+            result["masked"] = [_sector(f"{place}[{i}]", item) for i, item in enumerate(value)]
         elif key == "laser" and isinstance(value, dict):
             result[key] = _in_radians(value, LaserMount, "laser.")
         elif key == "sonars" and isinstance(value, list):
@@ -126,6 +131,12 @@ def _number(place: str, value: object, bounds: Bounds, unit: float = 1.0) -> flo
 def _angle(place: str, value: object, bounds: Bounds) -> float:
     angle = _number(place, value, bounds, DEGREE)
     return wrap(angle) if bounds is BEARING else angle
+
+
+def _sector(place: str, value: object) -> list[float]:
+    if not isinstance(value, list) or len(value) != len(("first", "last")):
+        raise ConfigError(f"{place}: expected two directions in degrees, such as [-135, -120]")
+    return [_angle(place, end, BEARING) for end in value]
 
 
 def _reword(message: str) -> str:

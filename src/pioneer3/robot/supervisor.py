@@ -19,6 +19,7 @@ from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import Pilot, VelocityCommand
+from pioneer3.robot.poses import Poses
 from pioneer3.robot.report_requests import ReportRequest, ReportRequests
 from pioneer3.robot.reports import Reports
 from pioneer3.robot.session import Session
@@ -124,6 +125,7 @@ class Supervisor:
 
     Attributes:
         snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
+        poses: Of the last seconds, in odometry's frame.
     """
 
     def __init__(
@@ -139,6 +141,7 @@ class Supervisor:
         self.assembler = Assembler()
         self.reports = Reports()
         self._requests = ReportRequests()
+        self.poses = Poses()
         self.snapshots: Feed[Snapshot] = Feed()
         self.status: Feed[Status] = Feed()
         self.info: RobotInfo | None = None
@@ -294,6 +297,7 @@ class Supervisor:
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """Pass a snapshot on: first to `snapshot_taken`, which misses none, then to the readers."""
         self._snapshot = snapshot
+        self.poses.add(snapshot)
         self.snapshot_taken(snapshot)
         self.snapshots.publish(snapshot)
 

@@ -1,8 +1,9 @@
 """Connecting to a robot, and every way of leaving it."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import ExitStack, asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
@@ -10,6 +11,9 @@ from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel, load_model
+from pioneer3.robot.lasers.driver import LaserDriver
+from pioneer3.robot.lasers.mounting import Mounting
+from pioneer3.robot.lasers.spec import LaserSpec, parse_laser
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.robot import Robot
@@ -30,6 +34,7 @@ async def connect_async(
     auto_enable: bool = True,
     record: Path | None = None,
     timing: Timing | None = None,
+    lasers: Sequence[LaserSpec | str] = (),
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
@@ -45,6 +50,8 @@ async def connect_async(
         record: New file for every byte on the wire, which `replay:FILE` plays, and for what decided
             the motion, in words.
         timing: How patient to be.
+        lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
+            and may be lost and found again.
 
     Raises:
         LinkError: the port does not open.
@@ -66,11 +73,28 @@ async def connect_async(
             open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         arbiter = Arbiter(supervisor, remark)
+        drivers = [_laser(spec, supervisor, stack) for spec in lasers]
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
-        async with running(supervisor.run()):
+        async with running(supervisor.run(), *(driver.run() for driver in drivers)):
             await _first_snapshot(supervisor)
-            yield Robot(supervisor, arbiter)
+            yield Robot(supervisor, arbiter, drivers)
+
+
+def _laser(asked: LaserSpec | str, supervisor: Supervisor, stack: ExitStack) -> LaserDriver:
+    """Return the driver of a laser that looks from the robot of `supervisor`."""
+    spec = parse_laser(asked) if isinstance(asked, str) else asked
+    config = spec.config()
+    if spec.record is not None:
+        clock = asyncio.get_running_loop().time
+        config = replace(
+            config, open=stack.enter_context(recorded(config.open, spec.record, clock)).open
+        )
+
+    def mounting() -> Mounting:
+        return spec.mounting_on(supervisor.info.model if supervisor.info else None)
+
+    return LaserDriver(config, supervisor.poses.at, mounting)
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:

@@ -1,7 +1,7 @@
 """The robot as a program sees it, asynchronously."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from math import inf
 
 from pioneer3.arcos.commands import Command
@@ -11,6 +11,7 @@ from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.devices import Devices
 from pioneer3.robot.devices.laser import LaserSource
+from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
@@ -29,16 +30,19 @@ class Robot:
     every way out stops the robot. Gripper, compass and the like are in :attr:`devices`.
 
     Attributes:
-        laser: The laser range finder that behaviors, the page and ROS look through.
+        lasers: The laser range finders at the computer, each on a link of its own; without any,
+            that of a simulator, in the robot's own stream.
     """
 
-    def __init__(self, supervisor: Supervisor, arbiter: Arbiter) -> None:
+    def __init__(
+        self, supervisor: Supervisor, arbiter: Arbiter, lasers: Sequence[LaserDriver] = ()
+    ) -> None:
         self.supervisor = supervisor
         self.arbiter = arbiter
         self.devices = Devices(supervisor)
+        self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
-        self.laser: LaserSource = self.devices.laser
         arbiter.latest_scan = lambda: self.laser.latest
 
     @property
@@ -46,6 +50,11 @@ class Robot:
         """Identity, model, limits and configuration of the robot last connected."""
         assert self.supervisor.info is not None
         return self.supervisor.info
+
+    @property
+    def laser(self) -> LaserSource:
+        """The first of :attr:`lasers`."""
+        return self.lasers[0]
 
     @property
     def snapshot(self) -> Snapshot | None:

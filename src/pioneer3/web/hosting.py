@@ -11,6 +11,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.models import RobotModel
 from pioneer3.robot.identity import kind
+from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
@@ -36,6 +37,7 @@ class Target:
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire.
         timing: Time limits of the link.
+        lasers: Its laser range finders.
     """
 
     url: str
@@ -46,6 +48,7 @@ class Target:
     max_speed: float | None = None
     record: Path | None = None
     timing: Timing | None = None
+    lasers: tuple[LaserSpec, ...] = ()
 
 
 @asynccontextmanager
@@ -124,6 +127,7 @@ class RobotConnection:
                 max_speed=target.max_speed,
                 record=target.record,
                 timing=target.timing,
+                lasers=target.lasers,
             ) as robot,
             self._in_scene(robot) as scene,
             self._page.hosting(robot, scene, target.name, self._number) as view,

@@ -2,7 +2,7 @@
 
 import asyncio
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from math import inf
@@ -11,6 +11,7 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import PortBusyError
 from pioneer3.models import load_model
+from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
@@ -24,6 +25,12 @@ from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
+
+
+async def no_lasers() -> Sequence[LaserSpec]:
+    """Return no lasers."""
+    return ()
+
 
 PATIENT = Timing(silence=inf)
 """For a simulator in this program: it may be paused, and when it ends, so does the link."""
@@ -50,6 +57,7 @@ class Options:
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire; of several robots each has its own, with its
             name added.
+        lasers: Looks for the laser range finders of the only robot.
     """
 
     ports: tuple[str, ...] = ()
@@ -66,6 +74,7 @@ class Options:
     show_tokens: bool = False
     max_speed: float | None = None
     record: Path | None = None
+    lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
 
 
 async def live(options: Options, tell: Callable[[str], None]) -> int:
@@ -82,6 +91,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
             simulation = await _simulation(options, stack, tell)
             targets = _simulated(simulation)
             taken = simulation.tcp_ports
+        lasers = await options.lasers()
         page = Page()
         certificate = certificate_for(options.host, options.cert, options.key)
         served = await stack.enter_async_context(
@@ -94,7 +104,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
             )
         )
         # the page waits for the robots, so that a port in use is reported first
-        await stack.enter_async_context(hosted(page, _with_options(targets, options), tell))
+        await stack.enter_async_context(hosted(page, _with_options(targets, options, lasers), tell))
         it = "it" if len(targets) == 1 else "them"
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
         for line in _pairing_lines(page, options):
@@ -153,13 +163,21 @@ def _simulated(running: RunningSimulation) -> list[Target]:
     ]
 
 
-def _with_options(targets: Sequence[Target], options: Options) -> list[Target]:
+def _with_options(
+    targets: Sequence[Target], options: Options, lasers: Sequence[LaserSpec]
+) -> list[Target]:
     """Return `targets` with the options that are the same for all, each with its own file."""
     files: list[Path | None] = [options.record] * len(targets)
     if options.record is not None and len(targets) > 1:
         files = own_files(options.record, targets)
     return [
-        replace(target, baud=options.baud, max_speed=options.max_speed, record=file)
+        replace(
+            target,
+            baud=options.baud,
+            max_speed=options.max_speed,
+            record=file,
+            lasers=(*lasers, *target.lasers),
+        )
         for target, file in zip(targets, files, strict=True)
     ]
 

@@ -1,0 +1,246 @@
+"""`pioneer3 laser`: a laser range finder alone, without a robot."""
+
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import asdict
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from pioneer3.cli.options import AUTO, Distance, Flag, LaserOptions, Seconds
+from pioneer3.cli.process import run_until_told_to_leave
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from pioneer3.robot.lasers.driver import LaserDriver
+    from pioneer3.state import Scan
+
+laser_app = App(name="laser", help="Look at a laser range finder, with or without a robot.")
+
+Where = Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")]
+Pose = Annotated[str, Parameter(metavar="POSE", allow_leading_hyphen=True)]
+Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True)]
+PATIENCE = 8.0
+"""For the first scan [s]; an LMS-200 that has just been switched on takes 30 s."""
+FIRST_REACH = 4.0
+
+
+@laser_app.default
+def laser(
+    port: Where = AUTO,
+    *,
+    laser_pose: Pose = "0,0,0",
+    laser_mask: Mask = "",
+    seconds: Seconds | None = None,
+    json: Flag = False,
+) -> int:
+    """Show a laser: its identity, a picture of its scans, the closest reading.
+
+    No robot is needed, and none moves. Without a terminal, a line for each second.
+
+    Example: pioneer3 laser /dev/ttyACM0
+    Example: pioneer3 laser tcp://192.168.0.10:10940 --json
+
+    Args:
+        port: [MODEL@]PORT, such as /dev/ttyACM0, tcp://192.168.0.10:10940, lms-200@/dev/ttyUSB1;
+            auto looks at the serial ports of this computer.
+        laser_pose: x,y,heading[,upside-down] on the robot, such as 160mm,0,0.
+        laser_mask: Sectors to leave out, such as -135:-120,120:135.
+        seconds: End after this time.
+        json: One JSON object for each scan, a line each; the first line is the identity.
+    """
+    options = LaserOptions(
+        laser=(port,), laser_pose=(laser_pose,), laser_mask=(laser_mask,) if laser_mask else ()
+    )
+    return run_until_told_to_leave(_laser(options, inf if seconds is None else seconds, json=json))
+
+
+@laser_app.command
+def mask(port: Where = AUTO, *, seconds: Seconds = 5.0, nearer_than: Distance = 0.3) -> int:
+    """Learn the sectors in which the laser sees the robot's own posts.
+
+    Clear the floor around the robot, then start this: directions in which something
+    is near in every scan become sectors to leave out. It prints them as an option
+    and as a line for the file of the robot.
+
+    Example: pioneer3 laser mask /dev/ttyACM0
+
+    Args:
+        port: As for `pioneer3 laser`.
+        seconds: How long to look.
+        nearer_than: Things nearer to the laser than this belong to the robot.
+    """
+    options = LaserOptions(laser=(port,))
+    return run_until_told_to_leave(_mask(options, seconds, nearer_than))
+
+
+@asynccontextmanager
+async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
+    """Run the driver of the laser during the block; wait for its first scan before.
+
+    Raises:
+        LinkError: no scan comes; the message has the reason.
+    """
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.errors import DeviceError, LinkError
+    from pioneer3.robot.lasers.driver import LaserDriver
+    from pioneer3.tasks import running
+
+    asked = ", ".join(options.laser)
+    with busy_sign(f"Looking for a laser at {asked} ..."):
+        (spec,) = await options.specs()
+    driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
+    async with running(driver.run()):
+        with busy_sign(f"Connecting to {spec.url} ..."):
+            try:
+                await driver.reading(PATIENCE)
+            except DeviceError as error:
+                raise LinkError(str(error)) from None
+        yield driver
+
+
+async def _laser(options: LaserOptions, seconds: float, *, json: bool) -> int:
+    async with _driver(options) as driver:
+        if json:
+            return await _write(driver, seconds)
+        if sys.stdout.isatty():
+            return await _show(driver, seconds)
+        return await _tell(driver, seconds)
+
+
+async def _write(driver: "LaserDriver", seconds: float) -> int:
+    from pioneer3.cli.process import write_json
+
+    write_json({"url": driver.config.url, "identity": driver.identity})
+    async for scan in _scans(driver, seconds):
+        write_json({"scan": scan, "closest": _closest(scan) if scan else None})
+    return _code(driver)
+
+
+async def _tell(driver: "LaserDriver", seconds: float) -> int:
+    import asyncio
+
+    from pioneer3.cli.process import write_line
+
+    for line in identity_lines(driver):
+        write_line(line)
+    clock = asyncio.get_running_loop().time
+    due = clock()
+    async for scan in _scans(driver, seconds):
+        if scan is None or clock() >= due:
+            due = clock() + 1.0
+            write_line(reading_line(driver, scan))
+    return _code(driver)
+
+
+async def _show(driver: "LaserDriver", seconds: float) -> int:
+    from rich.console import Console
+    from rich.live import Live
+
+    from pioneer3.demo.drawing import reach_for_points
+    from pioneer3.demo.modes.sensors import points_in_robot
+
+    console = Console(highlight=False)
+    reach = FIRST_REACH
+    with Live(console=console, screen=True, auto_refresh=False) as live:
+        async for scan in _scans(driver, seconds, pace=0.1):
+            if scan is not None:
+                reach = reach_for_points(points_in_robot(scan), reach)
+            live.update(_view(driver, scan, console.width, console.height, reach), refresh=True)
+    return _code(driver)
+
+
+async def _scans(
+    driver: "LaserDriver", seconds: float, pace: float = 0.0
+) -> "AsyncIterator[Scan | None]":
+    """Yield each scan for `seconds`, at most one in `pace` [s]; `None` twice a second if lost."""
+    import asyncio
+
+    clock = asyncio.get_running_loop().time
+    end, values = clock() + seconds, driver.values()
+    while (left := end - clock()) > 0:
+        try:
+            async with asyncio.timeout(min(left, 0.5)):
+                scan = await anext(values)
+        except TimeoutError:
+            values = driver.values()
+            if not driver.connected:
+                yield None
+        except StopAsyncIteration:
+            return
+        else:
+            yield scan
+            if pace:
+                await asyncio.sleep(min(pace, max(0.0, end - clock())))
+
+
+def _code(driver: "LaserDriver") -> int:
+    return 0 if driver.connected else 1
+
+
+def identity_lines(driver: "LaserDriver") -> list[str]:
+    """Return what the laser says of itself, a line for each."""
+    identity = asdict(driver.identity) if driver.identity else {}
+    told = [f"{name.replace('_', ' '):14}{value}" for name, value in identity.items() if value]
+    return [f"laser at {driver.config.url}", *told]
+
+
+def reading_line(driver: "LaserDriver", scan: "Scan | None") -> str:
+    """Return the closest reading, as the demo shows it, and the rate; or why nothing comes."""
+    if scan is None:
+        return f"LOST: {driver.presence}"
+    from pioneer3.demo.modes.sensors import buffer_line
+
+    return f"{buffer_line(scan)}   {driver.rate:.0f} scans/s"
+
+
+def _closest(scan: "Scan") -> dict[str, float] | None:
+    nearest = min(
+        (
+            (metres, angle)
+            for angle, metres in zip(scan.angles, scan.ranges, strict=True)
+            if isfinite(metres)
+        ),
+        default=None,
+    )
+    return {"range": nearest[0], "angle": nearest[1]} if nearest else None
+
+
+def _view(
+    driver: "LaserDriver", scan: "Scan | None", columns: int, rows: int, reach: float
+) -> "RenderableType":
+    from rich.console import Group
+    from rich.text import Text
+
+    from pioneer3.demo.drawing import around_laser
+    from pioneer3.demo.modes.sensors import points_in_robot
+
+    title = Text(f"{driver.title}", "bold", no_wrap=True, overflow="ellipsis")
+    line = reading_line(driver, scan)
+    told = Text(line, "bold red" if scan is None else "bold", no_wrap=True, overflow="ellipsis")
+    hint = Text("straight ahead is up; Ctrl-C ends", "dim")
+    shown = scan or driver.latest
+    if shown is None or rows < 6:
+        return Group(title, told, hint)
+    drawn = around_laser(points_in_robot(shown), columns, rows - 4, reach).text()
+    drawn.end = "\n"
+    return Group(title, drawn, told, hint)
+
+
+async def _mask(options: LaserOptions, seconds: float, nearer_than: float) -> int:
+    from pioneer3.cli.process import busy_sign, write_line
+    from pioneer3.robot.lasers.masks import learned, words
+
+    async with _driver(options) as driver:
+        with busy_sign(f"Looking for {seconds:g} s; stay away from the robot ..."):
+            scans = [scan async for scan in _scans(driver, seconds) if scan is not None]
+    sectors = learned(scans, nearer_than)
+    if not sectors:
+        write_line(f"Nothing is nearer than {nearer_than:g} m in every scan: no mask is needed.")
+        return 0
+    for line in words(sectors):
+        write_line(line)
+    return 0

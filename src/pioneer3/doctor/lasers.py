@@ -1,0 +1,121 @@
+"""Asks ports for a laser range finder, as a driver would, and changes nothing there."""
+
+import asyncio
+import os
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+from pioneer3.doctor.ports import SerialPort, is_serial, list_ports
+from pioneer3.errors import ConfigError, LinkError, PortNotFoundError
+from pioneer3.lasers.client import Lost, Patience, ScanSettings, SpeedWanted
+from pioneer3.links import Link, open_link
+from pioneer3.links.urls import split_url
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.lasers.search import Search
+
+PATIENCE: Final = Patience(give_up=3.5)
+"""Once over all serial speeds."""
+
+
+@dataclass(frozen=True, slots=True)
+class FoundLaser:
+    """A port with a laser.
+
+    Attributes:
+        url: Argument for `--laser`.
+        protocol: Language of the laser, `None` if it is known to be one by its USB number.
+        name: Of the port, for people.
+    """
+
+    url: str
+    protocol: LaserProtocol | None
+    name: str
+
+
+async def find_laser(taken: Sequence[str] = ()) -> str:
+    """Return the port of the only laser at this computer's serial ports that are not `taken`.
+
+    Raises:
+        LinkError: there is none.
+        ConfigError: there are several.
+    """
+    found = await find_lasers(taken)
+    if not found:
+        raise PortNotFoundError(
+            "--laser auto: no laser answers at a serial port of this computer; a laser in the "
+            "network is given by its address, such as --laser tcp://192.168.0.10:10940"
+        )
+    if len(found) > 1:
+        several = ", ".join(laser.url for laser in found)
+        raise ConfigError(f"--laser auto: there are several: {several}; choose one")
+    return found[0].url
+
+
+async def find_lasers(taken: Sequence[str] = ()) -> tuple[FoundLaser, ...]:
+    """Return the lasers at this computer's serial ports that are not `taken` and nobody uses."""
+    in_use = {_device(url) for url in taken if is_serial(url)}
+    free = [
+        port
+        for port in list_ports()
+        if port.device not in in_use and not port.holders and not port.console and port.allowed
+    ]
+    asked = await asyncio.gather(*(_ask_port(port) for port in free))
+    return tuple(laser for laser in asked if laser is not None)
+
+
+async def _ask_port(port: SerialPort) -> FoundLaser | None:
+    name = port.product or port.chip or port.device
+    if port.is_hokuyo:
+        return FoundLaser(port.path, LaserProtocol.SCIP, name)
+    protocol = await protocol_at(port.path)
+    return FoundLaser(port.path, protocol, name) if protocol else None
+
+
+async def protocol_at(url: str, patience: Patience = PATIENCE) -> LaserProtocol | None:
+    """Return the protocol of the laser at `url`, or `None` if none answers."""
+    try:
+        link = await open_link(url)
+    except LinkError:
+        return None
+    try:
+        return await protocol_of(link, patience)
+    finally:
+        await link.close()
+
+
+async def protocol_of(link: Link, patience: Patience = PATIENCE) -> LaserProtocol | None:
+    """Return the protocol of the laser at an open link, or `None` if none answers."""
+    clock = asyncio.get_running_loop().time
+    found: list[LaserProtocol] = []
+    search = Search(
+        clock(),
+        link.speeds,
+        ScanSettings(),
+        patience,
+        round_trip=link.round_trip,
+        found=found.append,
+    )
+    with suppress(LinkError):
+        while not found:
+            for event in search.tick(clock()):
+                match event:
+                    case SpeedWanted(baud):
+                        await link.set_speed(baud)
+                    case Lost():
+                        return None
+            if question := search.outgoing():
+                await link.write(question)
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(search.deadline):
+                    data = await link.read()
+                    if not data or any(
+                        isinstance(event, Lost) for event in search.receive(data, clock())
+                    ):
+                        break
+    return found[0] if found else None
+
+
+def _device(url: str) -> str:
+    return os.path.realpath(split_url(url)[1])

@@ -1,0 +1,297 @@
+"""Keeps one laser connected, whatever happens to it, and hands out its scans."""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+
+from pioneer3.errors import DeviceError, LinkError, RecordingOverError
+from pioneer3.geometry import ORIGIN
+from pioneer3.lasers.client import (
+    AS_DELIVERED,
+    Client,
+    Event,
+    Identified,
+    LaserIdentity,
+    Lost,
+    Measured,
+    Patience,
+    RawScan,
+    Remarked,
+    ScanSettings,
+    SpeedWanted,
+)
+from pioneer3.links import Link, Opener
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.lasers.mounting import Mounting, PoseAt
+from pioneer3.robot.lasers.search import Search, client_of
+from pioneer3.robot.supervisor import Connection, Feed, Status
+from pioneer3.state import Scan
+
+log = logging.getLogger(__name__)
+
+OPEN_PATIENCE = 1.5
+"""A laser that is not there is looked for again after this [s]."""
+RETRY = 0.4
+"""Pause before the next attempt [s]."""
+CLOSE_PATIENCE = 0.5
+WRITE_PATIENCE = 2.0
+RATE_WINDOW = 1.0
+READING_PATIENCE = 10.0
+USUAL = Patience()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserConfig:
+    """A laser and how to use it.
+
+    Attributes:
+        url: Of its port.
+        open: Opens a link to it.
+        name: In scans, frames and messages.
+        protocol: Its language; `None` to find out.
+        settings: For the scans.
+        patience: How long to wait for it.
+        time_offset: Added to the times of scans [s].
+    """
+
+    url: str
+    open: Opener
+    name: str = "laser"
+    protocol: LaserProtocol | None = None
+    settings: ScanSettings = AS_DELIVERED
+    patience: Patience = USUAL
+    time_offset: float = 0.0
+
+
+class LaserDriver:
+    """One laser; a source of scans like the laser of a simulator.
+
+    Args:
+        config: The laser.
+        pose_at: Returns the robot's pose in odometry's frame at a time.
+        mounting: Returns its place on the robot, which is known once the robot is.
+
+    Attributes:
+        config: The same.
+        status: State of the connection, with the reason.
+        identity: As the laser gave it; `None` before.
+        latest: The last scan, or `None`; look at its stamp.
+        scans: Number of scans received.
+        losses: How often the laser was lost.
+    """
+
+    def __init__(
+        self,
+        config: LaserConfig,
+        pose_at: PoseAt = lambda time: ORIGIN,
+        mounting: Callable[[], Mounting] = Mounting,
+    ) -> None:
+        self.config = config
+        self.status: Feed[Status] = Feed()
+        self.identity: LaserIdentity | None = None
+        self.latest: Scan | None = None
+        self.scans = 0
+        self.losses = 0
+        self._pose_at = pose_at
+        self._mounting = mounting
+        self._protocol = config.protocol
+        self._feed: Feed[Scan] = Feed()
+        self._clock = asyncio.get_running_loop().time
+        self._stamps: deque[float] = deque()
+        self._failure = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the laser."""
+        return self.config.name
+
+    @property
+    def protocol(self) -> LaserProtocol | None:
+        """Its language, once it is known."""
+        return self._protocol
+
+    @property
+    def connected(self) -> bool:
+        """Whether scans come."""
+        return self.status.latest is not None and (
+            self.status.latest.connection is Connection.CONNECTED
+        )
+
+    @property
+    def presence(self) -> Presence:
+        """There is one: it was asked for. The reason tells its state."""
+        status = self.status.latest
+        return Presence(True, f"{self.title}: {status.message if status else 'not asked yet'}.")
+
+    @property
+    def title(self) -> str:
+        """Product and port, for people."""
+        product = self.identity.product if self.identity else ""
+        return f"{product or 'laser'} at {self.config.url}"
+
+    @property
+    def rate(self) -> float:
+        """Scans in the last second [1/s]."""
+        self._forget(self._clock())
+        return len(self._stamps) / RATE_WINDOW
+
+    @contextmanager
+    def wanted(self) -> Iterator[None]:
+        """Keep :attr:`latest` new during the block; this laser scans all the time."""
+        yield
+
+    async def values(self) -> AsyncGenerator[Scan, None]:
+        """Yield each scan; the newest when the reader is slow."""
+        async for scan in self._feed.values():
+            yield scan
+
+    async def reading(self, patience: float = READING_PATIENCE) -> Scan:
+        """Return the next scan.
+
+        Raises:
+            DeviceError: none came for `patience` [s].
+        """
+        values = self.values()
+        try:
+            async with asyncio.timeout(patience):
+                return await anext(values)
+        except (TimeoutError, StopAsyncIteration):
+            raise DeviceError(f"No scan for {patience:g} s. {self.presence}") from None
+        finally:
+            await values.aclose()
+
+    async def run(self) -> None:
+        """Connect, and again after every loss; ends by cancellation, or with a recording."""
+        try:
+            while True:
+                self._publish(Connection.CONNECTING, self._connecting())
+                try:
+                    await self._serve_once()
+                except RecordingOverError as over:
+                    self._publish(Connection.CLOSED, str(over))
+                    return
+                except LinkError as error:
+                    self._lose(str(error))
+                await asyncio.sleep(RETRY)
+        finally:
+            self._publish(Connection.CLOSED, "closed")
+            for feed in (self._feed, self.status):
+                feed.close()
+
+    def _connecting(self) -> str:
+        return f"connecting after: {self._failure}" if self._failure else "connecting"
+
+    async def _serve_once(self) -> None:
+        try:
+            async with asyncio.timeout(OPEN_PATIENCE):
+                link = await self.config.open()
+        except TimeoutError:
+            raise LinkError(f"{self.config.url}: no answer within {OPEN_PATIENCE:g} s") from None
+        client = self._client(link.speeds, link.round_trip)
+        try:
+            await self._serve(link, client)
+        finally:
+            client.leave(self._clock())
+            with suppress(LinkError, TimeoutError):
+                async with asyncio.timeout(CLOSE_PATIENCE):
+                    await link.write(client.outgoing())
+            await link.close()
+
+    def _client(self, speeds: Sequence[int], round_trip: float) -> Client:
+        now, config = self._clock(), self.config
+        if self._protocol is not None:
+            return client_of(
+                self._protocol, now, speeds, config.settings, config.patience, round_trip=round_trip
+            )
+        return Search(
+            now,
+            speeds,
+            config.settings,
+            config.patience,
+            round_trip=round_trip,
+            found=self._learn_protocol,
+        )
+
+    def _learn_protocol(self, protocol: LaserProtocol) -> None:
+        self._protocol = protocol
+
+    async def _serve(self, link: Link, client: Client) -> None:
+        """Pass bytes between `link` and `client` until it is lost.
+
+        Raises:
+            LinkError: it is lost; the message has the reason.
+        """
+        while True:
+            await self._obey(link, client, client.tick(self._clock()))
+            data = await self._read(link, client.deadline)
+            if data is not None:
+                await self._obey(link, client, client.receive(data, self._clock()))
+
+    async def _read(self, link: Link, deadline: float) -> bytes | None:
+        """Return the next bytes, or `None` if none come before `deadline`."""
+        try:
+            async with asyncio.timeout_at(deadline):
+                data = await link.read()
+        except TimeoutError:
+            return None
+        if not data:
+            raise LinkError(f"{link.url}: the laser closed the connection")
+        return data
+
+    async def _obey(self, link: Link, client: Client, events: list[Event]) -> None:
+        await self._write(link, client.outgoing())
+        for event in events:
+            match event:
+                case Measured(scan):
+                    self._take(scan)
+                case SpeedWanted(baud):
+                    await link.set_speed(baud)
+                case Identified(identity):
+                    self.identity = identity
+                    log.info("%s: %s", self.config.url, identity)
+                case Remarked(text):
+                    log.info("%s: %s", self.config.url, text)
+                case Lost(reason):
+                    raise LinkError(f"{self.config.url}: {reason}")
+        await self._write(link, client.outgoing())
+
+    async def _write(self, link: Link, data: bytes) -> None:
+        if not data:
+            return
+        try:
+            async with asyncio.timeout(WRITE_PATIENCE):
+                await link.write(data)
+        except TimeoutError:
+            raise LinkError(f"{link.url}: the laser does not take what is sent to it") from None
+
+    def _take(self, raw: RawScan) -> None:
+        self.scans += 1
+        scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
+        if not self.connected:
+            self._failure = ""
+            self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
+        self.latest = scan
+        now = self._clock()
+        self._stamps.append(now)
+        self._forget(now)
+        self._feed.publish(scan)
+
+    def _lose(self, reason: str) -> None:
+        self.losses += self.connected
+        self._failure = reason
+        self._publish(Connection.LOST, reason)
+
+    def _publish(self, connection: Connection, message: str) -> None:
+        latest = self.status.latest
+        status = Status(connection, message)
+        if latest != status and connection is not Connection.CONNECTING:
+            log.info("%s: %s: %s", self.config.url, connection, message)
+        self.status.publish(status)
+
+    def _forget(self, now: float) -> None:
+        while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
+            self._stamps.popleft()

@@ -1,0 +1,88 @@
+"""The place of a laser on the robot, and the way from its readings to a scan of the robot."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan, pi
+from typing import NamedTuple
+
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.lasers.client import RawScan
+from pioneer3.state import Scan
+
+PoseAt = Callable[[float], Pose2]
+"""Returns the robot's pose in odometry's frame at a time [s, monotonic]."""
+
+
+class Sector(NamedTuple):
+    """Directions from `first` counter-clockwise to `last` [rad]."""
+
+    first: float
+    last: float
+
+    def holds(self, angle: float) -> bool:
+        """Whether `angle` [rad] lies in it."""
+        return (angle - self.first) % (2 * pi) <= (self.last - self.first) % (2 * pi) + 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mounting:
+    """The place of a laser on the robot.
+
+    Attributes:
+        sensor_in_robot: Its pose [m, rad].
+        upside_down: Whether it hangs head down, so that it turns clockwise.
+        masked: Sectors to leave out, such as posts of the robot itself; in the laser's frame, as
+            :attr:`Scan.angles` are, seen from above.
+    """
+
+    sensor_in_robot: Pose2 = ORIGIN
+    upside_down: bool = False
+    masked: tuple[Sector, ...] = ()
+
+    def scan(self, raw: RawScan, sequence: int, name: str, pose_at: PoseAt) -> Scan:
+        """Return the scan of the robot for the readings of its laser."""
+        count = len(raw.ranges)
+        last = raw.stamp + raw.beam_time * max(0, count - 1)
+        began, ended = pose_at(raw.stamp), pose_at(last)
+        moved = None if ended == began else ended
+        ranges: Sequence[float] = raw.ranges
+        reflectances, echoes = raw.intensities, raw.echoes
+        first, stamp, beam_time = raw.first, raw.stamp, raw.beam_time
+        if self.upside_down:
+            ranges, reflectances, echoes = ranges[::-1], reflectances[::-1], echoes[::-1]
+            first = wrap(-(raw.first + raw.step * max(0, count - 1)))
+            stamp, beam_time = last, -raw.beam_time
+            began, moved = ended, None if moved is None else began
+        angles, hidden = _geometry(first, raw.step, count, self.masked)
+        if hidden:
+            shown = list(ranges)
+            for i in hidden:
+                shown[i] = nan
+            ranges = shown
+        return Scan(
+            stamp=stamp,
+            sequence=sequence,
+            robot_in_odom=began,
+            sensor_in_robot=self.sensor_in_robot,
+            angles=angles,
+            ranges=tuple(ranges),
+            reflectances=reflectances,
+            laser=name,
+            beam_time=beam_time,
+            period=raw.period,
+            near=raw.near,
+            far=raw.far,
+            echoes=echoes,
+            last_in_odom=moved,
+        )
+
+
+@lru_cache(maxsize=32)
+def _geometry(
+    first: float, step: float, count: int, masked: tuple[Sector, ...]
+) -> tuple[tuple[float, ...], tuple[int, ...]]:
+    """Return the angles of the readings, and the numbers of those that are masked."""
+    angles = tuple(first + i * step for i in range(count))
+    hidden = (i for i, angle in enumerate(angles) if any(s.holds(angle) for s in masked))
+    return angles, tuple(hidden)

@@ -1,0 +1,167 @@
+"""Finds the protocol of the laser at a link, then speaks it. No I/O.
+
+Rules:
+
+1. It listens before it asks: a laser that was left scanning tells its protocol and its speed.
+2. It asks in all languages at once. Each device ignores the questions in the others': SCIP ends a
+   line at LF, an LMS-2xx looks for a right checksum, CoLa for STX and ETX.
+3. No question changes a setting.
+4. A robot that sends its reports is told apart, and left alone.
+"""
+
+from collections.abc import Callable, Sequence
+from math import inf
+
+from pioneer3.arcos.packet import PacketReader
+from pioneer3.errors import ConfigError
+from pioneer3.lasers.client import (
+    Client,
+    Event,
+    Lost,
+    Patience,
+    Remarked,
+    ScanSettings,
+    SpeedWanted,
+)
+from pioneer3.lasers.recognition import QUESTION, recognise
+from pioneer3.models.lasers import LaserProtocol
+
+LISTEN = 0.15
+"""At each speed before asking [s]: a laser that scans is heard by then."""
+WAIT = 0.35
+"""For an answer [s]: an LMS-2xx answers within 60 ms, at 9600 baud a version takes 170 ms."""
+HEARD = 4096
+SPEEDS = (115200, 38400, 9600, 19200, 57600, 500000)
+"""Of all lasers [baud]; those with USB answer at any."""
+ROBOT = "this port leads to the robot, not to a laser: give it with --port"
+ECHO = "what was sent comes back: the line's two ends are joined"
+NOTHING = "nothing answers as a laser does: is it switched on, and is this its port?"
+
+
+class Search:
+    """A client that becomes the one of the right protocol.
+
+    Args:
+        now: The time [s, monotonic].
+        speeds: Line speeds that the link can have [baud]; empty without a serial line.
+        settings: For the scans.
+        patience: How long to wait.
+        round_trip: How much later than over a cable an answer may come [s].
+        found: Called with the protocol once it is known.
+    """
+
+    def __init__(
+        self,
+        now: float,
+        speeds: Sequence[int],
+        settings: ScanSettings,
+        patience: Patience,
+        *,
+        round_trip: float = 0.0,
+        found: Callable[[LaserProtocol], None] = lambda protocol: None,
+    ) -> None:
+        self.deadline = now
+        self._speeds = tuple(s for s in SPEEDS if s in speeds) if speeds else ()
+        self._settings, self._patience, self._round_trip = settings, patience, round_trip
+        self._found = found
+        self._until = now + patience.give_up
+        self._turn = -1
+        self._asked = True
+        self._heard = bytearray()
+        self._outbox = b""
+        self._client: Client | None = None
+
+    def receive(self, data: bytes, now: float) -> list[Event]:
+        """Process received bytes; return the events that follow."""
+        if self._client is not None:
+            return self._passed(self._client.receive(data, now))
+        self._heard += data
+        del self._heard[:-HEARD]
+        protocol = recognise(bytes(self._heard))
+        if protocol is not None:
+            return self._speak(protocol, now)
+        if self._is_robot():
+            return [Lost(ROBOT)]
+        if self._outbox == b"" and self._asked and QUESTION in self._heard:
+            return [Lost(ECHO)]
+        return []
+
+    def tick(self, now: float) -> list[Event]:
+        """Act on the passing of time."""
+        if self._client is not None:
+            return self._passed(self._client.tick(now))
+        if now < self.deadline - 1e-9:
+            return []
+        if now >= self._until:
+            self.deadline = inf
+            return [Lost(NOTHING)]
+        if not self._asked:
+            self._asked, self._outbox = True, QUESTION
+            self.deadline = now + WAIT + self._round_trip
+            return []
+        self._turn += 1
+        self._asked = False
+        self._heard.clear()
+        self.deadline = now + LISTEN
+        if not self._speeds:
+            return []
+        return [SpeedWanted(self._speeds[self._turn % len(self._speeds)])]
+
+    def outgoing(self) -> bytes:
+        """Return and forget the bytes to put on the wire."""
+        if self._client is not None:
+            return self._client.outgoing()
+        data, self._outbox = self._outbox, b""
+        return data
+
+    def leave(self, now: float) -> None:
+        """Queue the commands that end scanning."""
+        if self._client is not None:
+            self._client.leave(now)
+
+    def _speak(self, protocol: LaserProtocol, now: float) -> list[Event]:
+        """Become the client of `protocol`, beginning at the speed that was found."""
+        self._found(protocol)
+        speeds = self._speeds
+        if speeds:
+            here = speeds[self._turn % len(speeds)]
+            speeds = (here, *(speed for speed in speeds if speed != here))
+        self._client = client_of(
+            protocol, now, speeds, self._settings, self._patience, round_trip=self._round_trip
+        )
+        events = [Remarked(f"the laser speaks {protocol.value}"), *self._client.tick(now)]
+        return self._passed(events)
+
+    def _passed(self, events: list[Event]) -> list[Event]:
+        assert self._client is not None
+        self.deadline = self._client.deadline
+        return events
+
+    def _is_robot(self) -> bool:
+        return PacketReader().feed(bytes(self._heard)) != []
+
+
+def client_of(
+    protocol: LaserProtocol,
+    now: float,
+    speeds: Sequence[int],
+    settings: ScanSettings,
+    patience: Patience,
+    *,
+    round_trip: float = 0.0,
+) -> Client:
+    """Return a new client of `protocol`; see :class:`Search` for the arguments."""
+    match protocol:
+        case LaserProtocol.SCIP:
+            from pioneer3.lasers.scip.client import ScipClient
+
+            return ScipClient(now, speeds, settings, patience, round_trip=round_trip)
+        case LaserProtocol.LMS2XX:
+            from pioneer3.lasers.lms2xx.client import LmsClient
+
+            return LmsClient(now, speeds, settings, patience, round_trip=round_trip)
+        case LaserProtocol.COLA:
+            from pioneer3.lasers.cola.client import ColaClient
+
+            return ColaClient(now, settings, patience, round_trip=round_trip)
+    raise ConfigError(f"{protocol}: no such protocol")

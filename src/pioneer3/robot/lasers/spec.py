@@ -1,0 +1,173 @@
+"""Lasers as people write them on a command line."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
+from pioneer3.links.urls import HOST_AND_PORT, opener, split_url
+from pioneer3.models import LaserMount, RobotModel
+from pioneer3.models.lasers import HOKUYO_PORT, LASERS, LaserProtocol, load_laser
+from pioneer3.models.model import REACH
+from pioneer3.robot.lasers.driver import LaserConfig
+from pioneer3.robot.lasers.mounting import Mounting, Sector
+from pioneer3.units import ANGLE, LENGTH
+
+UPSIDE_DOWN = "upside-down"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserSpec:
+    """A laser of a robot, as it was asked for.
+
+    Attributes:
+        url: Of its port.
+        name: In scans, frames and messages.
+        protocol: Its language; `None` to find out.
+        mounting: Its place; `None` for that of the robot's model.
+        masked: Sectors to leave out, besides those of the robot's model.
+        settings: For the scans.
+        record: New file for every byte on its wire.
+    """
+
+    url: str
+    name: str = "laser"
+    protocol: LaserProtocol | None = None
+    mounting: Mounting | None = None
+    masked: tuple[Sector, ...] = ()
+    settings: ScanSettings = AS_DELIVERED
+    record: Path | None = None
+
+    def config(self) -> LaserConfig:
+        """Return the laser for a driver.
+
+        Raises:
+            ConfigError: the URL names no port.
+        """
+        return LaserConfig(
+            url=self.url,
+            open=opener(self.url),
+            name=self.name,
+            protocol=self.protocol,
+            settings=self.settings,
+        )
+
+    def mounting_on(self, model: RobotModel | None) -> Mounting:
+        """Return its place on a robot of this model; on no robot it is the origin."""
+        found = self.mounting
+        if found is None:
+            mount = model.laser if model else None
+            found = mounting_of(mount) if mount else Mounting()
+        return replace(found, masked=found.masked + self.masked)
+
+
+def mounting_of(mount: LaserMount) -> Mounting:
+    """Return the place that a robot's model gives."""
+    return Mounting(
+        sensor_in_robot=Pose2(mount.x, mount.y, mount.theta),
+        upside_down=mount.upside_down,
+        masked=tuple(Sector(first, last) for first, last in mount.masked),
+    )
+
+
+def parse_lasers(
+    lasers: Sequence[str],
+    poses: Sequence[str] = (),
+    masks: Sequence[str] = (),
+    *,
+    settings: ScanSettings = AS_DELIVERED,
+    record: Path | None = None,
+) -> tuple[LaserSpec, ...]:
+    """Read the options of a command line.
+
+    Args:
+        lasers: `[MODEL@]PORT` of each.
+        poses: `x,y,heading[,upside-down]`, for the first lasers, in their order.
+        masks: `first:last[,first:last ...]`, likewise.
+        settings: For the scans of all.
+        record: New file for every byte on the robot's wire; each laser has its own, with its name
+            added.
+
+    Raises:
+        ConfigError: one of them is wrong, or there are more poses or masks than lasers.
+    """
+    for option, given in (("--laser-pose", poses), ("--laser-mask", masks)):
+        if len(given) > len(lasers):
+            raise ConfigError(f"{option}: {len(given)} given, but lasers: {len(lasers)}")
+    specs = []
+    for number, text in enumerate(lasers):
+        name = "laser" if number == 0 else f"laser{number + 1}"
+        spec = replace(parse_laser(text), name=name, settings=settings)
+        if number < len(poses):
+            spec = replace(spec, mounting=parse_mounting(poses[number]))
+        if number < len(masks):
+            spec = replace(spec, masked=parse_mask(masks[number]))
+        if record is not None:
+            spec = replace(spec, record=record.with_stem(f"{record.stem}-{name}"))
+        specs.append(spec)
+    twice = next((s.url for s in specs if [o.url for o in specs].count(s.url) > 1), None)
+    if twice:
+        raise ConfigError(f"--laser {twice}: given twice")
+    return tuple(specs)
+
+
+def parse_laser(text: str) -> LaserSpec:
+    """Read `[MODEL@]PORT`, such as `/dev/ttyACM0` or `lms-200@/dev/ttyUSB1`.
+
+    Raises:
+        ConfigError: there is no such laser, or it is no port.
+    """
+    model, at, url = text.rpartition("@")
+    if at and model not in LASERS and "/" not in model:
+        load_laser(model)  # says which there are
+    if not at or model not in LASERS:
+        model, url = "", text
+    if url.startswith("tcp:") and not HOST_AND_PORT.search(url):
+        ports = LASERS[model].tcp_ports if model else ()
+        url = f"{url.rstrip('/')}:{ports[0] if ports else HOKUYO_PORT}"
+    try:
+        split_url(url)
+    except ConfigError as error:
+        raise ConfigError(f"--laser: {error}") from None
+    return LaserSpec(url=url, protocol=LASERS[model].protocol if model else None)
+
+
+def parse_mounting(text: str) -> Mounting:
+    """Read `x,y,heading`, with `,upside-down` for one that hangs head down.
+
+    Numbers are in m and degrees unless they carry units, such as `160mm,0,1.57rad`.
+
+    Raises:
+        ConfigError: it is no such place, or not on a robot.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    upside_down = parts[-1] == UPSIDE_DOWN
+    try:
+        x, y, heading = parts[: len(parts) - upside_down]
+        pose = Pose2(LENGTH.read(x), LENGTH.read(y), wrap(ANGLE.read(heading)))
+    except ValueError as error:
+        raise ConfigError(
+            f"--laser-pose {text}: expected x,y,heading in m and degrees, such as 0.16,0,0 or "
+            f"160mm,0,180,{UPSIDE_DOWN}: {error}"
+        ) from None
+    if not (REACH.holds(pose.x) and REACH.holds(pose.y)):
+        raise ConfigError(f"--laser-pose {text}: at most {REACH.high:g} m from the robot's middle")
+    return Mounting(sensor_in_robot=pose, upside_down=upside_down)
+
+
+def parse_mask(text: str) -> tuple[Sector, ...]:
+    """Read sectors to leave out, `first:last` in degrees, such as `-135:-120,120:135`.
+
+    Raises:
+        ConfigError: they are no sectors.
+    """
+    try:
+        ends = [part.split(":") for part in text.split(",")]
+        return tuple(Sector(ANGLE.read(first), ANGLE.read(last)) for first, last in ends)
+    except ValueError as error:
+        raise ConfigError(
+            f"--laser-mask {text}: expected sectors in degrees, counter-clockwise, such as "
+            f"-135:-120,120:135: {error}"
+        ) from None
