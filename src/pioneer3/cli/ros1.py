@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import PORT, Baud
+from pioneer3.cli.options import NO_LASERS, PORT, Baud, LaserOptions
 from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.cli.ros1_demos import (
     MODE_DEMOS,
@@ -47,6 +47,7 @@ def ros1(
     *arguments: Annotated[str, Parameter(show=True)],
     port: Annotated[str | None, PORT] = None,
     baud: Baud = None,
+    lasers: LaserOptions = NO_LASERS,
     install_package: Path | None = None,
 ) -> int:
     """Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
@@ -60,18 +61,27 @@ def ros1(
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
         port: The robot: /dev/ttyUSB0, localhost:8101.
         baud: Serial speed to try first.
+        lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:
         return _install(install_package)
-    return run_until_told_to_leave(_serve(arguments, port, baud))
+    return run_until_told_to_leave(_serve(arguments, port, baud, lasers))
 
 
-async def _serve(arguments: tuple[str, ...], port: str | None, baud: int | None) -> int:
+async def _serve(
+    arguments: tuple[str, ...], port: str | None, baud: int | None, lasers: LaserOptions
+) -> int:
     from pioneer3.cli.process import write_line
     from pioneer3.ros.ros1.start import Options, serve
 
-    return await serve(Options(port=port, baud=baud, arguments=arguments), write_line)
+    options = Options(
+        port=port,
+        baud=baud,
+        lasers=lambda robot: lasers.specs(taken=[robot]),
+        arguments=arguments,
+    )
+    return await serve(options, write_line)
 
 
 def _install(folder: Path) -> int:

@@ -94,12 +94,20 @@ FIRST, LAST, STEP = radians(-90), radians(90), radians(1)
 FINEST = radians(0.1)
 REAL = (
     "Lasers of real robots are connected to a serial port or the network of the computer, not to"
-    " the robot: reading those is not built yet. Simulators have one."
+    " the robot: name that port with --laser, or let it be found with --laser auto."
 )
 
 
 class LaserSource(Protocol):
     """A laser range finder, read from the robot's own stream or by a driver."""
+
+    @property
+    def name(self) -> str:
+        """Its name in scans, frames and messages: `laser`, that of a second one `laser2`."""
+
+    @property
+    def sensor_in_robot(self) -> Pose2:
+        """Its pose on the robot [m, rad]."""
 
     @property
     def presence(self) -> Presence:
@@ -150,6 +158,14 @@ class Laser(Sensor[Scan]):
         super().__init__(supervisor, _kind(FIRST, LAST, STEP), self._add)
         self._sweep = self._sweep_of(FIRST, LAST)
 
+    name = "laser"
+
+    @property
+    def sensor_in_robot(self) -> Pose2:
+        """Its pose on the robot [m, rad]."""
+        mount = self._supervisor.info.model.laser if self._supervisor.info else None
+        return Pose2(mount.x, mount.y, mount.theta) if mount else ORIGIN
+
     @property
     def presence(self) -> Presence:
         """Whether there is one: simulators have it, in the robot's own stream."""
@@ -193,9 +209,7 @@ class Laser(Sensor[Scan]):
             raise DeviceError(str(self.presence))
 
     def _sweep_of(self, first: float, last: float) -> Sweep:
-        info = self._supervisor.info
-        mount = info.model.laser if info else None
-        return Sweep(Pose2(mount.x, mount.y, mount.theta) if mount else ORIGIN, first, last)
+        return Sweep(self.sensor_in_robot, first, last)
 
     def _add(self, report: Report, stamp: float) -> Scan | None:
         assert isinstance(report, SimLaser | SimLaserExtended)

@@ -5,10 +5,10 @@ import logging
 from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pioneer3.errors import DeviceError, LinkError, RecordingOverError
-from pioneer3.geometry import ORIGIN
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.lasers.client import (
     AS_DELIVERED,
     Client,
@@ -103,11 +103,17 @@ class LaserDriver:
         self._clock = asyncio.get_running_loop().time
         self._stamps: deque[float] = deque()
         self._failure = ""
+        self._latency = 0.0
 
     @property
     def name(self) -> str:
         """Name of the laser."""
         return self.config.name
+
+    @property
+    def sensor_in_robot(self) -> Pose2:
+        """Its pose on the robot [m, rad]."""
+        return self._mounting().sensor_in_robot
 
     @property
     def protocol(self) -> LaserProtocol | None:
@@ -132,6 +138,11 @@ class LaserDriver:
         """Product and port, for people."""
         product = self.identity.product if self.identity else ""
         return f"{product or 'laser'} at {self.config.url}"
+
+    @property
+    def latency(self) -> float:
+        """Time from the last reading of the last scan until it was here [s]; 0 before any."""
+        return self._latency
 
     @property
     def rate(self) -> float:
@@ -270,12 +281,15 @@ class LaserDriver:
 
     def _take(self, raw: RawScan) -> None:
         self.scans += 1
+        if self.config.time_offset:
+            raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
         scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
         if not self.connected:
             self._failure = ""
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
         self.latest = scan
         now = self._clock()
+        self._latency = now - raw.stamp - raw.beam_time * len(raw.ranges)
         self._stamps.append(now)
         self._forget(now)
         self._feed.publish(scan)

@@ -29,6 +29,7 @@ class LaserSpec:
         mounting: Its place; `None` for that of the robot's model.
         masked: Sectors to leave out, besides those of the robot's model.
         settings: For the scans.
+        time_offset: Added to the times of scans [s].
         record: New file for every byte on its wire.
     """
 
@@ -38,6 +39,7 @@ class LaserSpec:
     mounting: Mounting | None = None
     masked: tuple[Sector, ...] = ()
     settings: ScanSettings = AS_DELIVERED
+    time_offset: float = 0.0
     record: Path | None = None
 
     def config(self) -> LaserConfig:
@@ -52,6 +54,7 @@ class LaserSpec:
             name=self.name,
             protocol=self.protocol,
             settings=self.settings,
+            time_offset=self.time_offset,
         )
 
     def mounting_on(self, model: RobotModel | None) -> Mounting:

@@ -1,6 +1,6 @@
 """The tree of frames on a robot: the one source of URDF, static and moving transforms."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from math import cos, pi, sin
@@ -31,7 +31,7 @@ class Frames:
         bumpers: Of the bumpers; the robot's own pose.
         sonar: Of all sonars together; the robot's own pose: their points are in robot coordinates.
         sonar_prefix: Before the number of a transducer, which looks along its frame's x axis.
-        laser: Of the laser range finder.
+        laser: Of the laser range finder; of others it is followed by their number.
         imu: Of the gyro.
     """
 
@@ -47,6 +47,10 @@ class Frames:
     def transducer(self, number: int) -> str:
         """Return the frame of one sonar transducer."""
         return f"{self.sonar_prefix}{number}"
+
+    def laser_frame(self, number: int) -> str:
+        """Return the frame of a laser range finder; the first, number 0, has the plain name."""
+        return f"{self.laser}{number + 1}" if number else self.laser
 
     @property
     def bumper_link(self) -> str:
@@ -124,6 +128,7 @@ def tree_of(
     frames: Frames,
     wheel_names: tuple[str, ...] = (),
     sonar_height: float | None = None,
+    lasers: Sequence[Pose2] | None = None,
 ) -> Tree:
     """Return the tree of a robot of this kind.
 
@@ -132,11 +137,15 @@ def tree_of(
         frames: Names, without a prefix.
         wheel_names: Of the joints, in place of those of :func:`wheel_joint_names`.
         sonar_height: Above the floor [m], in place of the usual one.
+        lasers: Poses of the laser range finders on the robot [m, rad]; `None` for that of `model`.
 
     Raises:
         ConfigError: two frames have one name, or there are too many or too few names of wheels.
     """
-    fixed = tuple(_fixed(model, frames, sonar_height))
+    if lasers is None:
+        at = model.laser
+        lasers = [Pose2(at.x, at.y, at.theta)] if at else []
+    fixed = tuple(_fixed(model, frames, sonar_height, lasers))
     tree = Tree(base=frames.base, fixed=fixed, wheels=tuple(_wheels(model, frames, wheel_names)))
     names = sorted([frames.base, frames.odom, *(joint.child for joint in tree.joints)])
     twice = [one for one, other in pairwise(names) if one == other]
@@ -180,7 +189,9 @@ def height_of_sonars(model: RobotModel) -> float:
     return shape_of(model).sonar_height
 
 
-def _fixed(model: RobotModel, frames: Frames, sonar_height: float | None) -> Iterator[Joint]:
+def _fixed(
+    model: RobotModel, frames: Frames, sonar_height: float | None, lasers: Sequence[Pose2]
+) -> Iterator[Joint]:
     shape = shape_of(model)
     for name in (frames.footprint, frames.bumper_link, frames.sonar):
         if name != frames.base:
@@ -191,9 +202,8 @@ def _fixed(model: RobotModel, frames: Frames, sonar_height: float | None) -> Ite
     for number, mount in enumerate(model.sonars):
         name = frames.transducer(number)
         yield _joint(frames.base, name, (mount.x, mount.y, high), mount.theta)
-    if model.laser is not None:
-        at = model.laser
-        yield _joint("top_plate", frames.laser, (at.x, at.y, SCAN_HEIGHT), at.theta)
+    for number, at in enumerate(lasers):
+        yield _joint("top_plate", frames.laser_frame(number), (at.x, at.y, SCAN_HEIGHT), at.theta)
     if shape.caster is not None:
         yield _joint(frames.base, "caster", (shape.caster, 0.0, shape.caster_radius))
 

@@ -53,29 +53,6 @@ OK, WARN, ERROR, STALE = DiagnosticLevel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Health:
-    """All that a diagnosis looks at.
-
-    Attributes:
-        info: Of the robot last connected.
-        snapshot: The latest one, or `None` while the link is lost.
-        lost: Why it is lost, if it is.
-        emergency: Whether the emergency stop is latched.
-        driver: The action that drives, or `None`.
-        why_not_moving: A sentence, or `None` while the robot moves.
-        refused: Why commands are ignored, or `None`.
-    """
-
-    info: RobotInfo
-    snapshot: Snapshot | None
-    lost: str = ""
-    emergency: bool = False
-    driver: str | None = None
-    why_not_moving: str | None = None
-    refused: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DiagnosticStatus:
     """The state of one part of the robot, as in diagnostic_msgs/DiagnosticStatus.
 
@@ -95,6 +72,31 @@ class DiagnosticStatus:
         return f"{self.part}: {self.message}"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Health:
+    """All that a diagnosis looks at.
+
+    Attributes:
+        info: Of the robot last connected.
+        snapshot: The latest one, or `None` while the link is lost.
+        lost: Why it is lost, if it is.
+        emergency: Whether the emergency stop is latched.
+        driver: The action that drives, or `None`.
+        why_not_moving: A sentence, or `None` while the robot moves.
+        refused: Why commands are ignored, or `None`.
+        lasers: State of each laser range finder at the computer.
+    """
+
+    info: RobotInfo
+    snapshot: Snapshot | None
+    lost: str = ""
+    emergency: bool = False
+    driver: str | None = None
+    why_not_moving: str | None = None
+    refused: str | None = None
+    lasers: tuple[DiagnosticStatus, ...] = ()
+
+
 def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
     """Return the state of each part; without a robot all but the link are stale."""
     snapshot = health.snapshot
@@ -103,11 +105,13 @@ def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
         link = DiagnosticStatus(
             part="Link", level=ERROR, message=gone, values=(("url", health.info.url),)
         )
-        return link, *(
+        stale = (
             DiagnosticStatus(part=part, level=STALE, message="no robot is connected")
             for part in PARTS
         )
-    return _link(health, snapshot), *(check(health, snapshot) for check in PARTS.values())
+        return link, *stale, *health.lasers
+    parts = (check(health, snapshot) for check in PARTS.values())
+    return _link(health, snapshot), *parts, *health.lasers
 
 
 def hardware_id(info: RobotInfo) -> str:

@@ -237,15 +237,16 @@ def bounded_range(metres: float, beam: Beam) -> float:
 
 
 def scan(message: Any, update: ScanUpdate) -> None:
-    """Fill a sensor_msgs/LaserScan; `inf` where nothing answered (REP 117)."""
+    """Fill a sensor_msgs/LaserScan; `inf`, `-inf` and NaN as in REP 117."""
     sweep = update.scan
     fill_header(message, update.stamp, update.frame)
     count = len(sweep.angles)
     message.angle_min, message.angle_max = sweep.angles[0], sweep.angles[-1]
     span = message.angle_max - message.angle_min
     message.angle_increment = span / (count - 1) if count > 1 else 0.0
-    message.time_increment, message.scan_time = 0.0, update.period  # simulators look all at once
-    message.range_min, message.range_max = 0.0, SCAN_MAX
+    message.time_increment, message.scan_time = sweep.beam_time, update.period
+    message.range_min = sweep.near
+    message.range_max = sweep.far if isfinite(sweep.far) else SCAN_MAX
     message.ranges = list(sweep.ranges)
     message.intensities = list(map(float, sweep.reflectances))
 

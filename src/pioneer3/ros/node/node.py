@@ -11,6 +11,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError
 from pioneer3.models import RobotModel
 from pioneer3.robot.devices.sensor import Stamped
+from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
 from pioneer3.ros.description.tree import Tree, tree_of
 from pioneer3.ros.description.urdf import describe
@@ -21,11 +22,13 @@ from pioneer3.ros.messages.diagnostics import (
     diagnose,
     hardware_id,
 )
+from pioneer3.ros.messages.laser_diagnostics import laser_status
 from pioneer3.ros.messages.motion import WheelAngles
 from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
 from pioneer3.ros.node.middleware import Middleware
+from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.node.publishing import Publishing
 from pioneer3.ros.node.services import Services
@@ -68,7 +71,8 @@ class RobotNode:
         self._sent: list[Command] = []
         self._scanned_at = -inf
         self._commands = Commands(robot, parameters.timeout, middleware.warn)
-        topics = published(self._model, options, parameters.profile)
+        names = [laser.name for laser in robot.lasers]
+        topics = published(self._model, options, parameters.profile, names)
         self._publishing = Publishing(topics, parameters.profile, middleware)
         self._services = Services(
             robot,
@@ -93,8 +97,11 @@ class RobotNode:
             async with running(
                 self._publish_state(),
                 self._publish_diagnostics(),
-                self._publishing.publish_device(
-                    ScanUpdate, self._robot.laser.values, self._scan_update
+                *(
+                    self._publishing.publish_device(
+                        ScanUpdate, laser.values, partial(self._scan_update, number), laser.name
+                    )
+                    for number, laser in enumerate(self._robot.lasers)
                 ),
                 *(
                     self._publishing.publish_device(
@@ -141,7 +148,9 @@ class RobotNode:
     def _is_available(self, topic: Topic) -> bool:
         """Return whether the robot has the device that a topic is published from."""
         if topic.source is ScanUpdate:
-            return bool(self._robot.laser.presence.there)
+            plain = self._parameters.profile is Profile.COMPATIBILITY  # RosAria has no such topic
+            asked = self._robot.laser is not self._robot.devices.laser
+            return bool(self._robot.laser.presence.there) and (asked or not plain)
         return not topic.sensor or bool(self._sensors[topic.sensor].presence.there)
 
     async def _publish_state(self) -> None:
@@ -164,13 +173,13 @@ class RobotNode:
             make=self._middleware.make,
         )
 
-    def _scan_update(self, scan: Scan) -> ScanUpdate:
+    def _scan_update(self, number: int, scan: Scan) -> ScanUpdate:
         pause, self._scanned_at = scan.stamp - self._scanned_at, scan.stamp
         return ScanUpdate(
             scan=scan,
-            frame=self._frames.laser,
+            frame=self._frames.laser_frame(number),
             stamp=self._stamp(scan.stamp),
-            period=pause if pause < LONGEST_PERIOD else 0.0,
+            period=scan.period or (pause if pause < LONGEST_PERIOD else 0.0),
         )
 
     def _sensor_update(self, reading: Stamped) -> SensorUpdate:
@@ -203,6 +212,9 @@ class RobotNode:
                 driver=robot.arbiter.driver,
                 why_not_moving=robot.why_not_moving(),
                 refused=robot.supervisor.pilot.blocked,
+                lasers=tuple(
+                    laser_status(laser) for laser in robot.lasers if isinstance(laser, LaserDriver)
+                ),
             )
         )
 
@@ -248,4 +260,11 @@ class RobotNode:
 
     def _tree_of(self, model: RobotModel) -> Tree:
         options = self._parameters.options
-        return tree_of(model, options.frames, options.wheel_joints, options.sonar_height)
+        asked = self._robot.laser is not self._robot.devices.laser
+        return tree_of(
+            model,
+            options.frames,
+            options.wheel_joints,
+            options.sonar_height,
+            [laser.sensor_in_robot for laser in self._robot.lasers] if asked else None,
+        )

@@ -1,21 +1,18 @@
 """The node's own parameters, as somebody has written them on the ROS parameter server."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from enum import StrEnum
 from math import inf, isfinite, pi
-from typing import Final, TypeGuard, TypeVar
+from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
+from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
 from pioneer3.ros.node.names import Profile, checked_lab_name
-
-E = TypeVar("E", bound=StrEnum)
-RawParameters = Mapping[str, object]
-"""Parameters as somebody has written them below the node's name: anything may be there."""
+from pioneer3.ros.node.values import RawParameters, choice, flag, frame, number, numbers, words
 
 TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
 """Silence of cmd_vel after which the robot stops [s]."""
@@ -62,6 +59,7 @@ OTHERS: Final = (
     "auto_enable_motors",
     "max_linear_velocity",
     "max_angular_velocity",
+    BELOW,
 )
 MODEL: Final = "robot_model"
 SIMULATED: Final = "simulated"
@@ -85,6 +83,7 @@ class NodeParameters:
         max_turn_rate: Never to be exceeded [rad/s], or `None` for the robot's own.
         auto_enable: Whether a fresh command switches the motors on.
         sonar: Whether the sonars ping.
+        laser: Of the laser range finder at the computer.
         options: Of messages.
     """
 
@@ -97,6 +96,7 @@ class NodeParameters:
     max_turn_rate: float | None = None
     auto_enable: bool = True
     sonar: bool = True
+    laser: LaserParameters = field(default_factory=LaserParameters)
     options: MessageOptions = field(
         default_factory=lambda: MessageOptions(frames=Frames(laser="laser_frame"))
     )
@@ -119,6 +119,7 @@ def read_parameters(raw: RawParameters) -> NodeParameters:
         max_turn_rate=_maximum(raw, "max_angular_velocity"),
         auto_enable=flag(raw, "auto_enable_motors", default=True),
         sonar=flag(raw, "use_sonar", default=True),
+        laser=read_laser_parameters(laser_part(raw)),
         options=_options(raw, profile),
     )
 
@@ -140,6 +141,18 @@ def unused_parameters(
             hint = f"; did you mean ~{close[0]}?" if close else ""
             sentences.append(f"parameter ~{name} is unknown{hint}")
     return sentences
+
+
+def laser_part(raw: RawParameters) -> RawParameters:
+    """Return the parameters below `~laser`.
+
+    Raises:
+        ConfigError: `~laser` is a value itself.
+    """
+    part = raw.get(BELOW, {})
+    if not isinstance(part, dict):
+        raise ConfigError(f"~{BELOW} holds parameters such as ~{BELOW}/serial_port, not {part!r}")
+    return part
 
 
 def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
@@ -173,6 +186,7 @@ def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
 
 
 def _frames(raw: RawParameters, profile: Profile) -> Frames:
+    laser = read_laser_parameters(laser_part(raw)).frame or LASER_FRAME[profile]
     odom, base_frame = FRAMES[profile]
     default = Frames()
     base = frame(raw, base_frame, default.base)
@@ -184,7 +198,7 @@ def _frames(raw: RawParameters, profile: Profile) -> Frames:
         ),
         sonar=frame(raw, "sonar_frame", default.sonar),
         sonar_prefix=frame(raw, "sonar_frame_prefix", default.sonar_prefix),
-        laser=frame(raw, "laser_frame_id", LASER_FRAME[profile]),
+        laser=frame(raw, "laser_frame_id", laser),
     )
 
 
@@ -215,65 +229,3 @@ def _timeout(value: object) -> float:
             f"~cmd_vel_timeout must be {SHORTEST:g} s or more, or 0 for never, not {value:g}"
         )
     return float(value) or inf
-
-
-def number(raw: RawParameters, name: str, default: float, low: float, high: float) -> float:
-    """Return a number between `low` and `high`.
-
-    Raises:
-        ConfigError: it is not a number, or out of range; so do all of these.
-    """
-    value = raw.get(name, default)
-    if not _is_number(value) or not low <= value <= high:
-        raise ConfigError(f"~{name} must be a number from {low:g} to {high:g}, not {value!r}")
-    return float(value)
-
-
-def numbers(raw: RawParameters, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
-    """Return a list of positive numbers, as many as in `default`."""
-    value = raw.get(name, list(default))
-    several = value if isinstance(value, list) else []
-    good = [float(each) for each in several if _is_number(each) and each > 0]
-    if not len(default) == len(several) == len(good):
-        raise ConfigError(
-            f"~{name} must be a list of {len(default)} positive numbers, not {value!r}"
-        )
-    return tuple(good)
-
-
-def flag(raw: RawParameters, name: str, *, default: bool) -> bool:
-    """Return true or false."""
-    value = raw.get(name, default)
-    if not isinstance(value, bool):
-        raise ConfigError(f"~{name} must be true or false, not {value!r}")
-    return value
-
-
-def choice(raw: RawParameters, name: str, default: E) -> E:
-    """Return a member of the enumeration of `default`."""
-    value = raw.get(name, default)
-    kinds = type(default)
-    try:
-        return kinds(str(value))
-    except ValueError:
-        raise ConfigError(f"~{name} must be {' or '.join(kinds)}, not {value!r}") from None
-
-
-def words(raw: RawParameters, name: str) -> tuple[str, ...]:
-    """Return a list of words; none where there is no such parameter."""
-    value = raw.get(name, [])
-    if not isinstance(value, list) or not all(isinstance(each, str) and each for each in value):
-        raise ConfigError(f"~{name} must be a list of names, not {value!r}")
-    return tuple(value)
-
-
-def frame(raw: RawParameters, name: str, default: str) -> str:
-    """Return the name of a frame; tf2 has none with a leading slash."""
-    value = raw.get(name, default)
-    if not isinstance(value, str) or not value.strip("/"):
-        raise ConfigError(f"~{name} must be the name of a frame, not {value!r}")
-    return value.lstrip("/")
-
-
-def _is_number(value: object) -> TypeGuard[float]:
-    return not isinstance(value, bool) and isinstance(value, int | float) and isfinite(value)

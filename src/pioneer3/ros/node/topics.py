@@ -1,6 +1,6 @@
 """The table of topics, from which a node publishes and subscribes and the docs are made."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Final
@@ -84,6 +84,20 @@ def transducer_topic(number: int) -> Topic:
         has_data=lambda update: number in update.snapshot.sonar.fresh,
         enabled=lambda options: options.ranges,
         note=f"of one transducer, when it was read; its frame `sonar_{number}` looks along x",
+    )
+
+
+def laser_topic(name: str) -> Topic:
+    """Return the topic of the laser of this name: `scan` of `laser`, `scan2` of `laser2`."""
+    return Topic(
+        compatibility=(topic := f"scan{name.removeprefix('laser')}"),
+        standard=topic,
+        type_name="sensor_msgs/LaserScan",
+        source=ScanUpdate,
+        sensor=name,
+        fill=sensors.scan,
+        note="without `--laser` that of simulators, and in `standard` only; `inf` without an echo"
+        " (REP 117); of a second laser `scan2`",
     )
 
 
@@ -225,13 +239,6 @@ TOPICS: Final = (
         note="turn rate, where the robot sends its gyro's samples (GyroType 1)",
     ),
     Topic(
-        standard="scan",
-        type_name="sensor_msgs/LaserScan",
-        source=ScanUpdate,
-        fill=sensors.scan,
-        note="of simulators; `inf` without an echo (REP 117)",
-    ),
-    Topic(
         standard="compass",
         type_name="std_msgs/Float32",
         fill=sensors.compass,
@@ -260,19 +267,25 @@ TOPICS: Final = (
         note="link, motors, battery, sonar, odometry, command, and why it does not move",
     ),
 )
-"""All topics but those of single transducers, whose number depends on the robot."""
+"""All topics but those of single lasers and transducers, whose number depends on the robot."""
 
 
-def topics_of(model: RobotModel) -> tuple[Topic, ...]:
-    """Return the table for a robot of this kind: a Range of each of its transducers is in it."""
-    return (*TOPICS, *(transducer_topic(number) for number in range(len(model.sonars))))
+def topics_of(model: RobotModel, lasers: Sequence[str] = ("laser",)) -> tuple[Topic, ...]:
+    """Return the table for a robot of this kind, with its transducers and `lasers` by name."""
+    transducers = (transducer_topic(number) for number in range(len(model.sonars)))
+    return (*TOPICS, *map(laser_topic, lasers), *transducers)
 
 
-def published(model: RobotModel, options: MessageOptions, profile: Profile) -> list[Topic]:
+def published(
+    model: RobotModel,
+    options: MessageOptions,
+    profile: Profile,
+    lasers: Sequence[str] = ("laser",),
+) -> list[Topic]:
     """Return the topics that a node with these options publishes."""
     return [
         topic
-        for topic in topics_of(model)
+        for topic in topics_of(model, lasers)
         if topic.direction is Direction.PUBLISHED
         and topic.names(profile)
         and topic.enabled(options)

@@ -2,7 +2,7 @@
 
 import asyncio
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import isinf
@@ -13,8 +13,10 @@ from pioneer3.doctor.ports import list_ports
 from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_port
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.identity import is_simulator, kind
+from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.node.driving_parameters import NAMES
+from pioneer3.ros.node.laser_parameters import BELOW, unused_laser_parameters
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import (
@@ -22,16 +24,22 @@ from pioneer3.ros.node.parameters import (
     MODEL,
     SIMULATED,
     NodeParameters,
-    RawParameters,
+    laser_part,
     read_parameters,
     unused_parameters,
 )
+from pioneer3.ros.node.values import RawParameters
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_rospy
 from pioneer3.runtime.connect import connect_async
 
 LAB_NAME: Final = "_lab_name:="
 LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}
+
+
+async def no_lasers(port: str) -> Sequence[LaserSpec]:
+    """Return no lasers."""
+    return ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,11 +49,13 @@ class Options:
     Attributes:
         port: URL of the robot.
         baud: Serial speed to try first.
+        lasers: Looks for the robot's laser range finders; given the robot's own port.
         arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
     """
 
     port: str | None = None
     baud: int | None = None
+    lasers: Callable[[str], Awaitable[Sequence[LaserSpec]]] = no_lasers
     arguments: Sequence[str] = ()
 
 
@@ -79,12 +89,15 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
         watch.start()
         port = options.port or parameters.port or await simulator_or_robot(tell)
         baud = options.baud or parameters.baud
+        own = parameters.laser.spec()
+        lasers = await options.lasers(port) or ((own,) if own else ())
         async with connect_async(
             port,
             baud=baud,
             max_speed=parameters.max_speed,
             max_turn_rate=parameters.max_turn_rate,
             auto_enable=parameters.auto_enable,
+            lasers=lasers,
         ) as robot:
             tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
             await asyncio.to_thread(_introduce, robot.info)
@@ -158,7 +171,8 @@ def _parameters(raw: RawParameters) -> NodeParameters:
     import rospy
 
     parameters = read_parameters(raw)
-    for sentence in unused_parameters(raw, parameters.profile, NAMES):
+    unused = unused_parameters(raw, parameters.profile, NAMES)
+    for sentence in (*unused, *unused_laser_parameters(laser_part(raw), BELOW)):
         rospy.logwarn(sentence)
     if parameters.timeout > LONG:
         length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
