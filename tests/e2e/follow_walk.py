@@ -106,6 +106,7 @@ class Walk:
         seconds: How long.
         speed: Of the person [m/s].
         realism: Of the simulation.
+        wide: Whether the laser has 1081 readings in 270 degrees, not 181 in 180.
         watch: Called every `TICK`.
     """
 
@@ -116,6 +117,7 @@ class Walk:
     seconds: float = 60.0
     speed: float = SPEED
     realism: Realism = field(default_factory=Realism)
+    wide: bool = False
     watch: Callable[[Robot, Body, Obstacle], None] = lambda *_: None
 
     def run(self) -> Outcome:
@@ -134,6 +136,8 @@ class Walk:
         robot.body.robot_in_world = Pose2(*path[0], self.course.heading) @ Pose2(-reach)
         waiting = robot.world.add_obstacle(standing)
         async with robot, connect_async(robot.open) as driver:
+            if self.wide:
+                driver.devices.laser.set_up(radians(-135), radians(135), radians(0.25))
             driver.arbiter.start(follow(self.rule))
             await asyncio.sleep(WAIT)
             robot.world.remove_obstacle(waiting)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
 from pioneer3.behaviors.actions.limiters import BRAKE_DELAY, PLANNED_SHARE, stopping_speed
-from pioneer3.behaviors.tracking import FASTEST, KalmanFilter
+from pioneer3.behaviors.kalman import FASTEST, KalmanFilter
 from pioneer3.geometry import Pose2
 from pioneer3.state import Sonar
 from tests.unit.behaviors.support import seen, value

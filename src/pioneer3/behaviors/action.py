@@ -9,7 +9,7 @@ from pioneer3.behaviors.surroundings import NOTHING_SENSED, Surroundings
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.state import Snapshot
+from pioneer3.state import Scan, Snapshot
 from pioneer3.stops import NO_STOP, Stop
 
 
@@ -167,6 +167,7 @@ class Situation:
         model: Its sizes and equipment.
         limits: The bounds on its motion.
         around: The obstacles that its sensors see and have seen.
+        scan: The newest scan of its laser; `None` if none has come for a while.
         last_stop: The last stop; a command by hand must have begun after it.
         higher: The desires of higher priorities.
     """
@@ -176,6 +177,7 @@ class Situation:
     model: RobotModel
     limits: Limits
     around: Surroundings = NOTHING_SENSED
+    scan: Scan | None = None
     last_stop: Stop = NO_STOP
     higher: Combined = field(default_factory=Combined)
 
@@ -256,6 +258,11 @@ class Stack:
         """The place that one of its actions goes to (its `goal`); most have none."""
         goals = (getattr(ranked.action, "goal", None) for ranked in self.actions)
         return next((goal for goal in goals if goal is not None), None)
+
+    @property
+    def wants_scans(self) -> bool:
+        """Whether one of its actions looks at scans (its `wants_scans`); most do not."""
+        return any(getattr(ranked.action, "wants_scans", False) for ranked in self.actions)
 
     @classmethod
     def of(cls, name: str, priority: int, actions: Iterable[Ranked], hint: str = "") -> "Stack":

@@ -182,6 +182,7 @@ class RangeMemory:
     def __init__(self, model: RobotModel) -> None:
         self.model = model
         self._pose, self._session = ORIGIN, 0
+        self._scan: Scan | None = None
         self._forget_all()
 
     def update(self, snapshot: Snapshot, scan: Scan | None = None) -> None:
@@ -196,6 +197,7 @@ class RangeMemory:
         self._push(snapshot, here, now)
         if scan is not None and now - scan.stamp <= STALE_SCAN:
             self._laser.add(scan)
+            self._scan = scan
         for buffer in (self._sonar, self._bumpers, self._laser):
             buffer.forget(here, now)
         self._pose = here
@@ -211,6 +213,11 @@ class RangeMemory:
             sensing=now - self._heard <= SILENT or self._laser.sensing(now),
         )
 
+    def newest_scan(self, now: float) -> Scan | None:
+        """Return the last scan, unless it says nothing of `now` [s]."""
+        scan = self._scan
+        return scan if scan is not None and now - scan.stamp <= STALE_SCAN else None
+
     def _window(self, now: float) -> Iterable[StampedPoint]:
         points = (*self._sonar.current, *self._sonar.cumulative, *self._bumpers.current)
         return dict.fromkeys(
@@ -220,6 +227,7 @@ class RangeMemory:
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
         self._laser, self._heard, self._forwards = LaserMemory(), -inf, True
+        self._scan = None
 
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:
         mounts = self.model.sonars

@@ -1,87 +1,12 @@
-"""Tracks a person by the echoes of sonars: position and velocity, filtered."""
+"""The track of a person by the echoes of sonars."""
 
 from collections.abc import Sequence
 from math import asin, copysign, cos, hypot, inf, radians, sin, sqrt
+from typing import Self
 
 from pioneer3.behaviors.detection import RADIUS, ClutterMap
+from pioneer3.behaviors.kalman import KalmanFilter
 from pioneer3.behaviors.pings import HALF_BEAM, RING, Ping
-
-WANDERS = 0.5
-"""Change of the velocity of a person who walks, turns and stops, in 1 s [m/s]."""
-UNSURE_SPEED = 0.3
-"""Standard deviation of the speed of a person who has just been seen [m/s]."""
-FASTEST = 0.8
-"""Highest speed of a person who is followed [m/s]."""
-
-
-class KalmanFilter:
-    """Position and velocity of a person who walks with nearly constant velocity.
-
-    The state is (x, y, vx, vy), `spread` its covariance, shape (4, 4), in SI units, in odometry's
-    frame. A measurement is the position along some direction, so no matrix need be inverted.
-    """
-
-    def __init__(self, x: float, y: float, stamp: float, sigma: float) -> None:
-        self.state = [x, y, 0.0, 0.0]
-        self.stamp = stamp
-        p, v = sigma**2, UNSURE_SPEED**2
-        self.spread = [[p, 0, 0, 0], [0, p, 0, 0], [0, 0, v, 0], [0, 0, 0, v]]
-
-    @property
-    def position(self) -> tuple[float, float]:
-        """At `stamp` [m]."""
-        return self.state[0], self.state[1]
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        """Along x and y [m/s]."""
-        return self.state[2], self.state[3]
-
-    def at(self, stamp: float) -> tuple[float, float]:
-        """Return where they are expected at `stamp` [s], which may lie ahead."""
-        dt = stamp - self.stamp
-        return self.state[0] + dt * self.state[2], self.state[1] + dt * self.state[3]
-
-    def advance(self, stamp: float) -> None:
-        """Let time pass until `stamp` [s]."""
-        dt = stamp - self.stamp
-        if dt <= 0:
-            return
-        self.stamp, spread = stamp, self.spread
-        for axis in (0, 1):
-            self.state[axis] += dt * self.state[axis + 2]
-            spread[axis] = [a + dt * b for a, b in zip(spread[axis], spread[axis + 2], strict=True)]
-        for axis in (0, 1):
-            for row in spread:
-                row[axis] += dt * row[axis + 2]
-            noise = WANDERS**2 * dt
-            spread[axis][axis] += noise * dt * dt / 3
-            spread[axis][axis + 2] += noise * dt / 2
-            spread[axis + 2][axis] += noise * dt / 2
-            spread[axis + 2][axis + 2] += noise
-
-    def variance(self, nx: float, ny: float) -> float:
-        """Return the variance of the position along a unit vector [m^2]."""
-        p = self.spread
-        return nx * nx * p[0][0] + 2 * nx * ny * p[0][1] + ny * ny * p[1][1]
-
-    def correct(self, nx: float, ny: float, error: float, sigma: float) -> None:
-        """Take in that they are `error` [m] farther along a unit vector than expected.
-
-        `sigma` [m] is the standard deviation of that measurement.
-        """
-        covariance = [nx * row[0] + ny * row[1] for row in self.spread]
-        total = nx * covariance[0] + ny * covariance[1] + sigma**2
-        gain = [c / total for c in covariance]
-        self.state = [s + g * error for s, g in zip(self.state, gain, strict=True)]
-        self.spread = [
-            [p - g * c for p, c in zip(row, covariance, strict=True)]
-            for row, g in zip(self.spread, gain, strict=True)
-        ]
-        speed = hypot(*self.velocity)
-        if speed > FASTEST:
-            self.state[2:] = [part * FASTEST / speed for part in self.velocity]
-
 
 RANGE_SIGMA = 0.06
 """Of the distance to the middle of a person, whose outline is no circle [m]."""
@@ -111,20 +36,27 @@ class Track:
 
     Attributes:
         estimate: Of their middle, in odometry's frame.
-        heard: When their last echo came [s].
+        seen: When their last echo came [s].
         found: When their first echo came [s].
         walked: Whether they have ever left the place where they were first heard.
         echoes: The last one of each transducer that has heard them, by its number.
     """
 
-    def __init__(self, ping: Ping) -> None:
+    def __init__(self, estimate: KalmanFilter, now: float, *, walked: bool = False) -> None:
+        self.estimate = estimate
+        self.seen = self.found = now
+        self.walked = walked
+        self.echoes: dict[int, Ping] = {}
+        self._first = estimate.position
+
+    @classmethod
+    def from_ping(cls, ping: Ping) -> Self:
+        """Return the track of a person whose first echo is `ping`."""
         reach = ping.distance + RADIUS
         x, y = ping.x + reach * cos(ping.axis), ping.y + reach * sin(ping.axis)
-        self.estimate = KalmanFilter(x, y, ping.stamp, sigma=0.15)
-        self.heard = self.found = ping.stamp
-        self.walked = False
-        self.echoes = {ping.number: ping}
-        self._first = x, y
+        track = cls(KalmanFilter(x, y, ping.stamp, sigma=0.15), ping.stamp)
+        track.echoes[ping.number] = ping
+        return track
 
     def hear(self, pings: Sequence[Ping], clutter: ClutterMap) -> list[Ping]:
         """Take in those echoes that are theirs; return the others."""
@@ -176,7 +108,7 @@ class Track:
         return abs(longer) > 1.5 * abs(clutter.explains(ping)) + 0.05
 
     def _take(self, ping: Ping) -> None:
-        self.heard = ping.stamp
+        self.seen = ping.stamp
         self.echoes[ping.number] = ping
         away, off = ping.seen(*self.estimate.position)
         nx, ny = cos(ping.axis + off), sin(ping.axis + off)
@@ -188,7 +120,7 @@ class Track:
 
         All of these at once: one after the other, they would pull them to and fro.
         """
-        recent = self._recent(self.heard)
+        recent = self._recent(self.seen)
         off = sum(p.seen(*self.estimate.at(p.stamp))[1] for p in recent) / len(recent)
         last = max(recent, key=lambda p: p.stamp)
         away, aside = last.seen(*self.estimate.position)

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -104,6 +105,7 @@ class Arbiter:
         decision: The last decision.
         mode: The stack that was started last and has not ended, or `None`.
         latest_scan: Returns the last scan of a laser, while one is on.
+        scans_wanted: Returns a block during which a laser is on, if there is one.
         ended: The end of the last mode; `None` while one runs and before the first.
     """
 
@@ -112,6 +114,7 @@ class Arbiter:
         self.mode: Stack | None = None
         self.ended: Ended | None = None
         self.latest_scan: Callable[[], Scan | None] = lambda: None
+        self.scans_wanted: Callable[[], AbstractContextManager[None]] = nullcontext
         self._supervisor = supervisor
         self._remark = remark
         self._remarked: str | None = None
@@ -119,6 +122,7 @@ class Arbiter:
         self._decided_after = self.last_stop
         self._memory: RangeMemory | None = None
         self._progress = ProgressChecker()
+        self._laser_on = ExitStack()
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -141,6 +145,7 @@ class Arbiter:
             model=info.model,
             limits=info.limits,
             around=self._memory.around(now),
+            scan=self._memory.newest_scan(now),
             last_stop=self.last_stop,
         )
 
@@ -231,6 +236,8 @@ class Arbiter:
         self.stop()
         self.mode, self.ended = mode, None
         self._progress = ProgressChecker()
+        if mode.wants_scans:
+            self._laser_on.enter_context(self.scans_wanted())
         self._join(mode)
         return self.decide()
 
@@ -314,6 +321,7 @@ class Arbiter:
 
     def _forget_mode(self, why: str, *, done: bool = False) -> None:
         mode, self.mode = self.mode, None
+        self._laser_on.close()
         if mode is not None:
             self._parts = [part for part in self._parts if part.stack is not mode]
             self.ended = Ended(mode, done, why)

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from math import inf
 
 from pioneer3.arcos.commands import Command
@@ -44,6 +45,7 @@ class Robot:
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
         arbiter.latest_scan = lambda: self.laser.latest
+        arbiter.scans_wanted = self._scans_wanted
 
     @property
     def info(self) -> RobotInfo:
@@ -196,6 +198,9 @@ class Robot:
             CommandError: no session is open, or the command does not fit the protocol.
         """
         self.supervisor.send_unsafe(command)
+
+    def _scans_wanted(self) -> AbstractContextManager[None]:
+        return self.laser.wanted() if self.laser.presence.there else nullcontext()
 
     async def _carry_out(self, action: Move | Turn) -> None:
         self._hold.release()

@@ -1,17 +1,21 @@
 """Boxes, and people on their paths: the things in a world that may move, beside robots."""
 
+from collections.abc import Sequence
 from math import hypot, pi, tan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.sim.kernels import Kernels, Robots
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
 
 CUT = 1 - tan(pi / 8)
 """Share of half a side that cut corners take, to make a square a regular octagon."""
+SHANK, APART = 0.24, 1.0
+"""Radius of a lower leg, and from one to the other side by side, as shares of a person's radius."""
 POLITE = 0.15
 """Nearer to a robot nobody walks on towards it [m]."""
 
@@ -49,6 +53,20 @@ class Obstacle:
         radius = self.kind.radius
         return radius, radius, radius, radius * CUT
 
+    @property
+    def legs(self) -> tuple[Pose2, ...]:
+        """Of a person, the left one first; a box has none."""
+        if isinstance(self.kind, Box):
+            return ()
+        ahead, aside = self.kind.stride_at(self._clock), self.kind.radius * APART / 2
+        return self.pose @ Pose2(ahead, aside), self.pose @ Pose2(-ahead, -aside)
+
+    @property
+    def leg_sizes(self) -> tuple[float, float, float, float]:
+        """Of one leg, as `sizes` [m]."""
+        radius = self.sizes[0] * SHANK
+        return radius, radius, radius, radius * CUT
+
     def move(self, pose: Pose2) -> None:
         """Put it somewhere else; a person takes the whole path along."""
         if isinstance(self.kind, Person):
@@ -79,6 +97,32 @@ class Obstacle:
         moved = hypot(pose.x - self.pose.x, pose.y - self.pose.y) > 0
         self.pose = pose
         return moved
+
+
+def at_laser_height(outlines: Robots, obstacles: Sequence[Obstacle], kernels: Kernels) -> Robots:
+    """Return the outlines that a laser meets: of people their legs, of all others the same.
+
+    Args:
+        outlines: Of robots, then of `obstacles`; placed.
+        obstacles: In the order of `outlines`.
+        kernels: Place the legs.
+
+    Returns:
+        `outlines` itself where nobody is. Otherwise left legs take the places of people, right
+        legs come after all others, and robots keep their numbers.
+    """
+    first = len(outlines) - len(obstacles)
+    people = [(first + n, o) for n, o in enumerate(obstacles) if isinstance(o.kind, Person)]
+    if not people:
+        return outlines
+    state = np.concatenate([outlines.state, np.zeros((8, len(people)))], axis=1)
+    for right, (left, person) in enumerate(people, len(outlines)):
+        for number, leg in zip((left, right), person.legs, strict=True):
+            state[:, number] = leg.x, leg.y, leg.theta, *person.leg_sizes, 0.0
+    seen = Robots(*state[3:7])
+    seen.state[:] = state
+    kernels.place(seen)
+    return seen
 
 
 def _gaps(pose: Pose2, bodies: Float) -> Float:

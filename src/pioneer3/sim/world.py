@@ -26,7 +26,7 @@ from pioneer3.sim.kernels import (
 )
 from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
-from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE, Firing
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
@@ -258,7 +258,8 @@ class World:
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
         self._place()
-        ranges = self.kernels.cast_fans(self._grid, self.outlines, fan, limit, owners=owners)
+        outlines = at_laser_height(self.outlines, self.obstacles, self.kernels)
+        ranges = self.kernels.cast_fans(self._grid, outlines, fan, limit, owners=owners)
         sigma = self.realism.laser_noise
         if not sigma:
             return ranges

@@ -1,13 +1,12 @@
-"""Actions that follow: a person by sonar, a colour by camera."""
+"""Actions that follow: a person by sonar or laser, a colour by camera."""
 
 from dataclasses import dataclass, field
 from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians
 from typing import Protocol
 
 from pioneer3.behaviors.action import Desire, Goal, Situation
-from pioneer3.behaviors.detection import RADIUS, ClutterMap, PersonDetector
-from pioneer3.behaviors.pings import RING, Ping, PingReader
-from pioneer3.behaviors.tracking import Track
+from pioneer3.behaviors.detection import RADIUS
+from pioneer3.behaviors.trackers import PersonTracker, SonarTracker, Target
 from pioneer3.geometry import Pose2, wrap
 
 BEARINGS = {
@@ -78,16 +77,8 @@ def _place(situation: Situation, number: int, distance: float) -> Goal | None:
     return Goal(x=echo.x, y=echo.y, person=True)
 
 
-COAST = 1.2
-"""A person who has not been heard for this long is lost [s]."""
-RETURN = 4.0
-"""For this long, a lost person is looked for around the expected place [s]."""
 BLINK = 0.4
 """A pause of echoes this short is none [s]: a transducer fires every 0.32 s."""
-STANDS_STILL = 10.0
-"""A track that has never walked is furniture after this time [s]."""
-ALIKE = 0.15
-"""Echoes from nearly as far away [m] may come from the same person."""
 LEAD = 0.1
 """The robot acts this much later [s]."""
 SETTLE = 0.8
@@ -107,24 +98,28 @@ class FollowTracking:
     Attributes:
         keep: Distance from the robot's front end to the person's outline [m].
         speed: Top speed [m/s].
-        back: The same, backwards; only while they are heard [m/s].
+        back: The same, backwards; only while they are sensed [m/s].
         turn_rate: Top turn rate [rad/s].
-        target: The person who is followed, or `None`.
+        tracker: Chooses the person, and keeps to them.
+        wants_scans: Whether the laser is to be on.
     """
 
     keep: float = 0.3
     speed: float = 0.5
     back: float = 0.3
     turn_rate: float = radians(60)
+    tracker: PersonTracker = field(default_factory=SonarTracker)
+    wants_scans: bool = False
     name: str = "follow"
-    target: Track | None = field(default=None, init=False)
-    _listener: PingReader = field(default_factory=PingReader, init=False)
-    _clutter: ClutterMap = field(default_factory=ClutterMap, init=False)
-    _lost: Track | None = field(default=None, init=False)
+
+    @property
+    def target(self) -> Target | None:
+        """The person who is followed, or `None`."""
+        return self.tracker.target
 
     @property
     def goal(self) -> Goal | None:
-        """The estimated place of the person at the last echo or silence."""
+        """The estimated place of the person when a sensor last looked."""
         if self.target is None:
             return None
         x, y = self.target.estimate.position
@@ -132,66 +127,23 @@ class FollowTracking:
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the motion towards the person, or stand still and look for one."""
-        now = situation.now
-        self._hear(self._listener.listen(situation))
-        self._give_up(now)
+        self.tracker.update(situation)
         if self.target is None:
-            self._find(situation)
-        if self.target is None:
-            return Desire(v=0.0, w=0.0, reason="looks for somebody")
+            return Desire(v=0.0, w=0.0, reason=self._reason("looks for somebody"))
         return self._follow(self.target, situation)
 
-    def _hear(self, pings: list[Ping]) -> None:
-        """Contribution new echoes out between the person and the furniture."""
-        if self.target is not None:
-            pings = self.target.hear(pings, self._clutter)
-        for ping in pings:
-            self._clutter.take(ping)
+    def _reason(self, words: str) -> str:
+        remark = self.tracker.remark
+        return f"{words}, {remark}" if remark else words
 
-    def _give_up(self, now: float) -> None:
-        """Forget a person who has been silent for too long, and furniture."""
-        target = self.target
-        if target is None:
-            return
-        if now - target.heard > COAST:
-            self.target, self._lost = None, target
-        elif not target.walked and now - target.found > STANDS_STILL:
-            self.target = self._lost = None
-            self._clutter.learn(target.echoes.values())
-
-    def _find(self, situation: Situation) -> None:
-        """Look for the lost person, then for any person."""
-        now, lost = situation.now, self._lost
-        if now - self._listener.since < RING:
-            return  # only some of the sonars have been heard
-        hearing = PersonDetector(self._listener.latest, now, situation.model, self._clutter)
-        ping = None
-        if lost is not None and now - lost.heard <= RETURN:
-            ping = hearing.returning_person(*lost.estimate.at(now))
-        ping = ping or hearing.nearest_person()
-        if ping is not None:
-            self._lost = None
-            self.target = self._acquire(ping, hearing)
-
-    def _acquire(self, first: Ping, hearing: PersonDetector) -> Track:
-        """Return a track from an echo; other echoes of this time are clutter."""
-        target, alike = Track(first), []
-        for ping in hearing.echoes():
-            if ping is not first and abs(ping.distance - first.distance) < ALIKE:
-                alike.append(ping)
-            elif ping is not first:
-                self._clutter.learn([ping])
-        target.hear(alike, self._clutter)
-        return target
-
-    def _follow(self, target: Track, situation: Situation) -> Desire:
+    def _follow(self, target: Target, situation: Situation) -> Desire:
         """Keep the distance, and face them; drive on only as far as they are ahead."""
         x, y = target.estimate.at(situation.now + LEAD)
         here = situation.pose
         dx, dy = x - here.x, y - here.y
         away, bearing = hypot(dx, dy), wrap(atan2(dy, dx) - here.theta)
         gap = away - RADIUS - situation.model.length_front
-        silent = situation.now - target.heard
+        silent = situation.now - target.seen
         vx, vy = target.estimate.velocity
         leaves = (vx * dx + vy * dy) / max(away, RADIUS)
         ahead = cos(bearing * (pi / 2) / ASIDE) if abs(bearing) < ASIDE else 0.0
@@ -199,7 +151,7 @@ class FollowTracking:
         v = max(-self.back if silent < BLINK else 0.0, min(self.speed, v))
         turn = max(0.0, abs(bearing) - FACING)
         w = copysign(min(self.turn_rate, TURN_GAIN * turn), bearing)
-        return Desire(v=v, w=w, reason=_words(gap, bearing, silent))
+        return Desire(v=v, w=w, reason=self._reason(_words(gap, bearing, silent)))
 
 
 def _words(gap: float, bearing: float, silent: float) -> str:

@@ -10,17 +10,19 @@ if TYPE_CHECKING:
     from pioneer3.behaviors.action import Action, Stack
     from pioneer3.limits import Limits
 
-Rule = Literal["tracking", "lab"]
+Rule = Literal["auto", "legs", "tracking", "lab"]
 RULES = Choices(
     (
-        Choice("tracking", "Tracking", "remembers the person it follows"),
+        Choice("auto", "Automatic", "by the legs while a laser works, else tracking"),
+        Choice("legs", "Legs", "remembers the legs it follows in a laser's scans"),
+        Choice("tracking", "Tracking", "remembers the echoes it follows"),
         Choice("lab", "Lab", "goes to the nearest echo, as the lab's node"),
     )
 )
 
 
 class Follow(Mode, frozen=True, tag="follow"):
-    """Follow the person in front with the front sonars.
+    """Follow the person in front by laser or sonar.
 
     It backs up from a person who comes nearer. Stand 0.6 m in front of it, then walk, not faster
     than 0.4 m/s.
@@ -31,7 +33,7 @@ class Follow(Mode, frozen=True, tag="follow"):
     start: ClassVar[str] = "Start following"
     example: ClassVar[str] = "--port /dev/ttyUSB0"
 
-    rule: Annotated[Rule, Meta(title="Rule"), RULES] = "tracking"
+    rule: Annotated[Rule, Meta(title="Rule"), RULES] = "auto"
     keep: Annotated[
         Distance | None,
         Meta(title="Distance to keep", description="Distance to keep; 0.3 unless given."),
@@ -42,16 +44,17 @@ class Follow(Mode, frozen=True, tag="follow"):
         return follow(self.rule, keep=self.keep)
 
 
-def follow(rule: Rule = "tracking", *, keep: float | None = None) -> "Stack":
+def follow(rule: Rule = "auto", *, keep: float | None = None) -> "Stack":
     """Return the stack that follows the person in front.
 
-    Both rules are held back alike: by `Brake` ahead, as the other limiters would keep the
+    All rules are held back alike: by `Brake` ahead, as the other limiters would keep the
     robot from where the person has just been, and by ARIA's limiter behind.
 
     Args:
-        rule: `lab` goes to the nearest echo, `tracking` to the person that it has been following.
+        rule: `lab` goes to the nearest echo, `tracking` to the person that it has been following
+            by sonar, `legs` by laser; `auto` is `legs` while scans come, else `tracking`.
         keep: Distance to keep [m]; from the transducer for `lab`, from the robot's front end for
-            `tracking`; 0.3 unless given.
+            the others; 0.3 unless given.
 
     Raises:
         ValueError: there is no such rule.
@@ -59,16 +62,16 @@ def follow(rule: Rule = "tracking", *, keep: float | None = None) -> "Stack":
     from pioneer3.behaviors.action import MODE, Ranked, Stack
     from pioneer3.behaviors.actions.follow import FollowLab, FollowTracking
     from pioneer3.behaviors.actions.limiters import Brake, LimiterBackwards, LimiterTableSensor
+    from pioneer3.behaviors.trackers import TRACKERS
 
-    action: Action
-    match rule:
-        case "lab":
-            action = FollowLab() if keep is None else FollowLab(keep=keep)
-        case "tracking":
-            action = FollowTracking() if keep is None else FollowTracking(keep=keep)
-        case _:
-            names = " and ".join(RULES.names)
-            raise ValueError(f"follow: no rule is called {rule!r}, but {names} are")
+    if rule not in RULES.names:
+        names = " and ".join(RULES.names)
+        raise ValueError(f"follow: no rule is called {rule!r}, but {names} are")
+    distance = 0.3 if keep is None else keep
+    action: Action = FollowLab(keep=distance)
+    if rule != "lab":
+        scans = rule in {"auto", "legs"}
+        action = FollowTracking(keep=distance, tracker=TRACKERS[rule](), wants_scans=scans)
     actions = [
         Ranked(100, LimiterTableSensor()),
         Ranked(90, Brake()),

@@ -19,6 +19,8 @@ RADIUS = 0.25
 SPEED = 1.0
 """A slow walk [m/s]."""
 CORNERS = 8
+STEP_TIME = 0.6
+"""From one step to the next, at any speed [s] (docs/explanation/follow.md)."""
 
 
 class _Leg(NamedTuple):
@@ -61,10 +63,27 @@ class Person:
         """
         if not self._legs:
             return Pose2(*self.path[0])
+        leg, walks = self._leg_at(time)
+        return leg.start @ Pose2(walks * self.speed)
+
+    def stride_at(self, time: float) -> float:
+        """Return how far the left foot is ahead of the middle [m]; the right one is as far behind.
+
+        The foot on the ground stands still while the other one swings, twice as fast as the
+        person walks. A walk begins and ends with the feet side by side.
+        """
+        if not self._legs:
+            return 0.0
+        leg, walks = self._leg_at(time)
+        swing = 0.5 - abs((walks / STEP_TIME + 0.5) % 2 - 1)
+        left = leg.ends - leg.leaves - walks
+        return swing * self.speed * min(STEP_TIME, walks, left)
+
+    def _leg_at(self, time: float) -> tuple[_Leg, float]:
+        """Return the part of the way, and for how long they have been walking on it [s]."""
         within = time % self._legs[-1].ends
         leg = next((leg for leg in self._legs if within < leg.ends), self._legs[-1])
-        walked = max(0.0, within - leg.leaves) * self.speed
-        return leg.start @ Pose2(walked)
+        return leg, max(0.0, within - leg.leaves)
 
     def outline_at(self, time: float) -> Float:
         """Return the octagon around them [m], shape (8, 4), for ray casting and collisions.

@@ -5,7 +5,8 @@ from math import radians
 import pytest
 
 from pioneer3.behaviors.action import Desire
-from pioneer3.behaviors.actions.follow import COAST, STANDS_STILL, FollowTracking
+from pioneer3.behaviors.actions.follow import FollowTracking
+from pioneer3.behaviors.trackers import COAST, STANDS_STILL
 from pioneer3.geometry import Pose2
 from tests.unit.behaviors.support import seen, value
 from tests.unit.behaviors.tracking.scene import Point, Scene, ahead

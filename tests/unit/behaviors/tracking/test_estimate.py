@@ -4,7 +4,7 @@ from math import hypot, sqrt
 
 import pytest
 
-from pioneer3.behaviors.tracking import FASTEST, UNSURE_SPEED, WANDERS, KalmanFilter
+from pioneer3.behaviors.kalman import FASTEST, UNSURE_SPEED, WANDERS, KalmanFilter
 
 
 def test_expected_is_where_the_velocity_leads() -> None:

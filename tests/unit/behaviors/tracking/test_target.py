@@ -24,7 +24,7 @@ def watched(scene: Scene, *way: Point) -> Track:
         if target is not None:
             target.hear(pings, clutter)
         elif heard := [p for p in pings if p.distance < inf]:
-            target = Track(heard[0])
+            target = Track.from_ping(heard[0])
     assert target is not None
     return target
 
@@ -63,7 +63,7 @@ def test_noise_is_no_walk() -> None:
 
 
 def test_an_echo_farther_or_nearer_is_somebody_elses() -> None:
-    target = Track(ping(0.8))
+    target = Track.from_ping(ping(0.8))
     for tick in range(1, 11):
         target.hear([ping(0.8, stamp=tick / 10)], ClutterMap())
     others = [ping(0.2, stamp=1.1, number=4), ping(2.0, stamp=1.1, number=2)]
@@ -83,7 +83,7 @@ def test_who_is_beside_the_beam_is_met_by_its_edge() -> None:
 
 def test_what_the_transducer_beside_hears_as_near_is_theirs_too() -> None:
     def heard(distance: float, number: int) -> bool:
-        target = Track(ping(0.4, number=3))
+        target = Track.from_ping(ping(0.4, number=3))
         # 80 degrees off: no beam is that wide
         return (
             target.hear([ping(distance, axis=80.0, stamp=0.1, number=number)], ClutterMap()) == []
@@ -97,21 +97,21 @@ def test_what_the_transducer_beside_hears_as_near_is_theirs_too() -> None:
 def test_furniture_beside_them_does_not_pull_them_away() -> None:
     clutter = ClutterMap()
     clutter.learn([ping(0.95)])
-    target = Track(ping(0.8))
+    target = Track.from_ping(ping(0.8))
     assert target.hear([ping(0.95, stamp=0.1)], clutter)
     assert target.estimate.position == pytest.approx((1.05, 0.0))
 
 
 def test_silence_where_they_are_expected_says_that_they_are_beside() -> None:
-    target = Track(ping(0.8, axis=5.0))
+    target = Track.from_ping(ping(0.8, axis=5.0))
     for tick in range(1, 4):
         target.hear([ping(inf, axis=0.0, stamp=0.3 * tick)], ClutterMap())
     x, y = target.estimate.position
     assert degrees(atan2(y, x)) > 9
-    assert target.heard == 0.0
+    assert target.seen == 0.0
 
 
 def test_something_before_them_says_nothing_of_them() -> None:
-    target = Track(ping(0.8))
+    target = Track.from_ping(ping(0.8))
     target.hear([ping(0.2, stamp=0.1)], ClutterMap())
     assert target.estimate.position == pytest.approx((1.05, 0.0))

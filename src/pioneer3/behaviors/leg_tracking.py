@@ -1,0 +1,230 @@
+"""Tracks all people in the scans of a laser, and all else that looks like legs."""
+
+from dataclasses import dataclass
+from math import atan2, hypot, sqrt
+
+from pioneer3.behaviors.kalman import KalmanFilter
+from pioneer3.behaviors.legs import Leg, find_legs, gap_to, range_towards
+from pioneer3.geometry import Pose2
+from pioneer3.state import Scan
+
+FASTEST = 2.0
+"""Highest speed of a person [m/s]."""
+BORN_SIGMA = 0.1
+"""Standard deviation of the place of a person who has just been seen [m]."""
+BOTH_SIGMA, ONE_SIGMA, PART_SIGMA = 0.04, 0.12, 0.15
+"""Of the middle of a person of whom two legs are seen, one, or one in part [m]."""
+GATE, STRIDE, WIDEST_GATE = 2.5, 0.2, 0.7
+"""A leg belongs to a person when its distance from the expected middle is less than so many
+standard deviations and half a stride [m]; never farther away than the last [m]."""
+CLOSEST, WIDEST = 0.1, 0.5
+"""Distance of the two legs of a person [m]."""
+PERSONAL = 0.4
+"""So near to a person no other one begins [m]."""
+WALKED = 0.5
+"""A track that has come this far walks [m]; noise and odometry do not get that far."""
+STANDS, STAYS = 2.0, 0.25
+"""A track that has not come farther than the second [m] in the first [s] is furniture."""
+MISSED, HIDDEN, NEVER_WALKED = 1.0, 3.0, 0.5
+"""A person is given up who is not seen for so long [s]: in plain sight; behind something or outside
+the field of view; and any track that has never walked."""
+BEHIND = 0.2
+"""Nearer to the laser than a person by this, something hides them [m]."""
+SAME_PLACE, FOLLOWS = 0.12, 0.5
+"""A leg so near to furniture is furniture [m]; its place is moved by this share of the difference:
+odometry is wrong when the robot turns."""
+FORGET = 30.0
+"""Furniture that has not been seen for so long is forgotten [s]."""
+SEEN_PAST = 3
+"""Furniture that so many scans in turn see past is gone."""
+MOST = 100
+"""Pieces of furniture that are kept."""
+
+
+@dataclass(slots=True)
+class Furniture:
+    """A place of a leg that stands still, in odometry's frame [m], last seen at `seen` [s].
+
+    Attributes:
+        past: How many scans in turn have seen past it.
+    """
+
+    x: float
+    y: float
+    seen: float
+    past: int = 0
+
+
+class LegTrack:
+    """A person, tracked by the legs.
+
+    Attributes:
+        estimate: Of the middle between their legs, in odometry's frame.
+        seen: When a leg was last seen [s].
+        found: When the first one was [s].
+        walked: Whether they have ever left the place where they were first seen.
+        pairs: How often both legs were seen.
+        legs: Those of the last scan.
+    """
+
+    def __init__(self, legs: list[Leg], stamp: float) -> None:
+        x, y = _middle(legs)
+        self.estimate = KalmanFilter(x, y, stamp, BORN_SIGMA, FASTEST)
+        self.seen = self.found = stamp
+        self.walked = False
+        self.pairs = int(_is_pair(legs))
+        self.legs = legs
+        self._first = x, y
+
+    @property
+    def strayed(self) -> float:
+        """How far they are from the place where they were first seen [m]."""
+        x, y = self.estimate.position
+        return hypot(x - self._first[0], y - self._first[1])
+
+    @property
+    def gate(self) -> float:
+        """How far from the expected middle a leg may be [m]."""
+        doubt = max(self.estimate.spread[0][0], self.estimate.spread[1][1])
+        return min(STRIDE + GATE * sqrt(doubt), WIDEST_GATE)
+
+    def accepts(self, leg: Leg) -> bool:
+        """Return whether a leg may be theirs beside those that are already."""
+        if not self.legs:
+            return True
+        one = self.legs[0]
+        apart = gap_to(one, leg.x, leg.y)
+        return len(self.legs) == 1 and not (one.both or leg.both) and CLOSEST < apart < WIDEST
+
+    def correct(self, stamp: float) -> None:
+        """Take in the legs of the scan of `stamp` [s]."""
+        if not self.legs:
+            return
+        pair = _is_pair(self.legs)
+        self.seen, self.pairs = stamp, self.pairs + pair
+        whole = all(leg.free for leg in self.legs)
+        sigma = BOTH_SIGMA if pair and whole else ONE_SIGMA if pair or whole else PART_SIGMA
+        x, y = _middle(self.legs)
+        self.estimate.correct(1.0, 0.0, x - self.estimate.state[0], sigma)
+        self.estimate.correct(0.0, 1.0, y - self.estimate.state[1], sigma)
+        self.walked = self.walked or self.strayed > WALKED
+
+
+class LegTracks:
+    """All people and all furniture that the scans have shown.
+
+    Attributes:
+        tracks: Of people, and of whatever has not stood still for long.
+        furniture: What has.
+    """
+
+    def __init__(self) -> None:
+        self.tracks: list[LegTrack] = []
+        self.furniture: list[Furniture] = []
+
+    def look(self, scan: Scan, followed: LegTrack | None = None) -> None:
+        """Take in a scan; `followed` is given up only when it is lost, though it stands still."""
+        stamp = scan.stamp
+        for track in self.tracks:
+            track.estimate.advance(stamp)
+            track.legs = []
+        others = self._assign(self._without_furniture(find_legs(scan), stamp))
+        for track in self.tracks:
+            track.correct(stamp)
+        self._begin([leg for leg in others if leg.free], stamp)
+        self._give_up(scan, followed)
+        self._clear(scan)
+
+    def settle(self, track: LegTrack) -> None:
+        """Take a track for furniture."""
+        self.tracks.remove(track)
+        new = [Furniture(leg.x, leg.y, track.seen) for leg in track.legs]
+        self.furniture = [*self.furniture, *new][-MOST:]
+
+    def _without_furniture(self, legs: list[Leg], stamp: float) -> list[Leg]:
+        """Return the legs that are no furniture; note where furniture is now."""
+        left = []
+        for leg in legs:
+            spot = min(self.furniture, key=lambda s: gap_to(leg, s.x, s.y), default=None)
+            if spot is None or gap_to(leg, spot.x, spot.y) > SAME_PLACE:
+                left.append(leg)
+                continue
+            spot.seen, spot.past = stamp, 0
+            if leg.free:
+                spot.x += FOLLOWS * (leg.x - spot.x)
+                spot.y += FOLLOWS * (leg.y - spot.y)
+        return left
+
+    def _assign(self, legs: list[Leg]) -> list[Leg]:
+        """Give each leg to the nearest track, the nearest ones first; return the others."""
+        near = []
+        for track in self.tracks:
+            (x, y), gate = track.estimate.position, track.gate
+            near += [(gap, track, leg) for leg in legs if (gap := gap_to(leg, x, y)) < gate]
+        near.sort(key=lambda found: found[0])
+        left = set(range(len(legs)))
+        numbers = {id(leg): number for number, leg in enumerate(legs)}
+        for _, track, leg in near:
+            if numbers[id(leg)] in left and track.accepts(leg):
+                track.legs.append(leg)
+                left.remove(numbers[id(leg)])
+        return [leg for number, leg in enumerate(legs) if number in left]
+
+    def _begin(self, legs: list[Leg], stamp: float) -> None:
+        """Begin a track with each leg, or with each two, that are nobody's."""
+        people = [track.estimate.position for track in self.tracks if track.walked and track.legs]
+        legs = [leg for leg in legs if all(gap_to(leg, x, y) > PERSONAL for x, y in people)]
+        while legs:
+            one = legs.pop()
+            alike = [leg for leg in legs if CLOSEST < gap_to(one, leg.x, leg.y) < WIDEST]
+            alike = [] if one.both else [leg for leg in alike if not leg.both]
+            pair = [one]
+            if alike:
+                pair.append(min(alike, key=lambda leg: gap_to(leg, one.x, one.y)))
+                legs.remove(pair[1])
+            self.tracks.append(LegTrack(pair, stamp))
+
+    def _give_up(self, scan: Scan, followed: LegTrack | None) -> None:
+        """Forget people who are gone; take for furniture what stands still."""
+        for track in tuple(self.tracks):
+            known = track.walked or track is followed
+            patience = NEVER_WALKED
+            if known:
+                patience = HIDDEN if _is_hidden(scan, *track.estimate.position) else MISSED
+            if scan.stamp - track.seen > patience:
+                self.tracks.remove(track)
+            elif not known and scan.stamp - track.found > STANDS and track.strayed < STAYS:
+                self.settle(track)
+
+    def _clear(self, scan: Scan) -> None:
+        """Forget furniture that has not been seen for long, or that beams pass by."""
+        for spot in self.furniture:
+            if spot.seen < scan.stamp and _is_past(scan, spot.x, spot.y):
+                spot.past += 1
+        self.furniture = [
+            spot
+            for spot in self.furniture
+            if spot.past < SEEN_PAST and scan.stamp - spot.seen <= FORGET
+        ]
+
+
+def _is_pair(legs: list[Leg]) -> bool:
+    return len(legs) == 2 or legs[0].both
+
+
+def _middle(legs: list[Leg]) -> tuple[float, float]:
+    return sum(leg.x for leg in legs) / len(legs), sum(leg.y for leg in legs) / len(legs)
+
+
+def _is_hidden(scan: Scan, x: float, y: float) -> bool:
+    """Return whether a laser cannot see a point: something is before it, or it looks elsewhere."""
+    there = scan.sensor_in_odom.inverse() @ Pose2(x, y)
+    away, bearing = hypot(there.x, there.y), atan2(there.y, there.x)
+    return range_towards(scan, bearing) < away - BEHIND
+
+
+def _is_past(scan: Scan, x: float, y: float) -> bool:
+    """Return whether a laser sees past a point."""
+    there = scan.sensor_in_odom.inverse() @ Pose2(x, y)
+    away, bearing = hypot(there.x, there.y), atan2(there.y, there.x)
+    return range_towards(scan, bearing) > away + BEHIND
