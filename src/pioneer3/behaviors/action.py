@@ -167,7 +167,8 @@ class Situation:
         model: Its sizes and equipment.
         limits: The bounds on its motion.
         around: The obstacles that its sensors see and have seen.
-        scan: The newest scan of its laser; `None` if none has come for a while.
+        scan: The newest scan of its first laser; `None` if none has come for a while.
+        lost_lasers: For each laser that should scan and does not, a sentence.
         last_stop: The last stop; a command by hand must have begun after it.
         higher: The desires of higher priorities.
     """
@@ -178,6 +179,7 @@ class Situation:
     limits: Limits
     around: Surroundings = NOTHING_SENSED
     scan: Scan | None = None
+    lost_lasers: tuple[str, ...] = ()
     last_stop: Stop = NO_STOP
     higher: Combined = field(default_factory=Combined)
 

@@ -1,9 +1,9 @@
 """Remembers points that range sensors saw, in odometry's frame (facts.md 7.2)."""
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, floor, hypot, inf, isfinite, radians, sin
+from math import atan2, floor, hypot, inf, isfinite, radians
 from typing import NamedTuple
 
 from pioneer3.behaviors.surroundings import WINDOW, Surroundings
@@ -56,15 +56,10 @@ class LaserMemory:
         if scan.stamp - self._cleaned >= CLEAN_EVERY:
             self._cleaned = scan.stamp
             self._clean(scan, sensor)
-        seen = []
-        for angle, metres in zip(scan.angles, scan.ranges, strict=True):
-            if isfinite(metres):
-                bearing = sensor.theta + angle
-                x, y = sensor.x + metres * cos(bearing), sensor.y + metres * sin(bearing)
-                seen.append(StampedPoint(x, y, scan.stamp))
-                if metres <= NEAR:
-                    self._remember(seen[-1])
-        self.current = tuple(seen)
+        self.current = tuple(StampedPoint(x, y, scan.stamp) for x, y in scan.points_in_odom())
+        for point, metres in zip(self.current, filter(isfinite, scan.ranges), strict=True):
+            if metres <= NEAR:
+                self._remember(point)
 
     def forget(self, pose: Pose2, now: float) -> None:
         """Drop points that are too old or too far away."""
@@ -185,8 +180,11 @@ class RangeMemory:
         self._scan: Scan | None = None
         self._forget_all()
 
-    def update(self, snapshot: Snapshot, scan: Scan | None = None) -> None:
-        """Take in the next snapshot, and the last scan. Points of an earlier session go."""
+    def update(self, snapshot: Snapshot, scans: Sequence[Scan] = ()) -> None:
+        """Take in the next snapshot, and the last scan of each laser, in the lasers' order.
+
+        Points of an earlier session go.
+        """
         here, now = snapshot.odometry.robot_in_odom, snapshot.stamp
         if snapshot.link.sessions != self._session:
             self._session, self._pose = snapshot.link.sessions, here
@@ -195,23 +193,28 @@ class RangeMemory:
         self._listen(snapshot.sonar, self._pose, now)
         self._feel(snapshot.bumpers, here, now)
         self._push(snapshot, here, now)
-        if scan is not None and now - scan.stamp <= STALE_SCAN:
-            self._laser.add(scan)
-            self._scan = scan
-        for buffer in (self._sonar, self._bumpers, self._laser):
+        for number, scan in enumerate(scans):
+            if now - scan.stamp <= STALE_SCAN:
+                self._lasers.setdefault(scan.laser, LaserMemory()).add(scan)
+                self._scan = scan if number == 0 else self._scan
+        for buffer in self._sensors:
             buffer.forget(here, now)
         self._pose = here
 
     def around(self, now: float) -> Surroundings:
         """Return the surroundings of the robot at its last snapshot, as known at `now` [s]."""
-        sensors = (self._sonar, self._bumpers, self._laser)
+        sensors, lasers = self._sensors, self._lasers.values()
         return Surroundings(
             self._pose,
             [(p.x, p.y) for sensor in sensors for p in sensor.current],
             [(p.x, p.y) for sensor in sensors for p in sensor.cumulative],
             [(p.x, p.y) for p in self._window(now)],
-            sensing=now - self._heard <= SILENT or self._laser.sensing(now),
+            sensing=now - self._heard <= SILENT or any(laser.sensing(now) for laser in lasers),
         )
+
+    @property
+    def _sensors(self) -> tuple[RangeBuffer | LaserMemory, ...]:
+        return self._sonar, self._bumpers, *self._lasers.values()
 
     def newest_scan(self, now: float) -> Scan | None:
         """Return the last scan, unless it says nothing of `now` [s]."""
@@ -220,13 +223,13 @@ class RangeMemory:
 
     def _window(self, now: float) -> Iterable[StampedPoint]:
         points = (*self._sonar.current, *self._sonar.cumulative, *self._bumpers.current)
-        return dict.fromkeys(
-            (*self._laser.current, *(p for p in points if now - p.stamp <= WINDOW))
-        )
+        seen = (point for laser in self._lasers.values() for point in laser.current)
+        return dict.fromkeys((*seen, *(p for p in points if now - p.stamp <= WINDOW)))
 
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
-        self._laser, self._heard, self._forwards = LaserMemory(), -inf, True
+        self._lasers: dict[str, LaserMemory] = {}
+        self._heard, self._forwards = -inf, True
         self._scan = None
 
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:

@@ -2,21 +2,23 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
-from pioneer3.behaviors.action import Action, ProgressChecker, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, ProgressChecker, Situation, Stack
 from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.actions.limiters import LimiterBySonar
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
 from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.pilot import LATCHED, STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Feed, RobotInfo, Status
-from pioneer3.state import Scan, Snapshot
+from pioneer3.state import Snapshot
 from pioneer3.stops import Stop
 
 GAMEPAD = 100
@@ -104,8 +106,7 @@ class Arbiter:
     Attributes:
         decision: The last decision.
         mode: The stack that was started last and has not ended, or `None`.
-        latest_scan: Returns the last scan of a laser, while one is on.
-        scans_wanted: Returns a block during which a laser is on, if there is one.
+        lasers: That it looks through, while they are on.
         ended: The end of the last mode; `None` while one runs and before the first.
     """
 
@@ -113,8 +114,7 @@ class Arbiter:
         self.decision = Decision()
         self.mode: Stack | None = None
         self.ended: Ended | None = None
-        self.latest_scan: Callable[[], Scan | None] = lambda: None
-        self.scans_wanted: Callable[[], AbstractContextManager[None]] = nullcontext
+        self.lasers: Sequence[LaserSource] = ()
         self._supervisor = supervisor
         self._remark = remark
         self._remarked: str | None = None
@@ -123,6 +123,7 @@ class Arbiter:
         self._memory: RangeMemory | None = None
         self._progress = ProgressChecker()
         self._laser_on = ExitStack()
+        self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -146,6 +147,7 @@ class Arbiter:
             limits=info.limits,
             around=self._memory.around(now),
             scan=self._memory.newest_scan(now),
+            lost_lasers=tuple(laser.lost for laser in self.lasers if laser.lost),
             last_stop=self.last_stop,
         )
 
@@ -161,7 +163,7 @@ class Arbiter:
             return self._supervisor.why_not_moving()
         self._end_motions()
         try:
-            self.decision = decision = resolve([part.stack for part in self._parts], situation)
+            self.decision = decision = resolve(self._stacks(), situation)
         except ActionError as error:
             return self._fail(error)
         if self._remark is not None:
@@ -184,6 +186,11 @@ class Arbiter:
         if stopped == self._decided_after and before.wanted and situation.now < before.until:
             return self._stand()  # somebody let go; the pilot itself ends what expires
         return None
+
+    def _stacks(self) -> list[Stack]:
+        """Return all stacks that decide; modes see no better than the sensors that work."""
+        stacks = [part.stack for part in self._parts]
+        return [*stacks, self._by_sonar] if self.mode is not None else stacks
 
     def _end_motions(self) -> None:
         """Remove motions that began before the last stop and cannot answer it."""
@@ -237,7 +244,9 @@ class Arbiter:
         self.mode, self.ended = mode, None
         self._progress = ProgressChecker()
         if mode.wants_scans:
-            self._laser_on.enter_context(self.scans_wanted())
+            for laser in self.lasers:
+                if laser.presence.there:
+                    self._laser_on.enter_context(laser.wanted())
         self._join(mode)
         return self.decide()
 
@@ -285,7 +294,8 @@ class Arbiter:
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
         if self._memory is not None:
-            self._memory.update(snapshot, self.latest_scan())
+            scans = (laser.latest for laser in self.lasers)
+            self._memory.update(snapshot, [scan for scan in scans if scan is not None])
         self.decide()
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)

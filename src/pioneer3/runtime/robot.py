@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from math import inf
 
 from pioneer3.arcos.commands import Command
@@ -44,8 +43,7 @@ class Robot:
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
-        arbiter.latest_scan = lambda: self.laser.latest
-        arbiter.scans_wanted = self._scans_wanted
+        arbiter.lasers = self.lasers
 
     @property
     def info(self) -> RobotInfo:
@@ -198,9 +196,6 @@ class Robot:
             CommandError: no session is open, or the command does not fit the protocol.
         """
         self.supervisor.send_unsafe(command)
-
-    def _scans_wanted(self) -> AbstractContextManager[None]:
-        return self.laser.wanted() if self.laser.presence.there else nullcontext()
 
     async def _carry_out(self, action: Move | Turn) -> None:
         self._hold.release()

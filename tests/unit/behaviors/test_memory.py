@@ -163,28 +163,28 @@ def scan(stamp: float, ranges: dict[int, float], sequence: int = 0) -> Scan:
 
 def test_a_scan_replaces_the_one_before() -> None:
     memory = RangeMemory(P3AT)
-    memory.update(reading(0.0), scan(0.0, {0: 2.0, 90: 1.0}))
+    memory.update(reading(0.0), [scan(0.0, {0: 2.0, 90: 1.0})])
     ahead, left = memory.around(0.0).points()
     assert (ahead.x, ahead.y) == pytest.approx((2.1, 0.0))
     assert (left.x, left.y) == pytest.approx((0.1, 1.0))
     assert memory.around(0.0).sensing
-    memory.update(reading(0.1), scan(0.1, {0: 1.9}, 1))
+    memory.update(reading(0.1), [scan(0.1, {0: 1.9}, 1)])
     assert [p.x for p in memory.around(0.1).points()] == [2.0]
 
 
 def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:
     memory = RangeMemory(P3AT)
-    memory.update(reading(1.0), scan(1.0, {0: 2.0, 45: 1.0, 90: 3.5}))
+    memory.update(reading(1.0), [scan(1.0, {0: 2.0, 45: 1.0, 90: 3.5})])
     assert len(memory.around(1.0).points(Buffer.CUMULATIVE)) == 2  # within 3 m
-    memory.update(reading(2.1), scan(2.1, {0: 2.5, 45: 1.05}, 1))
+    memory.update(reading(2.1), [scan(2.1, {0: 2.5, 45: 1.05}, 1)])
     left = memory.around(2.1).points(Buffer.CUMULATIVE)
     assert sorted(round(p.distance, 1) for p in left) == [1.1, 2.6]
 
 
 def test_an_old_scan_says_nothing() -> None:
     memory = RangeMemory(P3AT)
-    memory.update(reading(0.0), scan(0.0, {0: 2.0}))
-    memory.update(reading(1.1), scan(0.0, {0: 2.0}))
+    memory.update(reading(0.0), [scan(0.0, {0: 2.0})])
+    memory.update(reading(1.1), [scan(0.0, {0: 2.0})])
     assert memory.around(1.1).points() == ()
     assert not memory.around(1.1).sensing
 

@@ -96,6 +96,31 @@ def _share(distance: float, stop: float, slow: float) -> float:
     return 0.0 if distance < stop or slow <= stop else (distance - stop) / (slow - stop)
 
 
+BY_SONAR = 0.4
+"""Wandering at this speed [m/s] by sonars alone touches nothing (docs/explanation/safety.md)."""
+
+
+@dataclass(slots=True)
+class LimiterBySonar:
+    """Slows a mode down while a laser that should scan does not: sonars see less, and later.
+
+    Not one of ARIA's.
+
+    Attributes:
+        speed: Both ways [m/s].
+    """
+
+    speed: float = BY_SONAR
+    name: str = "limiter by sonar"
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the limit, and which laser is lost."""
+        if not situation.lost_lasers:
+            return None
+        lost = "; ".join(situation.lost_lasers)
+        return Desire(v_max=self.speed, back_max=self.speed, reason=f"{lost}: goes by sonar")
+
+
 UNSURE = radians(20)
 """How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
 

@@ -114,6 +114,10 @@ class LaserSource(Protocol):
         """Whether there is one to read."""
 
     @property
+    def lost(self) -> str | None:
+        """While it should scan and does not, a few words; else `None`."""
+
+    @property
     def latest(self) -> Scan | None:
         """The last scan; look at its stamp."""
 
@@ -159,6 +163,7 @@ class Laser(Sensor[Scan]):
         self._sweep = self._sweep_of(FIRST, LAST)
 
     name = "laser"
+    lost: str | None = None  # it is a part of the robot's own stream, and comes and goes with it
 
     @property
     def sensor_in_robot(self) -> Pose2:

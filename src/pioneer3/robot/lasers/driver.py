@@ -140,6 +140,11 @@ class LaserDriver:
         return f"{product or 'laser'} at {self.config.url}"
 
     @property
+    def lost(self) -> str | None:
+        """While no scans come, a few words; else `None`."""
+        return None if self.connected else f"the {self.name} is lost"
+
+    @property
     def latency(self) -> float:
         """Time from the last reading of the last scan until it was here [s]; 0 before any."""
         return self._latency
