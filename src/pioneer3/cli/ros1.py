@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import NO_LASERS, PORT, Baud, LaserOptions
+from pioneer3.cli.options import AUTO, NO_LASERS, PORT, Baud, LaserOptions
 from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.cli.ros1_demos import (
     MODE_DEMOS,
@@ -67,6 +67,33 @@ def ros1(
     if install_package is not None:
         return _install(install_package)
     return run_until_told_to_leave(_serve(arguments, port, baud, lasers))
+
+
+@ros1_app.command
+def laser(
+    *arguments: Annotated[str, Parameter(show=True)],
+    port: Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")] = AUTO,
+) -> int:
+    """Be a laser's ROS 1 node, in the place of hokuyo_node or urg_node; no robot is needed.
+
+    It has their parameters, and publishes scan and /diagnostics.
+
+    Example: pioneer3 ros1 laser _port:=/dev/ttyACM0 _min_ang:=-1.57 _frame_id:=laser
+    Example: pioneer3 ros1 laser _ip_address:=192.168.0.10
+
+    Args:
+        arguments: ROS's own: _serial_port:=/dev/ttyACM0, __name:=front, scan:=front/scan.
+        port: [MODEL@]PORT, such as /dev/ttyACM0, lms-200@/dev/ttyUSB1; auto looks for one.
+            Parameters come first.
+    """
+    return run_until_told_to_leave(_serve_laser(arguments, port))
+
+
+async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
+    from pioneer3.cli.process import write_line
+    from pioneer3.ros.ros1.laser import serve_laser
+
+    return await serve_laser(arguments, LaserOptions(laser=(port,)).specs, write_line)
 
 
 async def _serve(

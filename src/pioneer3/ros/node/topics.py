@@ -101,6 +101,15 @@ def laser_topic(name: str) -> Topic:
     )
 
 
+DIAGNOSTICS: Final = Topic(
+    compatibility="/diagnostics",
+    standard="/diagnostics",
+    type_name="diagnostic_msgs/DiagnosticArray",
+    source=DiagnosticsUpdate,
+    fill=diagnostics,
+    period=SLOWLY,
+    note="link, motors, battery, sonar, odometry, command, and why it does not move",
+)
 COMMANDS: Final = Topic(
     compatibility="~cmd_vel",
     standard="cmd_vel",
@@ -257,15 +266,7 @@ TOPICS: Final = (
         fill=sensors.analog,
         note="selected port and its voltage",
     ),
-    Topic(
-        compatibility="/diagnostics",
-        standard="/diagnostics",
-        type_name="diagnostic_msgs/DiagnosticArray",
-        source=DiagnosticsUpdate,
-        fill=diagnostics,
-        period=SLOWLY,
-        note="link, motors, battery, sonar, odometry, command, and why it does not move",
-    ),
+    DIAGNOSTICS,
 )
 """All topics but those of single lasers and transducers, whose number depends on the robot."""
 

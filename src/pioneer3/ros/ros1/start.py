@@ -2,8 +2,8 @@
 
 import asyncio
 import os
-from collections.abc import Awaitable, Callable, Sequence
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from math import isinf
 from typing import Final
@@ -59,13 +59,21 @@ class Options:
     arguments: Sequence[str] = ()
 
 
-async def serve(options: Options, tell: Callable[[str], None]) -> int:
-    """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
+@asynccontextmanager
+async def on_ros(
+    name: str, arguments: Sequence[str], tell: Callable[[str], None]
+) -> AsyncIterator[MasterWatch]:
+    """Be a ROS node during the block; `tell` is given lines for a person.
+
+    Args:
+        name: Of the node, unless `arguments` have another.
+        arguments: ROS's own.
+        tell: Takes a line for a person.
 
     Raises:
-        PioneerError: something could not be started; the message says what to do.
+        ConfigError: an argument is none of ROS's, or ROS is not installed.
     """
-    odd = [argument for argument in options.arguments if ":=" not in argument]
+    odd = [argument for argument in arguments if ":=" not in argument]
     if odd:
         raise ConfigError(
             f"{odd[0]!r} is none of ROS's arguments, such as _port:=/dev/ttyS0, and no command:"
@@ -78,12 +86,35 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
     master = rosgraph.get_master_uri()
     stay_on_this_computer(master)
     await wait_for_master(master, tell)
-    arguments = ["pioneer3", *options.arguments]
     await asyncio.to_thread(
-        rospy.init_node, node_name(options.arguments), argv=arguments, disable_signals=True
+        rospy.init_node, name, argv=["pioneer3", *arguments], disable_signals=True
     )
     watch = MasterWatch(rospy.get_name(), rospy.logwarn)
     try:
+        yield watch
+    finally:
+        watch.stop()
+        await asyncio.to_thread(_forget, arguments)
+        rospy.signal_shutdown("the program ends")
+
+
+def announce(tell: Callable[[str], None]) -> None:
+    """Tell the names of the node and its master."""
+    import rosgraph
+    import rospy
+
+    tell(f"node {rospy.get_name()} on {rosgraph.get_master_uri()}")
+
+
+async def serve(options: Options, tell: Callable[[str], None]) -> int:
+    """Run the node until it is shut down or cancelled; `tell` is given lines for a person.
+
+    Raises:
+        PioneerError: something could not be started; the message says what to do.
+    """
+    async with on_ros(node_name(options.arguments), options.arguments, tell) as watch:
+        import rospy
+
         raw = rospy.get_param("~", {})
         parameters = _parameters(raw)
         watch.start()
@@ -103,11 +134,7 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
             await asyncio.to_thread(_introduce, robot.info)
             node = RobotNode(robot, parameters, RospyMiddleware(), raw)
             watch.on_registered = node.describe_robot
-            await node.run(lambda: tell(f"node {rospy.get_name()} on {master}"))
-    finally:
-        watch.stop()
-        await asyncio.to_thread(_forget, options.arguments)
-        rospy.signal_shutdown("the program ends")
+            await node.run(lambda: announce(tell))
     return 0
 
 

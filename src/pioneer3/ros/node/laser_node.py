@@ -1,0 +1,85 @@
+"""A laser range finder as a ROS node, without a robot, in the place of hokuyo_node or urg_node."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Final
+
+from pioneer3.robot.lasers.driver import LaserDriver
+from pioneer3.robot.supervisor import Connection
+from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
+from pioneer3.ros.messages.laser_diagnostics import device_id, laser_status
+from pioneer3.ros.messages.update import ScanUpdate
+from pioneer3.ros.node.middleware import Middleware
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.publishing import Publishing
+from pioneer3.ros.node.topics import DIAGNOSTICS, SLOWLY, laser_topic
+from pioneer3.state import Scan
+from pioneer3.tasks import running
+
+FRAME: Final = "laser"
+"""Of the scans, unless a parameter names another; hokuyo_node and urg_node have the same."""
+
+
+class LaserNode:
+    """Publishes the scans of `laser` on `scan`, and its state on `/diagnostics`.
+
+    Args:
+        laser: Its driver, which the node runs.
+        frame: Of the scans.
+        middleware: Where the node has its name already.
+    """
+
+    def __init__(self, laser: LaserDriver, frame: str, middleware: Middleware) -> None:
+        self._laser = laser
+        self._frame = frame
+        self._middleware = middleware
+        self._loop = asyncio.get_running_loop()
+        topics = [laser_topic(laser.name), DIAGNOSTICS]
+        self._publishing = Publishing(topics, Profile.STANDARD, middleware)
+        self._ended = asyncio.Event()
+
+    async def run(self, ready: Callable[[], None]) -> None:
+        """Serve until somebody shuts the node down, or until cancelled.
+
+        `ready` is called when everything is advertised.
+        """
+        self._middleware.on_shutdown(lambda: self._loop.call_soon_threadsafe(self._ended.set))
+        await asyncio.to_thread(self._publishing.advertise, lambda topic: True)
+        ready()
+        scans = self._publishing.publish_device(
+            ScanUpdate, self._laser.values, self._update, self._laser.name
+        )
+        try:
+            async with running(
+                self._laser.run(), scans, self._publish_diagnostics(), self._follow_link()
+            ):
+                await self._ended.wait()
+        finally:
+            await asyncio.to_thread(self._middleware.forget)
+
+    def _update(self, scan: Scan) -> ScanUpdate:
+        stamp = self._middleware.stamp(self._loop.time() - scan.stamp)
+        return ScanUpdate(scan=scan, frame=self._frame, stamp=stamp, period=scan.period)
+
+    async def _publish_diagnostics(self) -> None:
+        while True:
+            if self._publishing.has_subscribers(DiagnosticsUpdate):
+                identity = self._laser.identity
+                update = DiagnosticsUpdate(
+                    found=(laser_status(self._laser),),
+                    node=self._middleware.name,
+                    hardware=device_id(identity) if identity else "",
+                    stamp=self._middleware.stamp(0.0),
+                    make=self._middleware.make,
+                )
+                self._publishing.publish(update)
+            await asyncio.sleep(SLOWLY)
+
+    async def _follow_link(self) -> None:
+        """Log what becomes of the laser."""
+        logged = None
+        async for status in self._laser.status.values():
+            news = status.connection in {Connection.LOST, Connection.CONNECTED}
+            if news and status != logged:
+                self._middleware.warn(f"laser {status.connection.value}: {status.message}")
+                logged = status
