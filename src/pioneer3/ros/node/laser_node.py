@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Final
 
 from pioneer3.robot.lasers.driver import LaserDriver
@@ -43,7 +44,7 @@ class LaserNode:
 
         `ready` is called when everything is advertised.
         """
-        self._middleware.on_shutdown(lambda: self._loop.call_soon_threadsafe(self._ended.set))
+        self._middleware.on_shutdown(self._end)
         await asyncio.to_thread(self._publishing.advertise, lambda topic: True)
         ready()
         scans = self._publishing.publish_device(
@@ -56,6 +57,11 @@ class LaserNode:
                 await self._ended.wait()
         finally:
             await asyncio.to_thread(self._middleware.forget)
+
+    def _end(self) -> None:
+        """End the node; called in any thread."""
+        with suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._ended.set)
 
     def _update(self, scan: Scan) -> ScanUpdate:
         stamp = self._middleware.stamp(self._loop.time() - scan.stamp)
