@@ -1,0 +1,129 @@
+"""The data of scans: distances, intensities and echoes (scip.md 2, 3). No I/O."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Final
+
+from pioneer3.lasers.scip.wire import decode_values, from_lines, from_plain_lines
+from pioneer3.models.lasers import Steps
+from pioneer3.units import MM
+
+ECHO: Final = b"&"
+"""Stands between the echoes of one step."""
+MAX_VALUE: Final = (1 << 18) - 1
+WIDE_RANGE: Final = 20000
+"""Lasers with a DMAX above this have the codes of the UTM-30LX [mm]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Format:
+    """The data that one measuring command asks for.
+
+    Attributes:
+        width: Characters of a distance.
+        intensities: Whether an intensity of three characters follows each distance.
+        multi_echo: Whether a step may have several echoes.
+        streamed: Whether scans go on, or there is one only.
+    """
+
+    width: int = 3
+    intensities: bool = False
+    multi_echo: bool = False
+    streamed: bool
+
+    @property
+    def echo(self) -> int:
+        """Characters of one echo."""
+        return self.width + 3 * self.intensities
+
+
+FORMATS: Final = {
+    "MD": Format(streamed=True),
+    "MS": Format(width=2, streamed=True),
+    "ME": Format(intensities=True, streamed=True),
+    "ND": Format(multi_echo=True, streamed=True),
+    "NE": Format(intensities=True, multi_echo=True, streamed=True),
+    "GD": Format(streamed=False),
+    "GS": Format(width=2, streamed=False),
+    "GE": Format(intensities=True, streamed=False),
+    "HD": Format(multi_echo=True, streamed=False),
+    "HE": Format(intensities=True, multi_echo=True, streamed=False),
+    "G": Format(width=2, streamed=False),
+}
+"""By the letters of the command; `G` is SCIP 1.1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """The numbers of one scan.
+
+    Attributes:
+        distances: [mm], or codes; the first echo of each step.
+        intensities: Of these; empty without.
+        echoes: All distances of each step [mm]; empty for formats with one echo.
+    """
+
+    distances: list[int]
+    intensities: list[int]
+    echoes: list[list[int]]
+
+
+def decode(
+    lines: Sequence[bytes], format_: Format, count: int, *, summed: bool = True
+) -> Readings | None:
+    """Return the readings in the data lines of a scan, or `None` if they are not `count` good ones.
+
+    Args:
+        lines: The lines after the time stamp.
+        format_: Of the data.
+        count: Number of steps that were asked for.
+        summed: Whether the lines have checksums.
+    """
+    if not lines:
+        return None
+    if not summed:
+        text = from_plain_lines(lines)
+    else:
+        text = from_lines(lines, ECHO if format_.multi_echo else b"")
+    if text is None:
+        return None
+    if format_.multi_echo:
+        return _decode_echoes(text, format_, count)
+    if len(text) != count * format_.echo:
+        return None
+    values = decode_values(text, format_.width)
+    if format_.intensities:
+        return Readings(values[0::2], values[1::2], [])
+    return Readings(values, [], [])
+
+
+def _decode_echoes(text: bytes, format_: Format, count: int) -> Readings | None:
+    """Return the readings of multi-echo data: each `&` joins an echo to the step before it."""
+    per_echo = 2 if format_.intensities else 1
+    echoes: list[list[int]] = []
+    intensities: list[int] = []
+    for number, part in enumerate(text.split(ECHO)):
+        if not part or len(part) % format_.echo:
+            return None
+        values = decode_values(part, format_.width)
+        distances = values[0::per_echo]
+        if number:
+            echoes[-1].append(distances.pop(0))
+        echoes += [[distance] for distance in distances]
+        if format_.intensities:
+            intensities += values[3 if number else 1 :: 2]
+    if len(echoes) != count:
+        return None
+    return Readings([step[0] for step in echoes], intensities, echoes)
+
+
+def ranges_of_values(steps: Steps) -> list[float]:
+    """Return the range of each possible value [m], as REP 117 has it (scip.md 3.2).
+
+    Shape (2^18,): one look-up for each reading is the fastest way.
+    """
+    codes = {1: inf, 2: -inf} if steps.longest > WIDE_RANGE else {0: inf, 6: inf}
+    near = [codes.get(value, nan) for value in range(steps.shortest)]
+    measured = [value * MM for value in range(steps.shortest, steps.longest + 1)]
+    return near + measured + [inf] * (MAX_VALUE - steps.longest)

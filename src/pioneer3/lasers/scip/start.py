@@ -1,0 +1,301 @@
+"""The dialogue that makes a laser scan, whatever state it is in (scip.md 6). No I/O.
+
+::
+
+    each speed: LF QT ─00─► VV, PP, II ─► [SS] ─► [TM0, TM1, TM2] ─► BM ─► MD, ME, ... ─00─► scans
+                 │ 0E: TM2, again
+                 │ E: SCIP2.0, again; still E: V, L1 ─► G, G, ... (SCIP 1.1)
+                 └ nothing: the next speed
+
+Rules:
+
+1. The first LF ends a command that another program, or the search at another speed, left half
+   sent. QT is harmless in every state, and every state answers it in its own way. What was in the
+   line before its answer belongs to an old stream.
+2. A question without a good answer is asked three times. Then the dialogue begins anew.
+3. A laser that reports an error is reset, twice. One that says that it is not ready yet is asked
+   again.
+
+The dialogue is a generator: it yields what it asks, when it pauses and what is worth an event, and
+is sent the answers.
+"""
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from pioneer3.lasers.client import (
+    Event,
+    Identified,
+    LaserIdentity,
+    Lost,
+    Remarked,
+    ScanSettings,
+    SpeedWanted,
+)
+from pioneer3.lasers.scip.identity import FIRST_URG, identity_from, is_healthy, steps_from
+from pioneer3.lasers.scip.stream import Stream, fits, streams
+from pioneer3.lasers.scip.timing import DeviceClock
+from pioneer3.lasers.scip.wire import decode_stamp, from_pairs
+from pioneer3.models.lasers import Steps
+
+TRIES: Final = 3
+COMPARISONS: Final = 5
+"""Answers to TM1; the quickest is the best of them."""
+TM1_LONGER: Final = 11
+"""Bytes that the answer to TM1 has more than the request."""
+RESETS: Final = 2
+BREATH: Final = 0.05
+"""A laser changes its speed, or is reset, within this [s]."""
+NOT_READY: Final = "0M"
+UNSTABLE_WAIT: Final = 0.5
+OK: Final = {"00", "0"}
+LASER_ON: Final = {"00", "02"}
+IN_TM_MODE: Final = "0E"
+UNKNOWN_IN_SCIP1: Final = "E"
+ALREADY_SET: Final = "03"
+CANNOT: Final = {"01", "02", "03", "04", "05", "06", "07", "0C", "0D", "0E", "0F", "E"}
+"""The laser does not know a measuring command, or not with these parameters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """Send a command and wait for its answer."""
+
+    command: bytes
+    prefix: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Send nothing for some time [s]."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """The answer to :class:`Ask`.
+
+    Attributes:
+        status: Empty if there was no good answer in time.
+        lines: The data lines.
+        asked: When the command was sent [s, monotonic].
+        answered: When the whole answer had come.
+    """
+
+    status: str = ""
+    lines: Sequence[bytes] = ()
+    asked: float = 0.0
+    answered: float = 0.0
+
+
+Step = Ask | Pause | Event
+NOTHING: Final = Reply()
+
+
+class _NoAnswerError(Exception):
+    """A laser that answered before does so no more."""
+
+
+class Start:
+    """Finds the laser and starts its scans; :meth:`run` may be called again if they stop.
+
+    Args:
+        speeds: Baud rates to try in this order; empty for links without a speed.
+        settings: Wishes for the scans.
+
+    Attributes:
+        clock: The laser's clock, of the latest run.
+        identity: Once known.
+        started_at: The speed at which the laser was found, where it has been changed since [baud].
+        refused: Answers whose data were spoilt.
+        findings: Text about the latest trouble, for the reason of a loss; empty without.
+    """
+
+    def __init__(self, speeds: Sequence[int], settings: ScanSettings) -> None:
+        self.clock = DeviceClock()
+        self.identity: LaserIdentity | None = None
+        self.started_at: int | None = None
+        self.refused = 0
+        self.findings = ""
+        self._speeds = tuple(speeds)
+        self._baud = speeds[0] if speeds else None
+        self._settings = settings
+        self._keep_speed = False
+        self._scip1 = False
+        self._resets = 0
+
+    @property
+    def baud(self) -> int | None:
+        """The speed in use, or `None` on links without one."""
+        return self._baud
+
+    def run(self) -> Generator[Step, Reply, Stream]:
+        """Return the stream that has been started."""
+        while True:
+            try:
+                yield from self._find()
+                self.findings = "it answers, but not all questions"
+                steps = yield from self._get_acquainted()
+                yield from self._speed_up(steps)
+                self.clock = DeviceClock()
+                if self._settings.calibrate_time and not self._scip1:
+                    yield from self._compare_clocks()
+                stream = yield from self._measure(steps)
+            except _NoAnswerError:
+                continue
+            if stream is not None:
+                self._resets = 0
+                return stream
+
+    def _find(self) -> Generator[Step, Reply, None]:
+        """Go over all speeds until the laser answers and is idle."""
+        number = self._speeds.index(self._baud) if self._baud is not None else 0
+        while True:
+            if self._speeds:
+                self._baud = self._speeds[number % len(self._speeds)]
+                yield SpeedWanted(self._baud)
+            if (yield from self._wake()):
+                return
+            number += 1
+
+    def _wake(self) -> Generator[Step, Reply, bool]:
+        """End old scans and modes; return whether the laser answers."""
+        self._scip1 = False
+        for _ in range(TRIES):
+            reply = yield Ask(b"QT", prefix=b"\n")
+            if reply.status == IN_TM_MODE:
+                yield Ask(b"TM2")
+            elif reply.status == UNKNOWN_IN_SCIP1:
+                switched = yield Ask(b"SCIP2.0")
+                if switched.status == UNKNOWN_IN_SCIP1:
+                    self._scip1 = True
+                    return True
+            else:
+                return reply.status in OK
+        return False
+
+    def _get_acquainted(self) -> Generator[Step, Reply, Steps]:
+        if self._scip1:
+            version, steps = (yield from self._pairs(b"V")), FIRST_URG
+            state: Mapping[str, str] = {}
+        else:
+            version = yield from self._pairs(b"VV")
+            found = steps_from((yield from self._pairs(b"PP")))
+            if found is None:
+                self.findings = "its answer to PP is not the geometry of a laser"
+                yield Pause(UNSTABLE_WAIT)
+                raise _NoAnswerError
+            steps = found
+            state = yield from self._pairs(b"II", needed=False)
+        identity = identity_from(version, state)
+        if self.identity != identity:
+            self.identity = identity
+            yield Identified(identity)
+            if not is_healthy(identity.status):
+                yield Remarked(f"the laser reports {identity.status!r}")
+        return steps
+
+    def _speed_up(self, steps: Steps) -> Generator[Step, Reply, None]:
+        """Change to the fastest speed that both know, where the line is too slow for the scans."""
+        wanted = next(streams(steps, self._settings, self._baud, scip1=self._scip1))
+        if self._baud is None or self._keep_speed or fits(wanted, self._baud):
+            return
+        slow = self._baud
+        for baud in sorted((speed for speed in self._speeds if speed > slow), reverse=True):
+            text = f"S{baud:06}7654321" if self._scip1 else f"SS{baud:06}"
+            reply = yield Ask(text.encode())
+            if reply.status in OK:
+                self._baud = baud
+                self.started_at = slow
+                yield SpeedWanted(baud)
+                yield Pause(BREATH)
+                if (yield from self._wake()):
+                    return
+                yield Remarked(f"the laser does not answer at {baud} baud, which it agreed to")
+            if not reply.status or reply.status in OK:
+                self._keep_speed, self._baud = True, slow
+                raise _NoAnswerError
+            if reply.status == ALREADY_SET:
+                return
+
+    def _compare_clocks(self) -> Generator[Step, Reply, None]:
+        lead = TM1_LONGER * 10 / self._baud if self._baud else 0.0
+        reply = yield Ask(b"TM0")
+        if reply.status in {"00", "02"}:
+            for _ in range(COMPARISONS):
+                reply = yield Ask(b"TM1")
+                stamp_ms = decode_stamp(reply.lines[0]) if len(reply.lines) == 1 else None
+                if reply.status in OK and stamp_ms is None:
+                    self.refused += 1
+                elif reply.status in OK and stamp_ms is not None:
+                    self.clock.compare(stamp_ms, reply.asked, reply.answered, lead)
+        yield from self._ask(b"TM2")
+        if not self.clock.compared:
+            yield Remarked("the laser does not tell its time: scans are dated as they come")
+
+    def _measure(self, steps: Steps) -> Generator[Step, Reply, Stream | None]:
+        """Switch the laser on and start scans; return `None` if it has to be found again."""
+        if self._scip1:
+            yield from self._ask(b"L1")
+            return next(streams(steps, self._settings, self._baud, scip1=True))
+        reply = yield from self._ask(b"BM")
+        if reply.status in LASER_ON:
+            for stream in streams(steps, self._settings, self._baud):
+                reply = yield from self._ask(stream.command)
+                if reply.status in OK:
+                    return stream
+                if reply.status not in CANNOT:
+                    break
+        yield from self._mend(reply.status)
+        return None
+
+    def _mend(self, status: str) -> Generator[Step, Reply, None]:
+        """Wait for a laser that is not ready; reset one that reports an error."""
+        stat = self.identity.status if self.identity and self.identity.status else ""
+        reports = f"status {status}" + (f", {stat!r}" if stat else "")
+        self.findings = f"it answers, but does not measure: {reports}"
+        if status == NOT_READY:
+            yield Remarked(f"the laser is not ready yet: {reports}")
+            yield Pause(UNSTABLE_WAIT)
+            return
+        if self._resets >= RESETS:
+            yield Lost(
+                f"the laser reports an error ({reports}) after {RESETS} resets, too: "
+                "switch it off and on; if the error stays, the laser is broken"
+            )
+        self._resets += 1
+        yield Remarked(f"the laser reports an error ({reports}): resetting it")
+        yield Ask(b"RS")
+        yield Pause(BREATH)
+        if self.started_at is not None:  # a reset also resets the speed
+            self._baud, self.started_at = self.started_at, None
+
+    def _ask(self, command: bytes) -> Generator[Step, Reply, Reply]:
+        """Return the answer to `command`.
+
+        Raises:
+            _NoAnswerError: none of three came.
+        """
+        for _ in range(TRIES):
+            reply = yield Ask(command)
+            if reply.status:
+                return reply
+        raise _NoAnswerError
+
+    def _pairs(
+        self, command: bytes, *, needed: bool = True
+    ) -> Generator[Step, Reply, Mapping[str, str]]:
+        """Return the keys and values of an answer."""
+        for _ in range(TRIES):
+            reply = yield Ask(command)
+            pairs = from_pairs(reply.lines, summed=not self._scip1)
+            if reply.status in OK and pairs:
+                return pairs
+            self.refused += pairs is None
+            if reply.status and not needed:
+                break
+        if needed:
+            raise _NoAnswerError
+        return {}

@@ -1,0 +1,207 @@
+"""SCIP on the wire: lines, checksums, characters and numbers (scip.md 1). No I/O.
+
+An answer is some lines that end in LF; an empty line ends it::
+
+    echo of the command LF  status LF  data LF  data LF  LF
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+ZERO: Final = 0x30
+"""The character of six zero bits."""
+ALPHABET: Final = bytes(range(ZERO, ZERO + 64))
+LINE: Final = 64
+"""Characters of a data line, without its checksum."""
+STAMP: Final = 4
+"""Characters of a time stamp."""
+MAX_ANSWER: Final = 1 << 16
+"""More bytes without an empty line are noise; the longest answer has some 25000."""
+ENDED: Final = b"\n\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One answer, not yet checked.
+
+    Attributes:
+        lines: Without LF; at least one, none of them empty.
+        began: When its first byte came [s, monotonic].
+    """
+
+    lines: list[bytes]
+    began: float
+
+    def after(self, command: bytes) -> "Answer | None":
+        """Return the answer to `command` with all before its echo cut off; `None` without one."""
+        for number in range(len(self.lines) - 1, -1, -1):
+            if self.lines[number].endswith(command):
+                return Answer([command, *self.lines[number + 1 :]], self.began)
+        return None
+
+    @property
+    def status(self) -> str:
+        """The status without its checksum: two characters, in SCIP 1.1 one; empty if it is wrong.
+
+        A 1.1 answer has no checksum at all (scip.md 1.5).
+        """
+        line = self.lines[1] if len(self.lines) > 1 else b""
+        text = line if len(line) == 1 else unseal(line) if len(line) == 3 else None
+        return text.decode() if text and text.isalnum() and text.isascii() else ""
+
+
+def checksum(text: bytes) -> int:
+    """Return the character that follows `text`."""
+    return (sum(text) & 0x3F) + ZERO
+
+
+def seal(text: bytes) -> bytes:
+    """Return `text` with its checksum."""
+    return text + bytes((checksum(text),))
+
+
+def unseal(line: bytes) -> bytes | None:
+    """Return `line` without its checksum, or `None` if that is wrong."""
+    return line[:-1] if len(line) > 1 and checksum(line[:-1]) == line[-1] else None
+
+
+def encode_values(values: Sequence[int], width: int) -> bytes:
+    """Return each of `values` as `width` characters of six bits, the highest first."""
+    text = bytearray(width * len(values))
+    for place in range(width):
+        shift = 6 * (width - 1 - place)
+        text[place::width] = bytes([(value >> shift & 0x3F) + ZERO for value in values])
+    return bytes(text)
+
+
+def decode_values(text: bytes, width: int) -> list[int]:
+    """Return the numbers in `text`, whose characters and length have been checked."""
+    places = [text[place::width] for place in range(width)]
+    if width == 3:  # nearly all that lasers send
+        offset = ZERO * 0o10101
+        return [(x << 12) + (y << 6) + z - offset for x, y, z in zip(*places, strict=True)]
+    values = [0] * len(places[0])
+    for place in places:
+        values = [(value << 6) + six - ZERO for value, six in zip(values, place, strict=True)]
+    return values
+
+
+def decode_stamp(line: bytes) -> int | None:
+    """Return the milliseconds of a time stamp's line, or `None` if it is spoilt."""
+    text = unseal(line)
+    if text is None or len(text) != STAMP or text.translate(None, ALPHABET):
+        return None
+    return decode_values(text, STAMP)[0]
+
+
+def to_lines(text: bytes) -> bytes:
+    """Return data as lines with checksums and LF."""
+    pieces = (text[start : start + LINE] for start in range(0, len(text), LINE))
+    return b"".join([seal(piece) + b"\n" for piece in pieces])
+
+
+def from_lines(lines: Sequence[bytes], others: bytes = b"") -> bytes | None:
+    """Return the data of `lines`, or `None` if any of them is spoilt.
+
+    The checksum counts six bits. An error in the other two shows in a character that is none of
+    SCIP's 64, and none of `others`.
+    """
+    if any(len(line) != LINE + 1 for line in lines[:-1]):
+        return None
+    texts = [line[:-1] for line in lines]
+    if any((sum(text) & 0x3F) + ZERO != line[-1] for text, line in zip(texts, lines, strict=True)):
+        return None
+    text = b"".join(texts)
+    return None if text.translate(None, ALPHABET + others) else text
+
+
+def from_plain_lines(lines: Sequence[bytes]) -> bytes | None:
+    """Return the data of SCIP 1.1's lines, which have no checksums, or `None`."""
+    if any(len(line) != LINE for line in lines[:-1]):
+        return None
+    text = b"".join(lines)
+    return None if text.translate(None, ALPHABET) else text
+
+
+def pair(key: str, value: object) -> bytes:
+    """Return a line of VV, PP or II, with LF."""
+    text = f"{key}:{value}".encode("ascii")
+    return text + b";" + bytes((checksum(text),)) + b"\n"
+
+
+def from_pairs(lines: Iterable[bytes], *, summed: bool = True) -> dict[str, str] | None:
+    """Return the keys and values of `KEY:value;c` lines, or `None` if any of them is spoilt.
+
+    Some lasers count the semicolon into the checksum. Without `summed`, as in SCIP 1.1, there may
+    be neither.
+    """
+    pairs: dict[str, str] = {}
+    for line in lines:
+        text, mark, seals = line.rpartition(b";")
+        if not mark and not summed:
+            text = line
+        elif len(seals) != 1 or seals[0] not in {checksum(text), checksum(text + mark)}:
+            return None
+        key, colon, value = text.decode("latin-1").partition(":")
+        if not (colon and key.isupper() and key.isascii() and value.isprintable()):
+            return None
+        pairs[key] = value
+    return pairs
+
+
+class AnswerReader:
+    """Cuts a stream of bytes, in any pieces, into answers. Noise is neither raised nor kept.
+
+    Attributes:
+        bytes_dropped: Bytes that were too many for an answer.
+    """
+
+    def __init__(self) -> None:
+        self.bytes_dropped = 0
+        self._buffer = bytearray()
+        self._began = 0.0
+        self._return_held = False
+
+    def discard(self) -> None:
+        """Forget an answer that has begun."""
+        self._buffer.clear()
+        self._return_held = False
+
+    def begins_with(self, command: bytes) -> bool:
+        """Tell whether the answer to `command` has begun."""
+        return self._buffer.startswith(command)
+
+    def feed(self, data: bytes, now: float) -> list[Answer]:
+        """Add bytes received at `now` [s, monotonic]; return the answers that they complete."""
+        data = self._without_returns(data)
+        buffer = self._buffer
+        if not buffer:
+            data = data.lstrip(b"\n")
+            self._began = now
+        searched = max(len(buffer) - 1, 0)
+        buffer += data
+        if buffer.find(ENDED, searched) < 0:
+            self._limit()
+            return []
+        *complete, rest = bytes(buffer).split(ENDED)
+        self._buffer = bytearray(rest.lstrip(b"\n"))
+        answers = []
+        for block in complete:
+            if text := block.lstrip(b"\n"):
+                answers.append(Answer(text.split(b"\n"), self._began))
+            self._began = now
+        self._limit()
+        return answers
+
+    def _without_returns(self, data: bytes) -> bytes:
+        """Make CR LF to LF; a CR at the end waits for its LF."""
+        if self._return_held:
+            data = b"\r" + data
+        self._return_held = data.endswith(b"\r")
+        return data.removesuffix(b"\r").replace(b"\r\n", b"\n") if b"\r" in data else data
+
+    def _limit(self) -> None:
+        if len(self._buffer) > MAX_ANSWER:
+            self.bytes_dropped += len(self._buffer)
+            self._buffer.clear()
