@@ -1,0 +1,51 @@
+"""From the laser's clock to ours (cola.md 3.6).
+
+Each scan has the laser's time at which it was sent. Arrival minus that time is the difference of
+the clocks plus the delay of the network; the smallest one seen has the least delay in it.
+"""
+
+from typing import Final
+
+DRIFT: Final = 1e-4
+"""Most that the laser's clock gains or loses, as a share; quartz oscillators stay within that."""
+WRAP_US: Final = 1 << 32
+LONGEST_US: Final = 60_000_000
+"""A scan that claims to be older than this when it was sent has no valid time."""
+
+
+class DeviceClock:
+    """Map the times in scans, of 32 bits in microseconds, to the host's clock."""
+
+    def __init__(self) -> None:
+        self._sent_us: int | None = None
+        self._elapsed = 0.0
+        self._offset = 0.0
+
+    def first_reading(self, sensed_us: int, sent_us: int, arrival: float, span: float) -> float:
+        """Return the time of a scan's first reading [s, monotonic].
+
+        The laser's time of the scan is that of the first reading on some lasers, and a later one on
+        others. A scan cannot be sent before its last reading, so the earlier of the two holds.
+
+        Args:
+            sensed_us: The laser's time of the scan [us].
+            sent_us: The laser's time at which it was sent [us].
+            arrival: Host's time at which it arrived [s].
+            span: From the first reading to the last one [s].
+        """
+        if self._sent_us == sent_us or not sent_us:
+            return arrival - span  # this clock stands still
+        self._follow(sent_us, arrival)
+        age_us = (sent_us - sensed_us) % WRAP_US
+        age = age_us / 1e6 if age_us <= LONGEST_US else 0.0
+        return min(self._elapsed + self._offset, arrival) - max(age, span)
+
+    def _follow(self, sent_us: int, arrival: float) -> None:
+        """Keep the time since the first scan, and the smallest difference of the clocks."""
+        if self._sent_us is None:
+            self._offset = arrival
+        else:
+            passed = (sent_us - self._sent_us) % WRAP_US / 1e6
+            self._elapsed += passed
+            self._offset = min(self._offset + passed * DRIFT, arrival - self._elapsed)
+        self._sent_us = sent_us

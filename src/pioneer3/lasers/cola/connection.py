@@ -1,0 +1,263 @@
+"""One host at a simulated laser: requests and answers. No I/O.
+
+Rules:
+
+1. Each answer is one piece of :meth:`Connection.outgoing`, and leaves before any later scan: some
+   programs read an answer with one call, and accept nothing between request and answer.
+2. sEN 0 takes back the scans that have not left yet: its answer is the last that comes.
+3. Scans wait for a slow host only so long: of those that have not left, the latest stay.
+4. Logins are kept per connection; settings, and the mirror, belong to the laser.
+
+Facts: cola.md 1.4, 1.5, 2, 6.2.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final
+
+from pioneer3.lasers.cola.configuration import (
+    PASSWORDS,
+    U16,
+    Access,
+    DataConfig,
+    Error,
+    OutputRange,
+    ScanConfig,
+)
+from pioneer3.lasers.cola.scan import NAME
+from pioneer3.lasers.cola.wire import (
+    TelegramError,
+    TelegramReader,
+    Words,
+    encode,
+    hex_word,
+)
+
+if TYPE_CHECKING:
+    from pioneer3.lasers.cola.device import ColaDevice
+
+MOST_WAITING: Final = 2
+"""Scans that wait to leave."""
+
+
+class RefusedError(Exception):
+    """A request is answered with sFA and this number."""
+
+    def __init__(self, number: Error) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+class ColaConnection:
+    """One host, until it closes or the laser loses its power.
+
+    Attributes:
+        subscribed: Whether the host gets every scan.
+        polling: Number of requests for one scan that wait for it.
+        reader: Counts telegrams and noise.
+    """
+
+    def __init__(self, device: "ColaDevice") -> None:
+        self.subscribed = False
+        self.polling = 0
+        self.reader = TelegramReader()
+        self._device = device
+        self._access = Access.RUN
+        self._dead = False
+        self._answers: list[bytes] = []
+        self._scans: list[bytes] = []
+
+    def receive(self, data: bytes, now: float) -> None:
+        """Take bytes of the host, in any pieces."""
+        if self._dead:
+            return
+        self._device.tick(now)
+        for text in self.reader.feed(data):
+            self._flush_scans()
+            answer = self._answer(text.split(" "), now)
+            if answer:
+                self._answers.append(encode(answer))
+        self._device.plan(now)
+
+    def outgoing(self, now: float) -> bytes:
+        """Return and forget the bytes that may leave by `now`: whole telegrams, all there are."""
+        self._flush_scans()
+        data = b"".join(self._answers)
+        self._answers.clear()
+        self._device.plan(now)
+        return data
+
+    def close(self) -> None:
+        """Take the end of the network connection: its subscription ends, the mirror goes on."""
+        self.cut()
+        self._answers.clear()
+        self._device.forget(self)
+
+    @property
+    def has_output(self) -> bool:
+        """Whether there are bytes to send."""
+        return bool(self._answers or self._scans)
+
+    def cut(self) -> None:
+        """Hear nothing any more: the laser has lost its power."""
+        self._dead, self.subscribed, self.polling = True, False, 0
+        self._scans.clear()
+
+    def send_scan(self, words: str) -> None:
+        """Send a scan to a host that wants it."""
+        for _ in range(self.polling):
+            self._answers.append(encode(f"sRA {NAME} {words}"))
+        self.polling = 0
+        if self.subscribed:
+            self._scans.append(encode(f"sSN {NAME} {words}"))
+            del self._scans[:-MOST_WAITING]
+
+    def _flush_scans(self) -> None:
+        """Put the scans that wait behind the answers so far."""
+        self._answers += self._scans
+        self._scans.clear()
+
+    def _answer(self, words: list[str], now: float) -> str:
+        """Return the answer to one request, empty for one that is answered later."""
+        kind, rest = words[0], Words(words[1:])
+        try:
+            if kind == "sRI0":
+                return f"sRA 0 {self._device.ident}"
+            if kind in HANDLERS:
+                return HANDLERS[kind](self, rest, now)
+            return _refusal(Error.UNKNOWN_REQUEST)
+        except RefusedError as refused:
+            return _refusal(refused.number)
+        except TelegramError:
+            return _refusal(Error.INVALID_CHARACTER)
+
+    def _read(self, words: Words, now: float) -> str:
+        name = words.word()
+        if name == NAME:
+            latest = self._device.latest_scan(now)
+            if latest is None:
+                self.polling += 1
+                return ""
+            return f"sRA {NAME} {latest}"
+        variable = self._device.variables(now).get(name)
+        if variable is None:
+            raise RefusedError(Error.UNKNOWN_VARIABLE)
+        return f"sRA {name} {variable}"
+
+    def _write(self, words: Words, now: float) -> str:
+        name = words.word()
+        write = WRITES.get(name)
+        if write is None:
+            raise RefusedError(Error.UNKNOWN_VARIABLE)
+        if self._access < Access.AUTHORISED:
+            raise RefusedError(Error.WRITE_ACCESS_DENIED)
+        write(self, words)
+        return f"sWA {name}"
+
+    def _write_output(self, words: Words) -> None:
+        self._device.set_output(OutputRange.parse(words))
+
+    def _write_data(self, words: Words) -> None:
+        self._device.set_data(DataConfig.parse(words))
+
+    def _write_echo_filter(self, words: Words) -> None:
+        echo_filter = words.number()
+        words.end()
+        self._device.set_echo_filter(echo_filter)
+
+    def _subscribe(self, words: Words, now: float) -> str:
+        if words.word() != NAME:
+            raise RefusedError(Error.UNKNOWN_EVENT)
+        self.subscribed = words.flag()
+        words.end()
+        if not self.subscribed:
+            self._take_back_scans()
+        return f"sEA {NAME} {self.subscribed:d}"
+
+    def _take_back_scans(self) -> None:
+        unwanted = f"sSN {NAME} ".encode()
+        self._answers = [a for a in self._answers if not a.startswith(unwanted, 1)]
+
+    def _call(self, words: Words, now: float) -> str:
+        name = words.word()
+        method = METHODS.get(name)
+        if method is None:
+            raise RefusedError(Error.UNKNOWN_METHOD)
+        if name not in OPEN_METHODS and self._access < Access.AUTHORISED:
+            raise RefusedError(Error.METHOD_ACCESS_DENIED)
+        answer = method(self, words, now)
+        return f"sAN {name} {answer}".rstrip()
+
+    def _set_access(self, words: Words, now: float) -> str:
+        level, password = words.number(), words.number()
+        words.end()
+        accepted = PASSWORDS.get(level) == password
+        if accepted:
+            self._access = Access(level)
+        return f"{accepted:d}"
+
+    def _run(self, words: Words, now: float) -> str:
+        words.end()
+        self._access = Access.RUN
+        self._device.measure(on=True)
+        return "1"
+
+    def _set_scan(self, words: Words, now: float) -> str:
+        code = self._device.set_scan(ScanConfig.parse(words))
+        return f"{code:X} {self._device.settings.scan.answer()}"
+
+    def _store(self, words: Words, now: float) -> str:
+        words.end()
+        self._device.store()
+        return "1"
+
+    def _start(self, words: Words, now: float) -> str:
+        words.end()
+        self._device.measure(on=True)
+        return "0"
+
+    def _stop(self, words: Words, now: float) -> str:
+        words.end()
+        self._device.measure(on=False)
+        return "0"
+
+    def _set_date(self, words: Words, now: float) -> str:
+        numbers = [words.number(U16) for _ in range(6)]
+        micros = words.number(999_999)
+        words.end()
+        return f"{self._device.set_date(numbers, micros, now):d}"
+
+    def _reboot(self, words: Words, now: float) -> str:
+        words.end()
+        self._answers.append(encode("sAN mSCreboot"))
+        self._device.switch_on(now)
+        return ""
+
+
+Handler = Callable[[ColaConnection, Words, float], str]
+HANDLERS: Final[Mapping[str, Handler]] = {
+    "sRN": ColaConnection._read,
+    "sWN": ColaConnection._write,
+    "sMN": ColaConnection._call,
+    "sEN": ColaConnection._subscribe,
+}
+WRITES: Final[Mapping[str, Callable[[ColaConnection, Words], None]]] = {
+    "LMPoutputRange": ColaConnection._write_output,
+    "LMDscandatacfg": ColaConnection._write_data,
+    "FREchoFilter": ColaConnection._write_echo_filter,
+}
+METHODS: Final[Mapping[str, Handler]] = {
+    "SetAccessMode": ColaConnection._set_access,
+    "Run": ColaConnection._run,
+    "mLMPsetscancfg": ColaConnection._set_scan,
+    "mEEwriteall": ColaConnection._store,
+    "LMCstartmeas": ColaConnection._start,
+    "LMCstopmeas": ColaConnection._stop,
+    "LSPsetdatetime": ColaConnection._set_date,
+    "mSCreboot": ColaConnection._reboot,
+}
+OPEN_METHODS: Final = frozenset({"SetAccessMode", "Run"})
+"""Methods that need no login."""
+
+
+def _refusal(number: Error) -> str:
+    return f"sFA {hex_word(number)}"

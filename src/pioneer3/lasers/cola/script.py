@@ -1,0 +1,321 @@
+"""The host's requests up to the first scan, in order: a script that waits for each answer.
+
+:func:`set_up` yields a :class:`Request` or a :class:`Pause`, and is resumed with the answer. Who
+runs it repeats requests that are not answered.
+
+Facts: cola.md 2, 6.1.
+"""
+
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeVar
+
+from pioneer3.lasers.client import Event, Identified, LaserIdentity, Remarked, ScanSettings
+from pioneer3.lasers.cola.configuration import (
+    ERRORS,
+    PASSWORDS,
+    Access,
+    DataConfig,
+    Measuring,
+    OutputRange,
+    ScanConfig,
+    ScanConfigCode,
+)
+from pioneer3.lasers.cola.families import Family, family_of, limits_of
+from pioneer3.lasers.cola.scan import NAME
+from pioneer3.lasers.cola.wire import TelegramError, Words, hex_word
+from pioneer3.lasers.cola.wishes import wished_data, wished_output, wished_scan
+
+T = TypeVar("T")
+MIRROR_PATIENCE: Final = 60.0
+"""Longest that a laser may take from power-on to its first scan [s]."""
+POLL: Final = 0.5
+"""Between two questions whether it measures [s]."""
+SLOW: Final = 5.0
+"""Methods that change the mirror's speed may take this long [s]."""
+MOST_MISREAD: Final = 3
+"""Answers to one request that cannot be read before the laser is given up."""
+ANSWERS: Final = {"sRN": "sRA", "sRI": "sRA", "sWN": "sWA", "sMN": "sAN", "sEN": "sEA"}
+CODES: Final[Mapping[int, str]] = {
+    ScanConfigCode.FREQUENCY: "it does not have this scan frequency",
+    ScanConfigCode.STEP: "it does not have this step at this scan frequency",
+    ScanConfigCode.FREQUENCY_AND_STEP: "it has neither this scan frequency nor this step",
+    ScanConfigCode.AREA: "this part is outside its field",
+}
+STATES: Final[Mapping[int, str]] = {
+    Measuring.INITIALISING: "it is starting",
+    Measuring.CONFIGURING: "it is being configured",
+    Measuring.IDLE: "it is idle",
+    Measuring.ROTATED: "its mirror is getting up to speed",
+    Measuring.PREPARING: "it is preparing",
+    Measuring.READY: "it is ready, but stopped",
+}
+
+
+class HopelessError(Exception):
+    """The laser cannot be brought to send scans; the reason for people."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A telegram to send.
+
+    Attributes:
+        text: Of the telegram.
+        answer: First two words of its answer.
+        patience: Least time to wait before it is repeated [s].
+    """
+
+    text: str
+    answer: tuple[str, str]
+    patience: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Wait."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """The answer sFA with its number, 0 where there is none."""
+
+    number: int
+
+    def __str__(self) -> str:
+        """Return the reason for people."""
+        return ERRORS.get(self.number, f"error {self.number:X}")
+
+
+Script = Generator[Request | Pause, Words | Refusal | None, T]
+
+
+@dataclass(slots=True)
+class Session:
+    """The state that the script shares with the client that runs it.
+
+    Attributes:
+        wishes: For the scans.
+        now: The time [s, monotonic].
+        answered: Whether the laser has answered anything.
+        family: Of the laser, `None` as long as it is not known.
+        limits: Shortest and longest range [m].
+        interval: Every n-th scan is sent.
+        events: To be returned by the client.
+    """
+
+    wishes: ScanSettings
+    now: float
+    answered: bool = False
+    family: Family | None = None
+    limits: tuple[float, float] = (0.0, 0.0)
+    interval: int = 1
+    events: list[Event] = field(default_factory=list)
+
+    def remark(self, text: str) -> None:
+        """Add a remark."""
+        self.events.append(Remarked(text))
+
+
+def set_up(session: Session) -> Script[None]:
+    """Bring the laser to send scans.
+
+    Raises:
+        HopelessError: it cannot be.
+    """
+    yield from _ask(session, f"sEN {NAME} 0", Words.rest)
+    product = yield from _identify(session)
+    session.family, session.limits = family_of(product), limits_of(product)
+    if session.family is not None:
+        yield from _configure(session, session.family)
+    yield from _await_mirror(session)
+    for _ in range(MOST_MISREAD):  # a late answer to the first request is of the same kind
+        if (yield from _ask(session, f"sEN {NAME} 1", Words.number)) == 1:
+            return
+    raise HopelessError("the laser refuses to send scans: end other programs that use it")
+
+
+def _ask(
+    session: Session, text: str, parse: Callable[[Words], T], *, patience: float = 0.0
+) -> Script[T | Refusal]:
+    """Send `text` and return what `parse` makes of the answer, or the refusal."""
+    kind, _, rest = text.partition(" ")
+    name = rest.partition(" ")[0]
+    if kind.startswith("sRI"):  # by index: the index is in the first word, without a space
+        kind, name = kind[:3], kind[3:]
+    request = Request(text, (ANSWERS[kind], name), patience)
+    for _ in range(MOST_MISREAD):
+        reply = yield request
+        session.answered = True
+        if isinstance(reply, Refusal):
+            return reply
+        assert reply is not None
+        try:
+            return parse(reply)
+        except TelegramError as error:
+            misread = str(error)
+    raise HopelessError(f"the laser's answer to `{text}` cannot be read: {misread}")
+
+
+def _identify(session: Session) -> Script[str]:
+    """Ask for the laser's names and numbers; return the product."""
+    identity = yield from _ask(session, "sRI0", _two_texts)
+    if isinstance(identity, Refusal):
+        identity = yield from _ask(session, "sRN DeviceIdent", _two_texts)
+    serial = yield from _ask(session, "sRN SerialNumber", _text)
+    firmware = yield from _ask(session, "sRN FirmwareVersion", _text)
+    product, version = ("", "") if isinstance(identity, Refusal) else identity
+    session.events.append(
+        Identified(
+            LaserIdentity(
+                vendor="SICK",
+                product=product,
+                serial="" if isinstance(serial, Refusal) else serial,
+                firmware=version if isinstance(firmware, Refusal) else firmware,
+                protocol="CoLa-A",
+            )
+        )
+    )
+    return product
+
+
+def _configure(session: Session, family: Family) -> Script[None]:
+    """Read the settings, and write those that are not as wished."""
+    wishes = session.wishes
+    scan = yield from _ask(session, "sRN LMPscancfg", ScanConfig.parse)
+    output = yield from _ask(session, "sRN LMPoutputRange", OutputRange.parse)
+    data = yield from _ask(session, "sRN LMDscandatacfg", DataConfig.parse)
+    changes: list[str] = []
+    if not isinstance(scan, Refusal):
+        wanted = wished_scan(scan, wishes, family)
+        if wanted != scan:
+            changes.append(f"sMN mLMPsetscancfg {wanted.request()}")
+        if not isinstance(output, Refusal):
+            part = wished_output(wanted, wishes, family)
+            if (part.first_tick, part.last_tick) != (output.first_tick, output.last_tick):
+                changes.append(f"sWN LMPoutputRange {part.words()}")
+    if not isinstance(data, Refusal):
+        session.interval = max(data.interval, 1)
+        content = wished_data(data, wishes, family)
+        if content != data:
+            changes.append(f"sWN LMDscandatacfg {content.request()}")
+    if wishes.multi_echo and family.echo_filter:
+        present = yield from _ask(session, "sRN FREchoFilter", Words.number)
+        if present != 1:
+            changes.append("sWN FREchoFilter 1")
+    if changes:
+        yield from _change(session, changes)
+        if not isinstance(data, Refusal):
+            yield from _read_interval(session)
+
+
+def _change(session: Session, changes: list[str]) -> Script[None]:
+    """Log in, carry out `changes`, log out."""
+    if not (yield from _log_in(session)):
+        return
+    for change in changes:
+        name = change.split(" ")[1]
+        by_method = name == "mLMPsetscancfg"
+        parse = Words.number if by_method else _nothing
+        code = yield from _ask(session, change, parse, patience=SLOW if by_method else 0.0)
+        if code != ScanConfigCode.OK:
+            reason = code if isinstance(code, Refusal) else CODES.get(code, f"code {code}")
+            session.remark(f"the laser keeps its {name} as it is: {reason}")
+    yield from _run(session)
+
+
+def _read_interval(session: Session) -> Script[None]:
+    data = yield from _ask(session, "sRN LMDscandatacfg", DataConfig.parse)
+    if not isinstance(data, Refusal):
+        session.interval = max(data.interval, 1)
+
+
+def _log_in(session: Session) -> Script[bool]:
+    level = Access.AUTHORISED
+    login = f"sMN SetAccessMode {level:02X} {hex_word(PASSWORDS[level])}"
+    accepted = yield from _ask(session, login, _success)
+    if accepted is True:
+        return True
+    session.remark("the laser refuses the login, so its settings stay: was its password changed?")
+    return False
+
+
+def _run(session: Session) -> Script[None]:
+    """Log out and measure; some lasers answer 0, and measure all the same (cola.md 6.3)."""
+    answer = yield from _ask(session, "sMN Run", Words.rest, patience=SLOW)
+    if isinstance(answer, Refusal):
+        session.remark(f"the laser refuses to run: {answer}")
+
+
+def _await_mirror(session: Session) -> Script[None]:
+    """Wait until the laser measures; start one that has been stopped."""
+    began, told = session.now, ""
+    stopped = started = 0
+    while True:
+        trouble = yield from _trouble(session)
+        if not trouble:
+            return
+        if trouble != told:
+            session.remark(f"no scans yet: {trouble}")
+            told = trouble
+        if session.now >= began + MIRROR_PATIENCE:
+            raise HopelessError(
+                f"the laser does not measure {MIRROR_PATIENCE:g} s after its first answer:"
+                f" {trouble}; check its supply, and switch it off and on"
+            )
+        stopped = stopped + 1 if trouble in {STATES[Measuring.READY], STATES[Measuring.IDLE]} else 0
+        if stopped > 1 and not started:
+            started = 1
+            if (yield from _log_in(session)):
+                yield from _ask(session, "sMN LMCstartmeas", Words.rest, patience=SLOW)
+                yield from _run(session)
+        yield Pause(POLL)
+
+
+def _trouble(session: Session) -> Script[str]:
+    """Return the reason why the laser does not measure, empty if it does or does not tell."""
+    first = session.family.state_request if session.family else "STlms"
+    for variable in (first, "SCdevicestate" if first == "STlms" else "STlms"):
+        state = yield from _ask(session, f"sRN {variable}", Words.number)
+        if isinstance(state, Refusal):
+            continue
+        if variable == "STlms":
+            if state == Measuring.MEASURING:
+                return ""
+            return STATES.get(state, f"state {state}")
+        return {0: "it is busy", 1: ""}.get(state, "it reports an error")
+    return ""
+
+
+def _success(words: Words) -> bool:
+    """Return whether a method was carried out; some lasers do not tell (cola.md 6.3)."""
+    success = words.flag() if len(words) else True
+    words.end()
+    return success
+
+
+def _nothing(words: Words) -> int:
+    """Take the answer to a written variable, which has no words; some lasers add a space."""
+    if words.rest().strip():
+        raise TelegramError("words where none were expected")
+    return ScanConfigCode.OK
+
+
+def _text(words: Words) -> str:
+    """Return a text with its length before it, or as it stands where that does not fit."""
+    everything = words.rest()
+    again = Words(everything.split(" "))
+    try:
+        text = again.text()
+        again.end()
+    except TelegramError:
+        return everything.strip()
+    return text.strip()
+
+
+def _two_texts(words: Words) -> tuple[str, str]:
+    """Return the product and the version of its program."""
+    product = words.text().strip()
+    return product, _text(words)
