@@ -18,13 +18,23 @@ if TYPE_CHECKING:
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.state import Scan
 
-laser_app = App(name="laser", help="Look at a laser range finder, with or without a robot.")
+laser_app = App(
+    name="laser",
+    help="""Show a laser: its identity, a picture of its scans, the closest reading.
+
+    No robot is needed, and none moves. Without a terminal, a line for each second.
+
+    Example: pioneer3 laser /dev/ttyACM0
+    Example: pioneer3 laser tcp://192.168.0.10:10940 --json
+    """,
+    help_format="plaintext",
+)
 
 Where = Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")]
 Pose = Annotated[str, Parameter(metavar="POSE", allow_leading_hyphen=True)]
 Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True)]
 PATIENCE = 8.0
-"""For the first scan [s]; an LMS-200 that has just been switched on takes 30 s."""
+"""For the first answer, and for the first scan [s]."""
 FIRST_REACH = 4.0
 
 
@@ -77,12 +87,33 @@ def mask(port: Where = AUTO, *, seconds: Seconds = 5.0, nearer_than: Distance = 
     return run_until_told_to_leave(_mask(options, seconds, nearer_than))
 
 
+@laser_app.command(name="id")
+def identify(port: Where = AUTO) -> int:
+    """Print the serial number of a laser, nothing else; rules of udev ask so.
+
+    Example: pioneer3 laser id /dev/ttyACM0
+
+    Args:
+        port: As for `pioneer3 laser`.
+    """
+    return run_until_told_to_leave(_identify(LaserOptions(laser=(port,))))
+
+
+async def _identify(options: LaserOptions) -> int:
+    from pioneer3.cli.process import write_line
+
+    async with _driver(options) as driver:
+        serial = (await driver.identified()).serial
+        write_line(serial or "unknown")
+    return 0 if serial else 1
+
+
 @asynccontextmanager
 async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
-    """Run the driver of the laser during the block; wait for its first scan before.
+    """Run the driver of the laser during the block; wait until it is identified before.
 
     Raises:
-        LinkError: no scan comes; the message has the reason.
+        LinkError: no laser answers; the message has the reason.
     """
     from pioneer3.cli.process import busy_sign
     from pioneer3.errors import DeviceError, LinkError
@@ -96,7 +127,7 @@ async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
     async with running(driver.run()):
         with busy_sign(f"Connecting to {spec.url} ..."):
             try:
-                await driver.reading(PATIENCE)
+                await driver.identified(PATIENCE)
             except DeviceError as error:
                 raise LinkError(str(error)) from None
         yield driver
@@ -114,6 +145,7 @@ async def _laser(options: LaserOptions, seconds: float, *, json: bool) -> int:
 async def _write(driver: "LaserDriver", seconds: float) -> int:
     from pioneer3.cli.process import write_json
 
+    await driver.reading(PATIENCE)
     write_json({"url": driver.config.url, "identity": driver.identity})
     async for scan in _scans(driver, seconds):
         write_json({"scan": scan, "closest": _closest(scan) if scan else None})

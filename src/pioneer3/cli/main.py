@@ -19,6 +19,7 @@ from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.run import run
+from pioneer3.cli.setup import setup_app
 from pioneer3.cli.sim import sim
 from pioneer3.cli.sonar import sonar
 from pioneer3.errors import (
@@ -64,10 +65,10 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Drive with your hands": (drive, demo),
     "Let the robot drive": (*MODE_COMMANDS, move, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
-    "When something is wrong": (doctor, find_port),
+    "When something is wrong": (doctor, find_port, setup_app),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),
 }
-WITHOUT_UNITS = (sim, info, find_port, map_app, access_app)
+WITHOUT_UNITS = (sim, info, find_port, setup_app, map_app, access_app)
 for number, (name, commands) in enumerate(GROUPS.items()):
     group = Group(name, sort_key=number)
     for place, command in enumerate(commands):

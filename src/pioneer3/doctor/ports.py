@@ -1,6 +1,7 @@
 """Serial ports of this computer, from /sys, /proc and udev, without sending a byte."""
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -62,6 +63,8 @@ class SerialPort:
         product: Product name that the adapter sends.
         vendor_id: USB, `None` for ports that are no USB device.
         product_id: Likewise.
+        serial_number: That the adapter sends; empty without.
+        socket: Of the USB port it is plugged into, as udev's ID_PATH; empty where udev has none.
         latency_ms: Time for which an FTDI adapter holds bytes back.
         allowed: Whether this user may open it.
         holders: Processes that have it open, as far as this user may see.
@@ -74,6 +77,8 @@ class SerialPort:
     manufacturer: str = ""
     vendor_id: int | None = None
     product_id: int | None = None
+    serial_number: str = ""
+    socket: str = ""
     latency_ms: int | None = None
     allowed: bool = True
     holders: tuple[Holder, ...] = ()
@@ -107,6 +112,7 @@ def list_ports() -> tuple[SerialPort, ...]:
                 manufacturer=found.manufacturer or "",
                 vendor_id=found.vid,
                 product_id=found.pid,
+                serial_number=found.serial_number or "",
             )
         )
         for found in serialx.list_serial_ports()
@@ -144,6 +150,8 @@ def _examined(port: SerialPort) -> SerialPort:
         manufacturer=port.manufacturer,
         vendor_id=port.vendor_id,
         product_id=port.product_id,
+        serial_number=port.serial_number,
+        socket=socket_of(port.device),
         latency_ms=latency_of(port.device),
         allowed=not Path(port.device).exists() or os.access(port.device, os.R_OK | os.W_OK),
         holders=tuple(holders_of(port.device)),
@@ -163,6 +171,15 @@ def latency_of(device: str, sys: Path = SYS) -> int | None:
 def latency_file(device: str, sys: Path = SYS) -> Path:
     """Return the file in which the latency timer of `device` is read and set."""
     return sys / "bus/usb-serial/devices" / Path(device).name / "latency_timer"
+
+
+def socket_of(device: str, dev: Path = DEV) -> str:
+    """Return the ID_PATH that udev knows `device` by, such as `pci-0000:00:14.0-usb-0:2:1.0`."""
+    with suppress(OSError):
+        for link in sorted((dev / "serial/by-path").iterdir()):
+            if os.path.realpath(link) == device:
+                return re.sub(r"-port\d+$", "", link.name)
+    return ""
 
 
 def is_console(device: str, sys: Path = SYS) -> bool:

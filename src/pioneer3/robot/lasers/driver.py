@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from pioneer3.errors import DeviceError, LinkError, RecordingOverError
 from pioneer3.geometry import ORIGIN, Pose2
@@ -32,6 +33,7 @@ from pioneer3.robot.supervisor import Connection, Feed, Status
 from pioneer3.state import Scan
 
 log = logging.getLogger(__name__)
+T = TypeVar("T")
 
 OPEN_PATIENCE = 1.5
 """A laser that is not there is looked for again after this [s]."""
@@ -78,7 +80,6 @@ class LaserDriver:
     Attributes:
         config: The same.
         status: State of the connection, with the reason.
-        identity: As the laser gave it; `None` before.
         latest: The last scan, or `None`; look at its stamp.
         scans: Number of scans received.
         losses: How often the laser was lost.
@@ -92,7 +93,6 @@ class LaserDriver:
     ) -> None:
         self.config = config
         self.status: Feed[Status] = Feed()
-        self.identity: LaserIdentity | None = None
         self.latest: Scan | None = None
         self.scans = 0
         self.losses = 0
@@ -100,10 +100,16 @@ class LaserDriver:
         self._mounting = mounting
         self._protocol = config.protocol
         self._feed: Feed[Scan] = Feed()
+        self._identities: Feed[LaserIdentity] = Feed()
         self._clock = asyncio.get_running_loop().time
         self._stamps: deque[float] = deque()
         self._failure = ""
         self._latency = 0.0
+
+    @property
+    def identity(self) -> LaserIdentity | None:
+        """As the laser gave it; `None` before."""
+        return self._identities.latest
 
     @property
     def name(self) -> str:
@@ -171,14 +177,22 @@ class LaserDriver:
         Raises:
             DeviceError: none came for `patience` [s].
         """
-        values = self.values()
+        return await self._next(self._feed, patience)
+
+    async def identified(self, patience: float = READING_PATIENCE) -> LaserIdentity:
+        """Return its identity as soon as it is known.
+
+        Raises:
+            DeviceError: nothing was told for `patience` [s].
+        """
+        return self.identity or await self._next(self._identities, patience)
+
+    async def _next(self, feed: Feed[T], patience: float) -> T:
         try:
             async with asyncio.timeout(patience):
-                return await anext(values)
+                return await anext(feed.values())
         except (TimeoutError, StopAsyncIteration):
-            raise DeviceError(f"No scan for {patience:g} s. {self.presence}") from None
-        finally:
-            await values.aclose()
+            raise DeviceError(f"Nothing for {patience:g} s. {self.presence}") from None
 
     async def run(self) -> None:
         """Connect, and again after every loss; ends by cancellation, or with a recording."""
@@ -195,7 +209,7 @@ class LaserDriver:
                 await asyncio.sleep(RETRY)
         finally:
             self._publish(Connection.CLOSED, "closed")
-            for feed in (self._feed, self.status):
+            for feed in (self._feed, self._identities, self.status):
                 feed.close()
 
     def _connecting(self) -> str:
@@ -267,7 +281,7 @@ class LaserDriver:
                 case SpeedWanted(baud):
                     await link.set_speed(baud)
                 case Identified(identity):
-                    self.identity = identity
+                    self._identities.publish(identity)
                     log.info("%s: %s", self.config.url, identity)
                 case Remarked(text):
                     log.info("%s: %s", self.config.url, text)
