@@ -1,0 +1,201 @@
+"""The two blocks of settings that a unit sends: configuration and status (lms2xx.md 1.7, 1.12).
+
+The annotation of a field says where in the block it stands, and as which `struct` format.
+"""
+
+from dataclasses import dataclass, fields
+from functools import cache
+from struct import Struct
+from typing import Annotated, Final, Self, TypeVar, get_type_hints
+
+from pioneer3.lasers.lms2xx.commands import Mode
+from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, Units, Variant
+
+T = TypeVar("T")
+REAL_TIME_INDICES: Final = 0x02
+"""Bit of :attr:`Config.availability`: scans end with two indices."""
+PARTIAL_SIZES: Final = frozenset({7, 8, 32})
+"""Sizes of configurations that hosts write beside the whole one (lms2xx.md 1.7)."""
+
+
+class At:
+    """Place of a field in its block."""
+
+    def __init__(self, offset: int, form: str) -> None:
+        self.offset = offset
+        self.struct = Struct(f"<{form}")
+        self.end = offset + self.struct.size
+
+
+def _u8(offset: int) -> At:
+    return At(offset, "B")
+
+
+def _u16(offset: int) -> At:
+    return At(offset, "H")
+
+
+def _places(cls: type) -> tuple[tuple[str, At], ...]:
+    return _compiled(cls)
+
+
+@cache
+def _compiled(cls: type) -> tuple[tuple[str, At], ...]:
+    hints = get_type_hints(cls, include_extras=True)
+    return tuple((field.name, hints[field.name].__metadata__[0]) for field in fields(cls))
+
+
+def _unpack(cls: type[T], data: bytes) -> T:
+    """Return the block in `data`; fields behind its end keep their defaults.
+
+    Raises:
+        ValueError: a field without a default is missing.
+    """
+    values = {
+        name: place.struct.unpack_from(data, place.offset)[0]
+        for name, place in _places(cls)
+        if place.end <= len(data)
+    }
+    try:
+        return cls(**values)
+    except TypeError:
+        raise ValueError(f"{len(data)} bytes are too few for a {cls.__name__}") from None
+
+
+def _pack(block: object, size: int) -> bytes:
+    data = bytearray(size)
+    for name, place in _places(type(block)):
+        if place.end <= size:
+            place.struct.pack_into(data, place.offset, getattr(block, name))
+    return bytes(data)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Config:
+    """The configuration, which the unit keeps in its EEPROM; as delivered, unless told.
+
+    Attributes:
+        blanking_cm: Range within which objects are overlooked by fields.
+        stop_threshold: LMS-200 [mV]; 0 in an LMS-291.
+        sensitivity: LMS-200: peak threshold; LMS-291: sensitivity.
+        availability: Bits: 1 fog, 2 indices in scans, 4 dazzling does not switch outputs.
+        measuring_mode: Key of :data:`MEASURING_MODES`.
+        units: Of distances.
+        evaluations: Scans that must agree before a field switches.
+        contour_a: Reference size, band above and below, first and last angle; so are B and C.
+        dazzle_evaluations: Absent in older units.
+    """
+
+    SIZE = 34
+    OLDER_SIZE = 32
+
+    blanking_cm: Annotated[int, _u16(0)] = 0
+    stop_threshold: Annotated[int, _u8(2)] = 70
+    sensitivity: Annotated[int, _u8(3)] = 0
+    availability: Annotated[int, _u8(4)] = 0
+    measuring_mode: Annotated[int, _u8(5)] = 0
+    units: Annotated[int, _u8(6)] = Units.CENTIMETRES
+    temporary_field: Annotated[int, _u8(7)] = 0
+    subtractive_fields: Annotated[int, _u8(8)] = 0
+    evaluations: Annotated[int, _u8(9)] = 2
+    restart_mode: Annotated[int, _u8(10)] = 2
+    restart_time: Annotated[int, _u8(11)] = 0
+    suppressed_evaluations: Annotated[int, _u8(12)] = 0
+    contour_a: Annotated[bytes, At(13, "5s")] = bytes(5)
+    contour_b: Annotated[bytes, At(18, "5s")] = bytes(5)
+    contour_c: Annotated[bytes, At(23, "5s")] = bytes(5)
+    pixel_evaluation: Annotated[int, _u8(28)] = 0
+    single_value_evaluation: Annotated[int, _u8(29)] = 0
+    restart_times_b_c: Annotated[int, _u16(30)] = 0
+    dazzle_evaluations: Annotated[int, _u16(32)] = 0
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Return the configuration in `data`, 34 or, from older units, 32 bytes.
+
+        Raises:
+            ValueError: it has another size.
+        """
+        if len(data) not in {cls.SIZE, cls.OLDER_SIZE}:
+            raise ValueError(f"a configuration has 34 or 32 bytes, not {len(data)}")
+        return _unpack(cls, data)
+
+    def to_bytes(self, size: int = SIZE) -> bytes:
+        """Return the block of `size` bytes."""
+        return _pack(self, size)
+
+    def overwritten(self, data: bytes) -> "Config | None":
+        """Return this configuration with its first bytes replaced by `data`.
+
+        `None` if the size is unusual or a unit cannot measure so.
+        """
+        if len(data) not in PARTIAL_SIZES | {self.SIZE}:
+            return None
+        changed = self.from_bytes(data + self.to_bytes()[len(data) :])
+        mode = MEASURING_MODES.get(changed.measuring_mode)
+        metric = changed.units in {Units.CENTIMETRES, Units.MILLIMETRES}
+        return changed if mode is not None and mode.codes and metric else None
+
+
+SPEED_CODES: Final = {9600: 0x8067, 19200: 0x8033, 38400: 0x8019, 500000: 0x8001}
+"""Speeds [baud] as the status names them."""
+_SPEED_OF_CODE: Final = {code: baud for baud, code in SPEED_CODES.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Status:
+    """The answer to STATUS, as far as it is of use. Offsets count from the code of the answer.
+
+    Attributes:
+        version: Of the unit's program, padded to seven letters.
+        mode: Operating mode.
+        defective: Not 0 if the unit is.
+        revolutions: Of the mirror, as the unit counts them.
+        measuring_mode: Key of :data:`MEASURING_MODES`.
+        field_deg: Field of the variant [degrees].
+        step_cdeg: Step of the variant [1/100 degree].
+        speed_code: Of the line: :data:`SPEED_CODES`.
+        keeps_speed: Whether the speed is that after power-on too.
+        address: The unit's own.
+        units: Of distances.
+    """
+
+    SIZE = 152
+    """Bytes between code and status byte."""
+
+    version: Annotated[bytes, At(1, "7s")]
+    mode: Annotated[int, _u8(8)] = Mode.ON_REQUEST
+    defective: Annotated[int, _u8(9)] = 0
+    revolutions: Annotated[int, _u16(67)] = 0
+    measuring_mode: Annotated[int, _u8(102)]
+    field_deg: Annotated[int, _u16(107)]
+    step_cdeg: Annotated[int, _u16(109)]
+    speed_code: Annotated[int, _u16(116)]
+    keeps_speed: Annotated[int, _u8(119)] = 0
+    address: Annotated[int, _u8(120)] = 0
+    units: Annotated[int, _u8(122)]
+
+    @property
+    def variant(self) -> Variant:
+        """What the unit scans."""
+        return Variant(self.field_deg, self.step_cdeg)
+
+    @property
+    def speed(self) -> int | None:
+        """Speed of the unit's line [baud], or `None` for an unknown code."""
+        return _SPEED_OF_CODE.get(self.speed_code)
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Return the status in `data`, which begin behind the code.
+
+        Raises:
+            ValueError: it has another size.
+        """
+        if len(data) != cls.SIZE:
+            raise ValueError(f"a status has 152 bytes, not {len(data)}")
+        return _unpack(cls, b"\0" + data)
+
+    def to_bytes(self) -> bytes:
+        """Return the block without the code; all that is not known here is 0."""
+        return _pack(self, 1 + self.SIZE)[1:]

@@ -1,0 +1,128 @@
+"""The settings of a simulated LMS-2xx, and its answers to the requests that read and change them.
+
+Facts: lms2xx.md 1.5 to 1.7.
+"""
+
+from typing import Final
+
+from pioneer3.lasers.lms2xx import commands
+from pioneer3.lasers.lms2xx.blocks import SPEED_CODES, Config, Status
+from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode
+from pioneer3.lasers.lms2xx.measuring import AT_POWER_ON, VARIANTS
+from pioneer3.models.lasers import LaserModel
+
+DELIVERED_SPEED: Final = 9600
+"""Speed after power-on [baud], unless another one is kept."""
+TAKEN: Final = bytes((commands.ACCEPTED,))
+NOT_TAKEN: Final = bytes((commands.NOT_ACCEPTED,))
+MODE_TAKEN: Final = bytes((commands.MODE_ACCEPTED,))
+
+
+class Unit:
+    """The settings of one unit.
+
+    Attributes:
+        model: Its type.
+        address: In its answers.
+        config: In the EEPROM.
+        config_writes: Number of times that the EEPROM has been written.
+        power_on_speed: Speed after power-on [baud], also in the EEPROM.
+        mode: Operating mode.
+        variant: The field and step that it scans.
+        subrange: First and last reading, from 1, that go out in the mode SUBRANGE.
+        speed: Of its line [baud]; a new one is the caller's business.
+    """
+
+    def __init__(self, model: LaserModel, address: int, speed: int) -> None:
+        self.model = model
+        self.address = address
+        self.config = Config()
+        self.config_writes = 0
+        self.power_on_speed = DELIVERED_SPEED
+        self.speed = speed
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget what no EEPROM keeps; the speed is the caller's business."""
+        self.mode = Mode.ON_REQUEST
+        self.variant = AT_POWER_ON
+        self.subrange = (1, self.variant.count)
+
+    def answer(self, code: int, data: bytes) -> bytes | None:
+        """Obey a request; return the body of the answer, or `None` to refuse it."""
+        body: bytes | None = None
+        match code:
+            case Command.MODE:
+                body = self._change_mode(data)
+            case Command.STATUS:
+                body = self._status().to_bytes()
+            case Command.ERRORS:
+                body = b""
+            case Command.TYPE:
+                body = self.type_text
+            case Command.VARIANT:
+                body = self._change_variant(data)
+            case Command.CONFIG:
+                body = self.config.to_bytes()
+            case Command.CONFIGURE if self.mode is Mode.INSTALLATION:
+                body = self._configure(data)
+            case Command.KEEP_SPEED if self.mode is Mode.INSTALLATION and data in {b"\0", b"\1"}:
+                self.power_on_speed = self.speed if data[0] else DELIVERED_SPEED
+                body = TAKEN
+        return body
+
+    @property
+    def type_text(self) -> bytes:
+        """Type, number, and version of the program."""
+        return self.model.product.encode("ascii")
+
+    def _change_mode(self, data: bytes) -> bytes | None:
+        match data[:1], data[1:]:
+            case b"\x00", commands.PASSWORD:
+                self.mode = Mode.INSTALLATION
+            case b"\x00", _:
+                return bytes((commands.MODE_WRONG_PASSWORD,))
+            case b"\x24" | b"\x25" | b"\x2a", b"":
+                self.mode = Mode(data[0])
+            case b"\x27", part if len(part) == 4:
+                first, last = part[0] | part[1] << 8, part[2] | part[3] << 8
+                if not 1 <= first <= last <= self.variant.count:
+                    return None
+                self.mode, self.subrange = Mode.SUBRANGE, (first, last)
+            case _, b"" if data and self.speed_after(Command.MODE, data) is not None:
+                pass
+            case _:
+                return None
+        return MODE_TAKEN
+
+    def speed_after(self, code: int, data: bytes) -> int | None:
+        """Return the speed that a request asks for [baud], or `None`."""
+        baud = commands.SPEED_OF_MODE.get(data[0]) if code == Command.MODE and data else None
+        return baud if baud in self.model.speeds else None
+
+    def _status(self) -> Status:
+        return Status(
+            version=self.type_text.rpartition(b";")[2],
+            mode=self.mode,
+            measuring_mode=self.config.measuring_mode,
+            field_deg=self.variant.field_deg,
+            step_cdeg=self.variant.step_cdeg,
+            speed_code=SPEED_CODES[self.speed],
+            keeps_speed=self.power_on_speed != DELIVERED_SPEED,
+            address=self.address - ANSWER,
+            units=self.config.units,
+        )
+
+    def _change_variant(self, data: bytes) -> bytes:
+        wanted = next((v for v in VARIANTS if commands.variant_data(v) == data), None)
+        if wanted is not None:
+            self.variant = wanted
+            self.subrange = (1, wanted.count)
+        return (NOT_TAKEN if wanted is None else TAKEN) + commands.variant_data(self.variant)
+
+    def _configure(self, data: bytes) -> bytes:
+        changed = self.config.overwritten(data)
+        if changed is not None:
+            self.config = changed
+            self.config_writes += 1
+        return (NOT_TAKEN if changed is None else TAKEN) + self.config.to_bytes()

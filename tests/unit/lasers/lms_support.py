@@ -1,0 +1,116 @@
+"""A simulated LMS-2xx at a serial line to test with, in virtual time."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from random import Random
+
+from pioneer3.lasers.client import Event, SpeedWanted
+from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
+from pioneer3.models.lasers import LASERS
+
+LMS200 = LASERS["lms-200"]
+SPEEDS = (9600, 38400, 19200, 500000)
+STEP = 0.001
+"""Pace of the virtual time [s]; the host reads at most this often."""
+Scene = Callable[[Turn, int], float]
+
+
+def _circle(_turn: Turn, _index: int) -> float:
+    return 2.0
+
+
+@dataclass
+class Cable:
+    """A line between a unit and a host that has set it to `speed` [baud].
+
+    Who is at another speed than the unit hears rubbish and is not heard.
+
+    Attributes:
+        device: The unit.
+        speed: Of the host [baud].
+        scene: Range [m] of each reading of a turn.
+        intensity: Of all readings.
+        now: The time [s].
+        sweeps: Number of turns measured.
+    """
+
+    device: LmsDevice
+    speed: int | None = 9600
+    scene: Scene = _circle
+    intensity: float = 0.0
+    now: float = 100.0
+    sweeps: int = 0
+    _random: Random = field(default_factory=lambda: Random(1))
+    _turn: Turn | None = None
+    _began: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.port = self.device.connect()
+
+    def send(self, data: bytes) -> None:
+        """Let the host send `data`."""
+        if data and self._same_speed(self.device.speed):
+            self.port.receive(data, self.now)
+
+    def step(self, seconds: float = STEP) -> bytes:
+        """Let time pass; return the bytes that the host hears."""
+        self.now += seconds
+        self._turn_mirror()
+        if self.now >= self.device.deadline:
+            self.device.tick(self.now)
+        speed, data = self.device.speed, self.port.outgoing(self.now)
+        return data if self._same_speed(speed) else self._random.randbytes(len(data))
+
+    def _same_speed(self, speed: int | None) -> bool:
+        return self.speed is None or self.speed == speed
+
+    def _turn_mirror(self) -> None:
+        if self._turn is not None and self.now >= self._began + self._turn.period:
+            turn, end = self._turn, self._began + self._turn.period
+            ranges = [self.scene(turn, index) for index in range(turn.count)]
+            sweep = Sweep(
+                turn=turn,
+                began=self._began,
+                ranges=ranges,
+                intensities=[self.intensity] * turn.count,
+            )
+            self.sweeps += 1
+            self.device.measured(sweep, self.now)
+            self._turn, self._began = self.device.turn, end
+        elif self._turn is None:
+            self._turn, self._began = self.device.turn, self.now
+
+
+def run(
+    cable: Cable, client: LmsClient, until: type[Event], limit: float, *, step: float = STEP
+) -> list[Event]:
+    """Let client and unit talk until an event of a kind comes; return all events.
+
+    Raises:
+        AssertionError: the time limit [s] has passed.
+    """
+    events: list[Event] = []
+    end = cable.now + limit
+    while cable.now < end:
+        heard = cable.step(step)
+        new = client.receive(heard, cable.now) if heard else []
+        if cable.now >= client.deadline:
+            new += client.tick(cable.now)
+        for event in new:
+            if isinstance(event, SpeedWanted):
+                cable.speed = event.baud
+        cable.send(client.outgoing())
+        events += new
+        if any(isinstance(event, until) for event in new):
+            return events
+    raise AssertionError(f"no {until.__name__} in {limit} s: {events}")
+
+
+def find(events: Sequence[Event], kind: type[Event]) -> list[Event]:
+    """Return the events of a kind."""
+    return [event for event in events if isinstance(event, kind)]
+
+
+FOREVER = inf
