@@ -80,6 +80,7 @@ class LaserModel:
         step: From one reading to the next, as delivered [rad].
         near: Shortest range [m].
         far: Longest range [m].
+        far_dark: Longest range to a surface of 10 % remission [m]; `None` where it is not known.
         turn: Time of one turn of the mirror [s].
         errors: Of its ranges, by range.
         spot: Diameter of the light spot at the laser [m].
@@ -103,6 +104,7 @@ class LaserModel:
     errors: tuple[RangeError, ...]
     spot: float = 0.01
     divergence: float = 0.004
+    far_dark: float | None = None
     speeds: tuple[int, ...] = ()
     tcp_ports: tuple[int, ...] = ()
     steps: Steps | None = None
@@ -159,6 +161,7 @@ def _sick(
     step: float,
     near: float,
     far: float,
+    far_dark: float,
     turn: float,
     errors: tuple[RangeError, ...],
     spot: float,
@@ -177,6 +180,7 @@ def _sick(
         step=radians(step),
         near=near,
         far=far,
+        far_dark=far_dark,
         turn=turn,
         errors=errors,
         spot=spot,
@@ -280,6 +284,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=1.0,
                 near=0.0,
                 far=32.0,
+                far_dark=10.0,
                 turn=1 / 75,
                 errors=(
                     RangeError(up_to=8.0, systematic=0.015, sigma=0.005),
@@ -299,6 +304,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=1.0,
                 near=0.0,
                 far=80.0,
+                far_dark=30.0,
                 turn=1 / 75,
                 errors=(RangeError(up_to=inf, systematic=0.035, sigma=0.01),),
                 spot=0.012,
@@ -315,6 +321,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=0.5,
                 near=0.05,
                 far=20.0,
+                far_dark=18.0,
                 turn=0.02,
                 errors=_LMS1XX_ERRORS,
                 spot=0.008,
@@ -331,6 +338,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=0.5,
                 near=0.1,
                 far=80.0,
+                far_dark=26.0,
                 turn=0.02,
                 errors=(
                     RangeError(up_to=10.0, systematic=0.025, sigma=0.007),
@@ -351,6 +359,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=1.0,
                 near=0.05,
                 far=10.0,
+                far_dark=8.0,
                 turn=1 / 15,
                 errors=_TIM_ERRORS,
                 spot=0.007,
@@ -367,6 +376,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=1 / 3,
                 near=0.05,
                 far=10.0,
+                far_dark=8.0,
                 turn=1 / 15,
                 errors=_TIM_ERRORS,
                 spot=0.007,
@@ -383,6 +393,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 step=1 / 3,
                 near=0.05,
                 far=25.0,
+                far_dark=8.0,
                 turn=1 / 15,
                 errors=_TIM_ERRORS,
                 spot=0.007,

@@ -7,11 +7,13 @@ from typing import Any, Literal
 
 from pioneer3.errors import ConfigError
 from pioneer3.models import RobotModel
+from pioneer3.models.lasers import load_laser
 
 Camera = Literal["vcc4", "sony"]
 TableWiring = Literal["old", "new"]
 PORTS = (1, 2, 3)
 GYRO_TYPES = (0, 1, 2)
+LAST_PORT = 65535
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,6 +29,8 @@ class Equipment:
             IO report ("new"); `None` without.
         camera: Canon VC-C4 or Sony EVI-D30; `None` without.
         camera_port: The AUX port that the camera is connected to.
+        laser: Name of a laser range finder with a port of its own; `None` without.
+        laser_port: TCP port of that; `None` for the usual one, or the next that is free.
         north: Where magnetic north lies in the world, counter-clockwise from its x axis [rad].
         compass_noise: Standard deviation of the compass [rad].
         gyro_bias: Added to every rate of the gyro [rad/s].
@@ -43,6 +47,8 @@ class Equipment:
     table_ir: TableWiring | None = None
     camera: Camera | None = None
     camera_port: int = 1
+    laser: str | None = None
+    laser_port: int | None = None
     north: float = pi / 2
     compass_noise: float = 0.0
     gyro_bias: float = 0.0
@@ -54,6 +60,10 @@ class Equipment:
         _one_of("camera_port", self.camera_port, PORTS)
         _one_of("camera", self.camera, (None, "vcc4", "sony"))
         _one_of("table_ir", self.table_ir, (None, "old", "new"))
+        if self.laser is not None:
+            load_laser(self.laser)
+        if self.laser_port is not None and not 0 <= self.laser_port <= LAST_PORT:
+            raise ConfigError(f"laser_port: {self.laser_port} is not a port, 1 to {LAST_PORT}")
         for field in ("north", "compass_noise", "gyro_bias", "gyro_noise"):
             if not isfinite(getattr(self, field)):
                 raise ConfigError(f"{field}: {getattr(self, field)} is not finite")
@@ -79,6 +89,8 @@ class EquipmentOptions:
         joystick: Whether there is one at the robot.
         camera: Canon VC-C4 or Sony EVI-D30.
         camera_port: The AUX port it is connected to.
+        laser: Name of a laser range finder (:data:`pioneer3.models.lasers.LASERS`), or `none`.
+        laser_port: Its TCP port.
         table_ir: The wiring of the table sensors.
         north: Direction of magnetic north, counter-clockwise from the x axis [rad].
         compass_noise: Standard deviation [rad].
@@ -93,6 +105,8 @@ class EquipmentOptions:
     joystick: bool | None = None
     camera: Literal["none"] | Camera | None = None
     camera_port: int | None = None
+    laser: str | None = None
+    laser_port: int | None = None
     table_ir: Literal["none"] | TableWiring | None = None
     north: float | None = None
     compass_noise: float | None = None

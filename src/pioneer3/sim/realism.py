@@ -202,17 +202,40 @@ class SonarErrors:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RangeFinderErrors:
+    """Errors of laser range finders, as shares of those of their models.
+
+    Attributes:
+        systematic: Of the lasting error; each unit has something between minus and plus that.
+        noise: Of the standard deviation of a reading.
+        spot: Whether a reading looks at a spot rather than at a point: readings at edges then lie
+            between two surfaces, and slanted surfaces are noisy and send less light back.
+    """
+
+    systematic: float = 1.0
+    noise: float = 1.0
+    spot: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse impossible values, with the name of the field."""
+        for name in ("systematic", "noise"):
+            _within(f"range finder {name}", getattr(self, name), 0.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Realism:
     """All errors of a robot.
 
     Attributes:
         odometry: Of the wheels.
         sonar: Of the transducers.
-        laser_noise: Standard deviation of a range [m].
+        range_finder: Of a fitted laser range finder.
+        laser_noise: Standard deviation of a range of the in-band laser [m].
     """
 
     odometry: OdometryErrors = OdometryErrors()
     sonar: SonarErrors = SonarErrors()
+    range_finder: RangeFinderErrors = RangeFinderErrors()
     laser_noise: float = 0.005
 
     def __post_init__(self) -> None:
@@ -233,7 +256,12 @@ class Realism:
             cross_talk=0.0,
             cycle=0.0,
         )
-        return cls(odometry=OdometryErrors(mode="none", slip=0.0), sonar=exact, laser_noise=0.0)
+        return cls(
+            odometry=OdometryErrors(mode="none", slip=0.0),
+            sonar=exact,
+            range_finder=RangeFinderErrors(systematic=0.0, noise=0.0, spot=False),
+            laser_noise=0.0,
+        )
 
     def with_odometry(self, mode: OdometryMode) -> "Realism":
         """Return the same with another source of odometry errors."""

@@ -5,6 +5,7 @@ and little more for a thousand. A :class:`~pioneer3.sim.body.Body` is a view of 
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
 from math import ceil, hypot, radians
 
@@ -26,10 +27,12 @@ from pioneer3.sim.kernels import (
 )
 from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
 from pioneer3.sim.maps import LineMap, empty_map
+from pioneer3.sim.materials import Codes, Material, codes_of
 from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE, Firing
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
+from pioneer3.sim.surfaces import NO_SURFACES, Surfaces, opaque
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
@@ -151,13 +154,24 @@ class World:
 
     def sight(self, body: Body, mount: Pose2, start: float, step: float, count: int) -> Float:
         """Return what :meth:`laser` would if it made no errors; it takes no random numbers."""
+        return self.look(body, _fan(mount, start, step, count), LASER_RANGE)[0]
+
+    def look(self, body: Body, fan: Fan, limit: float) -> tuple[Float, Codes]:
+        """Return the exact range [m], at most `limit`, and the material at the end of each beam.
+
+        Light goes through glass that it does not meet nearly at a right angle. It takes no random
+        numbers. The code of nothing is that of a plain wall.
+        """
         self._place()
         owner = np.array([body.number], dtype=np.int32)
-        fan = _fan(mount, start, step, count)
         ranges: Float = self.kernels.cast_fans(
-            self._grid, self.outlines, fan, LASER_RANGE, owners=owner
+            self._clear, self.outlines, fan, limit, owners=owner
         )[0]
-        return ranges
+        return self._through_glass(body, fan, ranges)
+
+    def generator(self, body: Body) -> Generator:
+        """Return a new random generator for a sensor of `body`; no other numbers change."""
+        return self._own[body].spawn(1)[0]
 
     def is_free(self, body: Body, pose: Pose2) -> bool:
         """Whether `body` would touch nothing at `pose`."""
@@ -198,7 +212,10 @@ class World:
     def change_map(self, line_map: LineMap) -> None:
         """Replace what stands still; robots and obstacles stay where they are."""
         self.map = line_map
-        self._grid = build_grid(line_map.walls)
+        self._grid = self._clear = build_grid(line_map.walls)
+        self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
+        if self._surfaces.has_glass:
+            self._clear = build_grid(opaque(line_map.walls, line_map.materials))
         self._echoes = self.realism.sonar.echoes(self._grid)
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
@@ -259,12 +276,35 @@ class World:
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
         self._place()
         outlines = at_laser_height(self.outlines, self.obstacles, self.kernels)
-        ranges = self.kernels.cast_fans(self._grid, outlines, fan, limit, owners=owners)
+        ranges = self.kernels.cast_fans(self._clear, outlines, fan, limit, owners=owners)
+        if self._surfaces.has_glass:
+            for row, number in enumerate(owners):
+                ranges[row] = self._through_glass(self.robots[number], fan, ranges[row])[0]
         sigma = self.realism.laser_noise
         if not sigma:
             return ranges
         noisy = ranges + sigma * rng.standard_normal(ranges.shape)
         return np.where(ranges < limit, noisy.clip(0.0, limit), limit)
+
+    def _through_glass(self, body: Body, fan: Fan, ranges: Float) -> tuple[Float, Codes]:
+        """Return ranges and materials for the `ranges` of what is not glass, shape (B,)."""
+        surfaces = self._surfaces.joined(self._movable_surfaces())
+        mount_x, mount_y, turned, start, step = fan.frame.tolist()
+        at = body.robot_in_world @ Pose2(mount_x, mount_y, turned)
+        angles = at.theta + start + step * np.arange(len(ranges))
+        return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
+
+    def _movable_surfaces(self) -> Surfaces:
+        """Return the sides of movable boxes that are not plain."""
+        boxes = [
+            replace(o.kind, pose=o.pose)
+            for o in self.obstacles
+            if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
+        ]
+        if not boxes:
+            return NO_SURFACES
+        codes = codes_of(box.material for box in boxes for _ in box.corners)
+        return Surfaces(np.concatenate([box.outline for box in boxes]), codes)
 
     def _place(self) -> None:
         if self.outlines.stale:

@@ -185,7 +185,8 @@ class LaserDriver:
         Raises:
             DeviceError: nothing was told for `patience` [s].
         """
-        return self.identity or await self._next(self._identities, patience)
+        known = self.identity
+        return known if known is not None else await self._next(self._identities, patience)
 
     async def _next(self, feed: Feed[T], patience: float) -> T:
         try:
@@ -285,6 +286,8 @@ class LaserDriver:
                     log.info("%s: %s", self.config.url, identity)
                 case Remarked(text):
                     log.info("%s: %s", self.config.url, text)
+                    if not self.connected:
+                        self._publish(Connection.CONNECTING, text)
                 case Lost(reason):
                     raise LinkError(f"{self.config.url}: {reason}")
         await self._write(link, client.outgoing())

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.sim.materials import Codes
 
 Float = NDArray[np.float64]
 States = NDArray[np.uint8]
@@ -131,6 +132,7 @@ class LineMap:
         objects: Every cairn in file order, the homes and obstacles among them.
         grids: Occupancy grids; some of the walls outline their occupied cells.
         lines: The walls that outline no grid [m], shape (L, 4); without grids all walls.
+        materials: Codes of the walls' materials, shape (W,); if not given, all are plain.
     """
 
     name: str
@@ -139,11 +141,15 @@ class LineMap:
     objects: tuple[MapObject, ...] = ()
     grids: tuple[OccupancyGrid, ...] = ()
     lines: Float = field(default_factory=lambda: np.empty((0, 4)))
+    materials: Codes = field(default_factory=lambda: np.empty(0, dtype=np.uint8))
 
     def __post_init__(self) -> None:
         """Keep read-only copies of the segments."""
         object.__setattr__(self, "walls", _frozen(self.walls))
         object.__setattr__(self, "lines", _frozen(self.lines) if self.grids else self.walls)
+        if len(self.materials) != len(self.walls):
+            plain = np.zeros(len(self.walls), dtype=np.uint8)
+            object.__setattr__(self, "materials", plain)
 
     @property
     def starts(self) -> tuple[Pose2, ...]:

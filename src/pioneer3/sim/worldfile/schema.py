@@ -11,8 +11,10 @@ from msgspec import Meta, Struct, defstruct, field
 from msgspec.structs import asdict
 
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.models.lasers import LASERS
 from pioneer3.models.model import BUMPERS
-from pioneer3.sim.equipment import EquipmentOptions
+from pioneer3.sim.equipment import LAST_PORT, EquipmentOptions
+from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,
@@ -27,6 +29,7 @@ Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
 Point = tuple[Coordinate, Coordinate]
 Side = Annotated[float, Meta(ge=0.01, le=1000)]
 Angle = Annotated[float, Meta(ge=-360, le=360)]
+MaterialName = Literal["plain", "black", "glass", "reflector"]
 
 
 class Table(Struct, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
@@ -66,6 +69,8 @@ _RANGES = {
     "gyro_type": Annotated[int, Meta(ge=0, le=2)],
     "bumpers": Annotated[int, Meta(ge=0, le=int(BUMPERS.high))],
     "camera_port": Annotated[int, Meta(ge=1, le=3)],
+    "laser": Literal.__getitem__(("none", *LASERS)),
+    "laser_port": Annotated[int, Meta(ge=1, le=LAST_PORT)],
     "north": Angle,
     "compass_noise": Annotated[float, Meta(ge=0, le=180)],
     "gyro_bias": Annotated[float, Meta(ge=-100, le=100)],
@@ -145,17 +150,27 @@ class BoxTable(Table):
     theta_deg: Angle = 0.0
     movable: bool = False
     name: str = ""
+    material: MaterialName = "plain"
 
     def box(self) -> Box:
         """Return the box."""
-        pose = _pose(*self.center, self.theta_deg)
-        return Box(pose=pose, size=self.size, movable=self.movable, name=self.name)
+        return Box(
+            pose=_pose(*self.center, self.theta_deg),
+            size=self.size,
+            movable=self.movable,
+            name=self.name,
+            material=Material(self.material),
+        )
 
     @classmethod
     def of(cls, box: Box) -> Self:
         """Return the table of a box."""
-        center = box.pose.x, box.pose.y
-        return cls.like(box, center=center, theta_deg=_degrees(box.pose.theta))
+        return cls.like(
+            box,
+            center=(box.pose.x, box.pose.y),
+            theta_deg=_degrees(box.pose.theta),
+            material=box.material.value,
+        )
 
 
 class WallTable(Table):
@@ -163,10 +178,16 @@ class WallTable(Table):
 
     points: Annotated[tuple[Point, ...], Meta(min_length=2)]
     closed: bool = False
+    material: MaterialName = "plain"
 
     def wall(self) -> Wall:
         """Return the wall."""
-        return Wall(points=self.points, closed=self.closed)
+        return Wall(points=self.points, closed=self.closed, material=Material(self.material))
+
+    @classmethod
+    def of(cls, wall: Wall) -> Self:
+        """Return the table of a wall."""
+        return cls.like(wall, material=wall.material.value)
 
 
 class PlaceTable(Table):

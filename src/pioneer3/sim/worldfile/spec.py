@@ -13,6 +13,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
 from pioneer3.sim.maps import LineMap, MapObject, empty_map, read_map, shipped_map
 from pioneer3.sim.maps.line_map import solid_walls
+from pioneer3.sim.materials import Codes, Material, codes_of
 from pioneer3.sim.worldfile.person import Person, Point
 
 Float = NDArray[np.float64]
@@ -53,12 +54,14 @@ class Box:
         size: Length along its x axis, width along its y axis [m].
         movable: People and programs may move it, so it is not a wall of the map.
         name: On screen.
+        material: Of its sides.
     """
 
     pose: Pose2
     size: tuple[float, float]
     movable: bool = False
     name: str = ""
+    material: Material = Material.PLAIN
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -82,10 +85,11 @@ class Box:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wall:
-    """A wall along points `(x, y)` [m]; if `closed`, back to the first."""
+    """A wall of some material along points `(x, y)` [m]; if `closed`, back to the first."""
 
     points: tuple[Point, ...]
     closed: bool = False
+    material: Material = Material.PLAIN
 
     @property
     def segments(self) -> Float:
@@ -160,7 +164,14 @@ class WorldFile:
             objects=base.objects + places + fixed,
             grids=base.grids,
             lines=np.concatenate([base.lines, *added]),
+            materials=np.concatenate([base.materials, self._materials()]),
         )
+
+    def _materials(self) -> Codes:
+        """Return the materials of the segments that :meth:`line_map` adds, in its order."""
+        walls = [wall.material for wall in self.walls for _ in wall.segments]
+        fixed = [box for box in self.boxes if not box.movable]
+        return codes_of(walls + [box.material for box in fixed for _ in box.corners])
 
     @property
     def movable(self) -> tuple[Box, ...]:

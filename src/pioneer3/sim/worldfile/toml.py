@@ -16,7 +16,8 @@ from pioneer3.models.toml import load_toml
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.maps import shipped_maps
 from pioneer3.sim.maps.text import decoded, one_line, read_bytes, shown, write_bytes, wrong
-from pioneer3.sim.worldfile.spec import Place, RobotSpec, WorldFile
+from pioneer3.sim.materials import Material
+from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, WorldFile
 
 Table = TypeVar("Table")
 
@@ -28,6 +29,7 @@ KINDS = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
 """ARIA's type of the places in each table; a goal with a heading is a GoalWithHeading."""
 _ALONE = {"bumpers": "5", "gyro": "1", "table_ir": "new"}
 """Values of the words of `--fit` that may stand without one; a switch is on then."""
+_EXAMPLES = {"camera": "vcc4", "laser": "utm-30lx", "laser_port": "10940"}
 _EXPECTED = {
     "int": "a whole number",
     "float": "a number",
@@ -68,6 +70,8 @@ def parse_world(path: Path, text: str) -> WorldFile:
     file = _converted(source, data, FileTable)
     robots = tuple(_model_beside(path, table.robot()) for table in file.robot)
     _refuse_doubles(source, robots)
+    boxes = tuple(table.box() for table in file.box)
+    _refuse_movable_glass(source, boxes)
     tables = {"goal": file.goal, "dock": file.dock, "home": file.home}
     return WorldFile(
         name=path.stem if file.world.name is None else file.world.name,
@@ -75,7 +79,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
         seed=file.world.seed,
         keep_session=file.world.keep_session,
         robots=robots,
-        boxes=tuple(table.box() for table in file.box),
+        boxes=boxes,
         walls=tuple(table.wall() for table in file.wall),
         places=tuple(table.place(KINDS[key]) for key in KINDS for table in tables[key]),
         people=tuple(table.person() for table in file.person),
@@ -98,7 +102,8 @@ def parse_equipment(text: str) -> EquipmentOptions:
         key, equals, value = (part.strip() for part in word.partition("="))
         key = key.replace("-", "_")
         if key in EquipmentTable.__struct_encode_fields__ and not equals and key not in alone:
-            example = "camera=vcc4" if key == "camera" else f"{key.replace('_', '-')}=1"
+            value = _EXAMPLES.get(key, "1")
+            example = f"{key.replace('_', '-')}={value}"
             raise source.wrong(key, f"needs a value, such as {example}")
         said[key] = _scalar(value if equals else alone.get(key, "true"))
     return _converted(source, said, EquipmentTable).options()
@@ -129,7 +134,7 @@ def to_toml(world: WorldFile, folder: Path) -> str:
         ),
         robot=tuple(schema.RobotTable.of(_relative_model(r, folder)) for r in world.robots),
         box=tuple(map(schema.BoxTable.of, world.boxes)),
-        wall=tuple(map(schema.WallTable.like, world.walls)),
+        wall=tuple(map(schema.WallTable.of, world.walls)),
         goal=tuple(map(schema.PlaceTable.of, places["goal"])),
         dock=tuple(map(schema.PlaceTable.of, places["dock"])),
         home=tuple(map(schema.PlaceTable.of, places["home"])),
@@ -176,6 +181,13 @@ def _refuse_doubles(source: "_Source", robots: tuple[RobotSpec, ...]) -> None:
                 problem = f"{value} is robot[{seen[value]}]'s already"
                 raise source.wrong(f"robot[{index}].{key}", problem)
             seen[value] = index
+
+
+def _refuse_movable_glass(source: "_Source", boxes: tuple[Box, ...]) -> None:
+    for index, box in enumerate(boxes):
+        if box.movable and box.material is Material.GLASS:
+            problem = "a movable box is never of glass: take another material, or movable = false"
+            raise source.wrong(f"box[{index}].material", problem)
 
 
 def _scalar(text: str) -> object:

@@ -1,0 +1,258 @@
+"""A laser range finder on a robot: its mirror turns while the robot drives.
+
+Each reading is of the place where the robot is at that reading's time, so a robot that turns gets a
+bent scan. A robot's poses are known at the ends of steps of the world and taken to be a straight
+line between them. Rays are cast in pieces: over a piece the laser turns, but does not move.
+
+A reading looks at a spot, not at a point: three rays, at the spot's middle and both of its edges,
+tell how the surface slants and whether an edge divides the spot (docs/explanation/realism.md,
+"Range finders").
+"""
+
+from dataclasses import dataclass
+from math import ceil, floor, hypot, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.models.lasers import LaserModel
+from pioneer3.sim.body import Body
+from pioneer3.sim.kernels import laser_fan
+from pioneer3.sim.materials import MATT, REFERENCE, REMISSION, Codes
+from pioneer3.sim.world import World
+
+Float = NDArray[np.float64]
+
+PIECE = 2.5e-3
+"""Rays of so much time start at one place [s]: at 1 m/s within 1.25 mm of the true one."""
+JUMP = 0.5
+"""A robot that is this far away after a step was put there by hand [m]."""
+MOST_RAYS = 8
+"""From one reading to the next, and from the middle of a spot to its edge, there are at most so
+many rays."""
+CLOSEST = 1.0
+"""Nearer spots are no wider, seen from the laser, than one at this range [m]."""
+EDGE = 0.05
+"""The three ranges of a spot are of one surface if they fit a straight wall this well [m]."""
+SLANT_NOISE = 1 / 8
+"""Standard deviation of a reading, as a share of the depth of a slanted surface in the spot."""
+DARK_SHARE = 1 / 3
+"""Range to dark surfaces over the longest one, where the maker does not say: light fades with the
+square of the range, and 90 % of remission give the longest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arc:
+    """The readings that a turn of the mirror takes.
+
+    Attributes:
+        first: Direction of the first one, from straight ahead of the laser [rad].
+        step: From one to the next, counter-clockwise [rad].
+        count: Of readings.
+        beam_time: From one to the next [s].
+    """
+
+    first: float
+    step: float
+    count: int
+    beam_time: float
+
+    @property
+    def duration(self) -> float:
+        """From the first reading to the last [s]."""
+        return (self.count - 1) * self.beam_time
+
+
+class LaserScanner:
+    """One laser on a robot.
+
+    Args:
+        world: Where the robot is.
+        body: The robot; the laser is where its model says, or at its pose.
+        model: The type of laser. Its errors are those of the world's realism.
+
+    Attributes:
+        model: The same.
+    """
+
+    def __init__(self, world: World, body: Body, model: LaserModel) -> None:
+        self.model = model
+        self._world, self._body = world, body
+        at = body.model.laser
+        self._mount = Pose2(at.x, at.y, at.theta) if at else ORIGIN
+        self._rng = world.generator(body)
+        self._errors = world.realism.range_finder
+        self._lasting = self._rng.uniform(-1.0, 1.0) * self._errors.systematic
+        self._time, self._pose = world.time, body.robot_in_world
+        self.begin(Arc(first=0.0, step=model.step, count=1, beam_time=0.0), inf)
+
+    def begin(self, arc: Arc, began: float) -> None:
+        """Begin a turn whose first reading is at `began` [s], not before the last :meth:`look`."""
+        self._arc, self._began = arc, began
+        self._per_step, self._aside = self._rays_of_spots() if self._errors.spot else (1, 0)
+        rays = (arc.count - 1) * self._per_step + 1 + 2 * self._aside
+        self._ranges, self._codes = np.empty(rays), np.zeros(rays, dtype=np.uint8)
+        self._cast = 0
+
+    def look(self, now: float) -> bool:
+        """Take the readings up to `now`, the world's time [s]; return whether all are taken."""
+        before, self._pose = self._pose, self._body.robot_in_world
+        since, self._time = self._time, now
+        if hypot(self._pose.x - before.x, self._pose.y - before.y) > JUMP:
+            before = self._pose
+        due = self._rays_until(now)
+        if due > self._cast:
+            motion = _Motion(since, before, now, self._pose)
+            for first, end in self._pieces(due, moving=before != self._pose):
+                self._look_along(first, end, motion)
+            self._cast = due
+        return self._cast == len(self._ranges)
+
+    def readings(self) -> tuple[Float, Float]:
+        """Return the readings of a turn of which all are taken, with the errors of the laser.
+
+        Returns:
+            Ranges [m], `inf` where nothing came back, and intensities: the share of the light of a
+            perfect matt white wall, 0 for nothing; both of shape (count,).
+        """
+        middle = self._aside + self._per_step * np.arange(self._arc.count)
+        ranges, codes = self._ranges[middle], self._codes[middle]
+        spread = np.zeros(len(ranges))
+        light = np.ones(len(ranges))
+        if self._errors.spot:
+            ranges, codes, spread, light = self._spots(middle)
+        remission = REMISSION[codes]
+        intensities = remission * np.where(MATT[codes], light, 1.0)
+        lost = (ranges >= self.model.far) | (ranges > self._reach(intensities))
+        measured = self._with_errors(ranges, spread)
+        measured[lost], intensities[lost] = inf, 0.0
+        return measured, intensities
+
+    def _rays_of_spots(self) -> tuple[int, int]:
+        """Return the number of rays for each reading, and at most aside of a spot's middle."""
+        step, smallest = self._arc.step, self.model.divergence / 2
+        per_step = min(max(ceil(step / smallest), 2), MOST_RAYS)
+        widest = smallest + self.model.spot / CLOSEST / 2
+        return per_step, min(max(ceil(widest * per_step / step), 1), MOST_RAYS)
+
+    def _rays_until(self, now: float) -> int:
+        """Return how many rays are due at `now` [s]."""
+        if now < self._began:
+            return 0
+        total = len(self._ranges)
+        if now >= self._began + self._arc.duration:
+            return total
+        passed = (now - self._began) / self._arc.beam_time * self._per_step
+        return min(floor(passed) + 1 + self._aside, total)
+
+    def _pieces(self, due: int, *, moving: bool) -> list[tuple[int, int]]:
+        """Return the first ray, and the one after the last, of each piece of those to cast."""
+        most = due - self._cast
+        if moving and self._arc.beam_time:
+            most = max(1, int(PIECE / self._arc.beam_time * self._per_step))
+        return [(first, min(first + most, due)) for first in range(self._cast, due, most)]
+
+    def _look_along(self, first: int, end: int, motion: "_Motion") -> None:
+        """Cast the rays `first` to `end`, without `end`, from where the robot was then."""
+        arc, per_step = self._arc, self._per_step
+        each = arc.beam_time / per_step
+        began = self._began + (first - self._aside) * each
+        middle = motion.pose_at(began + (end - 1 - first) / 2 * each)
+        turned = motion.rate * each  # by the robot, from one ray to the next
+        start = arc.first + (first - self._aside) * arc.step / per_step
+        start -= turned * (end - 1 - first) / 2
+        # World looks from the present pose of the robot; seen from there the laser was here
+        mount = self._pose.inverse() @ middle @ self._mount
+        fan = laser_fan(
+            (mount.x, mount.y, mount.theta), start, arc.step / per_step + turned, end - first
+        )
+        found = self._world.look(self._body, fan, self.model.far)
+        self._ranges[first:end], self._codes[first:end] = found
+
+    def _spots(self, middle: NDArray[np.int64]) -> tuple[Float, Codes, Float, Float]:
+        """Return range, material, depth of the surface [m] and share of light of each spot.
+
+        Args:
+            middle: The rays in the middle of the spots, shape (B,).
+        """
+        model, apart = self.model, self._arc.step / self._per_step
+        nearest = self._ranges[middle].clip(min=1e-3)
+        half = (model.divergence + model.spot / nearest) / 2
+        aside = np.rint(half / apart).astype(np.int64).clip(1, self._aside)
+        rays = np.stack([middle, middle - aside, middle + aside])
+        ranges = self._ranges[rays]
+        inverse = 1 / ranges.clip(min=1e-3)
+        misfit = abs(2 * inverse[0] - inverse[1] - inverse[2]) * ranges[0] ** 2
+        # the inverse range along a straight wall is nearly linear in the angle
+        divided = misfit > EDGE
+        # slants are of the surface; between two surfaces there is none
+        tangent = (ranges[2] - ranges[1]) / (2 * aside * apart * ranges[0].clip(min=1e-3))
+        light = np.where(divided, 1.0, 1 / np.hypot(1.0, tangent))
+        spread = np.where(divided, 0.0, abs(ranges[2] - ranges[1]))
+        seen, which = self._of_two(ranges)
+        chosen = np.where(divided, which, 0)
+        codes = self._codes[rays[chosen, np.arange(len(middle))]]
+        return np.where(divided, seen, ranges[0]), codes, spread, light
+
+    def _of_two(self, ranges: Float) -> tuple[Float, NDArray[np.int64]]:
+        """Return the readings of spots that two surfaces share, and the ray of the nearer one.
+
+        The nearer surface wins if it fills half of the spot, or there is nothing behind it. Else
+        the reading is anywhere between the two.
+
+        Args:
+            ranges: At the middle and both edges [m], shape (3, B).
+        """
+        near, far, which = ranges.min(axis=0), ranges.max(axis=0), ranges.argmin(axis=0)
+        is_near = ranges - near <= (far - near) / 2
+        share = self._rng.random(len(near))
+        mixed = (is_near.sum(axis=0) == 1) & (far < self.model.far)
+        near = np.where(is_near[0], ranges[0], near)
+        which = np.where(is_near[0], 0, which)
+        return np.where(mixed, near + share * (far - near), near), which
+
+    def _reach(self, intensities: Float) -> Float:
+        """Return the longest range to surfaces that send back so much light [m]."""
+        dark = self.model.far_dark or DARK_SHARE * self.model.far
+        reach: Float = dark * np.sqrt(intensities / REFERENCE)
+        return reach
+
+    def _with_errors(self, ranges: Float, spread: Float) -> Float:
+        """Return `ranges` with the lasting error of this unit and noise."""
+        bands = self.model.errors
+        band = np.searchsorted([each.up_to for each in bands], ranges).clip(max=len(bands) - 1)
+        systematic = np.array([each.systematic for each in bands])[band]
+        systematic += np.array([each.share for each in bands])[band] * ranges
+        sigma = np.array([each.sigma for each in bands])[band] * self._errors.noise
+        if self._errors.noise:
+            sigma = np.hypot(sigma, SLANT_NOISE * spread)
+            ranges = ranges + sigma * self._rng.standard_normal(len(ranges))
+        measured: Float = (ranges + self._lasting * systematic).clip(min=0.0)
+        return measured
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """A robot's way from one pose to another, in a straight line and at a constant rate."""
+
+    since: float
+    begin: Pose2
+    until: float
+    end: Pose2
+
+    @property
+    def rate(self) -> float:
+        """Rate of turn [rad/s]."""
+        passed = self.until - self.since
+        return wrap(self.end.theta - self.begin.theta) / passed if passed > 0 else 0.0
+
+    def pose_at(self, time: float) -> Pose2:
+        """Return the pose at `time` [s]; before and after as it was then."""
+        passed = self.until - self.since
+        share = min(max((time - self.since) / passed, 0.0), 1.0) if passed > 0 else 1.0
+        return Pose2(
+            self.begin.x + share * (self.end.x - self.begin.x),
+            self.begin.y + share * (self.end.y - self.begin.y),
+            wrap(self.begin.theta + share * wrap(self.end.theta - self.begin.theta)),
+        )
