@@ -304,6 +304,11 @@ def _greeting(running: "RunningSimulation") -> Iterator[str]:
         pty = f"{robot.pty} and " if robot.pty else ""
         model = robot.model
         yield f"SIMULATOR: {who}{model.title} ({model.name}) in {where} on {pty}{robot.url}"
+    for robot in robots:
+        if robot.laser is not None:
+            laser = robot.laser
+            pty = f" and {laser.pty}" if laser.pty else ""
+            yield f"LASER: {laser.model.title} on {robot.name}: laser at {laser.url}{pty}"
     if running.factory_url:
         yield f"SIMULATOR: a robot for every client in {where} on {running.factory_url}"
     for robot, url in zip(robots, running.acts_urls, strict=False):

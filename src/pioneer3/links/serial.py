@@ -14,10 +14,11 @@ from pioneer3.links.stream import StreamLink
 
 try:
     import grp
+    import termios
     import tty
     from termios import error as TerminalError  # noqa: N812
 except ImportError:  # Windows
-    grp = tty = None  # type: ignore[assignment]
+    grp = termios = tty = None  # type: ignore[assignment]
     TerminalError = OSError  # type: ignore[misc, assignment]
 
 SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
@@ -141,3 +142,13 @@ def make_pty() -> PtyPair:
         raise LinkError(f"cannot make a pseudo terminal: {error.strerror}") from None
     tty.setraw(slave)
     return PtyPair(master, slave, os.ttyname(slave))
+
+
+def terminal_speed(terminal: int) -> int | None:
+    """Return the output speed of an open terminal [baud]; `None` for 0, or if it is closed."""
+    try:
+        code = termios.tcgetattr(terminal)[5]
+    except (OSError, TerminalError):
+        return None
+    names = (name for name in dir(termios) if name[0] == "B" and name[1:].isdecimal())
+    return next((int(name[1:]) for name in names if getattr(termios, name) == code), None) or None

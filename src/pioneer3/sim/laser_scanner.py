@@ -84,11 +84,12 @@ class LaserScanner:
         self._rng = world.generator(body)
         self._errors = world.realism.range_finder
         self._lasting = self._rng.uniform(-1.0, 1.0) * self._errors.systematic
-        self._time, self._pose = world.time, body.robot_in_world
+        self._since = self._time = world.time
+        self._before = self._pose = body.robot_in_world
         self.begin(Arc(first=0.0, step=model.step, count=1, beam_time=0.0), inf)
 
     def begin(self, arc: Arc, began: float) -> None:
-        """Begin a turn whose first reading is at `began` [s], not before the last :meth:`look`."""
+        """Begin a turn whose first reading is at `began` [s], not before the last but one `now`."""
         self._arc, self._began = arc, began
         self._per_step, self._aside = self._rays_of_spots() if self._errors.spot else (1, 0)
         rays = (arc.count - 1) * self._per_step + 1 + 2 * self._aside
@@ -96,15 +97,19 @@ class LaserScanner:
         self._cast = 0
 
     def look(self, now: float) -> bool:
-        """Take the readings up to `now`, the world's time [s]; return whether all are taken."""
-        before, self._pose = self._pose, self._body.robot_in_world
-        since, self._time = self._time, now
-        if hypot(self._pose.x - before.x, self._pose.y - before.y) > JUMP:
-            before = self._pose
+        """Take the readings up to `now`, the world's time [s]; return whether all are taken.
+
+        It must be called after every step of the world, and may be called again.
+        """
+        if now > self._time:
+            self._since, self._before = self._time, self._pose
+            self._time, self._pose = now, self._body.robot_in_world
+            if hypot(self._pose.x - self._before.x, self._pose.y - self._before.y) > JUMP:
+                self._before = self._pose
         due = self._rays_until(now)
         if due > self._cast:
-            motion = _Motion(since, before, now, self._pose)
-            for first, end in self._pieces(due, moving=before != self._pose):
+            motion = _Motion(self._since, self._before, now, self._pose)
+            for first, end in self._pieces(due, moving=self._before != self._pose):
                 self._look_along(first, end, motion)
             self._cast = due
         return self._cast == len(self._ranges)

@@ -25,8 +25,9 @@ from pioneer3.links.urls import open_link, split_host
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.listeners import machine_address, url_of
 from pioneer3.sim.server.pacer import Pacer
-from pioneer3.sim.server.running import RunningSimulation, machine_address, url_of
+from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Person, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides

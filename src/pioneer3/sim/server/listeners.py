@@ -7,13 +7,12 @@ import os
 import socket
 from contextlib import suppress
 from io import FileIO
-from typing import Any
+from typing import Any, Protocol
 
 from pioneer3.errors import LinkError, PortBusyError
-from pioneer3.links.serial import make_pty
+from pioneer3.links.serial import make_pty, terminal_speed
 from pioneer3.links.stream import tune
-from pioneer3.sim.server.clients import PtyClient, SocketClient
-from pioneer3.sim.server.port import RobotPort
+from pioneer3.sim.server.clients import Client, ClientHandler, PtyClient, SocketClient
 
 log = logging.getLogger(__name__)
 
@@ -24,6 +23,9 @@ OUT_OF_FILES = 1.0
 SEND_BUFFER = 64 * 1024
 """Of the operating system [bytes]; its own size would hide a host that takes nothing."""
 
+ANY = {"0.0.0.0", "::", ""}
+SOMEWHERE = ("192.0.2.1", 9)
+"""Kept free for documentation (RFC 5737); nothing is sent there."""
 
 SOCKETS_ARE_FILES = os.name == "posix"
 
@@ -37,10 +39,21 @@ def as_file(connection: socket.socket) -> FileIO | socket.SocketIO:
     return file
 
 
-class TcpListener:
-    """A listening socket in front of one robot's port."""
+class Port(ClientHandler, Protocol):
+    """The port of a robot or another device, which hosts connect to."""
 
-    def __init__(self, port: RobotPort, listener: socket.socket) -> None:
+    @property
+    def full(self) -> bool:
+        """Whether one more host would be turned away at once."""
+
+    def admit(self, client: Client) -> None:
+        """Connect `client`, now or soon, or turn it away."""
+
+
+class TcpListener:
+    """A listening socket in front of a port."""
+
+    def __init__(self, port: Port, listener: socket.socket) -> None:
         self._port = port
         self._listener = listener
         self._loop = asyncio.get_running_loop()
@@ -79,19 +92,24 @@ class TcpListener:
 
 
 class PtyListener:
-    """A pseudo terminal in front of one robot's port.
+    """A pseudo terminal in front of a port.
 
     Attributes:
         path: The name that a host opens, such as `/dev/pts/3`.
     """
 
-    def __init__(self, port: RobotPort) -> None:
+    def __init__(self, port: Port) -> None:
         pair = make_pty()
         os.set_blocking(pair.master, False)
         self.path = pair.path
         self._slave = pair.slave
         self._client = PtyClient(port, FileIO(pair.master, "r+"), pair.path)
         self._client.resume()
+
+    @property
+    def speed(self) -> int | None:
+        """The speed that a host has set [baud], or `None` for one that serial ports lack."""
+        return terminal_speed(self._slave) if self._slave >= 0 else None
 
     def close(self) -> None:
         """Remove the terminal."""
@@ -136,3 +154,23 @@ def _bound(family: int, address: tuple[Any, ...]) -> socket.socket:
         listener.close()
         raise
     return listener
+
+
+def url_of(host: str, port: int) -> str:
+    """Return the URL of a port that listens at `host`.
+
+    A port at all addresses of this machine is reached at the one that other machines see.
+    """
+    reached = machine_address() if host in ANY else host
+    return f"tcp://[{reached}]:{port}" if ":" in reached else f"tcp://{reached}:{port}"
+
+
+def machine_address() -> str:
+    """Return this machine's address in the network, or its name without one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(SOMEWHERE)  # only asks which way packets would take
+        except OSError:
+            return socket.gethostname()
+        address: str = probe.getsockname()[0]
+        return address

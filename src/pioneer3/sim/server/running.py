@@ -1,7 +1,6 @@
 """A running simulator: its robots, and the methods that change its world."""
 
 import asyncio
-import socket
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Self
@@ -11,10 +10,11 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.arcos.reports import MapChanged
-from pioneer3.errors import CommandError, LinkError
+from pioneer3.errors import CommandError, PioneerError
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.placement.footprint import hits, overlap, stands_in
@@ -22,34 +22,12 @@ from pioneer3.sim.placement.placer import PlacementRequest, Placer
 from pioneer3.sim.placement.spawn import unique_name
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.laser import SimulatedLaser
+from pioneer3.sim.server.listeners import url_of
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec
-
-ANY = {"0.0.0.0", "::", ""}
-SOMEWHERE = ("192.0.2.1", 9)
-"""Kept free for documentation (RFC 5737); nothing is sent there."""
-
-
-def url_of(host: str, port: int) -> str:
-    """Return the URL of a port that listens at `host`.
-
-    A port at all addresses of this machine is reached at the one that other machines see.
-    """
-    reached = machine_address() if host in ANY else host
-    return f"tcp://[{reached}]:{port}" if ":" in reached else f"tcp://{reached}:{port}"
-
-
-def machine_address() -> str:
-    """Return this machine's address in the network, or its name without one."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(SOMEWHERE)  # only asks which way packets would take
-        except OSError:
-            return socket.gethostname()
-        address: str = probe.getsockname()[0]
-        return address
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,6 +41,7 @@ class SimulatedRobot:
         port: Connects its host, over a cable that may have faults.
         url: For hosts.
         pty: Its serial port, or `None`.
+        laser: Its range finder with a port of its own, or `None`.
     """
 
     name: str
@@ -71,9 +50,16 @@ class SimulatedRobot:
     port: RobotPort
     url: str
     pty: str | None = None
+    laser: SimulatedLaser | None = None
 
     @classmethod
-    def at(cls, port: RobotPort, name: str, pty: str | None = None) -> Self:
+    def at(
+        cls,
+        port: RobotPort,
+        name: str,
+        pty: str | None = None,
+        laser: SimulatedLaser | None = None,
+    ) -> Self:
         """Return the robot behind `port`, which listens."""
         firmware, address = port.firmware, port.address
         assert address is not None
@@ -84,6 +70,7 @@ class SimulatedRobot:
             port=port,
             url=url_of(*address),
             pty=pty,
+            laser=laser,
         )
 
     @property
@@ -143,6 +130,11 @@ class RunningSimulation:
         """The first robot."""
         return self.robots[0].body
 
+    @property
+    def lasers(self) -> list[SimulatedLaser]:
+        """The lasers of the robots that have one."""
+        return [robot.laser for robot in self.robots if robot.laser is not None]
+
     def robot(self, name: str) -> SimulatedRobot:
         """Return the robot of this name.
 
@@ -157,11 +149,14 @@ class RunningSimulation:
     def set_faults(self, faults: LinkFaults) -> None:
         """Give every robot's cable faults like `faults`, each with chances of its own.
 
-        Robots that are added later get them too. One robot's are `robot.port.faults`.
+        So has the cable of its laser. Robots that are added later get them too. One robot's are
+        `robot.port.faults` and `robot.laser.faults`.
         """
         self._faults = faults
         for number, robot in enumerate(self.robots):
             robot.port.faults = _like(faults, number)
+            if robot.laser is not None:
+                robot.laser.faults = _like(faults, number)
 
     async def add_robot(self, spec: RobotSpec) -> SimulatedRobot:
         """Put one more robot into the world and let hosts connect to it.
@@ -180,12 +175,14 @@ class RunningSimulation:
                 self.world, body, equipment=equipment, client_maps=self._client_maps
             )
             try:
-                await self._simulation.add(firmware, spec.port)
-            except LinkError:
+                laser = await self._listen(firmware, spec.port, equipment)
+            except PioneerError:
                 self.world.remove(body)
                 raise
-            added = SimulatedRobot.at(self._simulation.ports[-1], name)
+            added = SimulatedRobot.at(self._simulation.ports[-1], name, laser=laser)
             added.port.faults = _like(self._faults, len(self.robots))
+            if laser is not None:
+                laser.faults = _like(self._faults, len(self.robots))
             firmware.on_map_changed = self._tell_all
             self.robots.append(added)
         return added
@@ -198,6 +195,8 @@ class RunningSimulation:
         """
         self.robots.remove(robot)
         await self._simulation.remove(robot.firmware)
+        if robot.laser is not None:
+            self._simulation.lasers.remove(robot.laser)
         self.world.remove(robot.body)
 
     def add_box(self, box: Box) -> Obstacle:
@@ -246,6 +245,19 @@ class RunningSimulation:
             or any(overlap(model, pose, body.model, body.robot_in_world) for body in bodies)
             or any(stands_in(model, pose, _outline(o, o.pose)) for o in self.world.obstacles)
         )
+
+    async def _listen(
+        self, firmware: Firmware, port: int | None, equipment: Equipment
+    ) -> SimulatedLaser | None:
+        """Let hosts connect to a new robot and its laser; return the laser."""
+        await self._simulation.add(firmware, port)
+        if equipment.laser is None:
+            return None
+        try:
+            return await self._simulation.add_laser(firmware, equipment.laser, equipment.laser_port)
+        except PioneerError:
+            await self._simulation.remove(firmware)
+            raise
 
     def _refuse_on_robots(self, outline: NDArray[np.float64], pose: Pose2) -> None:
         for robot in self.robots:

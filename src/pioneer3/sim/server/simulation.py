@@ -17,6 +17,8 @@ from pioneer3.clock import Clock
 from pioneer3.errors import LinkError
 from pioneer3.sim.firmware import CYCLE, Firmware
 from pioneer3.sim.firmware.console import StepTimes
+from pioneer3.sim.server.laser import SimulatedLaser
+from pioneer3.sim.server.laser_ports import LaserPorts
 from pioneer3.sim.server.listeners import PtyListener, TcpListener, listening
 from pioneer3.sim.server.pacer import LATELY, TICK, Pacer
 from pioneer3.sim.server.port import RobotPort
@@ -45,6 +47,7 @@ class Simulation:
         world: The same.
         pace: The same; its attributes may be changed while the simulation runs.
         ports: One for each robot.
+        lasers: The range finders of the robots, which have ports of their own.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class Simulation:
         self.ports: list[RobotPort] = []
         self._keep_session = keep_session
         self._heard = asyncio.Event()
+        self.lasers = LaserPorts(world, self._heard.set)
         self._host: str | None = None
         self._next_number = 0
         self._ticks = self._turns = 0
@@ -94,7 +98,7 @@ class Simulation:
             for port, number in zip(self.ports, own, strict=False):
                 await self._open(port, number, taken=own)
         except LinkError:
-            self._close()
+            self.close()
             raise
 
     def open_ptys(self) -> list[str]:
@@ -130,6 +134,22 @@ class Simulation:
             self.ports.remove(added)
             raise
 
+    async def add_laser(
+        self, firmware: Firmware, name: str, port: int | None = None
+    ) -> SimulatedLaser:
+        """Fit a laser to a robot, and let hosts connect to it; see :meth:`LaserPorts.add`.
+
+        Without `port` it has a free port where the robots have such.
+
+        Raises:
+            ConfigError: There is no such laser.
+            LinkError: It cannot listen, or :meth:`listen` has not been called.
+        """
+        if self._host is None:
+            raise LinkError("a laser can be given a port only while the robots listen")
+        free = not self._next_number
+        return await self.lasers.add(firmware.body, name, port, self._host, free=free)
+
     async def remove(self, firmware: Firmware) -> None:
         """Disconnect a robot's host and close its port; the robot's session ends.
 
@@ -154,7 +174,7 @@ class Simulation:
                 else:
                     await self._sleep_until_heard(rest)
         finally:
-            self._close()
+            self.close()
 
     def _turn(self, clock: Clock) -> float:
         """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
@@ -206,6 +226,7 @@ class Simulation:
             if port.is_open and not was_open:
                 port.report_tick = in_cycle
                 openings = openings and openings - 1
+        self.lasers.exchange(now)
 
     def _openings_left(self, slot: int) -> int:
         """Return how many sessions may still open in this tick of the cycle.
@@ -226,6 +247,7 @@ class Simulation:
         for port in due:
             with self._isolated(port):
                 port.tick(now)
+        self.lasers.tick(now)
 
     @contextmanager
     def _isolated(self, port: RobotPort) -> Iterator[None]:
@@ -276,6 +298,8 @@ class Simulation:
         port.listeners.append(TcpListener(port, listener))
         return port.address[1]
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """Close every port; :meth:`run` does so in the end."""
         for port in self.ports:
             port.close()
+        self.lasers.close()

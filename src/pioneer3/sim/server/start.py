@@ -28,9 +28,10 @@ from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.listeners import listening
+from pioneer3.sim.server.laser import SimulatedLaser
+from pioneer3.sim.server.listeners import listening, url_of
 from pioneer3.sim.server.pacer import Pacer
-from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot, url_of
+from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
@@ -129,13 +130,13 @@ async def simulator(
         overrides: Changes of the world before it begins.
         realism: Noise, slip and wide sonar beams; `None` is ideal: without them.
         pace: The speed of time; real time if not given.
-        faults: Of every robot's cable.
+        faults: Of every robot's cable and its laser's.
         ptys: Whether each robot has a pseudo terminal besides.
         acts: TCP port of the first robot's ACTS server, the others have the next ones; 0 takes
             free ones, `None` has no such servers.
 
     Raises:
-        ConfigError: The map, a model, a place or the port of the ACTS servers is wrong.
+        ConfigError: The map, a model, a place, a laser or the port of the ACTS servers is wrong.
         LinkError: A port cannot be listened on.
     """
     if robot is not None:
@@ -160,10 +161,12 @@ async def simulator(
     first_port = port + 1 if factory_robot and port else port
     await simulation.listen(first_port, host, ports=[each.port for each in spawned])
     # connections are accepted from now on; time begins when compiled kernels are loaded
-    here = RunningSimulation(simulation, _robots(spawned, simulation, ptys=ptys), rng, client_maps)
+    lasers = await _lasers(spawned, simulation)
+    robots = _robots(spawned, simulation, lasers, ptys=ptys)
+    here = RunningSimulation(simulation, robots, rng, client_maps)
     here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
     work = [simulation.run()]
-    if len(bodies) >= WORTH_COMPILING or factory_robot or simulation.pace.speed > 1:
+    if _is_work(simulation) or factory_robot:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
         elif is_cached():
@@ -224,11 +227,37 @@ def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
 
 
 def _robots(
-    spawned: Sequence[SpawnedRobot], simulation: Simulation, *, ptys: bool
+    spawned: Sequence[SpawnedRobot],
+    simulation: Simulation,
+    lasers: Sequence[SimulatedLaser | None],
+    *,
+    ptys: bool,
 ) -> Iterator[SimulatedRobot]:
     names = simulation.open_ptys() if ptys else [None] * len(spawned)
-    for each, port, pty in zip(spawned, simulation.ports, names, strict=True):
-        yield SimulatedRobot.at(port, each.name, pty)
+    for each, port, pty, laser in zip(spawned, simulation.ports, names, lasers, strict=True):
+        yield SimulatedRobot.at(port, each.name, pty, laser)
+
+
+async def _lasers(
+    spawned: Sequence[SpawnedRobot], simulation: Simulation
+) -> list[SimulatedLaser | None]:
+    """Fit the lasers of all robots, and return them; `None` for a robot without one."""
+    lasers: list[SimulatedLaser | None] = []
+    try:
+        for each, port in zip(spawned, simulation.ports, strict=True):
+            name, number = each.equipment.laser, each.equipment.laser_port
+            laser = await simulation.add_laser(port.firmware, name, number) if name else None
+            lasers.append(laser)
+    except PioneerError:
+        simulation.close()
+        raise
+    return lasers
+
+
+def _is_work(simulation: Simulation) -> bool:
+    """Whether compiled kernels pay: lasers cast thousands of rays for each scan."""
+    many = len(simulation.ports) >= WORTH_COMPILING
+    return many or simulation.pace.speed > 1 or bool(simulation.lasers.lasers)
 
 
 def _client_maps(world: WorldFile) -> ClientMaps:

@@ -1,0 +1,210 @@
+"""A simulated laser range finder on a robot: its mirror, its protocol, its ports.
+
+The device says which turn its mirror makes next. The turn takes its time; the scanner takes each
+reading when it is due, and the device gets the turn in the first tick after its last reading, with
+the exact time of its first one. No turn begins while the device wants none, so that lasers without
+a host cost nothing.
+"""
+
+from collections.abc import Callable
+from math import inf
+
+from pioneer3.errors import LinkError
+from pioneer3.lasers.device import Device, Sweep, Turn
+from pioneer3.models.lasers import LaserModel, LaserProtocol
+from pioneer3.sim.body import Body
+from pioneer3.sim.laser_scanner import Arc, LaserScanner
+from pioneer3.sim.server.faults import LinkFaults
+from pioneer3.sim.server.laser_hosts import LaserHosts, OneHost, SeveralHosts
+from pioneer3.sim.server.listeners import PtyListener, TcpListener, url_of
+from pioneer3.sim.world import World
+
+SLACK = 1e-6
+"""Times are sums of ticks, and rounded [s]."""
+
+
+class SimulatedLaser:
+    """One laser on a robot.
+
+    Args:
+        world: Where the robot is.
+        body: The robot.
+        model: The type of laser.
+        device: Its side of the protocol.
+        wake: Called whenever a host has sent bytes.
+
+    Attributes:
+        model: The same.
+        device: The same.
+        body: The robot that carries it.
+        addresses: Host and number of its TCP ports, the first one for most programs.
+        pty: Its serial port, or `None`.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        body: Body,
+        model: LaserModel,
+        device: Device,
+        wake: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.model, self.device, self.body = model, device, body
+        self.addresses: list[tuple[str, int]] = []
+        self.pty: str | None = None
+        self._listeners: list[TcpListener | PtyListener] = []
+        self._world = world
+        self._scanner = LaserScanner(world, body, model)
+        self._turn: Turn | None = None
+        self._began, self._next, self._looked = -inf, -inf, world.time
+        self._powered, self._closed = True, False
+        self._silent_until = -inf
+        self._faults = LinkFaults()
+        self._hosts = self._new_hosts(wake)
+
+    @property
+    def label(self) -> str:
+        """A name for people: its type and its TCP port, if it has one."""
+        name = self.model.name
+        return f"{name} at port {self.addresses[0][1]}" if self.addresses else name
+
+    @property
+    def url(self) -> str:
+        """Of its first TCP port.
+
+        Raises:
+            LinkError: It does not listen.
+        """
+        if not self.addresses:
+            raise LinkError(f"{self.model.name}: does not listen")
+        return url_of(*self.addresses[0])
+
+    @property
+    def hosts(self) -> LaserHosts:
+        """The hosts that are connected."""
+        return self._hosts
+
+    @property
+    def connected(self) -> bool:
+        """Whether any host is connected."""
+        return self._hosts.connected
+
+    @property
+    def powered(self) -> bool:
+        """Whether it is switched on."""
+        return self._powered
+
+    @property
+    def faults(self) -> LinkFaults:
+        """Faults of its cable; may be replaced at any time."""
+        return self._faults
+
+    @faults.setter
+    def faults(self, faults: LinkFaults) -> None:
+        self._faults = faults
+        self._hosts.use(faults)
+
+    def unplug(self) -> None:
+        """Pull the data cable out: hosts are disconnected, and new ones are turned away."""
+        self._faults.unplug()
+        self._shut()
+
+    def plug_in(self) -> None:
+        """Let hosts connect again."""
+        self._faults.plug_in()
+        self._shut()
+
+    def switch_off(self) -> None:
+        """Take its power away; hosts of Ethernet units are disconnected."""
+        self._powered, self._turn = False, None
+        self._shut()
+
+    def switch_on(self) -> None:
+        """Give it power: it begins as after a power cycle."""
+        self._powered, self._turn, self._next = True, None, -inf
+        self.device.switch_on(self._world.time)
+        self._shut()
+
+    def silence(self, seconds: float) -> None:
+        """Let it neither hear nor be heard for `seconds` of simulated time."""
+        self._silent_until = self._world.time + seconds
+
+    def add_listener(self, listener: TcpListener | PtyListener) -> None:
+        """Let hosts connect through `listener`, which is closed with the laser."""
+        self._listeners.append(listener)
+        if isinstance(listener, PtyListener):
+            self.pty = listener.path
+            if isinstance(self._hosts, OneHost):
+                self._hosts.set_terminal(lambda: listener.speed)
+
+    def exchange(self, now: float) -> None:
+        """Pass the bytes of hosts and laser on at `now` [s, simulated]."""
+        self._shut()
+        self._hosts.exchange(now, heard=self._powered and now >= self._silent_until)
+
+    def tick(self, now: float) -> None:
+        """Let time pass until `now` [s, simulated], and send what is ready."""
+        if self._powered:
+            if self.device.deadline <= now + SLACK:
+                self.device.tick(now)
+            self._measure(now)
+        self._looked = now
+        self.exchange(now)
+
+    def close(self) -> None:
+        """Disconnect all hosts and stop listening."""
+        for listener in self._listeners:
+            listener.close()
+        self._listeners.clear()
+        self.addresses.clear()
+        self._hosts.shut(closed=True)
+
+    def _measure(self, now: float) -> None:
+        """Take the readings that are due, and hand in the turns that are over."""
+        scanner = self._scanner
+        while self._turn is not None or self._begin():
+            if not scanner.look(now):
+                return
+            assert self._turn is not None
+            ranges, intensities = scanner.readings()
+            turn, self._turn = self._turn, None
+            self._next = self._began + turn.period
+            self.device.measured(
+                Sweep(
+                    turn=turn,
+                    began=self._began,
+                    ranges=ranges.tolist(),
+                    intensities=intensities.tolist(),
+                ),
+                now,
+            )
+        scanner.look(now)
+
+    def _begin(self) -> bool:
+        """Begin the turn that the device wants, right after the last one; return if there is any.
+
+        After a pause the mirror may be anywhere, so the turn begins at once.
+        """
+        turn = self.device.turn
+        if turn is None:
+            return False
+        self._turn, self._began = turn, max(self._next, self._looked)
+        arc = Arc(first=turn.first, step=turn.step, count=turn.count, beam_time=turn.beam_time)
+        self._scanner.begin(arc, self._began)
+        return True
+
+    def _new_hosts(self, wake: Callable[[], None]) -> LaserHosts:
+        device, faults, lasting = self.device, self._faults, bool(self.model.speeds)
+        if self.model.protocol is LaserProtocol.COLA:
+            return SeveralHosts(device, faults, label=lambda: self.label, wake=wake)
+        return OneHost(device, faults, lasting=lasting, label=lambda: self.label, wake=wake)
+
+    def _shut(self) -> None:
+        """Disconnect hosts where cable or power are missing, or let them come again.
+
+        A serial line does not tell whether the laser at its end has power.
+        """
+        closed = self._faults.unplugged or not (self._powered or self.model.speeds)
+        if closed != self._closed:
+            self._closed = closed
+            self._hosts.shut(closed=closed)

@@ -1,0 +1,260 @@
+"""Hosts that connect to a simulated laser.
+
+1. A unit with a serial line has one connection for ever, as :mod:`pioneer3.lasers.device` has it:
+   hosts come and go at its terminal and, through a serial device server, on the network, one at a
+   time. Which one may speak is a matter of :class:`pioneer3.sim.server.clients.ClientSlot`; a host
+   that receives scans is not silent.
+2. At the terminal a host must have set the speed of the device, else neither understands the other.
+   A device server on the network always has the right speed.
+3. Units with Ethernet only have a connection per host: one host at a time for SCIP, several for
+   CoLa-A.
+"""
+
+import logging
+from collections.abc import Callable
+from math import inf
+from random import Random
+from typing import Protocol
+
+from pioneer3.lasers.device import Connection, Device
+from pioneer3.sim.server.clients import Client, ClientHandler, ClientSlot
+from pioneer3.sim.server.faults import Channel, LinkFaults
+
+log = logging.getLogger(__name__)
+
+MOST_WAITING = 4096
+"""Most that waits for the next tick [bytes]; then the host waits."""
+MOST_HOSTS = 8
+"""At a unit that serves several."""
+
+
+class Cable:
+    """The way between a host and a connection of the device, with faults.
+
+    Args:
+        connection: Of the device.
+        faults: Of the cable.
+    """
+
+    def __init__(self, connection: Connection, faults: LinkFaults) -> None:
+        self.connection = connection
+        self._inbox = bytearray()
+        self.replace(faults)
+
+    def replace(self, faults: LinkFaults) -> None:
+        """Have other faults from now on."""
+        self._faults = faults
+        self._to_laser, self._to_host = Channel(faults, "to laser"), Channel(faults, "to host")
+
+    def keep(self, client: Client, data: bytes) -> None:
+        """Keep the bytes of `client` for :meth:`take`."""
+        self._inbox += data
+        if len(self._inbox) >= MOST_WAITING:
+            client.pause()
+
+    def take(self, client: Client | None, now: float) -> None:
+        """Give the device the bytes that have come by `now` [s]."""
+        data = bytes(self._inbox)
+        self._inbox.clear()
+        if client is not None:
+            client.resume()
+        if self._faults.any or self._to_laser.due < inf:
+            data = self._to_laser.transmit(data, now)
+        if data:
+            self.connection.receive(data, now)
+
+    def from_laser(self, now: float) -> bytes:
+        """Return the bytes that reach the host at `now` [s]."""
+        data = self.connection.outgoing(now)
+        if self._faults.any or self._to_host.due < inf:
+            data = self._to_host.transmit(data, now)
+        return data
+
+    def clear(self) -> None:
+        """Drop the bytes that are on their way."""
+        self._inbox.clear()
+        self._to_laser.clear()
+        self._to_host.clear()
+
+
+class LaserHosts(ClientHandler, Protocol):
+    """The hosts of one laser."""
+
+    @property
+    def full(self) -> bool:
+        """Whether one more host would be turned away at once."""
+
+    @property
+    def connected(self) -> bool:
+        """Whether any host is connected."""
+
+    def admit(self, client: Client) -> None:
+        """Give `client` a connection, now or soon, or turn it away."""
+
+    def exchange(self, now: float, *, heard: bool) -> None:
+        """Pass the bytes of hosts and laser on at `now` [s]; if not `heard`, all are lost."""
+
+    def shut(self, *, closed: bool) -> None:
+        """Disconnect all hosts and turn others away, or no longer."""
+
+    def use(self, faults: LinkFaults) -> None:
+        """Give every cable these faults."""
+
+
+class OneHost:
+    """A host at a time.
+
+    Args:
+        device: The laser.
+        faults: Of the cable.
+        lasting: Whether the connection outlives hosts, as that of a serial line does.
+        label: Returns the name of the laser for the log.
+        wake: Called whenever a host has sent bytes.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        faults: LinkFaults,
+        *,
+        lasting: bool,
+        label: Callable[[], str],
+        wake: Callable[[], None],
+    ) -> None:
+        self._device, self._lasting, self._wake = device, lasting, wake
+        self._faults = faults
+        self._cable = self._new_cable() if lasting else None
+        self._slot = ClientSlot(self._another, label)
+        self._terminal_speed: Callable[[], int | None] = lambda: None
+        self._noise = Random(faults.seed)
+
+    @property
+    def full(self) -> bool:
+        return self._slot.full
+
+    @property
+    def connected(self) -> bool:
+        return self._slot.host is not None
+
+    def set_terminal(self, speed: Callable[[], int | None]) -> None:
+        """Ask `speed` for the speed that a host has set at the terminal [baud]."""
+        self._terminal_speed = speed
+
+    def admit(self, client: Client) -> None:
+        self._slot.admit(client)
+
+    def received(self, client: Client, data: bytes) -> None:
+        if self._slot.heard_from(client) and self._cable and self._understands(client):
+            self._cable.keep(client, data)
+            self._wake()
+
+    def disconnected(self, client: Client) -> None:
+        if self._slot.disconnected(client) and not self.connected:
+            self._hang_up()
+
+    def exchange(self, now: float, *, heard: bool) -> None:
+        cable, host = self._cable, self._slot.host
+        if cable is None:
+            return
+        if not heard or self._slot.closed:
+            cable.clear()
+        cable.take(host, now)
+        data = cable.from_laser(now)
+        if not data or host is None or not heard:
+            return
+        if not host.permanent:
+            self._slot.heard_from(host)
+        host.send(data if self._understands(host) else self._noise.randbytes(len(data)))
+
+    def shut(self, *, closed: bool) -> None:
+        self._slot.closed = closed
+        if closed:
+            self._slot.disconnect_all()
+
+    def use(self, faults: LinkFaults) -> None:
+        self._faults = faults
+        if self._cable is not None:
+            self._cable.replace(faults)
+
+    def _new_cable(self) -> Cable:
+        return Cable(self._device.connect(), self._faults)
+
+    def _another(self) -> None:
+        """Prepare for another host."""
+        self._hang_up()
+        if self._cable is None:
+            self._cable = self._new_cable()
+
+    def _hang_up(self) -> None:
+        """Drop what is on its way; a connection that does not last ends."""
+        if self._cable is not None:
+            self._cable.clear()
+            if not self._lasting:
+                self._cable.connection.close()
+                self._cable = None
+
+    def _understands(self, client: Client) -> bool:
+        return not client.permanent or self._terminal_speed() == self._device.speed
+
+
+class SeveralHosts:
+    """Several hosts, each with a connection of its own; arguments as for :class:`OneHost`."""
+
+    def __init__(
+        self,
+        device: Device,
+        faults: LinkFaults,
+        *,
+        label: Callable[[], str],
+        wake: Callable[[], None],
+    ) -> None:
+        self._device, self._faults, self._wake, self._label = device, faults, wake, label
+        self._cables: dict[Client, Cable] = {}
+        self._closed = False
+
+    @property
+    def full(self) -> bool:
+        return self._closed or len(self._cables) >= MOST_HOSTS
+
+    @property
+    def connected(self) -> bool:
+        return bool(self._cables)
+
+    def admit(self, client: Client) -> None:
+        if self.full:
+            client.close()
+            return
+        log.info("%s: connected to %s", client.peer, self._label())
+        self._cables[client] = Cable(self._device.connect(), self._faults)
+        client.resume()
+
+    def received(self, client: Client, data: bytes) -> None:
+        if client in self._cables:
+            self._cables[client].keep(client, data)
+            self._wake()
+
+    def disconnected(self, client: Client) -> None:
+        if (cable := self._cables.pop(client, None)) is not None:
+            log.info("%s: gone from %s", client.peer, self._label())
+            cable.connection.close()
+
+    def exchange(self, now: float, *, heard: bool) -> None:
+        for client, cable in tuple(self._cables.items()):
+            if not heard:
+                cable.clear()
+            cable.take(client, now)
+            data = cable.from_laser(now)
+            if data and heard:
+                client.send(data)
+
+    def shut(self, *, closed: bool) -> None:
+        self._closed = closed
+        if closed:
+            for client in tuple(self._cables):
+                client.close()
+                self.disconnected(client)
+
+    def use(self, faults: LinkFaults) -> None:
+        self._faults = faults
+        for cable in self._cables.values():
+            cable.replace(faults)
