@@ -3,12 +3,14 @@
 import re
 from typing import Final
 
+from pioneer3.lasers.lms2xx.commands import Command
+from pioneer3.lasers.lms2xx.telegram import UNITS, Telegram, TelegramReader, encode
 from pioneer3.models.lasers import LaserProtocol
 
 SCIP_QUESTION: Final = b"\nVV\n"
 """Asks a SCIP laser for its version (scip.md 1.4). The first LF ends earlier bytes that the laser
 took for the beginning of a command."""
-LMS_QUESTION: Final = bytes.fromhex("0200 0100 3a 1e12")
+LMS_QUESTION: Final = encode(Command.TYPE)
 """Asks an LMS-2xx for its type (lms2xx.md 1.5)."""
 COLA_QUESTION: Final = b"\x02sRN DeviceIdent\x03"
 """Asks a CoLa-A laser for its type (cola.md 1.2)."""
@@ -28,8 +30,7 @@ def recognise(heard: bytes) -> LaserProtocol | None:
         return LaserProtocol.SCIP
     if COLA_ANSWER.search(heard):
         return LaserProtocol.COLA
-    from pioneer3.lasers.lms2xx.telegram import TelegramReader
-
-    if TelegramReader().feed(heard, 0.0):
+    telegrams = TelegramReader(UNITS).feed(heard, 0.0)
+    if any(isinstance(item, Telegram) for item in telegrams):
         return LaserProtocol.LMS2XX
     return None

@@ -89,6 +89,8 @@ class World:
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
         self._pressed: dict[int, tuple[int, int]] = {}
+        self._met: Robots | None = None
+        self._met_at = 0.0
         self._sonars = self._new_sonars(self.realism)
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
@@ -162,10 +164,9 @@ class World:
         Light goes through glass that it does not meet nearly at a right angle. It takes no random
         numbers. The code of nothing is that of a plain wall.
         """
-        self._place()
         owner = np.array([body.number], dtype=np.int32)
         ranges: Float = self.kernels.cast_fans(
-            self._clear, self.outlines, fan, limit, owners=owner
+            self._clear, self._met_by_lasers(), fan, limit, owners=owner
         )[0]
         return self._through_glass(body, fan, ranges)
 
@@ -274,8 +275,7 @@ class World:
         )
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
-        self._place()
-        outlines = at_laser_height(self.outlines, self.obstacles, self.kernels)
+        outlines = self._met_by_lasers()
         ranges = self.kernels.cast_fans(self._clear, outlines, fan, limit, owners=owners)
         if self._surfaces.has_glass:
             for row, number in enumerate(owners):
@@ -312,6 +312,15 @@ class World:
             self._sonars.move(self.outlines.poses[:, : len(self.robots)])
             self.kernels.place(self.outlines)
             self.outlines.stale = False
+            self._met = None
+
+    def _met_by_lasers(self) -> Robots:
+        """Return the outlines of all that moves, at the height of lasers."""
+        self._place()
+        if self._met is None or self._met_at != self.time:
+            self._met = at_laser_height(self.outlines, self.obstacles, self.kernels)
+            self._met_at = self.time
+        return self._met
 
     def _next_noise(self) -> Float:
         if self._noise_at == len(self._noise):
@@ -354,7 +363,7 @@ class World:
         before = [body.number if body in self._own else -1 for body in robots]
         sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]
         sizes += [obstacle.sizes for obstacle in obstacles]
-        self.outlines = Robots(*np.array(sizes).reshape(-1, 4).T)
+        self.outlines, self._met = Robots(*np.array(sizes).reshape(-1, 4).T), None
         drives = Drives.at_rest(0)
         for number, body in enumerate(robots):
             drives = drives.joined(body.drives.only(slice(body.number, body.number + 1)))
