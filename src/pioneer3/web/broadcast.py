@@ -1,7 +1,7 @@
 """Texts for all clients, each made once. A slow client gets the newest only."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Protocol
 
@@ -76,23 +76,23 @@ class FrameChannel:
         self.version = 0
         self._start = encode(empty).removesuffix(END)
         self._flushed = flushed
-        self._parts: dict[int, tuple[int, str]] = {}
+        self._parts: dict[tuple[int, int], tuple[int, str]] = {}
         self._frames: dict[int, list[str]] = {}
         self._loop = asyncio.get_running_loop()
         self._flushed_at = float("-inf")
         self._due: asyncio.TimerHandle | None = None
 
-    def put(self, robot: int, text: str) -> None:
-        """Take a robot's newest part; it goes out within :data:`PERIOD`."""
-        self._parts[robot] = self.version + 1, text
+    def put(self, robot: int, text: str, part: int = 0) -> None:
+        """Take a robot's newest part, or one of several; it goes out within :data:`PERIOD`."""
+        self._parts[robot, part] = self.version + 1, text
         self._frames.clear()
         if self._due is None:
             at = max(self._loop.time() + GATHER, self._flushed_at + PERIOD)
             self._due = self._loop.call_at(at, self._flush)
 
     def forget(self, robot: int) -> None:
-        """Drop the part of a robot that is gone."""
-        self._parts.pop(robot, None)
+        """Drop the parts of a robot that is gone."""
+        self._parts = {key: part for key, part in self._parts.items() if key[0] != robot}
         self._frames.clear()
 
     def since(self, seen: int) -> list[str]:
@@ -134,17 +134,19 @@ class ScanChannel(FrameChannel):
         return client in self._subscribers
 
     async def follow(
-        self, robot: int, laser: LaserSource, sensor_in_map: Callable[[Scan], Pose2]
+        self, robot: int, lasers: Sequence[LaserSource], sensor_in_map: Callable[[Scan], Pose2]
     ) -> None:
-        """Keep the laser of a robot on while a client subscribes; ends by cancellation."""
+        """Keep the lasers of a robot on while a client subscribes; ends by cancellation."""
         while True:
             await self._wanted.wait()
-            async with running(self._read(robot, laser, sensor_in_map)):
+            async with running(
+                *(self._read(robot, n, laser, sensor_in_map) for n, laser in enumerate(lasers))
+            ):
                 await self._unwanted.wait()
             self.forget(robot)
 
     async def _read(
-        self, robot: int, laser: LaserSource, sensor_in_map: Callable[[Scan], Pose2]
+        self, robot: int, number: int, laser: LaserSource, sensor_in_map: Callable[[Scan], Pose2]
     ) -> None:
         clock = asyncio.get_running_loop().time
         if not laser.presence.there:
@@ -153,14 +155,16 @@ class ScanChannel(FrameChannel):
         async for scan in laser.values():
             if clock() >= due:
                 due = clock() + SWEEP_PERIOD
-                self.put(robot, encode(sweep(robot, scan, sensor_in_map(scan))))
+                part = sweep(robot, scan, sensor_in_map(scan), number)
+                self.put(robot, encode(part), number)
 
 
-def sweep(robot: int, scan: Scan, sensor: Pose2) -> Sweep:
-    """Return the message part for a sweep of a laser at `sensor` of the map."""
+def sweep(robot: int, scan: Scan, sensor: Pose2, laser: int = 0) -> Sweep:
+    """Return the message part for a sweep of a robot's laser, which is at `sensor` of the map."""
     angles, several = scan.angles, len(scan.angles) > 1
     return Sweep(
         robot,
+        laser,
         (round(sensor.x / MM), round(sensor.y / MM), round(sensor.theta * 1000)),
         round(angles[0], 6) if angles else 0.0,
         round((angles[-1] - angles[0]) / (len(angles) - 1), 7) if several else 0.0,

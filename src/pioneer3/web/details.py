@@ -1,7 +1,7 @@
 """Details of a robot beyond its snapshots: slower, and for clients only that subscribe to them."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
@@ -12,8 +12,10 @@ from pioneer3.doctor.watch import LineWatch
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.robot.config_table import explained
 from pioneer3.robot.devices import detailed_status
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.devices.lines import LinesReading, read_io
 from pioneer3.robot.devices.sensor import Sensor
+from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Inputs, LinkQuality
@@ -121,7 +123,7 @@ class Details:
         odometry, motors, status = snapshot.odometry, snapshot.motors, detailed_status(snapshot)
         return messages.Details(
             robot=self._number,
-            findings=tuple(self._findings(now)),
+            findings=(*self._findings(now), *laser_findings(self._robot.lasers)),
             pose=odometry.robot_in_odom,
             encoder=odometry.robot_in_encoder,
             twist=odometry.twist,
@@ -167,6 +169,21 @@ class Details:
     def _take(self, report: Report, stamp: float) -> None:
         if isinstance(report, Io):
             self._lines = read_io(report, stamp)
+
+
+def laser_findings(lasers: Iterable[LaserSource]) -> Iterator[Finding]:
+    """Yield the state of each laser range finder at the computer."""
+    for laser in lasers:
+        if not isinstance(laser, LaserDriver):
+            continue
+        if laser.connected:
+            found = f"{laser.title}: {laser.rate:.0f} scans/s"
+            yield Finding(check=laser.name, level=Level.OK, found=found)
+        else:
+            advice = "is it switched on and plugged in? It is looked for again and again"
+            yield Finding(
+                check=laser.name, level=Level.FAIL, found=str(laser.presence), advice=advice
+            )
 
 
 def _link(info: RobotInfo, quality: LinkQuality) -> messages.LinkDetails:

@@ -158,6 +158,7 @@ def _simulated(running: RunningSimulation) -> list[Target]:
             scene=Scene.of(running, robot),
             name=robot.name if several else "",
             timing=PATIENT,
+            lasers=(LaserSpec(url=robot.laser.url),) if robot.laser else (),
         )
         for robot in running.robots
     ]

@@ -74,6 +74,7 @@ class Robot(Part, frozen=True):
     robot: Shape | None
     limits: SpeedLimits | None
     laser: bool
+    scans: bool
 
 
 class Model(Part, frozen=True):
@@ -199,11 +200,12 @@ class Robots(Message, tag="robots", frozen=True):
 class Sweep(Part, frozen=True):
     """A sweep of a laser.
 
-    `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in
+    `laser` is its number on the robot, from 0; `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in
     millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad].
     """
 
     robot: int
+    laser: int
     pose: tuple[int, int, int]
     first: float
     step: float

@@ -151,7 +151,7 @@ class Page:
                 view.publish_snapshots(self.snapshots, self.clients),
                 view.details.run(),
                 view.details.ask(),
-                self.scans.follow(number, robot.laser, view.sensor_in_map),
+                self.scans.follow(number, robot.lasers, view.sensor_in_map),
             ):
                 yield view
         finally:

@@ -62,8 +62,14 @@ class RobotView:
 
     def describe(self) -> messages.Robot:
         """Return the part of the hello for this robot."""
-        laser = bool(self.robot.laser.presence.there)
-        return robot_part(self.number, self.name, self.robot.supervisor.info, laser=laser)
+        laser = self.robot.laser
+        return robot_part(
+            self.number,
+            self.name,
+            self.robot.supervisor.info,
+            laser=bool(laser.presence.there),
+            scans=laser is not self.robot.devices.laser,
+        )
 
     def status(self) -> messages.Status:
         """Return the state of the connection."""
@@ -108,7 +114,7 @@ class RobotView:
 
 
 def robot_part(
-    number: int, name: str, info: RobotInfo | None, *, laser: bool = False
+    number: int, name: str, info: RobotInfo | None, *, laser: bool = False, scans: bool = False
 ) -> messages.Robot:
     """Return the part of the hello for a robot; `info` is `None` before the first connection."""
     return messages.Robot(
@@ -119,6 +125,7 @@ def robot_part(
         robot=_shape(info.identity.name, info.model) if info else None,
         limits=_limits(info.limits) if info else None,
         laser=laser,
+        scans=scans,
     )
 
 

@@ -18,9 +18,9 @@ from pioneer3.sim.world import World
 log = logging.getLogger(__name__)
 
 DEVICES = {
-    LaserProtocol.SCIP: ("pioneer3.lasers.scip", "ScipDevice"),
-    LaserProtocol.LMS2XX: ("pioneer3.lasers.lms2xx", "LmsDevice"),
-    LaserProtocol.COLA: ("pioneer3.lasers.cola", "ColaDevice"),
+    LaserProtocol.SCIP: ("pioneer3.lasers.scip.device", "ScipDevice"),
+    LaserProtocol.LMS2XX: ("pioneer3.lasers.lms2xx.device", "LmsDevice"),
+    LaserProtocol.COLA: ("pioneer3.lasers.cola.device", "ColaDevice"),
 }
 """Module and class of the device that speaks each protocol."""
 SERVER_PORT = 4001

@@ -115,6 +115,8 @@ function showHello(hello) {
   toolbar.adopt(hello.models);
   showSelected();
   legend.offer("laser", hello.robots.some(({ laser }) => laser));
+  if (hello.robots.some(({ scans }) => scans)) layers.suggest("laser");
+  legend.update("laser");
   watchLasers();
 }
 

@@ -18,6 +18,7 @@ export interface Robot {
   robot: Shape | null;
   limits: SpeedLimits | null;
   laser: boolean;
+  scans: boolean;
 }
 
 /** A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]. */
@@ -190,9 +191,10 @@ export interface Scans {
   scans: Sweep[];
 }
 
-/** A sweep of a laser. `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
+/** A sweep of a laser. `laser` is its number on the robot, from 0; `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
 export interface Sweep {
   robot: number;
+  laser: number;
   pose: [number, number, number];
   first: number;
   step: number;
@@ -535,10 +537,10 @@ export interface Wander {
   seconds?: number;
 }
 
-/** Follow the person in front with the front sonars. It backs up from a person who comes nearer. Stand 0.6 m in front of it, then walk, not faster than 0.4 m/s. */
+/** Follow the person in front by laser or sonar. It backs up from a person who comes nearer. Stand 0.6 m in front of it, then walk, not faster than 0.4 m/s. */
 export interface Follow {
   mode: "follow";
-  rule?: "lab" | "tracking";
+  rule?: "auto" | "lab" | "legs" | "tracking";
   keep?: number | null;
   seconds?: number;
 }

@@ -38,10 +38,18 @@ export class Layers {
     return { ...this.#shown };
   }
 
+  /** Shows a layer unless the user has chosen otherwise on this device. */
+  suggest(name) {
+    if (typeof recalled()[name] !== "boolean" && !this.#shown[name]) {
+      this.#shown[name] = true;
+      this.changed(name);
+    }
+  }
+
   set(name, on) {
     if (!(name in this.#shown) || this.#shown[name] === on) return;
     this.#shown[name] = on;
-    remember(KEY, JSON.stringify(this.#shown));
+    remember(KEY, JSON.stringify({ ...recalled(), [name]: on }));
     this.changed(name);
   }
 }
@@ -79,6 +87,11 @@ export class Legend {
     byId("layers").setAttribute("aria-expanded", String(open));
     if (open && byKey) this.#boxes.get(LAYERS[0][0]).focus();
     if (!open && inside) byId("layers").focus();
+  }
+
+  /** Lets a layer's box say whether the layer is shown. */
+  update(name) {
+    this.#boxes.get(name).checked = this.#layers.has(name);
   }
 
   /** Shows a layer's row only where there is something to show. */

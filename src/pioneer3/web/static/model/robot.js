@@ -20,8 +20,9 @@ export class Robot {
   trail = [];
   #drawn = new PoseInterpolator();
   #snapshotAt = -Infinity;
-  /** The last scan of its laser as points of the map, or null. */
+  /** The last scans of its lasers as points of the map, together, or null. */
   points = null;
+  #scans = new Map(); // points by the number of the laser
   #scannedAt = -Infinity;
 
   constructor(hello) {
@@ -55,7 +56,8 @@ export class Robot {
 
   /** @param {import("../messages.d.ts").Sweep} sweep */
   takeScan(sweep) {
-    this.points = pointsOf(sweep);
+    this.#scans.set(sweep.laser, pointsOf(sweep));
+    this.points = joined([...this.#scans.values()]);
     this.#scannedAt = performance.now();
   }
 
@@ -109,6 +111,13 @@ export class Robot {
     this.trail.push([x, y]);
     if (this.trail.length > TRAIL) this.trail.splice(0, this.trail.length - TRAIL);
   }
+}
+
+function joined(parts) {
+  if (parts.length === 1) return parts[0];
+  const all = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
+  parts.reduce((at, part) => (all.set(part, at), at + part.length), 0);
+  return all;
 }
 
 /** Returns the points of a scan in the map: [x, y, x, y, ...] [m]. */
