@@ -200,8 +200,9 @@ class Robots(Message, tag="robots", frozen=True):
 class Sweep(Part, frozen=True):
     """A sweep of a laser.
 
-    `laser` is its number on the robot, from 0; `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in
-    millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad].
+    `laser` is its number on the robot, from 0; `pose` is its pose in the map, in whole millimetres
+    and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on
+    in steps of `step` [rad].
     """
 
     robot: int

@@ -191,7 +191,7 @@ export interface Scans {
   scans: Sweep[];
 }
 
-/** A sweep of a laser. `laser` is its number on the robot, from 0; `pose` is the laser's in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
+/** A sweep of a laser. `laser` is its number on the robot, from 0; `pose` is its pose in the map, in whole millimetres and milliradians; `ranges` are in millimetres, 0 where nothing answered, from angle `first` on in steps of `step` [rad]. */
 export interface Sweep {
   robot: number;
   laser: number;
