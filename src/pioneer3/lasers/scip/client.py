@@ -80,7 +80,7 @@ class ScipClient:
         self._begun_at = now
         self._device_time: float | None = None
         self._ended = self._left = False
-        self._noise = False
+        self._noise = self._heard_noise = False
         self._outbox: list[bytes] = []
 
     @property
@@ -137,7 +137,7 @@ class ScipClient:
         self._left = self._ended = True
         self.deadline = inf
         scip1 = self._stream is not None and not self._stream.summed
-        self._outbox.append(b"L0\n" if scip1 else b"\nTM2\nQT\n" if self._asked else b"QT\n")
+        self._outbox.append(b"L0\n" if scip1 else b"\nTM2\nQT\n" if self._dialogue else b"QT\n")
         if (speed := self._start.started_at) is not None:
             text = f"S{speed:06}7654321\n" if scip1 else f"SS{speed:06}\n"
             self._outbox.append(text.encode())
@@ -164,6 +164,8 @@ class ScipClient:
             return events
         if isinstance(step, Ask):
             self._asked, self._asked_at = step, now
+            self._heard_noise = self._heard_noise or self._noise
+            self._noise = False
             self._outbox.append(step.prefix + step.command + b"\n")
             self._wait(now, self._answer_time)
         else:
@@ -178,10 +180,9 @@ class ScipClient:
         )
 
     def _wait_for_more(self, data: bytes, now: float) -> None:
-        """Give an answer more time while text comes: at the wrong speed there is none."""
-        if data.translate(None, TEXT):
-            self._noise = True
-        elif now < self._asked_at + SLOWEST_ANSWER:
+        """Give an answer more time while only text comes: at the wrong speed other bytes do."""
+        self._noise = self._noise or bool(data.translate(None, TEXT))
+        if not self._noise and now < self._asked_at + SLOWEST_ANSWER:
             self._wait(now, self._answer_time)
 
     def _take_reply(self, answer: Answer, now: float) -> list[Event]:
@@ -314,7 +315,7 @@ class ScipClient:
     def _reason_for_no_scan(self) -> str:
         if self._start.findings:
             return f"no scan comes from the laser: {self._start.findings}"
-        if self._noise:
+        if self._heard_noise or self._noise:
             return (
                 "something answers, but not as a Hokuyo laser does: "
                 "is it one, and is its speed among those tried?"

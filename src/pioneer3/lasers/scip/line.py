@@ -9,6 +9,8 @@ AT_ONCE: Final = 14
 """Bytes that a serial port hands on together."""
 AT_ONCE_TIME: Final = 0.002
 """A fast port hands on the bytes of this time together [s]."""
+CHANGE_TIME: Final = 0.005
+"""The speed changes so long after the last byte [s]."""
 MAX_QUEUE: Final = 1 << 17
 """A network host that does not read loses further scans from here on."""
 
@@ -51,11 +53,16 @@ class Line:
             self._free_at += count * BITS / self.baud
         data = bytes(self._queue[:count])
         del self._queue[:count]
+        if self._next_baud and not self._queue:
+            if data:
+                self._free_at = now + CHANGE_TIME
+            elif now >= self._free_at:
+                self.baud, self._next_baud = self._next_baud, None
         self._plan()
         return data
 
     def change_speed(self, baud: int) -> None:
-        """Change the speed as soon as the queue is empty."""
+        """Change the speed when the queue has left."""
         self._next_baud = baud
         self._plan()
 
@@ -66,9 +73,7 @@ class Line:
 
     def _plan(self) -> None:
         if not self._queue:
-            if self._next_baud:
-                self.baud, self._next_baud = self._next_baud, None
-            self.due = inf
+            self.due = self._free_at if self._next_baud else inf
         elif self.baud:
             together = max(AT_ONCE, int(self.baud / BITS * AT_ONCE_TIME))
             self.due = self._free_at + min(len(self._queue), together) * BITS / self.baud

@@ -40,8 +40,11 @@ from pioneer3.lasers.scip.wire import decode_stamp, from_pairs
 from pioneer3.models.lasers import Steps
 
 TRIES: Final = 3
-COMPARISONS: Final = 5
+COMPARISONS: Final = 8
 """Answers to TM1; the quickest is the best of them."""
+STAGGER: Final = 0.002
+"""Each TM1 waits so much longer than the one before [s]: they meet USB frames and other cycles on
+their way at different phases."""
 TM1_LONGER: Final = 11
 """Bytes that the answer to TM1 has more than the request."""
 RESETS: Final = 2
@@ -224,7 +227,8 @@ class Start:
         lead = TM1_LONGER * 10 / self._baud if self._baud else 0.0
         reply = yield Ask(b"TM0")
         if reply.status in {"00", "02"}:
-            for _ in range(COMPARISONS):
+            for number in range(COMPARISONS):
+                yield Pause(number * STAGGER)
                 reply = yield Ask(b"TM1")
                 stamp_ms = decode_stamp(reply.lines[0]) if len(reply.lines) == 1 else None
                 if reply.status in OK and stamp_ms is None:

@@ -1,0 +1,288 @@
+"""The client makes a laser scan in whatever state that is."""
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+
+from pioneer3.lasers.client import Identified, Lost, Measured, Patience, ScanSettings
+from pioneer3.lasers.scip.device import ScipDevice
+from pioneer3.lasers.scip.unit import STABLE
+from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol
+from tests.unit.lasers.scip_rig import URG, URG_SPEEDS, UST, UTM, Rig
+
+SOON = 3.0
+MODELS = [model for model in LASERS.values() if model.protocol is LaserProtocol.SCIP]
+
+
+def speeds_of(device: ScipDevice) -> tuple[int, ...]:
+    return URG_SPEEDS if device.speed else ()
+
+
+def expect_scans(rig: Rig, *, within: float = SOON) -> None:
+    """Check that scans come soon, and go on."""
+    before = len(rig.scans)
+    rig.run(within, Measured)
+    assert len(rig.scans) > before, (rig.remarks, rig.losses)
+    rig.run(1.0)
+    assert len(rig.scans) >= before + 5
+    assert rig.losses == []
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_every_model_scans_after_power_on(model: LaserModel) -> None:
+    device = ScipDevice(model)
+    rig = Rig(device)
+    client = rig.connect(speeds_of(device))
+    expect_scans(rig, within=1.0)
+    assert client.refused == 0
+    assert rig.remarks == []
+    scan = rig.scans[-1]
+    assert len(scan.ranges) == model.count
+    assert scan.first == pytest.approx(model.first)
+    assert scan.step == pytest.approx(model.step)
+    assert max(scan.ranges[1:]) == pytest.approx(2.3, abs=0.001)
+    (identified,) = rig.identities
+    assert identified.identity.product == model.product
+    assert identified.identity.serial == "H0012345"
+    assert identified.identity.firmware == "3.3.00"
+    assert identified.identity.firmware_date == "12/Sep./2012"
+    assert identified.identity.status == "Sensor works well."
+
+
+STATES: dict[str, Callable[[Rig], None]] = {
+    "left scanning": lambda rig: rig.enter(b"BM\nMD0044072501000\n"),
+    "left scanning with skipped scans": lambda rig: rig.enter(b"MS0044072599900\n"),
+    "asking for some scans": lambda rig: rig.enter(b"MD0044072501099\n"),
+    "laser switched on": lambda rig: rig.enter(b"BM\n"),
+    "waiting for a single scan": lambda rig: rig.enter(b"BM\nGD0044072501\n"),
+    "telling its time": lambda rig: rig.enter(b"TM0\nTM1\n"),
+    "in half a command": lambda rig: rig.enter(b"MD00440725"),
+    "in half a command that is too long": lambda rig: rig.enter(b"MD" + bytes(500)),
+    "asked once to restart": lambda rig: rig.enter(b"RB\n"),
+    "sleeping": lambda rig: rig.enter(b"%SL\n"),
+    "slowed down": lambda rig: rig.enter(b"CR05\n"),
+}
+
+
+@pytest.mark.parametrize("after", [0.0, 0.33, 1.0])
+@pytest.mark.parametrize("model", [URG, UTM, UST], ids=lambda model: model.name)
+@pytest.mark.parametrize("state", STATES)
+def test_any_state_is_left(model: LaserModel, state: str, after: float) -> None:
+    device = ScipDevice(model)
+    rig = Rig(device)
+    rig.baud = device.speed
+    STATES[state](rig)
+    rig.run(after)
+    rig.connect(speeds_of(device))
+    expect_scans(rig)
+
+
+@pytest.mark.parametrize("state", ["left scanning", "telling its time", "in half a command"])
+@pytest.mark.parametrize("speed", URG_SPEEDS)
+def test_the_speed_is_found_in_any_state(speed: int, state: str) -> None:
+    rig = Rig(ScipDevice(URG, start_speed=speed))
+    STATES[state](rig)
+    rig.run(0.5)
+    rig.connect(URG_SPEEDS)
+    expect_scans(rig)
+
+
+def test_scip_1_1_is_left_for_2_0() -> None:
+    rig = Rig(ScipDevice(URG, scip1=True))
+    rig.connect(URG_SPEEDS)
+    expect_scans(rig)
+    assert rig.scans[-1].device_time is not None
+
+
+@pytest.mark.parametrize("typed", [b"", b"V\n", b"G0440", b"G04472501\n", b"S115200765"])
+def test_the_first_firmware_is_polled(typed: bytes) -> None:
+    rig = Rig(ScipDevice(URG, scip2=False))
+    rig.enter(typed)
+    rig.connect(URG_SPEEDS)
+    expect_scans(rig)
+    assert rig.identities[0].identity.protocol == "SCIP 1.1"
+    scan = rig.scans[-1]
+    assert scan.device_time is None
+    assert len(scan.ranges) == URG.count
+    assert scan.far == pytest.approx(4.095)
+
+
+@pytest.mark.parametrize("model", [URG, UTM], ids=lambda model: model.name)
+def test_a_laser_that_starts_anew_is_made_to_scan_again(model: LaserModel) -> None:
+    device = ScipDevice(model, boot_time=0.1, start_speed=500000 if len(model.speeds) > 1 else None)
+    rig = Rig(device)
+    rig.connect([500000] if device.speed else [])
+    expect_scans(rig)
+    before = len(rig.scans)
+    device.switch_on(rig.laser_time(rig.now))
+    expect_scans(rig)
+    assert [remark for remark in rig.remarks if "starting the laser again" in remark]
+    assert max(map(abs, rig.stamp_errors(before))) < 0.002
+
+
+def test_a_laser_that_lost_its_speed_is_lost_and_found() -> None:
+    device = ScipDevice(URG, boot_time=0.1)
+    rig = Rig(device)
+    rig.connect(URG_SPEEDS)
+    expect_scans(rig)
+    assert device.speed == max(URG_SPEEDS)
+    device.switch_on(rig.laser_time(rig.now))
+    waited = rig.run(4.0, Lost)
+    if rig.losses:
+        rig.events.clear()
+        rig.connect(URG_SPEEDS)
+    expect_scans(rig, within=SOON + 4.0 - waited)
+
+
+def test_a_silent_laser_is_lost() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect()
+    expect_scans(rig)
+    rig.deaf = True
+    rig.device.unit.restart(rig.now)
+    rig.device.switch_on(rig.now + 1000)
+    took = rig.run(5.0, Lost)
+    assert took == pytest.approx(Patience().silence, abs=0.05)
+    assert "said nothing" in rig.losses[0]
+
+
+def test_no_laser_at_all_is_lost_with_advice() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.deaf = True
+    rig.connect(URG_SPEEDS)
+    took = rig.run(20.0, Lost)
+    assert took == pytest.approx(Patience().give_up)
+    assert "check its power" in rig.losses[0]
+
+
+def test_another_device_is_lost_with_another_reason() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect(URG_SPEEDS)
+    noise = Random(1)
+    rig.spoil = lambda data: noise.randbytes(len(data))
+    rig.run(20.0, Lost)
+    assert "not as a Hokuyo laser does" in rig.losses[0]
+
+
+@pytest.mark.parametrize("fault", ["01", "0L", "50"])
+def test_a_faulty_laser_is_reset_and_then_given_up(fault: str) -> None:
+    device = ScipDevice(UST, status="Laser error.")
+    device.unit.fault = fault
+    rig = Rig(device)
+    rig.connect()
+    rig.run(8.0, Lost)
+    assert len([remark for remark in rig.remarks if "resetting it" in remark]) == 2
+    assert f"status {fault}" in rig.losses[0]
+    assert "Laser error." in rig.losses[0]
+    assert rig.scans == []
+
+
+def test_a_fault_that_a_reset_mends_is_only_remarked() -> None:
+    device = ScipDevice(UST)
+    device.unit.fault = "0L"
+    rig = Rig(device)
+    rig.connect()
+    while not rig.remarks:
+        rig.run(0.01)
+    device.unit.fault = ""
+    expect_scans(rig)
+
+
+def test_a_laser_that_is_not_ready_is_waited_for() -> None:
+    device = ScipDevice(UST, status="Unstable.")
+    device.unit.fault = "0M"
+    rig = Rig(device)
+    rig.connect()
+    rig.run(4.0)
+    assert not rig.losses
+    assert not rig.scans
+    device.unit.fault = ""
+    expect_scans(rig)
+    assert any("not ready yet" in remark for remark in rig.remarks)
+
+
+def test_a_late_start_is_waited_for() -> None:
+    device = ScipDevice(UTM, boot_time=5.0, status=STABLE)
+    rig = Rig(device)
+    device.switch_on(rig.now)
+    rig.connect()
+    assert rig.run(8.0, Identified) == pytest.approx(5.2, abs=0.3)
+    expect_scans(rig)
+
+
+def test_lost_bytes_cost_some_scans_only() -> None:
+    rig = Rig(ScipDevice(UTM))
+    client = rig.connect()
+    random = Random(3)
+
+    def lossy(data: bytes) -> bytes:
+        if random.random() < 0.1:
+            at = random.randrange(len(data))
+            return data[:at] + data[at + 3 :]
+        return data
+
+    rig.spoil = lossy
+    rig.run(10.0)
+    assert rig.losses == []
+    assert client.refused > 10
+    assert len(rig.scans) > 200
+    assert all(len(scan.ranges) == UTM.count for scan in rig.scans)
+
+
+def test_leaving_ends_the_scans_and_gives_the_speed_back() -> None:
+    device = ScipDevice(URG)
+    rig = Rig(device)
+    client = rig.connect(URG_SPEEDS)
+    expect_scans(rig)
+    assert device.speed == max(URG_SPEEDS)
+    client.leave(rig.now)
+    client.leave(rig.now)
+    rig.run(1.0)
+    assert device.turn is None
+    assert not device.unit.laser_on
+    assert device.speed == URG.speeds[0]
+    assert sum(data.count(b"QT\n") for data in rig.sent[-1:]) == 1
+
+
+@pytest.mark.parametrize("when", [0.0, 0.02, 0.05, 0.09, 0.3])
+def test_leaving_at_any_time_leaves_the_laser_idle(when: float) -> None:
+    device = ScipDevice(UTM)
+    rig = Rig(device)
+    client = rig.connect()
+    rig.run(when)
+    client.leave(rig.now)
+    rig.run(1.0)
+    rig.enter(b"QT\n")
+    assert rig.host.outgoing(rig.now + 1) == b"QT\n00P\n\n"
+    assert device.turn is None
+
+
+def test_wishes_become_the_command() -> None:
+    rig = Rig(ScipDevice(UTM))
+    wishes = ScanSettings(first=-1.0, last=1.0, cluster=3, skip=1, intensities=True)
+    rig.connect(settings=wishes)
+    expect_scans(rig)
+    scan = rig.scans[-1]
+    assert rig.sent[-1] == b"ME0311076903100\n"
+    assert len(scan.ranges) == len(scan.intensities) == (769 - 311) // 3 + 1
+    assert scan.step == pytest.approx(3 * UTM.step)
+    assert scan.first == pytest.approx((311 + 1 - 540) * UTM.step)
+    assert scan.period == pytest.approx(0.05)
+    assert set(scan.echoes) == set()
+
+
+def test_a_laser_without_intensities_sends_distances() -> None:
+    rig = Rig(ScipDevice(URG))
+    rig.connect(URG_SPEEDS, ScanSettings(intensities=True, multi_echo=True))
+    expect_scans(rig)
+    assert rig.scans[-1].intensities == ()
+    assert len(rig.scans[-1].ranges) == URG.count
+
+
+def test_a_bad_comparison_of_clocks_is_remarked() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect()
+    rig.spoil = lambda data: data[:-2] + b"~\n\n" if data.startswith(b"TM1") else data
+    expect_scans(rig)
+    assert rig.remarks == ["the laser does not tell its time: scans are dated as they come"]
