@@ -72,6 +72,8 @@ class ColaConnection:
             return
         self._device.tick(now)
         for text in self.reader.feed(data):
+            if self._dead:  # a request before this one was to reboot
+                break
             self._flush_scans()
             answer = self._answer(text.split(" "), now)
             if answer:
@@ -228,7 +230,6 @@ class ColaConnection:
 
     def _reboot(self, words: Words, now: float) -> str:
         words.end()
-        self._answers.append(encode("sAN mSCreboot"))
         self._device.switch_on(now)
         return ""
 

@@ -99,10 +99,11 @@ def _distances(scan: ScanData) -> Channel:
 
 
 def _metres(channel: Channel, near: float) -> tuple[float, ...]:
-    scale, offset = channel.scale / 1000, channel.offset / 1000
-    least = max((near - offset) / scale, CODES)
+    scale, offset = channel.scale, channel.offset
+    least = max((near * 1000 - offset) / scale, CODES)
     return tuple(
-        value * scale + offset if value >= least else _special(value) for value in channel.values
+        (value * scale + offset) / 1000 if value >= least else _special(value)
+        for value in channel.values
     )
 
 

@@ -1,0 +1,141 @@
+"""A simulated laser in a room, with programs at it, in virtual time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf
+
+from pioneer3.lasers.client import Event, Measured, RawScan
+from pioneer3.lasers.cola.client import ColaClient
+from pioneer3.lasers.cola.connection import ColaConnection
+from pioneer3.lasers.cola.device import ColaDevice
+from pioneer3.lasers.cola.wire import TelegramReader, encode
+from pioneer3.lasers.device import Sweep, Turn
+from pioneer3.models.lasers import LASERS
+
+MOST_ROUNDS = 100_000
+LOGIN = "sMN SetAccessMode 03 F4724744"
+
+
+def laser(name: str = "lms-111", spin_up: float = 0.0) -> ColaDevice:
+    """Return a laser that has been switched on at time 0."""
+    return ColaDevice(LASERS[name], spin_up=spin_up)
+
+
+def corridor(turn: Turn) -> list[float]:
+    """Return ranges that tell the readings apart; there is nothing at every tenth."""
+    return [inf if i % 10 == 9 else 1.0 + i / 500 for i in range(turn.count)]
+
+
+@dataclass
+class Room:
+    """Lets the laser measure while time passes, and a client talk to it.
+
+    Attributes:
+        now: Virtual time [s].
+        client: At the laser, if any.
+        deaf: Whether the cable between them is cut.
+        ranges: The room as a turn of the mirror sees it.
+    """
+
+    laser: ColaDevice
+    client: ColaClient | None = None
+    now: float = 0.0
+    deaf: bool = False
+    ranges: Callable[[Turn], list[float]] = corridor
+    echoes: Callable[[Turn], list[tuple[float, ...]]] = lambda _: []
+    connection: ColaConnection = field(init=False)
+    events: list[Event] = field(default_factory=list)
+    sent: list[str] = field(default_factory=list)
+    _turn: tuple[Turn, float] | None = None
+
+    def __post_init__(self) -> None:
+        self.connection = self.laser.connect()
+
+    @property
+    def scans(self) -> list[RawScan]:
+        """The scans that the client has had."""
+        return [event.scan for event in self.events if isinstance(event, Measured)]
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        until = self.now + seconds
+        for _ in range(MOST_ROUNDS):
+            self.talk()
+            due = min(until, self._turn_over())
+            if self.client is not None:
+                due = min(due, self.client.deadline)
+            if self.laser.deadline > self.now:  # else bytes wait that nobody fetches
+                due = min(due, self.laser.deadline)
+            self.now = max(self.now, due)
+            self.laser.tick(self.now)
+            self._measure()
+            if self.client is not None:
+                self.events += self.client.tick(self.now)
+            if self.now >= until:
+                self.talk()
+                return
+        raise AssertionError("time stands still")
+
+    def talk(self) -> None:
+        """Carry bytes to and fro until there are no more."""
+        if self.client is None:
+            return
+        while data := self.client.outgoing():
+            self.sent += TelegramReader().feed(data)
+            if not self.deaf:
+                self.connection.receive(data, self.now)
+            self._hear()
+        self._hear()
+
+    def _hear(self) -> None:
+        assert self.client is not None
+        data = self.connection.outgoing(self.now)
+        if data and not self.deaf:
+            self.events += self.client.receive(data, self.now)
+
+    def _turn_over(self) -> float:
+        if self._turn is None and (turn := self.laser.turn) is not None:
+            self._turn = turn, self.now + turn.period
+        return self._turn[1] if self._turn else inf
+
+    def _measure(self) -> None:
+        if self._turn is None or self.now < self._turn[1] - 1e-9:
+            return
+        turn, over = self._turn
+        self._turn = None
+        sweep = Sweep(
+            turn=turn,
+            began=over - turn.period,
+            ranges=self.ranges(turn),
+            intensities=[0.5] * turn.count,
+            echoes=self.echoes(turn),
+        )
+        self.laser.measured(sweep, self.now)
+
+
+@dataclass
+class Program:
+    """A program that sends texts and gets texts, at a laser in a room."""
+
+    room: Room
+
+    def ask(self, text: str) -> str:
+        """Return the answer; it must come at once, alone, and in one piece."""
+        self.room.connection.receive(encode(text), self.room.now)
+        answers = TelegramReader().feed(self.room.connection.outgoing(self.room.now))
+        assert len(answers) == 1, answers
+        return answers[0]
+
+    def hear(self, seconds: float) -> list[str]:
+        """Return what comes while time passes."""
+        heard, until = TelegramReader(), self.room.now + seconds
+        texts: list[str] = []
+        while self.room.now < until - 1e-9:
+            self.room.run(min(0.005, until - self.room.now))
+            texts += heard.feed(self.room.connection.outgoing(self.room.now))
+        return texts
+
+
+def program(name: str = "lms-111", spin_up: float = 0.0) -> Program:
+    """Return a program at a new laser."""
+    return Program(Room(laser(name, spin_up)))
