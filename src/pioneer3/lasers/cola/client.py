@@ -87,7 +87,7 @@ class ColaClient:
         self._step: Request | Pause | None = None
         self._begun = self._running = self._closed = False
         self._asked_at = self._repeat = self._scan_due = now
-        self._surplus = 0
+        self._surplus = self._refused_since = 0
         self._clock = DeviceClock()
         self._told: set[str] = set()
         self._outbox: list[bytes] = []
@@ -147,7 +147,8 @@ class ColaClient:
             else:
                 self._resume(_refusal(words), now)
         elif tuple(words[:2]) == request.answer:
-            self._resume(Words(words[2:]), now)
+            rest = words[2:-1] if words[-1] == "" else words[2:]  # some lasers end with a space
+            self._resume(Words(rest), now)
         elif self._surplus and words[0] in {"sRA", "sWA", "sAN", "sEA"}:
             self._surplus -= 1
 
@@ -207,8 +208,10 @@ class ColaClient:
             )
         except TelegramError as error:
             self.refused += 1
+            self._refused_since += 1
             self._tell(f"a scan is not as the protocol has it, and is dropped: {error}")
             return
+        self._refused_since = 0
         silence = max(self._patience.silence, SILENT_PERIODS * raw.period)
         self.deadline = now + silence + self._round_trip
         if (trouble := STATUS.get(scan.status)) is not None:
@@ -223,8 +226,8 @@ class ColaClient:
             self._session.events.append(Remarked(text))
 
     def _reason_for_no_scans(self) -> str:
-        if self.refused:
-            return f"{self.refused} scans of the laser could not be read, and no good one came"
+        if self._refused_since:
+            return f"the last {self._refused_since} scans of the laser could not be read"
         return "the laser sends no scans any more: check its power and its cable"
 
     def _lose(self, reason: str) -> None:
