@@ -66,7 +66,9 @@ class TiledMap:
         places = np.stack([number % columns, number // columns], axis=1)
         self.offsets = BASE + places * pitch - np.array([left, bottom])
         moved = self.walls + np.tile(self.offsets, 2)[:, None, :]
-        self.line_map = LineMap(name=line_map.name, walls=moved.reshape(-1, 4))
+        fence = np.zeros(len(self.walls) - len(line_map.walls), dtype=np.uint8)
+        materials = np.tile(np.concatenate([line_map.materials, fence]), count)
+        self.line_map = LineMap(name=line_map.name, walls=moved.reshape(-1, 4), materials=materials)
 
 
 class Distance(NamedTuple):

@@ -139,6 +139,7 @@ def _make_room(source: str, world: WorldFile, targets: tuple[Path, ...], *, forc
 def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ...]:
     """Return the contents that a format cannot hold, in words."""
     counts = {"robots": len(world.robots), "people": len(world.people)}
+    counts["materials of walls"] = int(np.count_nonzero(line_map.materials))
     if ending == ".yaml":
         counts |= {"movable boxes": len(world.movable), "objects": len(line_map.objects)}
     if ending not in {".map", ".yaml"}:

@@ -33,7 +33,7 @@ def fan(heading: float = 0.0) -> tuple[Float, Float]:
     world, body = world_of(PANE_AND_WALL, GLASS, PLAIN, at=Pose2(0.0, 0.0, heading))
     turn = Arc(first=radians(-60), step=radians(1), count=121, beam_time=1e-5)
     ranges, _ = scan_at_rest(world, body, UTM, turn)
-    return heading + radians(-60) + radians(1) * np.arange(121), ranges
+    return heading + radians(-60) + radians(1) * np.arange(121, dtype=np.float64), ranges
 
 
 @pytest.mark.parametrize("heading_deg", [0.0, 30.5])

@@ -67,7 +67,7 @@ def straight_ahead(
 def test_a_robot_at_rest_measures_what_the_oracle_does() -> None:
     world, body = world_of(SQUARE, at=Pose2(0.5, -0.7, 0.3))
     ranges, intensities = scan_at_rest(world, body, UTM, arc_of(UTM))
-    angles = 0.3 + UTM.first + UTM.step * np.arange(UTM.count)
+    angles = 0.3 + UTM.first + UTM.step * np.arange(UTM.count, dtype=np.float64)
     expected = cast_reference(np.array([0.5, -0.7]), angles, SQUARE, 30.0)
     assert ranges == pytest.approx(expected, abs=1e-6)
     assert intensities == pytest.approx(0.8)
@@ -118,7 +118,7 @@ def test_readings_are_taken_only_when_they_are_due() -> None:
     world.step(0.02)
     assert scanner.look(world.time)
     ranges, _ = scanner.readings()
-    angles = UTM.first + UTM.step * np.arange(UTM.count)
+    angles = UTM.first + UTM.step * np.arange(UTM.count, dtype=np.float64)
     before = cast_reference(np.zeros(2), angles, SQUARE, 30.0)
     after = cast_reference(np.array([1.0, 0.0]), angles, SQUARE, 30.0)
     due = int(0.01 / arc_of(UTM).beam_time)
@@ -176,7 +176,7 @@ def test_an_edge_gives_readings_between_front_and_back() -> None:
     between = (readings > 3.05) & (readings < 5.95)
     assert between.any()
     # only beside the edge: a spot is 5 to 9 mrad wide, a step 4.4 mrad
-    angles = radians(-2) + UTM.step * np.arange(17)
+    angles = radians(-2) + UTM.step * np.arange(17, dtype=np.float64)
     assert abs(angles[between.any(axis=0)]).max() < 0.01
     mixed = readings[between]
     assert mixed.min() < 4.0
@@ -202,7 +202,7 @@ def wall_at(angle_deg: float, middle: float) -> Float:
 def ahead(walls: Float) -> tuple[Float, Float]:
     """Return errors [m] and intensities of readings of an UTM-30LX nearly straight ahead."""
     turn = Arc(first=radians(-1), step=UTM.step, count=9, beam_time=1e-5)
-    angles = turn.first + turn.step * np.arange(9)
+    angles = turn.first + turn.step * np.arange(9, dtype=np.float64)
     exact = cast_reference(np.zeros(2), angles, walls, 60.0)
     errors = RangeFinderErrors(systematic=0.0)
     scans = [
@@ -243,7 +243,7 @@ def test_every_model_scans(name: str) -> None:
     model = LASERS[name]
     world, body = world_of(SQUARE, errors=RangeFinderErrors(systematic=0.0))
     ranges, _ = scan_at_rest(world, body, model, arc_of(model))
-    angles = model.first + model.step * np.arange(model.count)
+    angles = model.first + model.step * np.arange(model.count, dtype=np.float64)
     exact = cast_reference(np.zeros(2), angles, SQUARE, 30.0)
     there = np.isfinite(ranges)
     assert there.all() or model.far < 6.0

@@ -1,9 +1,9 @@
 """A simulated laser range finder on a robot: its mirror, its protocol, its ports.
 
-The device says which turn its mirror makes next. The turn takes its time; the scanner takes each
-reading when it is due, and the device gets the turn in the first tick after its last reading, with
-the exact time of its first one. No turn begins while the device wants none, so that lasers without
-a host cost nothing.
+The device says which turn its mirror makes next. The turn takes its time: the scanner takes each
+reading when it is due, and in the tick of the last one the device gets the turn, at the exact time
+of that reading. No turn begins while the device wants none, so that lasers without a host cost
+nothing.
 """
 
 from collections.abc import Callable
@@ -166,19 +166,25 @@ class SimulatedLaser:
             if not scanner.look(now):
                 return
             assert self._turn is not None
-            ranges, intensities = scanner.readings()
-            turn, self._turn = self._turn, None
-            self._next = self._began + turn.period
-            self.device.measured(
-                Sweep(
-                    turn=turn,
-                    began=self._began,
-                    ranges=ranges.tolist(),
-                    intensities=intensities.tolist(),
-                ),
-                now,
-            )
+            self._hand_in(self._turn)
+            self._turn = None
         scanner.look(now)
+
+    def _hand_in(self, turn: Turn) -> None:
+        """Give the device a turn of which all readings are taken, when the last one was."""
+        ranges, intensities = self._scanner.readings()
+        ended = self._began + (turn.count - 1) * turn.beam_time
+        self._next = self._began + turn.period
+        self.exchange(ended)  # bytes that have left by then make room for this turn's
+        self.device.measured(
+            Sweep(
+                turn=turn,
+                began=self._began,
+                ranges=ranges.tolist(),
+                intensities=intensities.tolist(),
+            ),
+            ended,
+        )
 
     def _begin(self) -> bool:
         """Begin the turn that the device wants, right after the last one; return if there is any.
@@ -194,17 +200,15 @@ class SimulatedLaser:
         return True
 
     def _new_hosts(self, wake: Callable[[], None]) -> LaserHosts:
-        device, faults, lasting = self.device, self._faults, bool(self.model.speeds)
-        if self.model.protocol is LaserProtocol.COLA:
-            return SeveralHosts(device, faults, label=lambda: self.label, wake=wake)
-        return OneHost(device, faults, lasting=lasting, label=lambda: self.label, wake=wake)
+        kind = SeveralHosts if self.model.protocol is LaserProtocol.COLA else OneHost
+        return kind(self.device, self._faults, label=lambda: self.label, wake=wake)
 
     def _shut(self) -> None:
         """Disconnect hosts where cable or power are missing, or let them come again.
 
         A serial line does not tell whether the laser at its end has power.
         """
-        closed = self._faults.unplugged or not (self._powered or self.model.speeds)
+        closed = self._faults.unplugged or not (self._powered or self.device.speed is not None)
         if closed != self._closed:
             self._closed = closed
             self._hosts.shut(closed=closed)

@@ -1,13 +1,12 @@
 """Hosts that connect to a simulated laser.
 
-1. A unit with a serial line has one connection for ever, as :mod:`pioneer3.lasers.device` has it:
-   hosts come and go at its terminal and, through a serial device server, on the network, one at a
-   time. Which one may speak is a matter of :class:`pioneer3.sim.server.clients.ClientSlot`; a host
-   that receives scans is not silent.
-2. At the terminal a host must have set the speed of the device, else neither understands the other.
-   A device server on the network always has the right speed.
-3. Units with Ethernet only have a connection per host: one host at a time for SCIP, several for
-   CoLa-A.
+1. A unit with a serial line, which has a speed, has one connection for ever: hosts come and go at
+   its terminal and, through a serial device server, on the network. All others have a connection
+   per host, on the network or at a terminal that stands for USB.
+2. Units that speak CoLa-A serve several hosts, others one at a time: the rules of
+   :class:`pioneer3.sim.server.clients.ClientSlot` hold. A host that gets scans is not silent.
+3. At the terminal of a serial line a host must have set the speed of the device, else neither
+   understands the other. A device server on the network always has the right speed.
 """
 
 import logging
@@ -107,7 +106,6 @@ class OneHost:
     Args:
         device: The laser.
         faults: Of the cable.
-        lasting: Whether the connection outlives hosts, as that of a serial line does.
         label: Returns the name of the laser for the log.
         wake: Called whenever a host has sent bytes.
     """
@@ -117,13 +115,13 @@ class OneHost:
         device: Device,
         faults: LinkFaults,
         *,
-        lasting: bool,
         label: Callable[[], str],
         wake: Callable[[], None],
     ) -> None:
-        self._device, self._lasting, self._wake = device, lasting, wake
+        self._device, self._wake = device, wake
         self._faults = faults
-        self._cable = self._new_cable() if lasting else None
+        self._lasting = device.speed is not None
+        self._cable = self._new_cable() if self._lasting else None
         self._slot = ClientSlot(self._another, label)
         self._terminal_speed: Callable[[], int | None] = lambda: None
         self._noise = Random(faults.seed)
@@ -194,7 +192,9 @@ class OneHost:
                 self._cable = None
 
     def _understands(self, client: Client) -> bool:
-        return not client.permanent or self._terminal_speed() == self._device.speed
+        if not client.permanent or self._device.speed is None:
+            return True
+        return self._terminal_speed() == self._device.speed
 
 
 class SeveralHosts:

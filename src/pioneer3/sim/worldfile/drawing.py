@@ -15,6 +15,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.sim.maps.grid import shape_of, touched
 from pioneer3.sim.maps.image import to_png
 from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject
+from pioneer3.sim.materials import BLACK, GLASS, REFLECTOR
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import WorldFile
 
@@ -37,6 +38,9 @@ class Layer(StrEnum):
     FORBIDDEN = "forbidden"
     PERSON = "person"
     BOX = "box"
+    BLACK = "black"
+    GLASS = "glass"
+    REFLECTOR = "reflector"
     DOCK = "dock"
     GOAL = "goal"
     HOME = "home"
@@ -48,6 +52,9 @@ COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
         Layer.FORBIDDEN: (214, 39, 40),
         Layer.PERSON: (148, 103, 189),
         Layer.BOX: (188, 120, 0),
+        Layer.BLACK: (0, 0, 0),
+        Layer.GLASS: (110, 190, 235),
+        Layer.REFLECTOR: (235, 90, 200),
         Layer.DOCK: (140, 86, 75),
         Layer.GOAL: (31, 119, 180),
         Layer.HOME: (44, 160, 44),
@@ -102,6 +109,8 @@ def draw(world: WorldFile, line_map: LineMap) -> Drawing:
     lines[Layer.FORBIDDEN] = _sides(forbidden)
     movable = [box.as_object() for box in world.movable]
     lines[Layer.BOX] = _sides([o for o in line_map.objects if o.solid] + movable)
+    for layer, code in ((Layer.BLACK, BLACK), (Layer.GLASS, GLASS), (Layer.REFLECTOR, REFLECTOR)):
+        lines[layer] = line_map.walls[line_map.materials == code]
     lines[Layer.PERSON] = np.concatenate([np.empty((0, 4)), *map(_walk, world.people)])
     markers = tuple(_markers(world, line_map))
     return Drawing(
