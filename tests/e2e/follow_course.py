@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap
-from pioneer3.sim.worldfile import Box
+from pioneer3.sim.worldfile import Box, Person
 
 Point = tuple[float, float]
 Float = NDArray[np.float64]
@@ -33,6 +33,15 @@ BESIDE = 0.9
 FURNITURE = 14
 
 
+@dataclass(frozen=True, slots=True)
+class Passer:
+    """Somebody else, who is there from `comes` to `goes` [s]."""
+
+    person: Person
+    comes: float
+    goes: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Course:
     """A room and a way through it.
@@ -41,11 +50,13 @@ class Course:
         room: Walls and furniture.
         path: Of the person [m].
         heading: In which they set out [rad].
+        passers: Others who walk there.
     """
 
     room: LineMap
     path: tuple[Point, ...]
     heading: float
+    passers: tuple[Passer, ...] = ()
 
 
 def make_course(seed: int, clearance: float = CLEARANCE) -> Course:
@@ -55,7 +66,7 @@ def make_course(seed: int, clearance: float = CLEARANCE) -> Course:
     (x0, y0), (x1, y1) = path[:2]
     heading = atan2(y1 - y0, x1 - x0)
     behind = x0 - 1.5 * cos(heading), y0 - 1.5 * sin(heading)  # where the robot stands
-    way = np.array(list(_points((behind, *path))))
+    way = np.array(list(points_of((behind, *path))))
     boxes = list(_furniture(rng, way, clearance))
     corners = [(-LENGTH / 2, -WIDTH / 2), (LENGTH / 2, -WIDTH / 2)]
     corners += [(LENGTH / 2, WIDTH / 2), (-LENGTH / 2, WIDTH / 2)]
@@ -86,7 +97,8 @@ def _inside(x: float, y: float) -> bool:
     return abs(x) < LENGTH / 2 - FROM_WALLS and abs(y) < WIDTH / 2 - FROM_WALLS
 
 
-def _points(path: tuple[Point, ...]) -> Iterator[Point]:
+def points_of(path: tuple[Point, ...]) -> Iterator[Point]:
+    """Yield points of a way, 0.1 m apart at most."""
     for (a, b), (c, d) in pairwise(path):
         count = ceil(hypot(c - a, d - b) / 0.1)
         yield from ((a + (c - a) * i / count, b + (d - b) * i / count) for i in range(count + 1))

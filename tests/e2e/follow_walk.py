@@ -14,17 +14,20 @@ from pioneer3.sim.body import Body
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Person
 from tests.conftest import VirtualTimeLoop
-from tests.e2e.follow_course import Course
+from tests.e2e.follow_course import Course, Passer
 from tests.support import TICK, SimulatedRobot
 
 SPEED = 0.4
 """Of the person [m/s]."""
 START = 0.6
-"""Between robot and person in the beginning [m]."""
+"""Between robot and person in the beginning [m], unless the robot is to keep more."""
 WAIT = 4.0
 """The person stands still for this long; then they walk, and are watched from then on [s]."""
+KEEP = 0.3
+"""Distance to keep, unless said otherwise [m]."""
 NEAR, FAR = 0.15, 0.6
 """Between the outlines [m]; in between, the person is kept."""
 LOST, LOST_FOR = 1.5, 2.0
@@ -58,9 +61,10 @@ class Outcome:
 
 
 class Judge:
-    """Watches robot and person."""
+    """Watches robot and person; the robot is to keep `keep` [m] from them."""
 
-    def __init__(self, robot: Robot, body: Body, person: Obstacle) -> None:
+    def __init__(self, robot: Robot, body: Body, person: Obstacle, keep: float = KEEP) -> None:
+        self._lost = LOST + keep - KEEP
         self.outcome = Outcome()
         self._robot, self._body, self._person = robot, body, person
         self._far = self._mistaken = 0.0
@@ -70,9 +74,9 @@ class Judge:
         """Look, every `TICK`."""
         outcome, (gap, bearing) = self.outcome, gap_to(self._person.pose, self._body)
         outcome.gaps.append(gap)
-        before, self._far = self._far, self._far + TICK if gap > LOST else 0.0
+        before, self._far = self._far, self._far + TICK if gap > self._lost else 0.0
         outcome.lost += before < LOST_FOR <= self._far
-        wrong = (gap > LOST or abs(bearing) > ASIDE) and self._says_it_follows()
+        wrong = (gap > self._lost or abs(bearing) > ASIDE) and self._says_it_follows()
         before, self._mistaken = self._mistaken, self._mistaken + TICK if wrong else 0.0
         outcome.walls += before < MISTAKEN_FOR <= self._mistaken
         touches = bool(self._body.drives.flags.item(TOUCHED, self._body.number))
@@ -106,6 +110,7 @@ class Walk:
         seconds: How long.
         speed: Of the person [m/s].
         realism: Of the simulation.
+        keep: Distance to keep [m].
         wide: Whether the laser has 1081 readings in 270 degrees, not 181 in 180.
         watch: Called every `TICK`.
     """
@@ -117,6 +122,7 @@ class Walk:
     seconds: float = 60.0
     speed: float = SPEED
     realism: Realism = field(default_factory=Realism)
+    keep: float = KEEP
     wide: bool = False
     watch: Callable[[Robot, Body, Obstacle], None] = lambda *_: None
 
@@ -132,19 +138,30 @@ class Walk:
         robot = SimulatedRobot(
             self.course.room, model=self.model, realism=self.realism, seed=self.seed
         )
-        reach = robot.body.model.length_front + START + standing.radius
+        reach = robot.body.model.length_front + max(START, self.keep) + standing.radius
         robot.body.robot_in_world = Pose2(*path[0], self.course.heading) @ Pose2(-reach)
         waiting = robot.world.add_obstacle(standing)
         async with robot, connect_async(robot.open) as driver:
             if self.wide:
                 driver.devices.laser.set_up(radians(-135), radians(135), radians(0.25))
-            driver.arbiter.start(follow(self.rule))
+            driver.arbiter.start(follow(self.rule, keep=self.keep))
             await asyncio.sleep(WAIT)
             robot.world.remove_obstacle(waiting)
             person = robot.world.add_obstacle(Person(path=path, speed=self.speed, loop=False))
-            judge = Judge(driver, robot.body, person)
-            for _ in range(round(self.seconds / TICK)):
+            judge = Judge(driver, robot.body, person, self.keep)
+            passing: dict[Passer, Obstacle] = {}
+            for tick in range(round(self.seconds / TICK)):
+                self._let_pass(robot.world, passing, tick * TICK)
                 await asyncio.sleep(TICK)
                 judge.look()
                 self.watch(driver, robot.body, person)
         return judge.outcome
+
+    def _let_pass(self, world: World, passing: dict[Passer, Obstacle], now: float) -> None:
+        """Let others come and go."""
+        for passer in self.course.passers:
+            here = passer.comes <= now < passer.goes
+            if here and passer not in passing:
+                passing[passer] = world.add_obstacle(passer.person)
+            elif not here and passer in passing:
+                world.remove_obstacle(passing.pop(passer))

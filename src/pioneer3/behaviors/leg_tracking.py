@@ -1,6 +1,7 @@
 """Tracks all people in the scans of a laser, and all else that looks like legs."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from math import atan2, hypot, sqrt
 
 from pioneer3.behaviors.kalman import KalmanFilter
@@ -14,13 +15,17 @@ BORN_SIGMA = 0.1
 """Standard deviation of the place of a person who has just been seen [m]."""
 BOTH_SIGMA, ONE_SIGMA, PART_SIGMA = 0.04, 0.12, 0.15
 """Of the middle of a person of whom two legs are seen, one, or one in part [m]."""
-GATE, STRIDE, WIDEST_GATE = 2.5, 0.2, 0.7
+GATE, ASIDE, STEP, WIDEST_GATE = 2.5, 0.15, 0.3, 0.7
 """A leg belongs to a person when its distance from the expected middle is less than so many
-standard deviations and half a stride [m]; never farther away than the last [m]."""
-CLOSEST, WIDEST = 0.1, 0.5
-"""Distance of the two legs of a person [m]."""
+standard deviations, half of the distance of the legs of who stands [m], and the way in half of a
+step [s]; never farther away than the last [m]."""
+CLOSEST, WIDEST, LONGEST_STEP = 0.1, 0.5, 0.7
+"""Distance of the two legs of a person; the last holds for one who walks [m]."""
 PERSONAL = 0.4
 """So near to a person no other one begins [m]."""
+SPLIT = 5
+"""Two tracks that have shown one leg each for so many scans in turn, side by side, are one person's.
+"""
 WALKED = 0.5
 """A track that has come this far walks [m]; noise and odometry do not get that far."""
 STANDS, STAYS = 2.0, 0.25
@@ -64,6 +69,7 @@ class LegTrack:
         found: When the first one was [s].
         walked: Whether they have ever left the place where they were first seen.
         pairs: How often both legs were seen.
+        single: For how many scans in turn only one leg has been seen.
         legs: Those of the last scan.
     """
 
@@ -73,6 +79,7 @@ class LegTrack:
         self.seen = self.found = stamp
         self.walked = False
         self.pairs = int(_is_pair(legs))
+        self.single = 0
         self.legs = legs
         self._first = x, y
 
@@ -86,7 +93,8 @@ class LegTrack:
     def gate(self) -> float:
         """How far from the expected middle a leg may be [m]."""
         doubt = max(self.estimate.spread[0][0], self.estimate.spread[1][1])
-        return min(STRIDE + GATE * sqrt(doubt), WIDEST_GATE)
+        step = STEP * hypot(*self.estimate.velocity) if self.walked else ASIDE / 2
+        return min(ASIDE + step + GATE * sqrt(doubt), WIDEST_GATE)
 
     def accepts(self, leg: Leg) -> bool:
         """Return whether a leg may be theirs beside those that are already."""
@@ -94,7 +102,8 @@ class LegTrack:
             return True
         one = self.legs[0]
         apart = gap_to(one, leg.x, leg.y)
-        return len(self.legs) == 1 and not (one.both or leg.both) and CLOSEST < apart < WIDEST
+        widest = LONGEST_STEP if self.walked else WIDEST
+        return len(self.legs) == 1 and not (one.both or leg.both) and CLOSEST < apart < widest
 
     def correct(self, stamp: float) -> None:
         """Take in the legs of the scan of `stamp` [s]."""
@@ -102,6 +111,7 @@ class LegTrack:
             return
         pair = _is_pair(self.legs)
         self.seen, self.pairs = stamp, self.pairs + pair
+        self.single = 0 if pair else self.single + 1
         whole = all(leg.free for leg in self.legs)
         sigma = BOTH_SIGMA if pair and whole else ONE_SIGMA if pair or whole else PART_SIGMA
         x, y = _middle(self.legs)
@@ -131,6 +141,7 @@ class LegTracks:
         others = self._assign(self._without_furniture(find_legs(scan), stamp))
         for track in self.tracks:
             track.correct(stamp)
+        self._merge(followed)
         self._begin([leg for leg in others if leg.free], stamp)
         self._give_up(scan, followed)
         self._clear(scan)
@@ -183,6 +194,14 @@ class LegTracks:
                 pair.append(min(alike, key=lambda leg: gap_to(leg, one.x, one.y)))
                 legs.remove(pair[1])
             self.tracks.append(LegTrack(pair, stamp))
+
+    def _merge(self, followed: LegTrack | None) -> None:
+        """Drop the younger of two tracks that have one leg each of the same person."""
+        single = [track for track in self.tracks if track.single >= SPLIT and track.legs]
+        for older, younger in combinations(single, 2):
+            apart = gap_to(older.legs[0], younger.legs[0].x, younger.legs[0].y)
+            if apart < WIDEST and older in self.tracks and younger in self.tracks:
+                self.tracks.remove(older if younger is followed else younger)
 
     def _give_up(self, scan: Scan, followed: LegTrack | None) -> None:
         """Forget people who are gone; take for furniture what stands still."""

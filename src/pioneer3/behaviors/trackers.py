@@ -5,7 +5,7 @@ last found them. How the rules differ is in docs/explanation/follow.md.
 """
 
 from collections.abc import Callable
-from math import atan2, hypot
+from math import atan2, hypot, inf
 from typing import Protocol
 
 from pioneer3.behaviors.action import Situation
@@ -159,7 +159,7 @@ class LegTracker:
             self._stamp = scan.stamp
             self._tracks.look(scan, self.target)
         self._give_up(now)
-        if self.target is None and scan is not None:
+        if scan is not None and (self.target is None or not self.target.walked):
             self._find(situation)
 
     def _give_up(self, now: float) -> None:
@@ -173,32 +173,41 @@ class LegTracker:
             self._tracks.settle(target)
 
     def _find(self, situation: Situation) -> None:
-        """Look for the lost person, then for any person in front."""
-        now, lost = situation.now, self._lost
+        """Look for the lost person, then for any person in front; who has walked comes first."""
         found = [t for t in self._tracks.tracks if t.legs and t.seen - t.found >= SURE]
-        back = []
-        if lost is not None and now - lost.seen <= RETURN:
-            x, y = lost.estimate.at(now)
-            back = [(hypot(t.estimate.state[0] - x, t.estimate.state[1] - y), t) for t in found]
-            back = [pair for pair in back if pair[0] < RETURN_NEAR]
-        if back:
-            self.target = min(back, key=lambda pair: pair[0])[1]
-            self.target.walked = self.target.walked or (lost is not None and lost.walked)
-        else:
-            ahead = [(_reluctance(track, situation), track) for track in found]
-            ahead = [pair for pair in ahead if pair[0] is not None]
-            self.target = min(ahead, key=lambda pair: pair[0] or 0.0)[1] if ahead else None
+        back = self._returned(found, situation.now)
+        ahead = {t: away for t in found if (away := _reluctance(t, situation)) < inf}
+        walks = {t: away for t, away in ahead.items() if t.walked}
+        if back is not None:
+            self.target = back
+        elif walks:
+            self.target = min(walks, key=walks.__getitem__)
+        elif ahead and self.target is None:
+            self.target = min(ahead, key=ahead.__getitem__)
         if self.target is not None:
             self._lost = None
 
+    def _returned(self, found: list[LegTrack], now: float) -> LegTrack | None:
+        """Return the track that is nearest to where a lost person is expected, or `None`."""
+        lost = self._lost
+        if lost is None or now - lost.seen > RETURN:
+            return None
+        x, y = lost.estimate.at(now)
+        near = {t: hypot(t.estimate.state[0] - x, t.estimate.state[1] - y) for t in found}
+        best = min(near, key=near.__getitem__, default=None)
+        if best is None or near[best] > RETURN_NEAR:
+            return None
+        best.walked = best.walked or lost.walked
+        return best
 
-def _reluctance(track: LegTrack, situation: Situation) -> float | None:
-    """Return how far away somebody is [m], who is not ahead counts as farther; `None`: too far."""
+
+def _reluctance(track: LegTrack, situation: Situation) -> float:
+    """Return how far away somebody is [m], with penalties; `inf` for nobody in front."""
     here, (x, y) = situation.pose, track.estimate.position
     away = hypot(x - here.x, y - here.y)
     bearing = abs(wrap(atan2(y - here.y, x - here.x) - here.theta))
     if bearing > AHEAD or away > LEGS_REACH + situation.model.length_front:
-        return None
+        return inf
     one_leg = not (track.pairs or track.walked)
     return away + FACING * (bearing > STRAIGHT) + ONE_LEG * one_leg
 
