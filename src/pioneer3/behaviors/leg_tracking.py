@@ -24,8 +24,7 @@ CLOSEST, WIDEST, LONGEST_STEP = 0.1, 0.5, 0.7
 PERSONAL = 0.4
 """So near to a person no other one begins [m]."""
 SPLIT = 5
-"""Two tracks that have shown one leg each for so many scans in turn, side by side, are one person's.
-"""
+"""Two tracks that have shown one leg each, side by side, for so many scans are one person's."""
 WALKED = 0.5
 """A track that has come this far walks [m]; noise and odometry do not get that far."""
 STANDS, STAYS = 2.0, 0.25

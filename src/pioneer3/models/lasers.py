@@ -86,6 +86,7 @@ class LaserModel:
         spot: Diameter of the light spot at the laser [m].
         divergence: Growth of that with the range [rad].
         speeds: Serial speeds [baud], the one at delivery first; empty without a serial line.
+        usb: Whether it is a serial port on USB by itself, where the speed does not matter.
         tcp_ports: Empty without Ethernet.
         steps: Of a SCIP laser.
         kinds: ARIA's names of the type.
@@ -106,6 +107,7 @@ class LaserModel:
     divergence: float = 0.004
     far_dark: float | None = None
     speeds: tuple[int, ...] = ()
+    usb: bool = False
     tcp_ports: tuple[int, ...] = ()
     steps: Steps | None = None
     kinds: tuple[str, ...] = ()
@@ -129,6 +131,7 @@ def _scip(
     far: float,
     errors: tuple[RangeError, ...],
     speeds: tuple[int, ...] = (),
+    usb: bool = False,
     tcp_ports: tuple[int, ...] = (),
     kinds: tuple[str, ...] = ("urg2.0",),
 ) -> LaserModel:
@@ -145,6 +148,7 @@ def _scip(
         turn=60 / steps.rpm,
         errors=errors,
         speeds=speeds,
+        usb=usb,
         tcp_ports=tcp_ports,
         steps=steps,
         kinds=kinds,
@@ -236,7 +240,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 _URG,
                 far=5.6,
                 errors=_UG01,
-                speeds=(115200,),
+                usb=True,
             ),
             _scip(
                 "ubg-04lx-f01",
@@ -254,7 +258,7 @@ LASERS: Mapping[str, LaserModel] = MappingProxyType(
                 _UTM,
                 far=30.0,
                 errors=_UTM_ERRORS,
-                speeds=(115200,),
+                usb=True,
                 tcp_ports=(HOKUYO_PORT,),
             ),
             _scip(

@@ -50,7 +50,7 @@ class ScipDevice:
         firmware: str = "3.3.00(12/Sep./2012)",
         boot_time: float = 1.0,
     ) -> None:
-        if start_speed is None and len(model.speeds) > 1:
+        if start_speed is None and model.speeds:
             start_speed = model.speeds[0]
         self.unit = Unit(
             model,

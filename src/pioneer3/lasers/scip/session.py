@@ -278,7 +278,8 @@ class Session:
 
     def _check_speed(self, digits: str) -> str:
         if self._unit.start_speed is None:
-            return "04" if self._unit.model.speeds else "0F"
+            model = self._unit.model
+            return "04" if model.speeds or model.usb else "0F"
         if len(digits) != 6 or not digits.isdecimal():
             return "01"
         if int(digits) == self.line.baud:

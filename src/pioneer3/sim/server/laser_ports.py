@@ -84,7 +84,7 @@ class LaserPorts:
                 laser.add_listener(TcpListener(laser.hosts, listener))
                 address, number = listener.getsockname()[:2]
                 laser.addresses.append((address, number))
-            if model.speeds and os.name == "posix":
+            if (model.speeds or model.usb) and os.name == "posix":
                 laser.add_listener(PtyListener(laser.hosts))
         except LinkError:
             laser.close()
