@@ -15,6 +15,7 @@ from benchmarks import (
     bench_web,
     bench_world,
     hostile,
+    laser_link,
     ros1,
 )
 
@@ -32,6 +33,7 @@ BENCHMARKS = {
     "ros1": ros1,
     "web": bench_web,
     "hostile": hostile,
+    "laser_link": laser_link,
 }
 
 
