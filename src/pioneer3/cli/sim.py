@@ -290,12 +290,12 @@ async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]"
             _warn(note)
         if running.progress:
             print(running.progress, file=sys.stderr, flush=True)  # noqa: T201
-        print("\n".join(_greeting(running)), flush=True)  # noqa: T201
+        print("\n".join(greeting(running)), flush=True)  # noqa: T201
         await asyncio.get_running_loop().create_future()
     return 0
 
 
-def _greeting(running: "RunningSimulation") -> Iterator[str]:
+def greeting(running: "RunningSimulation") -> Iterator[str]:
     """Yield a line for each robot, that ends in its URL, and how to drive."""
     robots, where = running.robots, running.world.map.name
     named = len(robots) > 1 or any(robot.name != robot.model.name for robot in robots)

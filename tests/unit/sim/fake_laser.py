@@ -39,6 +39,11 @@ class FakeDevice:
             period=model.turn,
         )
 
+    def has_heard(self, count: int, what: bytes = b"") -> bool:
+        """Whether a host has sent so many bytes, and `what` among them."""
+        heard = [connection.heard for connection in self.connections]
+        return any(len(data) >= count and what in data for data in heard)
+
     def connect(self) -> Connection:
         self.connections.append(FakeConnection(self))
         return self.connections[-1]

@@ -200,7 +200,7 @@ def wall_at(angle_deg: float, middle: float) -> Float:
 
 
 def ahead(walls: Float) -> tuple[Float, Float]:
-    """Return errors [m] and intensities of readings of an UTM-30LX nearly straight ahead."""
+    """Return errors [m] and intensities of readings of a UTM-30LX nearly straight ahead."""
     turn = Arc(first=radians(-1), step=UTM.step, count=9, beam_time=1e-5)
     angles = turn.first + turn.step * np.arange(9, dtype=np.float64)
     exact = cast_reference(np.zeros(2), angles, walls, 60.0)

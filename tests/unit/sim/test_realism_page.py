@@ -9,13 +9,15 @@ import pytest
 
 from pioneer3.cli.sim import ErrorOptions
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.realism import MODES, OdometryErrors, Realism, SonarErrors
+from pioneer3.sim.materials import MATERIALS, REMISSION
+from pioneer3.sim.realism import MODES, OdometryErrors, RangeFinderErrors, Realism, SonarErrors
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs/explanation/realism.md").read_text()
-PARTS: dict[str, OdometryErrors | SonarErrors | Realism] = {
+PARTS: dict[str, OdometryErrors | SonarErrors | RangeFinderErrors | Realism] = {
     "odometry.": OdometryErrors(),
     "sonar.": SonarErrors(),
+    "range_finder.": RangeFinderErrors(),
     "": Realism(),
 }
 IN_DEGREES = {"width", "critical"}
@@ -32,25 +34,31 @@ def rows(part: str) -> dict[str, tuple[str, str]]:
 @pytest.mark.parametrize("part", PARTS)
 def test_every_parameter_is_on_the_page_with_its_default(part: str) -> None:
     errors, told = PARTS[part], rows(part)
-    nested = {"odometry", "sonar"}
+    nested = {"odometry", "sonar", "range_finder"}
     assert list(told) == [field.name for field in fields(errors) if field.name not in nested]
     for name, (default, _) in told.items():
         value = getattr(errors, name)
-        shown = f"{degrees(value):.9g}" if name in IN_DEGREES else f"{value}"
+        shown = f"{degrees(value):.9g}" if name in IN_DEGREES else f"{value}".lower()
         assert shown == default, name
 
 
 def test_what_is_off_is_ideal() -> None:
     ideal = Realism.ideal()
-    parts = {"odometry.": ideal.odometry, "sonar.": ideal.sonar, "": ideal}
-    for part in ("sonar.", ""):
+    parts = {"sonar.": ideal.sonar, "range_finder.": ideal.range_finder, "": ideal}
+    for part, errors in parts.items():
         for name, (_, off) in rows(part).items():
-            value = getattr(parts[part], name)
-            assert f"{degrees(value) if name in IN_DEGREES else value:g}" == off, name
+            value = getattr(errors, name)
+            shown = f"{degrees(value) if name in IN_DEGREES else value:g}"
+            assert off == "false" if value is False else shown == off, name
     told = {name: off for name, (_, off) in rows("odometry.").items() if name != "mode"}
     neutral = {name: "1" if "ratio" in name or name == "scale" else "0" for name in told}
     assert told == neutral
     assert rows("odometry.")["mode"][1] == ideal.odometry.mode
+
+
+def test_the_materials_are_on_the_page_with_their_remission() -> None:
+    for material, remission in zip(MATERIALS, REMISSION, strict=True):
+        assert f"| {material} | {remission:g} |" in PAGE
 
 
 def test_the_page_names_the_modes_and_what_the_command_line_does() -> None:

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from pioneer3.models import load_model
+from pioneer3.models.lasers import LASERS
 from pioneer3.sim.map_check import check_world
 from pioneer3.sim.maps import shipped_maps
+from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile import WorldFile, parse_world, schema, shipped_worlds
 from pioneer3.sim.worldfile.person import RADIUS, SPEED
 
@@ -88,8 +90,15 @@ def test_the_defaults_are_those_of_the_page(tmp_path: Path) -> None:
     assert f"| `radius` | {RADIUS} |" in TEXT
 
 
+def test_the_lasers_and_materials_that_there_are_are_on_the_page() -> None:
+    for name in LASERS:
+        assert f'`"{name}"`' in TEXT
+    for material in Material:
+        assert f'| `"{material}"` |' in TEXT
+
+
 def test_the_worlds_that_ship_are_named() -> None:
-    assert shipped_worlds() == ("lab",)
-    assert "`lab`\nships" in TEXT
+    assert shipped_worlds() == ("cafe", "lab")
+    assert "`lab`, as an example, and `cafe`" in TEXT
     assert '`"office"`' in TEXT
     assert "office" in shipped_maps()

@@ -8,7 +8,10 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.models import load_model
+from pioneer3.sim.equipment import Equipment, EquipmentOptions
 from pioneer3.sim.maps import shipped_map
+from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile import (
     Box,
     Person,
@@ -18,6 +21,7 @@ from pioneer3.sim.worldfile import (
     WorldFile,
     load_map,
     load_world,
+    parse_equipment,
     parse_world,
     to_toml,
 )
@@ -229,3 +233,52 @@ def test_a_bad_map_is_blamed_on_its_own_file(tmp_path: Path) -> None:
     (tmp_path / "bad.map").write_text("2D-Map\nLINES\n1 2 3\n")
     with pytest.raises(ConfigError, match=r"bad\.map:3: LINES"):
         read(tmp_path, '[world]\nmap = "bad.map"').line_map()
+
+
+def test_materials_are_kept_by_writing(tmp_path: Path) -> None:
+    text = (
+        '[world]\n[[wall]]\npoints=[[0,0],[1,0],[1,1]]\nmaterial="glass"\n'
+        '[[box]]\ncenter=[3,3]\nsize=[1,1]\nmaterial="black"\n'
+        '[[box]]\ncenter=[5,3]\nsize=[1,1]\nmaterial="reflector"\nmovable=true\n'
+        "[[wall]]\npoints=[[9,0],[9,1]]\n"
+    )
+    world = parse_world(tmp_path / "w.toml", text)
+    glass, black, plain = 2, 1, 0
+    assert world.line_map().materials.tolist() == [glass, glass, plain, *[black] * 4]
+    assert world.boxes[1].material is Material.REFLECTOR
+    written = to_toml(world, tmp_path)
+    assert parse_world(tmp_path / "w.toml", written) == world
+    assert written.count("material = ") == 3
+
+
+@pytest.mark.parametrize(
+    ("table", "problem"),
+    [
+        ('material="glas"', "box[0].material: 'glas' is none of plain, black, glass, reflector"),
+        ('material="glass"\nmovable=true', "box[0].material: a movable box is never of glass"),
+    ],
+)
+def test_a_wrong_material_is_refused(tmp_path: Path, table: str, problem: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_world(tmp_path / "w.toml", f"[world]\n[[box]]\ncenter=[3,3]\nsize=[1,1]\n{table}\n")
+    assert problem in str(caught.value)
+    assert "w.toml:5: " in str(caught.value)
+
+
+def test_a_laser_is_a_word_of_the_equipment(tmp_path: Path) -> None:
+    text = '[world]\n[[robot]]\nequipment = { laser = "lms-200", laser_port = 9000 }\n'
+    world = parse_world(tmp_path / "w.toml", text)
+    assert world.robots[0].equipment == EquipmentOptions(laser="lms-200", laser_port=9000)
+    assert parse_world(tmp_path / "w.toml", to_toml(world, tmp_path)) == world
+    assert parse_equipment("laser=lms-200,laser-port=9000") == world.robots[0].equipment
+    fitted = world.robots[0].equipment.equipment_of(load_model("p3dx-sh"))
+    assert (fitted.laser, fitted.laser_port) == ("lms-200", 9000)
+    bare = parse_equipment("laser=none").equipment_of(load_model("p3dx-sh"))
+    assert bare.laser is None
+
+
+def test_an_unknown_laser_is_refused() -> None:
+    with pytest.raises(ConfigError, match="laser: 'utm' is none of none, urg-04lx"):
+        parse_equipment("laser=utm")
+    with pytest.raises(ConfigError, match="did you mean utm-30lx"):
+        Equipment(laser="utm-30")
