@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf
 
-from pioneer3.lasers.client import Event, Measured, RawScan
+from pioneer3.lasers.client import Event, Lost, Measured, RawScan, Remarked, ScanSettings
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.connection import ColaConnection
 from pioneer3.lasers.cola.device import ColaDevice
@@ -152,3 +152,22 @@ class Program:
 def program(name: str = "lms-111", spin_up: float = 0.0) -> Program:
     """Return a program at a new laser."""
     return Program(Room(laser(name, spin_up)))
+
+
+def room(
+    name: str = "lms-111", wishes: ScanSettings | None = None, *, spin_up: float = 0.0
+) -> Room:
+    return Room(laser(name, spin_up), ColaClient(0.0, wishes))
+
+
+def remarks(at: Room) -> list[str]:
+    return [event.text for event in at.events if isinstance(event, Remarked)]
+
+
+def losses(at: Room) -> list[str]:
+    return [event.reason for event in at.events if isinstance(event, Lost)]
+
+
+def writes(at: Room) -> list[str]:
+    """Return the requests that change something."""
+    return [text for text in at.sent if text[:3] in {"sWN", "sMN"}]

@@ -8,38 +8,17 @@ from pioneer3.lasers.client import (
     Client,
     Identified,
     LaserIdentity,
-    Lost,
     Patience,
     RawScan,
-    Remarked,
     ScanSettings,
 )
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.configuration import Measuring
 from pioneer3.lasers.cola.wire import encode
 from pioneer3.models.lasers import LASERS
-from tests.unit.lasers.cola_room import LOGIN, Program, Room, laser
+from tests.unit.lasers.cola_room import LOGIN, Program, Room, losses, remarks, room, writes
 
 MODELS = ["lms-111", "lms-511", "tim551", "tim561", "tim571"]
-
-
-def room(
-    name: str = "lms-111", wishes: ScanSettings | None = None, *, spin_up: float = 0.0
-) -> Room:
-    return Room(laser(name, spin_up), ColaClient(0.0, wishes))
-
-
-def remarks(at: Room) -> list[str]:
-    return [event.text for event in at.events if isinstance(event, Remarked)]
-
-
-def losses(at: Room) -> list[str]:
-    return [event.reason for event in at.events if isinstance(event, Lost)]
-
-
-def writes(at: Room) -> list[str]:
-    """Return the requests that change something."""
-    return [text for text in at.sent if text[:3] in {"sWN", "sMN"}]
 
 
 def true_stamp(scan: RawScan) -> float:
@@ -68,7 +47,8 @@ def test_scans_come_as_the_model_makes_them(name: str) -> None:
         assert scan.stamp == pytest.approx(true_stamp(scan), abs=1e-5)
         assert scan.ranges[9] == inf
         assert scan.ranges[10] == pytest.approx(1.02, abs=0.0011)
-        assert scan.intensities == scan.echoes == ()
+        assert not scan.intensities
+        assert not scan.echoes
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -203,7 +183,7 @@ def test_a_laser_that_was_stopped_is_started() -> None:
     assert remarks(at) == ["no scans yet: it is ready, but stopped"]
     assert "sMN LMCstartmeas" in at.sent
     assert len(at.scans) > 10
-    assert at.laser.state is Measuring.MEASURING
+    assert at.laser.unit.state is Measuring.MEASURING
 
 
 def test_a_laser_left_streaming_is_understood() -> None:
@@ -263,7 +243,7 @@ def test_slow_scans_have_ten_periods() -> None:
 def test_a_power_cycle_ends_the_session_and_a_new_one_begins() -> None:
     at = room(wishes=ScanSettings(intensities=True))
     at.run(1.0)
-    at.laser._spin_up = 10.0
+    at.laser.unit._spin_up = 10.0
     at.laser.switch_on(at.now)
     at.run(3.0)
     assert len(losses(at)) == 1
@@ -297,101 +277,6 @@ def test_a_wide_link_is_waited_for() -> None:
         client.tick(0.0)
     assert near.deadline == pytest.approx(0.25)
     assert far.deadline == pytest.approx(1.05)
-
-
-@pytest.mark.parametrize("run", ["sAN Run 0", "sAN Run 1", "sAN Run"])
-@pytest.mark.parametrize(
-    "login", ["sAN SetAccessMode", "sAN SetAccessMode ", "sAN SetAccessMode 1"]
-)
-def test_units_that_answer_in_other_words_are_understood(run: str, login: str) -> None:
-    at = room(wishes=ScanSettings(intensities=True))
-    at.instead = {
-        "sMN Run": run,
-        "sMN SetAccessMode": login,
-        "sWN LMDscandatacfg": "sWA LMDscandatacfg ",
-    }
-    at.run(1.0)
-    assert len(at.scans) > 10
-    assert remarks(at) == []
-
-
-def test_a_laser_that_refuses_the_login_is_used_as_it_is() -> None:
-    at = room(wishes=ScanSettings(skip=1))
-    at.instead["sMN SetAccessMode"] = "sAN SetAccessMode 0"
-    at.run(1.0)
-    (remark,) = remarks(at)
-    assert "password" in remark
-    assert at.scans[-1].period == 0.02
-
-
-def test_a_laser_that_refuses_a_setting_is_used_as_it_is() -> None:
-    at = room(wishes=ScanSettings(skip=1, step=radians(0.25), last=0.0))
-    at.instead["sWN LMDscandatacfg"] = "sFA A"
-    at.instead["sWN LMPoutputRange"] = "sFA 77"
-    at.instead["sMN mLMPsetscancfg"] = "sAN mLMPsetscancfg 2 1388 1 1388 FFF92230 225510"
-    at.run(1.0)
-    assert remarks(at) == [
-        "the laser keeps its mLMPsetscancfg as it is:"
-        " it does not have this step at this scan frequency",
-        "the laser keeps its LMPoutputRange as it is: error 77",
-        "the laser keeps its LMDscandatacfg as it is: this login may not write that",
-    ]
-    assert (at.scans[-1].period, len(at.scans[-1].ranges)) == (0.02, 541)
-
-
-def test_a_unit_that_knows_little_still_sends_scans() -> None:
-    at = room()
-    for unknown in ("sRI0", "sRN DeviceIdent", "sRN SerialNumber", "sRN Firmw", "sRN STlms"):
-        at.instead[unknown] = "sFA 3"
-    at.instead["sRN SCdevicestate"] = "sFA 3"
-    at.run(1.0)
-    assert at.events[0] == Identified(LaserIdentity(vendor="SICK", protocol="CoLa-A"))
-    assert len(at.scans) > 10
-    assert writes(at) == []
-
-
-def test_a_laser_that_sends_to_nobody_else_is_lost_with_advice() -> None:
-    at = room()
-    at.instead["sEN LMDscandata 1"] = "sEA LMDscandata 0"
-    at.run(1.0)
-    (reason,) = losses(at)
-    assert "other programs" in reason
-
-
-def test_answers_that_cannot_be_read_are_not_asked_for_endlessly() -> None:
-    at = room()
-    at.instead["sRN LMPscancfg"] = "sRA LMPscancfg nonsense"
-    at.run(5.0)
-    (reason,) = losses(at)
-    assert "sRN LMPscancfg" in reason
-    assert at.sent.count("sRN LMPscancfg") == 3
-
-
-@pytest.mark.parametrize(
-    ("status", "word"), [((0, 1), "error"), ((0, 2), "getting dirty"), ((0, 4), "too dirty")]
-)
-def test_a_dirty_front_screen_is_told_once(status: tuple[int, int], word: str) -> None:
-    at = room()
-    at.laser.status = status
-    at.run(1.0)
-    (remark,) = remarks(at)
-    assert word in remark
-    assert len(at.scans) > 10
-
-
-def test_scans_that_are_wrong_are_dropped_and_told_once() -> None:
-    at = room()
-    at.run(1.0)
-    before, client = len(at.scans), at.client
-    assert client is not None
-    for text in ("sSN LMDscandata 1 1", "sSN LMDscandata", "sSN LMDscandata x"):
-        at.events += client.receive(encode(text), at.now)
-    assert client.refused == 3
-    assert len(remarks(at)) == 1
-    assert len(at.scans) == before
-    at.deaf = True
-    at.run(2.0)
-    assert losses(at) == ["the last 3 scans of the laser could not be read"]
 
 
 def test_without_the_lasers_clock_stamps_follow_arrival() -> None:

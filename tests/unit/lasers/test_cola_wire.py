@@ -102,11 +102,16 @@ def test_a_text_may_hold_spaces() -> None:
     words.end()
 
 
+def only_text(words: Words) -> str:
+    text = words.text()
+    words.end()
+    return text
+
+
 @pytest.mark.parametrize("text", ["6 LMS1111", "6 LMS11", "B not definite", "1"])
 def test_a_text_of_another_length_is_refused(text: str) -> None:
-    words = Words(text.split(" "))
     with pytest.raises(TelegramError):
-        (words.text(), words.end())
+        only_text(Words(text.split(" ")))
 
 
 def test_words_too_few_and_too_many_are_refused() -> None:

@@ -14,8 +14,9 @@ readings       from LMDscandata to a scan in metres
 script         the requests up to the first scan, in order
 client         the host's side
 sweeps         from the readings of a simulated mirror to LMDscandata
+unit           a simulated laser without its connections: power, settings, scans
 connection     one host at a simulated laser: requests and answers
-device         a simulated laser
+device         a simulated laser and its connections
 =============  ==============================================================================
 
 Facts: docs/reference/cola.md.

@@ -12,7 +12,7 @@ Facts: cola.md 1.4, 1.5, 2, 6.2.
 """
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Final
+from typing import Final, Protocol
 
 from pioneer3.lasers.cola.configuration import (
     PASSWORDS,
@@ -24,6 +24,7 @@ from pioneer3.lasers.cola.configuration import (
     ScanConfig,
 )
 from pioneer3.lasers.cola.scan import NAME
+from pioneer3.lasers.cola.unit import RefusedError, Unit
 from pioneer3.lasers.cola.wire import (
     TelegramError,
     TelegramReader,
@@ -32,19 +33,24 @@ from pioneer3.lasers.cola.wire import (
     hex_word,
 )
 
-if TYPE_CHECKING:
-    from pioneer3.lasers.cola.device import ColaDevice
-
 MOST_WAITING: Final = 2
 """Scans that wait to leave."""
 
 
-class RefusedError(Exception):
-    """A request is answered with sFA and this number."""
+class Owner(Protocol):
+    """The device as its connections know it."""
 
-    def __init__(self, number: Error) -> None:
-        super().__init__(number)
-        self.number = number
+    def tick(self, now: float) -> None:
+        """Act on the passing of time."""
+
+    def plan(self, now: float) -> None:
+        """Take note that the output of a connection has changed."""
+
+    def forget(self, connection: "ColaConnection") -> None:
+        """Drop a connection that has been closed."""
+
+    def switch_on(self, now: float) -> None:
+        """Begin as after a power cycle."""
 
 
 class ColaConnection:
@@ -56,11 +62,11 @@ class ColaConnection:
         reader: Counts telegrams and noise.
     """
 
-    def __init__(self, device: "ColaDevice") -> None:
+    def __init__(self, unit: Unit, owner: Owner) -> None:
         self.subscribed = False
         self.polling = 0
         self.reader = TelegramReader()
-        self._device = device
+        self._unit, self._owner = unit, owner
         self._access = Access.RUN
         self._dead = False
         self._answers: list[bytes] = []
@@ -70,7 +76,7 @@ class ColaConnection:
         """Take bytes of the host, in any pieces."""
         if self._dead:
             return
-        self._device.tick(now)
+        self._owner.tick(now)
         for text in self.reader.feed(data):
             if self._dead:  # a request before this one was to reboot
                 break
@@ -78,21 +84,21 @@ class ColaConnection:
             answer = self._answer(text.split(" "), now)
             if answer:
                 self._answers.append(encode(answer))
-        self._device.plan(now)
+        self._owner.plan(now)
 
     def outgoing(self, now: float) -> bytes:
         """Return and forget the bytes that may leave by `now`: whole telegrams, all there are."""
         self._flush_scans()
         data = b"".join(self._answers)
         self._answers.clear()
-        self._device.plan(now)
+        self._owner.plan(now)
         return data
 
     def close(self) -> None:
         """Take the end of the network connection: its subscription ends, the mirror goes on."""
         self.cut()
         self._answers.clear()
-        self._device.forget(self)
+        self._owner.forget(self)
 
     @property
     def has_output(self) -> bool:
@@ -123,7 +129,7 @@ class ColaConnection:
         kind, rest = words[0], Words(words[1:])
         try:
             if kind == "sRI0":
-                return f"sRA 0 {self._device.ident}"
+                return f"sRA 0 {self._unit.ident}"
             if kind in HANDLERS:
                 return HANDLERS[kind](self, rest, now)
             return _refusal(Error.UNKNOWN_REQUEST)
@@ -135,12 +141,12 @@ class ColaConnection:
     def _read(self, words: Words, now: float) -> str:
         name = words.word()
         if name == NAME:
-            latest = self._device.latest_scan(now)
+            latest = self._unit.latest_scan(now)
             if latest is None:
                 self.polling += 1
                 return ""
             return f"sRA {NAME} {latest}"
-        variable = self._device.variables(now).get(name)
+        variable = self._unit.variables(now).get(name)
         if variable is None:
             raise RefusedError(Error.UNKNOWN_VARIABLE)
         return f"sRA {name} {variable}"
@@ -156,15 +162,15 @@ class ColaConnection:
         return f"sWA {name}"
 
     def _write_output(self, words: Words) -> None:
-        self._device.set_output(OutputRange.parse(words))
+        self._unit.set_output(OutputRange.parse(words))
 
     def _write_data(self, words: Words) -> None:
-        self._device.set_data(DataConfig.parse(words))
+        self._unit.set_data(DataConfig.parse(words))
 
     def _write_echo_filter(self, words: Words) -> None:
         echo_filter = words.number()
         words.end()
-        self._device.set_echo_filter(echo_filter)
+        self._unit.set_echo_filter(echo_filter)
 
     def _subscribe(self, words: Words, now: float) -> str:
         if words.word() != NAME:
@@ -200,37 +206,37 @@ class ColaConnection:
     def _run(self, words: Words, now: float) -> str:
         words.end()
         self._access = Access.RUN
-        self._device.measure(on=True)
+        self._unit.measure(on=True)
         return "1"
 
     def _set_scan(self, words: Words, now: float) -> str:
-        code = self._device.set_scan(ScanConfig.parse(words))
-        return f"{code:X} {self._device.settings.scan.answer()}"
+        code = self._unit.set_scan(ScanConfig.parse(words))
+        return f"{code:X} {self._unit.settings.scan.answer()}"
 
     def _store(self, words: Words, now: float) -> str:
         words.end()
-        self._device.store()
+        self._unit.store()
         return "1"
 
     def _start(self, words: Words, now: float) -> str:
         words.end()
-        self._device.measure(on=True)
+        self._unit.measure(on=True)
         return "0"
 
     def _stop(self, words: Words, now: float) -> str:
         words.end()
-        self._device.measure(on=False)
+        self._unit.measure(on=False)
         return "0"
 
     def _set_date(self, words: Words, now: float) -> str:
         numbers = [words.number(U16) for _ in range(6)]
         micros = words.number(999_999)
         words.end()
-        return f"{self._device.set_date(numbers, micros, now):d}"
+        return f"{self._unit.set_date(numbers, micros, now):d}"
 
     def _reboot(self, words: Words, now: float) -> str:
         words.end()
-        self._device.switch_on(now)
+        self._owner.switch_on(now)
         return ""
 
 

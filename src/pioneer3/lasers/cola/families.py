@@ -8,6 +8,8 @@ from pioneer3.lasers.cola.configuration import ScanConfig, ScanConfigCode
 from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol
 
 FULL_TURN_TICK: Final = 3_600_000
+FRONT_TICK: Final = 900_000
+"""Straight ahead [1/10000 degree]."""
 _EXACT_STEP: Final = {1667: 1e4 / 6, 3333: 1e4 / 3, 6667: 2e4 / 3}
 """Steps [1/10000 degree] that the wire rounds, by the number on the wire."""
 

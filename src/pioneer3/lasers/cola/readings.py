@@ -5,10 +5,9 @@ from math import inf, nan, radians
 from typing import Final
 
 from pioneer3.lasers.client import RawScan, ScanSettings
-from pioneer3.lasers.cola.families import FULL_TURN_TICK, exact_step
+from pioneer3.lasers.cola.families import FRONT_TICK, FULL_TURN_TICK, exact_step
 from pioneer3.lasers.cola.scan import Channel, ScanData
 from pioneer3.lasers.cola.wire import TelegramError
-from pioneer3.lasers.cola.wishes import FRONT_TICK
 
 CODES: Final = 16
 """Values below this are codes: 0 nothing measured, others no valid reading."""

@@ -248,7 +248,7 @@ def _values(words: Sequence[str], most: int) -> tuple[int, ...]:
     except ValueError as error:
         raise TelegramError(f"among the values: {error}") from None
     # int() takes more than the protocol has: signs, lower case, underscores
-    if "".join(words).encode("latin-1").translate(None, _HEX_DIGITS):
+    if "".join(words).encode("latin-1", "replace").translate(None, _HEX_DIGITS):
         raise TelegramError("a value has characters other than hexadecimal digits")
     if max(values) > most:
         raise TelegramError(f"a value is above {most}")

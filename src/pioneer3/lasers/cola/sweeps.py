@@ -6,10 +6,9 @@ from typing import Final
 
 from pioneer3.geometry import TURN
 from pioneer3.lasers.cola.configuration import DataConfig, Settings
-from pioneer3.lasers.cola.families import Family
+from pioneer3.lasers.cola.families import FRONT_TICK, Family
 from pioneer3.lasers.cola.readings import CODES
 from pioneer3.lasers.cola.scan import MAX_ENCODERS, Channel, Encoder, ScanData
-from pioneer3.lasers.cola.wishes import FRONT_TICK
 from pioneer3.lasers.device import Sweep
 
 WHITE: Final = {8: 200, 16: 51_200}

@@ -6,10 +6,8 @@ from typing import Final
 
 from pioneer3.lasers.client import ScanSettings
 from pioneer3.lasers.cola.configuration import DataConfig, OutputRange, ScanConfig
-from pioneer3.lasers.cola.families import Family, exact_step
+from pioneer3.lasers.cola.families import FRONT_TICK, Family, exact_step
 
-FRONT_TICK: Final = 900_000
-"""Straight ahead [1/10000 degree]."""
 _ALMOST: Final = 1e-3
 """Angles that differ by less than this many steps are the same."""
 
