@@ -1,13 +1,13 @@
 """A simulated LMS-2xx at a serial line to test with, in virtual time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf
 from random import Random
 
 from pioneer3.lasers.client import Event, SpeedWanted
 from pioneer3.lasers.device import Sweep, Turn
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
+from pioneer3.lasers.lms2xx.telegram import UNITS, Sign, Telegram, TelegramReader
 from pioneer3.models.lasers import LASERS
 
 LMS200 = LASERS["lms-200"]
@@ -17,31 +17,32 @@ STEP = 0.001
 Scene = Callable[[Turn, int], float]
 
 
-def _circle(_turn: Turn, _index: int) -> float:
+def circle(_turn: Turn, _index: int) -> float:
+    """Return the ranges [m] in the middle of a round room."""
     return 2.0
 
 
 @dataclass
 class Cable:
-    """A line between a unit and a host that has set it to `speed` [baud].
+    """A line between a unit and a host.
 
     Who is at another speed than the unit hears rubbish and is not heard.
 
     Attributes:
         device: The unit.
-        speed: Of the host [baud].
+        speed: Of the host [baud]; `None`: always that of the unit.
         scene: Range [m] of each reading of a turn.
         intensity: Of all readings.
         now: The time [s].
-        sweeps: Number of turns measured.
+        turns: Number of turns measured.
     """
 
     device: LmsDevice
     speed: int | None = 9600
-    scene: Scene = _circle
+    scene: Scene = circle
     intensity: float = 0.0
     now: float = 100.0
-    sweeps: int = 0
+    turns: int = 0
     _random: Random = field(default_factory=lambda: Random(1))
     _turn: Turn | None = None
     _began: float = 0.0
@@ -51,7 +52,7 @@ class Cable:
 
     def send(self, data: bytes) -> None:
         """Let the host send `data`."""
-        if data and self._same_speed(self.device.speed):
+        if data and self.speed in {None, self.device.speed}:
             self.port.receive(data, self.now)
 
     def step(self, seconds: float = STEP) -> bytes:
@@ -61,26 +62,42 @@ class Cable:
         if self.now >= self.device.deadline:
             self.device.tick(self.now)
         speed, data = self.device.speed, self.port.outgoing(self.now)
-        return data if self._same_speed(speed) else self._random.randbytes(len(data))
+        return data if self.speed in {None, speed} else self._random.randbytes(len(data))
 
-    def _same_speed(self, speed: int | None) -> bool:
-        return self.speed is None or self.speed == speed
+    def listen(self, seconds: float) -> bytes:
+        """Let time pass; return all bytes that the host hears."""
+        end, heard = self.now + seconds, bytearray()
+        while self.now < end:
+            heard += self.step()
+        return bytes(heard)
+
+    def ask(self, data: bytes, seconds: float = 0.4) -> bytes:
+        """Send `data`; return all bytes that the host hears in answer."""
+        self.send(data)
+        return self.listen(seconds)
 
     def _turn_mirror(self) -> None:
-        if self._turn is not None and self.now >= self._began + self._turn.period:
-            turn, end = self._turn, self._began + self._turn.period
-            ranges = [self.scene(turn, index) for index in range(turn.count)]
-            sweep = Sweep(
-                turn=turn,
-                began=self._began,
-                ranges=ranges,
-                intensities=[self.intensity] * turn.count,
-            )
-            self.sweeps += 1
-            self.device.measured(sweep, self.now)
-            self._turn, self._began = self.device.turn, end
-        elif self._turn is None:
+        if self._turn is None:
             self._turn, self._began = self.device.turn, self.now
+        while self._turn is not None and self.now >= self._began + self._turn.period:
+            turn, began = self._turn, self._began
+            ranges = [self.scene(turn, index) for index in range(turn.count)]
+            light = [self.intensity] * turn.count
+            sweep = Sweep(turn=turn, began=began, ranges=ranges, intensities=light)
+            self.turns += 1
+            self.device.measured(sweep, began + turn.period)
+            self._turn, self._began = self.device.turn, began + turn.period
+
+
+def telegrams(data: bytes) -> list[Telegram]:
+    """Return the unit's telegrams in `data`."""
+    items = TelegramReader(UNITS).feed(data, 0.0)
+    return [item for item in items if isinstance(item, Telegram)]
+
+
+def signs(data: bytes) -> list[Sign]:
+    """Return the single bytes in `data`."""
+    return [item for item in TelegramReader(UNITS).feed(data, 0.0) if isinstance(item, Sign)]
 
 
 def run(
@@ -106,11 +123,3 @@ def run(
         if any(isinstance(event, until) for event in new):
             return events
     raise AssertionError(f"no {until.__name__} in {limit} s: {events}")
-
-
-def find(events: Sequence[Event], kind: type[Event]) -> list[Event]:
-    """Return the events of a kind."""
-    return [event for event in events if isinstance(event, kind)]
-
-
-FOREVER = inf

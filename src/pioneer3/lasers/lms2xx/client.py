@@ -193,7 +193,7 @@ class LmsClient:
         """Go on with the script; return its events."""
         assert self._script is not None
         setup, speed = self._setup, self._setup.speed
-        setup.now = now
+        setup.now, setup.has_begun = now, self._reader.has_begun
         try:
             self._wait = self._script.send(answer)
         except StopIteration as end:

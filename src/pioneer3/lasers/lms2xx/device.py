@@ -174,7 +174,7 @@ class LmsDevice:
             if isinstance(item, Telegram) and len(self._requests) < MAX_REQUESTS:
                 self._line.send(bytes((Sign.ACK.value,)), now)
                 self._requests.append(item)
-        if self._reader.rejected > rejected:
+        if self._reader.rejected > rejected and self._line.waiting < MAX_WAITING:
             self._line.send(bytes((Sign.NAK.value,)), now)
 
     def _answer_requests(self, now: float) -> None:

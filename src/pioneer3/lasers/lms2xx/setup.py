@@ -8,8 +8,8 @@
 Rules:
 
 1. A unit that streams is heard at any speed, if only as noise. Then the request to stop is tried at
-   each speed for as long as a telegram takes; on a silent line the request for the type, for as
-   long as an answer takes.
+   each speed for as long as a telegram takes, twice that if one has begun; on a silent line the
+   request for the type, for as long as an answer takes.
 2. The answer to a mode does not say which one, and may come late. So no mode is asked for before
    the last one is answered, or 3 s are over; and then the status is asked for: answers come in
    order, so with it none is outstanding.
@@ -107,6 +107,7 @@ class SetUp:
         events: For the caller to take.
         speed: Of the link [baud], or `None` without one.
         heard: Whether any byte has come since this was last set to false.
+        has_begun: Whether a telegram is coming; set by the caller before each step.
         line_speed: Of the unit's line [baud]; known on links without a speed, too.
         variant: That the unit scans.
         measuring_mode: That it measures in.
@@ -125,7 +126,7 @@ class SetUp:
         self.now = now
         self.events: list[Event] = []
         self.speed: int | None = None
-        self.heard = False
+        self.heard = self.has_begun = False
         self.line_speed: int | None = None
         self.variant = wanted_variant(settings)
         self.measuring_mode = MEASURING_MODES[WITHOUT_INTENSITIES[0]]
@@ -173,6 +174,8 @@ class SetUp:
                     self._ever_heard = True
                     limit = duration(LONGEST, speed) + ACKNOWLEDGE + self._round_trip
                     found = yield Wait(request=commands.mode(Mode.ON_REQUEST), limit=limit)
+                    if found is None and self.has_begun:
+                        found = yield Wait(limit=limit)
                 elif found is None:
                     found = yield self._ask(Command.TYPE, tries=1, any_telegram=True)
                 if found is not None:
@@ -231,7 +234,7 @@ class SetUp:
         for _ in range(TRIES):
             if not stopped:
                 yield self._ask_mode(Mode.ON_REQUEST)
-            answer = yield self._ask(Command.STATUS)
+            answer = yield self._ask(Command.STATUS, limit=MODE_LIMIT, tries=2)
             status = _status(answer)
             if status is None:
                 return None

@@ -21,6 +21,8 @@ FRAME: Final = 6
 """Bytes of a telegram that its length does not count."""
 MAX_LENGTH: Final = 812
 """More than any telegram needs: 401 values with both indices make 808."""
+LOWEST_CODE: Final = 0x10
+"""No command has a lower code; noise often has 0."""
 PAUSE: Final = 0.1
 """Silence [s] after which an unfinished telegram is noise; units pause for 14 ms at most."""
 ROUNDING: Final = 1e-9
@@ -129,6 +131,11 @@ class TelegramReader:
         """When an unfinished telegram is given up, if nothing comes before [s]; `inf`: never."""
         return self._heard + PAUSE if self._buffer else inf
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether a telegram has begun, as far as its code: noise hardly ever looks so."""
+        return len(self._buffer) >= FRAME - 1
+
     def discard(self) -> None:
         """Drop a telegram that has begun: the next bytes have another speed."""
         self._pass(len(self._buffer))
@@ -185,6 +192,8 @@ class TelegramReader:
             return 0
         if seen < 4:
             return FRAME + 1
+        if seen > 4 and buffer[start + 4] < LOWEST_CODE:
+            return 0
         length = int.from_bytes(buffer[start + 2 : start + 4], "little")
         shortest = 2 if buffer[start + 1] in UNITS else 1  # an answer has a status byte
         return FRAME + length if shortest <= length <= MAX_LENGTH else 0

@@ -1,0 +1,395 @@
+"""The client finds a simulated LMS-2xx in any state, and reads its scans (lms2xx.md 3.1, 3.2)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf, isnan, nan, pi, radians
+
+import pytest
+
+from pioneer3.lasers.client import (
+    Event,
+    Identified,
+    Lost,
+    Measured,
+    Patience,
+    RawScan,
+    Remarked,
+    ScanSettings,
+    SpeedWanted,
+)
+from pioneer3.lasers.device import Turn
+from pioneer3.lasers.lms2xx import LmsClient, LmsDevice, commands
+from pioneer3.lasers.lms2xx.blocks import Config
+from pioneer3.lasers.lms2xx.commands import Command, Mode
+from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN, Units, Variant
+from pioneer3.lasers.lms2xx.telegram import encode
+from pioneer3.models.lasers import LASERS
+from tests.unit.lasers.lms_support import LMS200, SPEEDS, Cable, run
+
+WRITTEN = Config(measuring_mode=5, units=Units.MILLIMETRES)
+STREAM = commands.mode(Mode.ALL_VALUES)
+PATIENT = Patience(give_up=90.0)
+
+
+def ready(start_speed: int = 38400, **options: object) -> Cable:
+    """Return a unit that is set up in all but the variant."""
+    device = LmsDevice(LMS200, start_speed=start_speed, **options)  # type: ignore[arg-type]
+    device.unit.config = WRITTEN
+    return Cable(device, start_speed)
+
+
+def scans(events: Sequence[Event]) -> list[RawScan]:
+    return [event.scan for event in events if isinstance(event, Measured)]
+
+
+def remarks(events: Sequence[Event]) -> str:
+    return "\n".join(event.text for event in events if isinstance(event, Remarked))
+
+
+def speeds(events: Sequence[Event]) -> list[int]:
+    return [event.baud for event in events if isinstance(event, SpeedWanted)]
+
+
+def first_scan(cable: Cable, client: LmsClient, limit: float = 3.0) -> RawScan:
+    return scans(run(cable, client, Measured, limit))[0]
+
+
+@pytest.mark.parametrize("order", [SPEEDS, SPEEDS[::-1]])
+@pytest.mark.parametrize("before", ["idle", "streams", "streams turns", "installation"])
+@pytest.mark.parametrize("start", SPEEDS)
+def test_a_unit_in_any_state_is_found_at_any_speed(
+    start: int, before: str, order: Sequence[int]
+) -> None:
+    cable = ready(start)
+    cable.send(
+        {
+            "idle": b"",
+            "streams": STREAM,
+            "streams turns": commands.mode(Mode.PARTIAL_SCANS),
+            "installation": commands.mode(Mode.INSTALLATION, commands.PASSWORD),
+        }[before]
+    )
+    cable.listen(1.234)  # in the middle of a telegram
+    events = run(cable, LmsClient(cable.now, order), Measured, 3.0)
+    assert scans(events)[0].ranges == (2.0,) * 181
+    assert speeds(events)[-1] == cable.device.speed == 38400
+    assert cable.device.unit.config_writes == 0
+
+
+@pytest.mark.parametrize("start", [9600, 38400])
+@pytest.mark.parametrize("phase", range(10))
+def test_any_place_in_a_telegram_is_as_good(start: int, phase: int) -> None:
+    cable = ready(start)
+    cable.send(STREAM)
+    cable.listen(1.0 + 0.0781 * phase)
+    assert first_scan(cable, LmsClient(cable.now, SPEEDS)).far == pytest.approx(32.758)
+
+
+@pytest.mark.parametrize("address", range(0x80, 0x85))
+def test_any_address_answers(address: int) -> None:
+    cable = ready(9600, address=address)
+    first_scan(cable, LmsClient(cable.now, SPEEDS))
+
+
+@pytest.mark.parametrize("delay", [0.3, 1.5, 2.9])
+@pytest.mark.parametrize("streams", [False, True])
+def test_late_answers_mislead_nobody(delay: float, streams: bool) -> None:
+    cable = ready(19200, delays={Command.MODE: delay})
+    cable.device.unit.config = Config()
+    if streams:
+        cable.send(STREAM)
+        cable.listen(delay + 1)
+    # 20 25 while searching and after, 20 40, 20 00, 20 24: each waits for its answer
+    events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0 + 5 * delay)
+    assert cable.device.unit.config == WRITTEN
+    assert cable.device.unit.mode is Mode.ALL_VALUES
+    assert speeds(events)[-1] == cable.device.speed == 38400
+    assert scans(events)[0].ranges == (2.0,) * 181
+
+
+def test_an_answer_beyond_all_limits_is_not_taken_for_another() -> None:
+    cable = ready(9600, delays={Command.MODE: 4.0})
+    client = LmsClient(cable.now, (9600,), patience=Patience(give_up=20.0))
+    events = run(cable, client, Lost, 60.0)
+    assert cable.device.unit.config_writes == 0
+    assert scans(events) == []
+
+
+def test_a_slow_eeprom_is_waited_for() -> None:
+    cable = Cable(LmsDevice(LMS200, delays={Command.CONFIGURE: 7.0}))
+    client = LmsClient(cable.now, SPEEDS)
+    first_scan(cable, client, 10.0)
+    assert cable.device.unit.config_writes == 1
+
+
+@pytest.mark.parametrize("boot", [3.0, 58.0])
+def test_a_unit_that_starts_is_found_when_it_is_ready(boot: float) -> None:
+    cable = ready(9600, boot=boot)
+    cable.device.switch_on(cable.now)
+    client = LmsClient(cable.now, SPEEDS, patience=PATIENT)
+    run(cable, client, Measured, boot + 3.0, step=0.005)
+
+
+def test_the_configuration_is_written_once_and_its_rest_is_kept() -> None:
+    cable = Cable(LmsDevice(LMS200))
+    before = Config(stop_threshold=60, restart_mode=1, contour_a=b"fence")
+    cable.device.unit.config = before
+    events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
+    assert cable.device.unit.config == replace(before, measuring_mode=5, units=Units.MILLIMETRES)
+    assert "it had mode 0 in centimetres" in remarks(events)
+    again = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
+    assert remarks(again) == ""
+    assert cable.device.unit.config_writes == 1
+
+
+def test_the_variant_is_set_only_if_it_differs() -> None:
+    cable = ready()
+    settings = ScanSettings(step=radians(0.5))
+    client = LmsClient(cable.now, SPEEDS, settings)
+    sent = b""
+    while cable.device.unit.mode is not Mode.ALL_VALUES:
+        heard = cable.step()
+        events = client.receive(heard, cable.now) + client.tick(cable.now)
+        cable.speed = speeds(events)[-1] if speeds(events) else cable.speed
+        out = client.outgoing()
+        sent += out
+        cable.send(out)
+    assert encode(Command.TYPE) in sent
+    assert encode(Command.VARIANT, commands.variant_data(Variant(180, 50))) not in sent
+    assert encode(Command.CONFIG) not in sent
+
+
+def test_the_unit_says_who_it_is() -> None:
+    cable = ready()
+    events = run(cable, LmsClient(cable.now, SPEEDS), Identified, 3.0)
+    (event,) = [event for event in events if isinstance(event, Identified)]
+    assert event.identity.vendor == "SICK"
+    assert event.identity.product == "LMS200-301061"
+    assert event.identity.firmware == "V02.30"
+    other = Cable(LmsDevice(LASERS["lms-291"]))
+    events = run(other, LmsClient(other.now, SPEEDS), Identified, 3.0)
+    (event,) = [event for event in events if isinstance(event, Identified)]
+    assert event.identity.product == "LMS291-S05"
+
+
+def test_500000_baud_is_taken_only_if_told() -> None:
+    for target, speed, period in ((38400, 38400, 8 / 75), (500000, 500000, 1 / 75)):
+        cable = ready(9600)
+        client = LmsClient(cable.now, SPEEDS, target_speed=target)
+        assert first_scan(cable, client).period == pytest.approx(period)
+        assert cable.device.speed == speed
+
+
+def test_a_link_without_speeds_changes_none() -> None:
+    cable = ready(9600)
+    cable.speed = None
+    client = LmsClient(cable.now, (), round_trip=0.1)
+    scan = first_scan(cable, client, 4.0)
+    assert cable.device.speed == 9600
+    assert scan.period == pytest.approx(30 / 75)  # it knows the speed from the status
+    client.leave(cable.now)
+    assert client.outgoing() == commands.mode(Mode.ON_REQUEST)
+
+
+@pytest.mark.parametrize("step", [1.0, 0.5])
+def test_the_period_is_that_of_the_scans(step: float) -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS, ScanSettings(step=radians(step)))
+    stamps = [first_scan(cable, client).stamp]
+    for _ in range(10):
+        scan = first_scan(cable, client)
+        stamps.append(scan.stamp)
+    assert (stamps[-1] - stamps[0]) / 10 == pytest.approx(scan.period, abs=2e-4)
+
+
+def test_scans_can_be_left_out() -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS, ScanSettings(skip=3))
+    first, second = first_scan(cable, client), first_scan(cable, client)
+    assert second.stamp - first.stamp == pytest.approx(4 * 8 / 75, abs=2e-3)
+    assert first.period == pytest.approx(4 * 8 / 75)
+
+
+@pytest.mark.parametrize(("step", "turns"), [(1.0, 1), (0.5, 2), (0.25, 4)])
+def test_readings_have_their_time(step: float, turns: int) -> None:
+    """A wall moves; each range tells the time at which it was taken."""
+    cable = ready(38400)
+    start = cable.now
+
+    def moving(turn: Turn, index: int) -> float:
+        return 1.0 + cable._began + index * turn.beam_time - start
+
+    cable.scene = moving
+    edge = radians(50)
+    settings = ScanSettings(step=radians(step), first=-edge, last=edge)
+    scan = first_scan(cable, LmsClient(cable.now, SPEEDS, settings))
+    times = [start + metres - 1.0 for metres in scan.ranges]
+    errors = [scan.stamp + index * scan.beam_time - time for index, time in enumerate(times)]
+    spread = (turns - 1) * MIRROR_TURN / 2
+    assert max(errors) == pytest.approx(spread, abs=0.003)
+    assert min(errors) == pytest.approx(-spread, abs=0.003)
+
+
+@pytest.mark.parametrize("step", [1.0, 0.5])
+def test_readings_have_their_bearing(step: float) -> None:
+    cable = ready(38400)
+    cable.scene = lambda turn, index: 4.0 + turn.first + index * turn.step
+    scan = first_scan(cable, LmsClient(cable.now, SPEEDS, ScanSettings(step=radians(step))))
+    assert scan.first == pytest.approx(-pi / 2)
+    bearings = [4.0 + scan.first + index * scan.step for index in range(len(scan.ranges))]
+    assert scan.ranges == pytest.approx(bearings, abs=0.0006)
+
+
+def test_a_part_of_the_field_is_cut_out() -> None:
+    cable = ready(38400)
+    cable.scene = lambda turn, index: 4.0 + turn.first + index * turn.step
+    settings = ScanSettings(first=radians(-60.5), last=radians(30))
+    scan = first_scan(cable, LmsClient(cable.now, SPEEDS, settings))
+    assert scan.first == pytest.approx(radians(-60))
+    assert len(scan.ranges) == 91
+    assert scan.ranges[0] == pytest.approx(4.0 - radians(60), abs=0.0006)
+    assert scan.ranges[-1] == pytest.approx(4.0 + radians(30), abs=0.0006)
+
+
+def test_codes_become_inf_and_nan() -> None:
+    cable = ready(38400)
+    cable.scene = lambda _, index: (inf, nan, 31.0)[index % 3]
+    ranges = first_scan(cable, LmsClient(cable.now, SPEEDS)).ranges
+    assert ranges[0] == inf
+    assert isnan(ranges[1])
+    assert ranges[2] == 31.0
+
+
+def test_intensities_come_where_they_are_wanted() -> None:
+    cable = ready(38400)
+    cable.intensity = 5.0
+    assert first_scan(cable, LmsClient(cable.now, SPEEDS)).intensities == ()
+    client = LmsClient(cable.now, SPEEDS, ScanSettings(intensities=True))
+    scan = first_scan(cable, client)
+    assert scan.intensities == (2,) * 181
+    assert scan.far == pytest.approx(16.374)
+    assert cable.device.unit.config.measuring_mode == 3
+
+
+def test_leaving_stops_the_stream_and_goes_back_to_9600() -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS)
+    first_scan(cable, client)
+    client.leave(cable.now)
+    assert client.deadline == inf
+    cable.send(client.outgoing())
+    cable.listen(0.5)
+    assert (cable.device.speed, cable.device.turn) == (9600, None)
+    client.leave(cable.now)
+    assert client.outgoing() == b""
+
+
+def test_who_has_sent_nothing_leaves_in_silence() -> None:
+    client = LmsClient(0.0, SPEEDS)
+    client.leave(0.0)
+    assert client.outgoing() == b""
+
+
+def test_silence_loses_the_unit() -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS)
+    first_scan(cable, client)
+    cable.device.switch_on(cable.now)
+    began = cable.now
+    (event,) = [e for e in run(cable, client, Lost, 2.0) if isinstance(e, Lost)]
+    assert "no scan has come for 1.06667 s" in event.reason
+    assert cable.now - began == pytest.approx(1.07, abs=0.12)
+    assert client.tick(cable.now + 99) == []
+
+
+def test_a_power_cycle_at_9600_is_noticed() -> None:
+    cable = ready(9600, boot=0.1)
+    client = LmsClient(cable.now, (9600,))
+    first_scan(cable, client)
+    cable.device.switch_on(cable.now)
+    (event,) = [e for e in run(cable, client, Lost, 1.0) if isinstance(e, Lost)]
+    assert "started anew" in event.reason
+
+
+def test_an_empty_line_is_given_up() -> None:
+    cable = ready(9600, boot=inf)
+    cable.device.switch_on(cable.now)
+    began = cable.now
+    (event,) = [
+        e for e in run(cable, LmsClient(cable.now, SPEEDS), Lost, 10.0) if isinstance(e, Lost)
+    ]
+    assert event.reason.startswith("nothing answers at 9600, 19200, 38400, 500000 baud")
+    assert 8.0 <= cable.now - began < 9.0
+
+
+def test_noise_is_told_from_silence() -> None:
+    client = LmsClient(0.0, (9600,), patience=Patience(give_up=3.0))
+    events: list[Event] = []
+    now = 0.0
+    while not any(isinstance(event, Lost) for event in events):
+        now += 0.01
+        events += client.receive(b"\x00\xff\x55", now) + client.tick(now)
+    assert events[-1] == Lost("something sends, but not as an LMS-2xx does")
+
+
+def test_a_speed_that_the_line_does_not_carry_is_given_up() -> None:
+    cable = ready(9600)
+
+    class Deaf(Cable):
+        def send(self, data: bytes) -> None:
+            if self.speed != 500000:
+                super().send(data)
+
+    deaf = Deaf(cable.device, 9600)
+    client = LmsClient(deaf.now, (9600, 500000), target_speed=500000)
+    (event,) = [e for e in run(deaf, client, Lost, 20.0) if isinstance(e, Lost)]
+    assert "nothing answers" in event.reason  # the unit is deaf at 500000 now
+
+
+def test_a_refused_variant_and_configuration_are_done_without() -> None:
+    cable = ready(38400)
+    unit = cable.device.unit
+    unit.config = Config()
+    answer = unit.answer
+
+    def refuses(code: int, data: bytes) -> bytes | None:
+        refused = code == Command.VARIANT or data == bytes((0,)) + commands.PASSWORD
+        return None if refused else answer(code, data)
+
+    unit.answer = refuses  # type: ignore[method-assign]
+    events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
+    told = remarks(events)
+    assert "refuses 180 degrees in steps of 1 and goes on with 180 degrees in steps of 0.5" in told
+    assert "refuses to be configured" in told
+    scan = scans(events)[0]
+    assert (len(scan.ranges), scan.ranges[0]) == (361, 2.0)
+    assert scan.far == pytest.approx(81.82)
+
+
+def test_spoilt_requests_and_answers_cost_a_try() -> None:
+    cable = ready(38400)
+    spoil = [3, 8]  # requests of the set-up
+
+    class Noisy(Cable):
+        sent = 0
+
+        def send(self, data: bytes) -> None:
+            self.sent += bool(data)
+            spoilt = data and self.sent in spoil
+            super().send(data[:-1] + bytes((data[-1] ^ 1,)) if spoilt else data)
+
+    noisy = Noisy(cable.device, 38400)
+    first_scan(noisy, LmsClient(noisy.now, (38400,)))
+    assert noisy.sent > 6
+
+
+def test_the_status_byte_is_told_when_it_changes() -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS)
+    first_scan(cable, client)
+    body = b"\xb5\x40" + bytes(2 * 181)
+    clean, dirty = (encode(0xB0, body + bytes((status,)), 0x80) for status in (0x10, 0x93))
+    told = [remarks(client.receive(data, cable.now)) for data in (clean, dirty, dirty, clean)]
+    assert told[0] == told[2] == told[3] == ""
+    assert "window is dirty" in told[1]
+    assert "error" in told[1]
