@@ -108,7 +108,7 @@ def test_late_answers_mislead_nobody(delay: float, streams: bool) -> None:
 
 
 def test_an_answer_beyond_all_limits_is_not_taken_for_another() -> None:
-    cable = ready(9600, delays={Command.MODE: 4.0})
+    cable = Cable(LmsDevice(LMS200, delays={Command.MODE: 4.0}))
     client = LmsClient(cable.now, (9600,), patience=Patience(give_up=20.0))
     events = run(cable, client, Lost, 60.0)
     assert cable.device.unit.config_writes == 0

@@ -133,7 +133,7 @@ class SetUp:
         self._speeds: list[int | None] = [*speeds] if speeds else [None]
         self._target = target
         self._settings = settings
-        self._answer = patience.answer + round_trip
+        self._answer_limit = patience.answer + round_trip
         self._round_trip = round_trip
         self._give_up_at = now + patience.give_up
         self._ever_heard = False
@@ -199,7 +199,7 @@ class SetUp:
         transfer = duration(LONGEST if command is Command.STATUS else 64, self.speed)
         return Wait(
             request=encode(command, data),
-            limit=(self._answer if limit is None else limit + self._round_trip) + transfer,
+            limit=(self._answer_limit if limit is None else limit + self._round_trip) + transfer,
             codes=None if any_telegram else frozenset({command + ANSWER, Unasked.REFUSED}),
             tries=tries,
         )
