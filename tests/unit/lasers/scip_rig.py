@@ -28,11 +28,18 @@ SLACK = 1e-9
 
 
 def room(turn: Turn, began: float) -> Sweep:
-    """Return readings of uneven walls some 2 m away; the first one tells when it was taken."""
+    """Return readings of uneven walls some 2 m away, each fifth of them through a window.
+
+    The first one tells when it was taken.
+    """
     ranges = [2.0 + 0.3 * sin(number / 40) for number in range(turn.count)]
     ranges[0] = 1.0 + began % 1.0
     return Sweep(
-        turn=turn, began=began, ranges=ranges, intensities=[0.5 + 0.1 * (r - 2.0) for r in ranges]
+        turn=turn,
+        began=began,
+        ranges=ranges,
+        intensities=[0.5 + 0.1 * (metres - 2.0) for metres in ranges],
+        echoes=[(r, r + 1.0) if n % 5 == 0 else (r,) for n, r in enumerate(ranges)],
     )
 
 
@@ -62,6 +69,7 @@ class Rig:
         self.events: list[tuple[float, Event]] = []
         self.sent: list[bytes] = []
         self.turns: list[float] = []
+        self.unheard: list[bytes] = []
         self.deaf = False
         self.spoil: Callable[[bytes], bytes] = lambda data: data
         self._delay, self._drift, self._sweep = delay, drift, sweep
@@ -181,7 +189,9 @@ class Rig:
             if to_laser:
                 if not self.deaf:
                     self.host.receive(self._heard(data, baud, self.device.speed), laser_now)
-            elif self.client is not None:
+            elif self.client is None:
+                self.unheard.append(data)
+            else:
                 self._take(
                     self.client.receive(self.spoil(self._heard(data, baud, self.baud)), self.now)
                 )

@@ -138,10 +138,10 @@ def from_pairs(lines: Iterable[bytes], *, summed: bool = True) -> dict[str, str]
     """
     pairs: dict[str, str] = {}
     for line in lines:
-        text, mark, seals = line.rpartition(b";")
-        if not mark and not summed:
+        text, mark = line[:-2], line[-2:-1]
+        if mark != b";" and not summed:
             text = line
-        elif len(seals) != 1 or seals[0] not in {checksum(text), checksum(text + mark)}:
+        elif mark != b";" or line[-1] not in {checksum(text), checksum(text + mark)}:
             return None
         key, colon, value = text.decode("latin-1").partition(":")
         if not (colon and key.isupper() and key.isascii() and value.isprintable()):
