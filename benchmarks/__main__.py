@@ -16,6 +16,7 @@ from benchmarks import (
     bench_world,
     hostile,
     laser_link,
+    laser_recovery,
     ros1,
 )
 
@@ -34,6 +35,7 @@ BENCHMARKS = {
     "web": bench_web,
     "hostile": hostile,
     "laser_link": laser_link,
+    "laser_recovery": laser_recovery,
 }
 
 

@@ -10,7 +10,6 @@ from pioneer3.geometry import Pose2
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.worldfile import Box, Person
 from tests.e2e.follow_course import (
-    CLEARANCE,
     LENGTH,
     WIDTH,
     Course,
