@@ -140,7 +140,7 @@ class Program:
         return answers[0]
 
     def hear(self, seconds: float) -> list[str]:
-        """Return what comes while time passes."""
+        """Return the telegrams that come while time passes."""
         heard, until = TelegramReader(), self.room.now + seconds
         texts: list[str] = []
         while self.room.now < until - 1e-9:

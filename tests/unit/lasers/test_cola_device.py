@@ -390,3 +390,13 @@ def test_the_front_screen_may_be_dirty() -> None:
     host.room.laser.unit.status = (0, 2)
     host.ask("sEN LMDscandata 1")
     assert scans(host.hear(0.03))[0].status == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("metres", "value"), [(0.005, 16), (-0.02, 16), (-inf, 0), (inf, 0), (65.5, 65500), (66.0, 0)]
+)
+def test_no_range_is_taken_for_a_code(metres: float, value: int) -> None:
+    host = program()
+    host.room.ranges = lambda turn: [metres] * turn.count
+    host.ask("sEN LMDscandata 1")
+    assert set(scans(host.hear(0.03))[0].channels[0].values) == {value}

@@ -5,6 +5,7 @@ from math import radians
 import pytest
 
 from pioneer3.lasers.client import Identified, LaserIdentity, ScanSettings
+from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.cola.wire import encode
 from tests.unit.lasers.cola_room import losses, remarks, room, writes
 
@@ -71,9 +72,12 @@ def test_a_laser_that_sends_to_nobody_else_is_lost_with_advice() -> None:
 def test_answers_that_cannot_be_read_are_not_asked_for_endlessly() -> None:
     at = room()
     at.instead["sRN LMPscancfg"] = "sRA LMPscancfg nonsense"
+    at.instead["sRN STlms"] = "sRA STlms measuring"
     at.run(5.0)
-    (reason,) = losses(at)
-    assert "sRN LMPscancfg" in reason
+    settings, state = remarks(at)
+    assert "sRN LMPscancfg" in settings
+    assert "sRN STlms" in state
+    assert len(at.scans) > 100
     assert at.sent.count("sRN LMPscancfg") == 3
 
 
@@ -102,3 +106,30 @@ def test_scans_that_are_wrong_are_dropped_and_told_once() -> None:
     at.deaf = True
     at.run(2.0)
     assert losses(at) == ["the last 3 scans of the laser could not be read"]
+
+
+def test_a_refusal_that_comes_twice_is_that_of_one_request() -> None:
+    client = ColaClient(0.0)
+    client.tick(0.0)
+    client.receive(encode("sEA LMDscandata 0"), 0.1)
+    client.tick(0.4)
+    assert client.outgoing() == encode("sEN LMDscandata 0") + 2 * encode("sRI0")
+    assert client.receive(2 * encode("sFA 3"), 0.6) == []
+    assert client.outgoing() == encode("sRN DeviceIdent")
+    client.receive(encode("sRA DeviceIdent 6 LMS111 5 V1.36"), 0.7)
+    client.receive(encode("sRA SerialNumber 8 10010001"), 0.8)
+    (event,) = client.receive(encode("sRA FirmwareVersion 5 V1.36"), 0.9)
+    assert isinstance(event, Identified)
+    assert (event.identity.product, event.identity.serial) == ("LMS111", "10010001")
+
+
+def test_scans_that_nobody_has_asked_for_yet_are_passed_over() -> None:
+    at = room()
+    at.run(0.1)
+    assert at.scans
+    late = ColaClient(0.0)
+    late.tick(0.0)
+    words = at.laser.unit.latest_scan(at.now)
+    assert late.receive(encode(f"sSN LMDscandata {words}"), 0.1) == []
+    assert late.refused == 0
+    assert late.deadline == 0.25

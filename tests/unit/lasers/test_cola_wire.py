@@ -121,3 +121,10 @@ def test_words_too_few_and_too_many_are_refused() -> None:
         Words(["0"]).end()
     with pytest.raises(TelegramError, match="0 to 1"):
         Words(["2"]).flag()
+
+
+def test_a_telegram_that_has_begun_is_kept_behind_much_noise() -> None:
+    reader = TelegramReader()
+    assert reader.feed(b"\x02" * wire.MAX_TELEGRAM) == []
+    assert reader.feed(b"noise\x02sR") == []
+    assert reader.feed(b"I0\x03") == ["sRI0"]

@@ -94,7 +94,7 @@ PASSWORDS: Final[Mapping[int, int]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanConfig:
-    """LMPscancfg: what the mirror does.
+    """LMPscancfg: frequency, step and area of the scan.
 
     Attributes:
         frequency_chz: Scans a second [1/100 Hz].
@@ -239,7 +239,7 @@ class Settings:
     """All settings of a laser that mEEwriteall stores.
 
     Attributes:
-        scan: What the mirror does.
+        scan: Frequency, step and area.
         output: The part that is sent.
         data: Content of scans.
         echo_filter: FREchoFilter of the LMS-5xx: 0 first echo, 1 all echoes, 2 last echo.

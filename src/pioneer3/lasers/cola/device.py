@@ -6,7 +6,7 @@ Rules:
 2. :attr:`ColaDevice.turn` is `None` while nobody waits for a scan. A request for the last scan is
    answered with the next one where the last one is old.
 3. A scan goes to all subscribers, if its number fits the interval of LMDscandatacfg.
-4. A power cycle ends all connections: what a host sends over an old one is not heard.
+4. A power cycle ends all connections: bytes that a host sends over an old one are not heard.
 
 Facts: cola.md 1.1, 6.2.
 """
@@ -26,7 +26,7 @@ class ColaDevice:
     """One laser; it runs since time 0 until :meth:`switch_on` is called.
 
     The server calls :meth:`ColaConnection.outgoing` of each connection after every other call, and
-    sends what it returns in one piece: some programs put no pieces together (cola.md 5.2).
+    sends its bytes in one piece: some programs put no pieces together (cola.md 5.2).
 
     Args:
         model: Its type.
@@ -53,7 +53,7 @@ class ColaDevice:
 
     @property
     def turn(self) -> Turn | None:
-        """What the mirror does next, or `None` while nobody wants readings."""
+        """The next turn of the mirror, or `None` while nobody wants readings."""
         wanted = any(c.subscribed or c.polling for c in self._connections)
         return self.unit.turn() if wanted else None
 
@@ -69,7 +69,7 @@ class ColaDevice:
             self._connections.remove(connection)
 
     def switch_on(self, now: float) -> None:
-        """Begin as after a power cycle: what is not stored is forgotten, connections are dead."""
+        """Begin as after a power cycle: unstored settings are forgotten, connections are dead."""
         for connection in self._connections:
             connection.cut()
         self.unit.switch_on(now)

@@ -1,7 +1,7 @@
 """The host's requests up to the first scan, in order: a script that waits for each answer.
 
-:func:`set_up` yields a :class:`Request` or a :class:`Pause`, and is resumed with the answer. Who
-runs it repeats requests that are not answered.
+:func:`set_up` yields a :class:`Request` or a :class:`Pause`, and is resumed with the answer. The
+client that runs it repeats requests that are not answered.
 
 Facts: cola.md 2, 6.1.
 """
@@ -34,7 +34,7 @@ POLL: Final = 0.5
 SLOW: Final = 5.0
 """Methods that change the mirror's speed may take this long [s]."""
 MOST_MISREAD: Final = 3
-"""Answers to one request that cannot be read before the laser is given up."""
+"""Answers to one request that cannot be read before the client goes on without."""
 ANSWERS: Final = {"sRN": "sRA", "sRI": "sRA", "sWN": "sWA", "sMN": "sAN", "sEN": "sEA"}
 CODES: Final[Mapping[int, str]] = {
     ScanConfigCode.FREQUENCY: "it does not have this scan frequency",
@@ -104,6 +104,7 @@ class Session:
         limits: Shortest and longest range [m].
         interval: Every n-th scan is sent.
         events: To be returned by the client.
+        told: Remarks made so far.
     """
 
     wishes: ScanSettings
@@ -113,10 +114,13 @@ class Session:
     limits: tuple[float, float] = (0.0, 0.0)
     interval: int = 1
     events: list[Event] = field(default_factory=list)
+    told: set[str] = field(default_factory=set)
 
     def remark(self, text: str) -> None:
-        """Add a remark."""
-        self.events.append(Remarked(text))
+        """Add a remark that has not been made yet."""
+        if text not in self.told:
+            self.told.add(text)
+            self.events.append(Remarked(text))
 
 
 def set_up(session: Session) -> Script[None]:
@@ -140,7 +144,7 @@ def set_up(session: Session) -> Script[None]:
 def _ask(
     session: Session, text: str, parse: Callable[[Words], T], *, patience: float = 0.0
 ) -> Script[T | Refusal]:
-    """Send `text` and return what `parse` makes of the answer, or the refusal."""
+    """Send `text` and return its answer as `parse` reads it; a refusal where it cannot be read."""
     kind, _, rest = text.partition(" ")
     name = rest.partition(" ")[0]
     if kind.startswith("sRI"):  # by index: the index is in the first word, without a space
@@ -156,7 +160,8 @@ def _ask(
             return parse(reply)
         except TelegramError as error:
             misread = str(error)
-    raise HopelessError(f"the laser's answer to `{text}` cannot be read: {misread}")
+    session.remark(f"the laser's answer to `{text}` cannot be read: {misread}")
+    return Refusal(0)
 
 
 def _identify(session: Session) -> Script[str]:
@@ -251,15 +256,13 @@ def _run(session: Session) -> Script[None]:
 
 def _await_mirror(session: Session) -> Script[None]:
     """Wait until the laser measures; start one that has been stopped."""
-    began, told = session.now, ""
+    began = session.now
     stopped = started = 0
     while True:
         trouble = yield from _trouble(session)
         if not trouble:
             return
-        if trouble != told:
-            session.remark(f"no scans yet: {trouble}")
-            told = trouble
+        session.remark(f"no scans yet: {trouble}")
         if session.now >= began + MIRROR_PATIENCE:
             raise HopelessError(
                 f"the laser does not measure {MIRROR_PATIENCE:g} s after its first answer:"

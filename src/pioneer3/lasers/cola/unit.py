@@ -45,7 +45,7 @@ PLACE: Final = "not defined"
 CALENDAR_BEGIN: Final = datetime(2006, 1, 1, tzinfo=UTC)
 """Date of a laser that nobody has told the date."""
 FRESH_TURNS: Final = 2
-"""The last scan is given to who asks for it, if it is no older than this many turns."""
+"""A request for the last scan gets it if it is no older than this many turns."""
 _ALMOST: Final = 1e-3
 
 
@@ -91,7 +91,7 @@ class Unit:
         self.switch_on(0.0)
 
     def switch_on(self, now: float) -> None:
-        """Begin as after a power cycle: what is not stored is forgotten."""
+        """Begin as after a power cycle: unstored settings are forgotten."""
         self.settings = self._stored
         self._on_at, self.ready_at = now, now + self._spin_up
         self.up = self._spin_up <= 0
@@ -118,7 +118,7 @@ class Unit:
         return f"{text_words(self._model.product)} {text_words(FIRMWARE)}"
 
     def turn(self) -> Turn | None:
-        """Return what the mirror does next, `None` while nothing is measured."""
+        """Return the next turn of the mirror, `None` while nothing is measured."""
         if self.state is not Measuring.MEASURING:
             return None
         scan, output = self.settings.scan, self.settings.output
@@ -189,7 +189,7 @@ class Unit:
         self._stored = self.settings
 
     def set_scan(self, scan: ScanConfig) -> ScanConfigCode:
-        """Change what the mirror does, if it can; return the answer."""
+        """Change frequency, step and area, if possible; return the code."""
         code = self._family.check(scan)
         if not self._family.adjustable and scan != self.settings.scan:
             code = code or ScanConfigCode.OTHER

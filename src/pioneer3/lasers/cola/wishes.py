@@ -13,7 +13,7 @@ _ALMOST: Final = 1e-3
 
 
 def wished_scan(present: ScanConfig, wishes: ScanSettings, family: Family) -> ScanConfig:
-    """Return what the mirror should do; `present` as far as it fulfils the wishes."""
+    """Return the wished frequency, step and area; `present` as far as it fulfils them."""
     if not family.adjustable:
         return present
     step, frequency = present.step_tick, present.frequency_chz
@@ -50,7 +50,7 @@ def wished_output(scan: ScanConfig, wishes: ScanSettings, family: Family) -> Out
 
 
 def wished_data(present: DataConfig, wishes: ScanSettings, family: Family) -> DataConfig:
-    """Return the wished content of scans; what nobody wished for stays as in `present`."""
+    """Return the wished content of scans; all else stays as in `present`."""
     return replace(
         present,
         echoes=(1 << family.echoes) - 1 if wishes.multi_echo else 1,
