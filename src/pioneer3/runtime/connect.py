@@ -5,20 +5,23 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel, load_model
-from pioneer3.robot.lasers.driver import LaserDriver
-from pioneer3.robot.lasers.mounting import Mounting
-from pioneer3.robot.lasers.spec import LaserSpec, parse_laser
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
+
+if TYPE_CHECKING:
+    from pioneer3.robot.lasers.driver import LaserDriver
+    from pioneer3.robot.lasers.mounting import Mounting
+    from pioneer3.robot.lasers.spec import LaserSpec
 
 USUAL = "p3at-sh"
 
@@ -34,7 +37,7 @@ async def connect_async(
     auto_enable: bool = True,
     record: Path | None = None,
     timing: Timing | None = None,
-    lasers: Sequence[LaserSpec | str] = (),
+    lasers: "Sequence[LaserSpec | str]" = (),
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
@@ -81,8 +84,11 @@ async def connect_async(
             yield Robot(supervisor, arbiter, drivers)
 
 
-def _laser(asked: LaserSpec | str, supervisor: Supervisor, stack: ExitStack) -> LaserDriver:
+def _laser(asked: "LaserSpec | str", supervisor: Supervisor, stack: ExitStack) -> "LaserDriver":
     """Return the driver of a laser that looks from the robot of `supervisor`."""
+    from pioneer3.robot.lasers.driver import LaserDriver  # costs 20 ms that few need
+    from pioneer3.robot.lasers.spec import parse_laser
+
     spec = parse_laser(asked) if isinstance(asked, str) else asked
     config = spec.config()
     if spec.record is not None:
@@ -91,7 +97,7 @@ def _laser(asked: LaserSpec | str, supervisor: Supervisor, stack: ExitStack) -> 
             config, open=stack.enter_context(recorded(config.open, spec.record, clock)).open
         )
 
-    def mounting() -> Mounting:
+    def mounting() -> "Mounting":
         return spec.mounting_on(supervisor.info.model if supervisor.info else None)
 
     return LaserDriver(config, supervisor.poses.at, mounting)

@@ -11,7 +11,6 @@ from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.devices import Devices
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
@@ -35,7 +34,7 @@ class Robot:
     """
 
     def __init__(
-        self, supervisor: Supervisor, arbiter: Arbiter, lasers: Sequence[LaserDriver] = ()
+        self, supervisor: Supervisor, arbiter: Arbiter, lasers: Sequence[LaserSource] = ()
     ) -> None:
         self.supervisor = supervisor
         self.arbiter = arbiter

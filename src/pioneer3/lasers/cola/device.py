@@ -23,7 +23,7 @@ DEFAULT_SERIAL: Final = 10_010_001
 
 
 class ColaDevice:
-    """One laser; it runs since time 0 until :meth:`switch_on` is called.
+    """One laser, which has run for long until :meth:`switch_on` is called.
 
     The server calls :meth:`ColaConnection.outgoing` of each connection after every other call, and
     sends its bytes in one piece: some programs put no pieces together (cola.md 5.2).

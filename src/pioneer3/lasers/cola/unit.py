@@ -58,7 +58,7 @@ class RefusedError(Exception):
 
 
 class Unit:
-    """One laser.
+    """One laser, which has run for long until :meth:`switch_on` is called.
 
     Args:
         model: Its type.
@@ -89,6 +89,7 @@ class Unit:
         self.settings = self._stored = Settings(scan=scan, output=whole)
         self._power_ups = -1
         self.switch_on(0.0)
+        self.up, self.ready_at = True, 0.0
 
     def switch_on(self, now: float) -> None:
         """Begin as after a power cycle: unstored settings are forgotten."""

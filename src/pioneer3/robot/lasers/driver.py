@@ -105,6 +105,8 @@ class LaserDriver:
         self._stamps: deque[float] = deque()
         self._failure = ""
         self._latency = 0.0
+        self._speed: int | None = None
+        self._good_speed: int | None = None
 
     @property
     def identity(self) -> LaserIdentity | None:
@@ -236,7 +238,13 @@ class LaserDriver:
         now, config = self._clock(), self.config
         if self._protocol is not None:
             return client_of(
-                self._protocol, now, speeds, config.settings, config.patience, round_trip=round_trip
+                self._protocol,
+                now,
+                speeds,
+                config.settings,
+                config.patience,
+                round_trip=round_trip,
+                first_speed=self._good_speed,
             )
         return Search(
             now,
@@ -280,6 +288,7 @@ class LaserDriver:
                 case Measured(scan):
                     self._take(scan)
                 case SpeedWanted(baud):
+                    self._speed = baud
                     await link.set_speed(baud)
                 case Identified(identity):
                     self._identities.publish(identity)
@@ -307,7 +316,7 @@ class LaserDriver:
             raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
         scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
         if not self.connected:
-            self._failure = ""
+            self._failure, self._good_speed = "", self._speed
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
         self.latest = scan
         now = self._clock()

@@ -23,16 +23,28 @@ from pioneer3.lasers.client import (
     ScanSettings,
     SpeedWanted,
 )
+from pioneer3.lasers.cola.client import ColaClient
+from pioneer3.lasers.lms2xx.client import LmsClient
 from pioneer3.lasers.recognition import QUESTION, recognise
+from pioneer3.lasers.scip.client import ScipClient
 from pioneer3.models.lasers import LaserProtocol
 
-LISTEN = 0.15
-"""At each speed before asking [s]: a laser that scans is heard by then."""
-WAIT = 0.35
-"""For an answer [s]: an LMS-2xx answers within 60 ms, at 9600 baud a version takes 170 ms."""
+LISTEN = 0.1
+"""At each speed before asking [s]: a laser that scans has sent something by then."""
+WHOLE_SCAN = 0.45
+"""Where something comes, it is listened to for so long [s]: at 19200 baud a scan takes 0.4 s."""
+WAIT = 0.1
+"""For an answer [s], besides the time of its bytes: an LMS-2xx answers within 60 ms."""
+ANSWER = 250 * 10
+"""Bits of the question and the longest answer."""
 HEARD = 4096
 SPEEDS = (115200, 38400, 9600, 19200, 57600, 500000)
 """Of all lasers [baud]; those with USB answer at any."""
+SPEEDS_OF = {
+    LaserProtocol.SCIP: (115200, 19200, 57600, 38400),
+    LaserProtocol.LMS2XX: (38400, 9600, 19200, 500000),
+}
+"""Of the lasers of each protocol with a serial line [baud], the likeliest first."""
 ROBOT = "this port leads to the robot, not to a laser: give it with --port"
 ECHO = "what was sent comes back: the line's two ends are joined"
 NOTHING = "nothing answers as a laser does: is it switched on, and is this its port?"
@@ -75,6 +87,8 @@ class Search:
         """Process received bytes; return the events that follow."""
         if self._client is not None:
             return self._passed(self._client.receive(data, now))
+        if data and not self._asked and not self._heard:
+            self.deadline = now + WHOLE_SCAN
         self._heard += data
         del self._heard[:-HEARD]
         protocol = recognise(bytes(self._heard))
@@ -97,15 +111,19 @@ class Search:
             return [Lost(NOTHING)]
         if not self._asked:
             self._asked, self._outbox = True, QUESTION
-            self.deadline = now + WAIT + self._round_trip
+            bits = ANSWER / self._speed if self._speed else 0.0
+            self.deadline = now + WAIT + bits + self._round_trip
             return []
         self._turn += 1
         self._asked = False
         self._heard.clear()
         self.deadline = now + LISTEN
-        if not self._speeds:
-            return []
-        return [SpeedWanted(self._speeds[self._turn % len(self._speeds)])]
+        return [SpeedWanted(self._speed)] if self._speed else []
+
+    @property
+    def _speed(self) -> int | None:
+        """The speed in use [baud]; `None` where there is none."""
+        return self._speeds[self._turn % len(self._speeds)] if self._speeds else None
 
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""
@@ -122,12 +140,14 @@ class Search:
     def _speak(self, protocol: LaserProtocol, now: float) -> list[Event]:
         """Become the client of `protocol`, beginning at the speed that was found."""
         self._found(protocol)
-        speeds = self._speeds
-        if speeds:
-            here = speeds[self._turn % len(speeds)]
-            speeds = (here, *(speed for speed in speeds if speed != here))
         self._client = client_of(
-            protocol, now, speeds, self._settings, self._patience, round_trip=self._round_trip
+            protocol,
+            now,
+            self._speeds,
+            self._settings,
+            self._patience,
+            round_trip=self._round_trip,
+            first_speed=self._speed,
         )
         events = [Remarked(f"the laser speaks {protocol.value}"), *self._client.tick(now)]
         return self._passed(events)
@@ -149,19 +169,20 @@ def client_of(
     patience: Patience,
     *,
     round_trip: float = 0.0,
+    first_speed: int | None = None,
 ) -> Client:
-    """Return a new client of `protocol`; see :class:`Search` for the arguments."""
+    """Return a new client of `protocol`, which tries `first_speed` [baud] before all others.
+
+    See :class:`Search` for the other arguments.
+    """
+    usual = [speed for speed in SPEEDS_OF.get(protocol, ()) if speed in speeds]
+    if first_speed in speeds:
+        usual = [first_speed, *(speed for speed in usual if speed != first_speed)]
     match protocol:
         case LaserProtocol.SCIP:
-            from pioneer3.lasers.scip.client import ScipClient
-
-            return ScipClient(now, speeds, settings, patience, round_trip=round_trip)
+            return ScipClient(now, usual, settings, patience, round_trip=round_trip)
         case LaserProtocol.LMS2XX:
-            from pioneer3.lasers.lms2xx.client import LmsClient
-
-            return LmsClient(now, speeds, settings, patience, round_trip=round_trip)
+            return LmsClient(now, usual, settings, patience, round_trip=round_trip)
         case LaserProtocol.COLA:
-            from pioneer3.lasers.cola.client import ColaClient
-
             return ColaClient(now, settings, patience, round_trip=round_trip)
     raise ConfigError(f"{protocol}: no such protocol")
