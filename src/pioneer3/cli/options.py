@@ -224,7 +224,7 @@ class WorldOptions:
 
     Attributes:
         start: x,y,th as 1m,2m,90deg, or in mm, deg; home, random, outside; one for all or for each.
-        fit: Accessories of all robots, such as gripper,bumpers,compass,gyro,camera=vcc4.
+        fit: Accessories of all robots, such as gripper,bumpers,gyro,camera=vcc4,laser=utm-30lx.
         seed: Whole number that makes everything random repeatable, such as 7.
         keep_session: A program that vanishes leaves its session behind, as on a serial line.
     """

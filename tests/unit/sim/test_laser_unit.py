@@ -197,7 +197,7 @@ async def test_without_power_it_is_silent_and_begins_anew() -> None:
     assert host.heard == before
     assert not host.closed  # a serial line does not tell
     bench.laser.switch_on()
-    assert bench.device.switched_on == [pytest.approx(0.7)]
+    assert bench.device.switched_on == [-60.0, pytest.approx(0.7)]
     bench.run(0.2)
     assert host.heard == before  # it has forgotten that it was to stream
     bench.send(host, b"S")

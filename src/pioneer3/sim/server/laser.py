@@ -19,6 +19,8 @@ from pioneer3.sim.server.laser_hosts import LaserHosts, OneHost, SeveralHosts
 from pioneer3.sim.server.listeners import PtyListener, TcpListener, url_of
 from pioneer3.sim.world import World
 
+SWITCHED_ON = 60.0
+"""A laser has been on for so long when it comes into the world [s]: all have started by then."""
 SLACK = 1e-6
 """Times are sums of ticks, and rounded [s]."""
 
@@ -61,6 +63,7 @@ class SimulatedLaser:
         self._silent_until = -inf
         self._faults = LinkFaults()
         self._hosts = self._new_hosts(wake)
+        device.switch_on(world.time - SWITCHED_ON)
 
     @property
     def label(self) -> str:
