@@ -8,7 +8,10 @@ from typing import get_type_hints
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from pioneer3.lasers.client import Lost, Patience
+from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
 from pioneer3.lasers.lms2xx.blocks import Config, Status
+from pioneer3.lasers.lms2xx.commands import Command, Mode
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, MeasuringMode, Units
 from pioneer3.lasers.lms2xx.scans import (
     MEAN_SUBRANGE_VALUES,
@@ -29,6 +32,7 @@ from pioneer3.lasers.lms2xx.telegram import (
     checksum,
     encode,
 )
+from tests.unit.lasers.lms_support import LMS200, Cable
 
 CODES = st.integers(0x10, 0xFF)
 SENT = st.tuples(CODES, st.binary(min_size=1, max_size=200), st.sampled_from(UNITS))
@@ -189,6 +193,61 @@ def test_every_status_keeps_its_fields(block: bytes) -> None:
             status.to_bytes()[place.offset - 1 : place.end - 1]
             == (block[place.offset - 1 : place.end - 1])
         )
+
+
+ANSWERS = st.builds(
+    lambda code, body, status: encode(code, body + bytes((status,)), 0x80),
+    st.sampled_from([0x90, 0x91, 0x92, 0xA0, 0xB0, 0xB1, 0xB7, 0xBA, 0xBB, 0xF4, 0xF7]),
+    st.sampled_from([0, 1, 2, 5, 34, 152, 364]).flatmap(
+        lambda size: st.binary(min_size=size, max_size=size)
+    )
+    | st.sampled_from([b"\0", b"\1", b"\1\xb4\0\x64\0", b"\xb5\x40" + bytes(362)]),
+    st.integers(0, 255),
+)
+
+
+@given(
+    st.lists(st.tuples(st.one_of(ANSWERS, NOISE, st.just(b"")), st.floats(0, 4)), max_size=60),
+    st.sampled_from([(), (9600,), (38400, 9600, 500000)]),
+)
+def test_no_answers_make_the_client_raise(
+    heard: list[tuple[bytes, float]], speeds: tuple[int, ...]
+) -> None:
+    client, now = LmsClient(0.0, speeds, patience=Patience(give_up=60.0)), 0.0
+    for data, pause in heard:
+        now += pause
+        events = client.receive(data, now)
+        while client.deadline <= now:
+            events += client.tick(now)
+        assert len(client.outgoing()) < 1000
+        if any(isinstance(event, Lost) for event in events):
+            assert client.deadline == inf
+            return
+        assert client.deadline > now
+    client.leave(now)
+    assert client.deadline == inf
+
+
+REQUESTS = st.builds(
+    encode,
+    st.sampled_from(Command) | CODES,
+    st.binary(max_size=34)
+    | st.sampled_from(Mode).map(lambda mode: bytes((mode,)))
+    | st.sampled_from([b"\0SICK_LMS", b"\x27\1\0\3\0", b"\x64\0\x19\0", b"\xb4\0\x64\0"]),
+)
+
+
+@given(st.lists(st.tuples(st.one_of(REQUESTS, NOISE), st.floats(0, 0.2)), max_size=40))
+def test_no_requests_make_the_unit_raise(asked: list[tuple[bytes, float]]) -> None:
+    unit = LmsDevice(LMS200, boot=0.5)
+    cable = Cable(unit, speed=None)
+    for data, pause in asked:
+        cable.send(data)
+        cable.step(pause)
+        assert unit.speed in {9600, 19200, 38400, 500000}
+        assert unit._line.waiting < 4096
+        assert unit.deadline > cable.now - pause - 1e-6
+        assert (unit.turn is None) or unit.turn.count in {180, 181, 100, 101}
 
 
 @st.composite

@@ -19,7 +19,7 @@ from pioneer3.lasers.client import (
 )
 from pioneer3.lasers.device import Turn
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice, commands
-from pioneer3.lasers.lms2xx.blocks import Config
+from pioneer3.lasers.lms2xx.blocks import Config, Status
 from pioneer3.lasers.lms2xx.commands import Command, Mode
 from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN, Units, Variant
 from pioneer3.lasers.lms2xx.telegram import encode
@@ -364,6 +364,45 @@ def test_a_refused_variant_and_configuration_are_done_without() -> None:
     scan = scans(events)[0]
     assert (len(scan.ranges), scan.ranges[0]) == (361, 2.0)
     assert scan.far == pytest.approx(81.82)
+
+
+def test_a_variant_that_is_answered_too_late_is_asked_for_again() -> None:
+    cable = ready(38400, delays={Command.VARIANT: 1.5})
+    scan = first_scan(cable, LmsClient(cable.now, (38400,)), 8.0)
+    assert len(scan.ranges) == 181
+
+
+def test_a_refused_speed_is_done_without() -> None:
+    cable = Cable(LmsDevice(replace(LMS200, speeds=(9600, 19200))), 9600)
+    events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
+    assert "refuses 38400 baud and stays at 9600" in remarks(events)
+    assert cable.device.speed == 9600
+
+
+def test_a_defect_is_told() -> None:
+    cable = ready(38400)
+    unit = cable.device.unit
+    answer = unit.answer
+
+    def defective(code: int, data: bytes) -> bytes | None:
+        body = answer(code, data)
+        if code == Command.STATUS and body is not None:
+            return replace(Status.from_bytes(body), defective=1).to_bytes()
+        return body
+
+    unit.answer = defective  # type: ignore[method-assign]
+    events = run(cable, LmsClient(cable.now, SPEEDS), Measured, 3.0)
+    assert "it is defective" in remarks(events)
+
+
+def test_scans_of_others_are_left_alone() -> None:
+    cable = ready(38400)
+    client = LmsClient(cable.now, SPEEDS)
+    first_scan(cable, client)
+    for code, body in ((0xB7, b"\1\0\1\0\1\x40\0\0"), (0xB0, b"\3\x40\1"), (0xB0, b"\1\x40\1\0")):
+        assert client.receive(encode(code, body + b"\x10", 0x80), cable.now) == []
+    partial = b"\xb5\x60" + bytes(2 * 181)
+    assert client.receive(encode(0xB0, partial + b"\x10", 0x80), cable.now) == []
 
 
 def test_spoilt_requests_and_answers_cost_a_try() -> None:

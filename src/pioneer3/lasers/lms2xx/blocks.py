@@ -46,20 +46,13 @@ def _compiled(cls: type) -> tuple[tuple[str, At], ...]:
 
 
 def _unpack(cls: type[T], data: bytes) -> T:
-    """Return the block in `data`; fields behind its end keep their defaults.
-
-    Raises:
-        ValueError: a field without a default is missing.
-    """
+    """Return the block in `data`; fields behind its end keep their defaults."""
     values = {
         name: place.struct.unpack_from(data, place.offset)[0]
         for name, place in _places(cls)
         if place.end <= len(data)
     }
-    try:
-        return cls(**values)
-    except TypeError:
-        raise ValueError(f"{len(data)} bytes are too few for a {cls.__name__}") from None
+    return cls(**values)
 
 
 def _pack(block: object, size: int) -> bytes:

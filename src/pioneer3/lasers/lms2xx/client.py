@@ -134,11 +134,10 @@ class LmsClient:
 
     def leave(self, now: float) -> None:
         """Queue the requests to stop, and for 9600 baud, at which other programs begin."""
-        if self._wait is None and self._lost_at == inf:
-            return  # nothing has been sent, or all is over
-        self._outbox.append(commands.mode(Mode.ON_REQUEST))
-        if self._setup.speed is not None:
-            self._outbox.append(commands.mode(Mode.SPEED_9600))
+        if self._wait is not None or self._lost_at < inf:  # else nothing has been sent, or all ends
+            self._outbox.append(commands.mode(Mode.ON_REQUEST))
+            if self._setup.speed is not None:
+                self._outbox.append(commands.mode(Mode.SPEED_9600))
         self._end()
 
     def _end(self) -> None:

@@ -130,6 +130,7 @@ class LmsDevice:
         """Take the readings of a turn that is over."""
         if sweep.turn != self.turn:
             return  # a host has changed the variant or the mode since it began
+        now = min(now, sweep.began + sweep.turn.period)  # bytes leave from its end on
         number = self._mirror.number
         scan = self._mirror.add(sweep)
         self._scans += scan is not None

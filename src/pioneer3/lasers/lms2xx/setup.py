@@ -128,7 +128,7 @@ class SetUp:
         self.speed: int | None = None
         self.heard = self.has_begun = False
         self.line_speed: int | None = None
-        self.variant = wanted_variant(settings)
+        self.variant = self._wanted = wanted_variant(settings)
         self.measuring_mode = MEASURING_MODES[WITHOUT_INTENSITIES[0]]
         self._speeds: list[int | None] = [*speeds] if speeds else [None]
         self._target = target
@@ -268,20 +268,16 @@ class SetUp:
 
     def _set_variant(self, status: Status) -> Generator[Wait, Telegram | None, bool]:
         """Set field and step, where they differ; return whether the unit answers."""
-        wanted, self.variant = self.variant, status.variant
-        if wanted == self.variant:
+        self.variant = status.variant
+        if self.variant == self._wanted:
             return True
-        answer = yield self._ask(Command.VARIANT, commands.variant_data(wanted))
-        if answer is None:
-            self.variant = wanted
-            return False
-        if _is_taken(answer):
-            self.variant = wanted
-        else:
-            self.events.append(
-                Remarked(f"the laser refuses {wanted} and goes on with {self.variant}")
-            )
-        return True
+        answer = yield self._ask(Command.VARIANT, commands.variant_data(self._wanted))
+        if answer is not None and _is_taken(answer):
+            self.variant = self._wanted
+        elif answer is not None:
+            told = f"the laser refuses {self._wanted} and goes on with {self.variant}"
+            self.events.append(Remarked(told))
+        return answer is not None
 
     def _configure(self, status: Status) -> Generator[Wait, Telegram | None, bool]:
         """Set measuring mode and units, where they differ; return whether the unit can scan."""
