@@ -1,12 +1,14 @@
 """A simulated LMS-2xx at a serial line to test with, in virtual time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from pioneer3.lasers.client import Event, SpeedWanted
+from pioneer3.lasers.client import Event, Measured, RawScan, Remarked, SpeedWanted
 from pioneer3.lasers.device import Sweep, Turn
 from pioneer3.lasers.lms2xx import LmsClient, LmsDevice
+from pioneer3.lasers.lms2xx.blocks import Config
+from pioneer3.lasers.lms2xx.measuring import Units
 from pioneer3.lasers.lms2xx.telegram import UNITS, Sign, Telegram, TelegramReader
 from pioneer3.models.lasers import LASERS
 
@@ -14,6 +16,8 @@ LMS200 = LASERS["lms-200"]
 SPEEDS = (9600, 38400, 19200, 500000)
 STEP = 0.001
 """Pace of the virtual time [s]; the host reads at most this often."""
+WRITTEN = Config(measuring_mode=5, units=Units.MILLIMETRES)
+"""As the client wants it."""
 Scene = Callable[[Turn, int], float]
 
 
@@ -123,3 +127,30 @@ def run(
         if any(isinstance(event, until) for event in new):
             return events
     raise AssertionError(f"no {until.__name__} in {limit} s: {events}")
+
+
+def ready(start_speed: int = 38400, **options: object) -> Cable:
+    """Return a unit that is set up in all but the variant."""
+    device = LmsDevice(LMS200, start_speed=start_speed, **options)  # type: ignore[arg-type]
+    device.unit.config = WRITTEN
+    return Cable(device, start_speed)
+
+
+def scans(events: Sequence[Event]) -> list[RawScan]:
+    """Return the scans among `events`."""
+    return [event.scan for event in events if isinstance(event, Measured)]
+
+
+def remarks(events: Sequence[Event]) -> str:
+    """Return the texts for the log."""
+    return "\n".join(event.text for event in events if isinstance(event, Remarked))
+
+
+def speeds(events: Sequence[Event]) -> list[int]:
+    """Return the speeds that have been wanted [baud]."""
+    return [event.baud for event in events if isinstance(event, SpeedWanted)]
+
+
+def first_scan(cable: Cable, client: LmsClient, limit: float = 3.0) -> RawScan:
+    """Return the next scan, which comes within `limit` [s]."""
+    return scans(run(cable, client, Measured, limit))[0]
