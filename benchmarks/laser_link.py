@@ -13,6 +13,7 @@ import sys
 import time
 from contextlib import suppress
 from statistics import median
+from threading import Thread
 from typing import Any
 
 from benchmarks.table import Row, percentile_99
@@ -70,6 +71,9 @@ async def measure(seconds: float) -> list[Row]:
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         url = process.stdout.readline().strip()
+        sent: list[float] = []
+        reader = Thread(target=lambda: sent.extend(map(float, process.stdout or ())))
+        reader.start()
         driver = LaserDriver(LaserConfig(url=url, open=opener(url)))
         arrivals: list[float] = []
         async with running(driver.run()):
@@ -83,7 +87,7 @@ async def measure(seconds: float) -> list[Row]:
             share = (time.process_time() - cpu) / (time.monotonic() - began)
             received = driver.scans - first
         process.terminate()
-        sent = [float(line) for line in process.stdout if line.strip()]
+        reader.join()
     late = [_after(sent, moment) for moment in arrivals]
     in_window = sum(began <= moment < began + seconds for moment in sent)
     return [

@@ -65,7 +65,7 @@ class RawScan:
 
 @dataclass(frozen=True, slots=True)
 class SpeedWanted:
-    """The link must be set to `baud` from now on, after the bytes of `outgoing()` have left."""
+    """The link must be set to `baud` at once, before the bytes of `outgoing()` leave."""
 
     baud: int
 
@@ -160,10 +160,7 @@ class Client(Protocol):
         """Act on the passing of time. Harmless to call too often."""
 
     def outgoing(self) -> bytes:
-        """Return and forget the bytes to put on the wire, at once.
-
-        They go out at the speed that was wanted before they were queued.
-        """
+        """Return and forget the bytes to put on the wire, after the events have been obeyed."""
 
     def leave(self, now: float) -> None:
         """Queue the commands that end scanning and leave the laser as the next program likes it."""

@@ -282,7 +282,6 @@ class LaserDriver:
         return data
 
     async def _obey(self, link: Link, client: Client, events: list[Event]) -> None:
-        await self._write(link, client.outgoing())
         for event in events:
             match event:
                 case Measured(scan):

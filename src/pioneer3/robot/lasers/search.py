@@ -176,7 +176,7 @@ def client_of(
     See :class:`Search` for the other arguments.
     """
     usual = [speed for speed in SPEEDS_OF.get(protocol, ()) if speed in speeds]
-    if first_speed in speeds:
+    if first_speed is not None and first_speed in speeds:
         usual = [first_speed, *(speed for speed in usual if speed != first_speed)]
     match protocol:
         case LaserProtocol.SCIP:
