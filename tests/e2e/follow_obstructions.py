@@ -46,10 +46,10 @@ def passed_by(seed: int) -> Course:
 def behind_pillars(seed: int) -> Course:
     """Return a way to and fro around a robot that need only turn, behind pillars of a seed."""
     rng = np.random.default_rng(seed)
-    angles = np.radians(np.concatenate([np.arange(0, 60, 5), np.arange(60, -60, -5)]))
+    angles = np.radians(np.concatenate([np.arange(0, 80, 5), np.arange(80, -80, -5)]))
     path = tuple((float(AROUND * cos(a)), float(AROUND * sin(a))) for a in (*angles, *angles[:8]))
     pillars = []
-    for angle in np.radians([-45, -25, 25, 45]) + rng.uniform(-0.1, 0.1, 4):
+    for angle in np.radians([-45, 45]) + rng.uniform(-0.1, 0.1, 2):
         at = Pose2(theta=float(angle)) @ Pose2(float(rng.uniform(0.9, 1.1)))
         side = float(rng.uniform(0.15, 0.3))
         pillars.append(Box(pose=at, size=(side, side)))

@@ -32,6 +32,8 @@ NEAR, FAR = 0.15, 0.6
 """Between the outlines [m]; in between, the person is kept."""
 LOST, LOST_FOR = 1.5, 2.0
 """Farther away [m] for so long [s], the person is lost."""
+HELD = 0.5
+"""The person is not farther from where the rule takes them to be [m]."""
 ASIDE, MISTAKEN_FOR = radians(65), 1.0
 """Farther aside than this [rad], or lost, the person cannot be heard. A rule that says for so long
 [s] that it follows them then takes something else for them."""
@@ -43,6 +45,7 @@ class Outcome:
 
     Attributes:
         gaps: Between the outlines, every 20 ms [m].
+        held: At how many of these times the rule knew where the person was.
         lost: How often the person was lost.
         walls: How often something else was taken for them.
         contacts: How often the robot touched something, or somebody.
@@ -50,6 +53,7 @@ class Outcome:
     """
 
     gaps: list[float] = field(default_factory=list)
+    held: int = 0
     lost: int = 0
     walls: int = 0
     contacts: int = 0
@@ -74,6 +78,7 @@ class Judge:
         """Look, every `TICK`."""
         outcome, (gap, bearing) = self.outcome, gap_to(self._person.pose, self._body)
         outcome.gaps.append(gap)
+        outcome.held += self._knows_place()
         before, self._far = self._far, self._far + TICK if gap > self._lost else 0.0
         outcome.lost += before < LOST_FOR <= self._far
         wrong = (gap > self._lost or abs(bearing) > ASIDE) and self._says_it_follows()
@@ -85,9 +90,23 @@ class Judge:
         ended = self._robot.arbiter.ended
         outcome.ended = ended.why if ended else None
 
+    def _knows_place(self) -> bool:
+        """Return whether the robot takes a place near the person for theirs."""
+        mode, snapshot = self._robot.arbiter.mode, self._robot.snapshot
+        if mode is None or mode.goal is None or snapshot is None:
+            return False
+        taken = snapshot.odometry.robot_in_odom.inverse() @ Pose2(mode.goal.x, mode.goal.y)
+        there = self._body.robot_in_world.inverse() @ self._person.pose
+        return hypot(taken.x - there.x, taken.y - there.y) <= HELD
+
     def _says_it_follows(self) -> bool:
         shares = self._robot.arbiter.decision.contributions
         return any(s.action == "follow" and s.reason.startswith("follows") for s in shares)
+
+
+def within(outcome: Outcome, keep: float = KEEP) -> float:
+    """Return the share of the time in which the gap was as wide as wanted, within 0.5 m."""
+    return outcome.share(keep - 0.5, keep + 0.5)
 
 
 def gap_to(person: Pose2, body: Body, radius: float = 0.25) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import atan2, hypot, sqrt
+from math import asin, atan2, hypot, sqrt
 
 from pioneer3.behaviors.kalman import KalmanFilter
 from pioneer3.behaviors.legs import Leg, find_legs, gap_to, range_towards
@@ -15,7 +15,7 @@ BORN_SIGMA = 0.1
 """Standard deviation of the place of a person who has just been seen [m]."""
 BOTH_SIGMA, ONE_SIGMA, PART_SIGMA = 0.04, 0.12, 0.15
 """Of the middle of a person of whom two legs are seen, one, or one in part [m]."""
-GATE, ASIDE, STEP, WIDEST_GATE = 2.5, 0.15, 0.3, 0.7
+GATE, ASIDE, STEP, WIDEST_GATE = 2.5, 0.15, 0.3, 0.6
 """A leg belongs to a person when its distance from the expected middle is less than so many
 standard deviations, half of the distance of the legs of who stands [m], and the way in half of a
 step [s]; never farther away than the last [m]."""
@@ -29,7 +29,7 @@ WALKED = 0.5
 """A track that has come this far walks [m]; noise and odometry do not get that far."""
 STANDS, STAYS = 2.0, 0.25
 """A track that has not come farther than the second [m] in the first [s] is furniture."""
-MISSED, HIDDEN, NEVER_WALKED = 1.0, 3.0, 0.5
+MISSED, HIDDEN, NEVER_WALKED = 1.0, 3.0, 1.5
 """A person is given up who is not seen for so long [s]: in plain sight; behind something or outside
 the field of view; and any track that has never walked."""
 BEHIND = 0.2
@@ -208,7 +208,7 @@ class LegTracks:
             known = track.walked or track is followed
             patience = NEVER_WALKED
             if known:
-                patience = HIDDEN if _is_hidden(scan, *track.estimate.position) else MISSED
+                patience = HIDDEN if _may_be_hidden(scan, track) else MISSED
             if scan.stamp - track.seen > patience:
                 self.tracks.remove(track)
             elif not known and scan.stamp - track.found > STANDS and track.strayed < STAYS:
@@ -234,15 +234,21 @@ def _middle(legs: list[Leg]) -> tuple[float, float]:
     return sum(leg.x for leg in legs) / len(legs), sum(leg.y for leg in legs) / len(legs)
 
 
-def _is_hidden(scan: Scan, x: float, y: float) -> bool:
-    """Return whether a laser cannot see a point: something is before it, or it looks elsewhere."""
-    there = scan.sensor_in_odom.inverse() @ Pose2(x, y)
-    away, bearing = hypot(there.x, there.y), atan2(there.y, there.x)
-    return range_towards(scan, bearing) < away - BEHIND
+def _may_be_hidden(scan: Scan, track: LegTrack) -> bool:
+    """Return whether a person may be behind something, or beside the field of view."""
+    away, bearing = _polar(scan, *track.estimate.position)
+    beside = asin(min(1.0, track.gate / max(away, track.gate)))
+    sides = (bearing - beside, bearing, bearing + beside)
+    return any(range_towards(scan, side) < away - BEHIND for side in sides)
 
 
 def _is_past(scan: Scan, x: float, y: float) -> bool:
     """Return whether a laser sees past a point."""
-    there = scan.sensor_in_odom.inverse() @ Pose2(x, y)
-    away, bearing = hypot(there.x, there.y), atan2(there.y, there.x)
+    away, bearing = _polar(scan, x, y)
     return range_towards(scan, bearing) > away + BEHIND
+
+
+def _polar(scan: Scan, x: float, y: float) -> tuple[float, float]:
+    """Return the distance of a point from the laser [m], and its bearing there [rad]."""
+    there = scan.sensor_in_odom.inverse() @ Pose2(x, y)
+    return hypot(there.x, there.y), atan2(there.y, there.x)
