@@ -12,7 +12,8 @@ from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Person
 from tests.e2e.follow_course import make_course
-from tests.e2e.follow_walk import Outcome, Walk, gap_to
+from tests.e2e.follow_obstructions import among_chairs
+from tests.e2e.follow_walk import Outcome, Walk, gap_to, within
 from tests.support import SimulatedRobot
 
 
@@ -26,6 +27,57 @@ def test_tracking_keeps_the_person(model: str, seed: int) -> None:
     outcome = walked(seed, "tracking", model)
     assert outcome.share() >= 0.95
     assert (outcome.lost, outcome.walls, outcome.contacts, outcome.ended) == (0, 0, 0, None)
+
+
+@pytest.mark.parametrize(("model", "seed"), [("p3at-sh", 101), ("p3dx-sh", 102)])
+def test_by_the_legs_it_keeps_as_far_as_wanted(model: str, seed: int) -> None:
+    outcome = walked(seed, "legs", model)
+    assert within(outcome) >= 0.99
+    assert outcome.held == len(outcome.gaps)
+    assert (outcome.lost, outcome.walls, outcome.contacts, outcome.ended) == (0, 0, 0, None)
+
+
+def test_chairs_are_not_taken_for_people() -> None:
+    outcome = Walk(course=among_chairs(104), seed=104, rule="legs").run()
+    assert within(outcome) >= 0.99
+    assert outcome.held == len(outcome.gaps)
+    assert (outcome.lost, outcome.walls, outcome.contacts, outcome.ended) == (0, 0, 0, None)
+
+
+async def test_it_goes_on_by_sonar_when_the_laser_falls_silent() -> None:
+    sim = SimulatedRobot(realism=Realism(), seed=2)
+    front = sim.body.model.length_front + 0.25
+    path = ((front + 0.5, 0.0), (front + 4.5, 0.0))
+    person = sim.world.add_obstacle(Person(path=path, speed=0.3, pause=3.0, loop=False))
+    async with sim, connect_async(sim.open) as robot:
+        robot.arbiter.start(follow())
+        await asyncio.sleep(6.0)
+        assert robot.devices.laser.latest is not None
+        assert not any("sonar" in words for words in robot.arbiter.told)
+        scans, robot.arbiter.latest_scan = robot.arbiter.latest_scan, lambda: None
+        await asyncio.sleep(4.0)
+        assert any("by sonar, the laser is silent" in words for words in robot.arbiter.told)
+        assert gap_to(person.pose, sim.body)[0] < 0.6
+        robot.arbiter.latest_scan = scans
+        await asyncio.sleep(2.0)
+        assert not any("sonar" in words for words in robot.arbiter.told)
+        assert gap_to(person.pose, sim.body)[0] < 0.6
+
+
+async def test_the_laser_is_on_only_while_it_follows() -> None:
+    sim = SimulatedRobot()
+    async with sim, connect_async(sim.open) as robot:
+        await asyncio.sleep(1.0)
+        assert robot.laser.latest is None
+        robot.arbiter.start(follow("tracking"))
+        await asyncio.sleep(1.0)
+        assert robot.laser.latest is None
+        robot.arbiter.start(follow("legs"))
+        await asyncio.sleep(1.0)
+        assert robot.laser.rate > 5
+        robot.arbiter.stop()
+        await asyncio.sleep(2.0)
+        assert robot.laser.rate == 0
 
 
 def test_the_labs_rule_stays_farther_behind() -> None:

@@ -24,9 +24,10 @@ CLOSEST, WIDEST, LONGEST_STEP = 0.1, 0.5, 0.7
 PERSONAL = 0.4
 """So near to a person no other one begins [m]."""
 SPLIT = 5
-"""Two tracks that have shown one leg each, side by side, for so many scans are one person's."""
-WALKED = 0.5
-"""A track that has come this far walks [m]; noise and odometry do not get that far."""
+"""So many scans in turn with one leg in each of two tracks side by side: both are of one person."""
+WALKED, STROLL, STROLLS = 0.5, 0.15, 8
+"""A track walks that has come farther than the first [m], faster than the second [m/s] in so many
+scans in turn; what jumps from one leg of a chair to the next does not do so for long."""
 STANDS, STAYS = 2.0, 0.25
 """A track that has not come farther than the second [m] in the first [s] is furniture."""
 MISSED, HIDDEN, NEVER_WALKED = 1.0, 3.0, 1.5
@@ -69,6 +70,7 @@ class LegTrack:
         walked: Whether they have ever left the place where they were first seen.
         pairs: How often both legs were seen.
         single: For how many scans in turn only one leg has been seen.
+        strolls: For how many they have moved as fast as somebody who walks.
         legs: Those of the last scan.
     """
 
@@ -78,7 +80,7 @@ class LegTrack:
         self.seen = self.found = stamp
         self.walked = False
         self.pairs = int(_is_pair(legs))
-        self.single = 0
+        self.single = self.strolls = 0
         self.legs = legs
         self._first = x, y
 
@@ -116,7 +118,8 @@ class LegTrack:
         x, y = _middle(self.legs)
         self.estimate.correct(1.0, 0.0, x - self.estimate.state[0], sigma)
         self.estimate.correct(0.0, 1.0, y - self.estimate.state[1], sigma)
-        self.walked = self.walked or self.strayed > WALKED
+        self.strolls = self.strolls + 1 if hypot(*self.estimate.velocity) > STROLL else 0
+        self.walked = self.walked or (self.strayed > WALKED and self.strolls >= STROLLS)
 
 
 class LegTracks:

@@ -37,6 +37,8 @@ ONE_LEG = 0.5
 """Something with one leg counts as so much farther away than somebody with two [m]."""
 SURE = 0.3
 """Legs that have been seen for so long may be somebody's [s]: noise does not last."""
+WALKS_ON = 15
+"""Who walks in so many scans in turn comes before what has never walked, though it is nearer."""
 
 
 class Target(Protocol):
@@ -173,11 +175,11 @@ class LegTracker:
             self._tracks.settle(target)
 
     def _find(self, situation: Situation) -> None:
-        """Look for the lost person, then for any person in front; who has walked comes first."""
+        """Look for the lost person, then for any person in front; who walks comes first."""
         found = [t for t in self._tracks.tracks if t.legs and t.seen - t.found >= SURE]
         back = self._returned(found, situation.now)
         ahead = {t: away for t in found if (away := _reluctance(t, situation)) < inf}
-        walks = {t: away for t, away in ahead.items() if t.walked}
+        walks = {t: away for t, away in ahead.items() if t.walked and t.strolls >= WALKS_ON}
         if back is not None:
             self.target = back
         elif walks:

@@ -11,9 +11,9 @@ from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.obstacles import POLITE
+from pioneer3.sim.obstacles import POLITE, at_laser_height
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.sensors import SONAR_RANGE
+from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person
 from tests.support import wall_at
@@ -199,3 +199,44 @@ def test_without_noise_the_others_also_drive_on_to_the_last_bit(kernels: Kernels
             world.step(0.1)
         ends.append(states(list(world.robots)))
     assert ends[0] == ends[1]
+
+
+def test_a_laser_sees_the_legs_of_a_person_and_all_else_the_body(kernels: Kernels) -> None:
+    body = Body(AHEAD)
+    world = World(None, [body], kernels)
+    world.add_obstacle(Person(path=((2.0, 0.0), (9.0, 0.0)), pause=1.0))
+    half = radians(30)
+    beams = np.linspace(-half, half, 601)
+    ranges = world.laser(body, ORIGIN, -half, 2 * half / 600, 601)
+    seen = beams[ranges < 5.0]
+    right, left = seen[seen < 0], seen[seen > 0]
+    assert np.sin(right.mean()) * 2.0 == pytest.approx(-0.125, abs=0.01)
+    assert np.sin(left.mean()) * 2.0 == pytest.approx(0.125, abs=0.01)
+    assert (left[-1] - left[0]) * 2.0 == pytest.approx(0.12, abs=0.02)
+    assert ranges[300] == LASER_RANGE  # between the legs
+    assert world.sonar(body)[0] == pytest.approx(1.75)
+    assert world.sight(body, ORIGIN, 0.0, 1.0, 1)[0] == pytest.approx(1.75)
+    assert not world.is_free(body, Pose2(1.7))
+
+
+def test_the_legs_go_with_the_person_wherever_they_are_put(kernels: Kernels) -> None:
+    body = Body(AHEAD)
+    world = World(None, [body], kernels)
+    world.add_obstacle(BOX)
+    person = world.add_obstacle(Person(path=((2.0, 3.0), (9.0, 3.0)), speed=0.5))
+    walk(world, 0.9)
+    world.move_obstacle(person, Pose2(-1.0, 1.0, pi / 2))
+    left, right = person.legs
+    # after 0.9 s the feet are as far apart as they get: a step of 0.3 m
+    assert left.x == pytest.approx(-1.125)
+    assert abs(left.y - right.y) == pytest.approx(0.3, abs=0.01)
+    assert left.x - right.x == pytest.approx(-0.25)
+    assert world.laser(body, Pose2(theta=pi), 0.0, 1.0, 1)[0] == LASER_RANGE
+    assert world.laser(body, ORIGIN, 0.0, 1.0, 1)[0] == pytest.approx(1.8)  # the box
+
+
+def test_where_nobody_is_lasers_see_the_outlines_themselves(kernels: Kernels) -> None:
+    world = World(None, [Body(AHEAD)], kernels)
+    box = world.add_obstacle(BOX)
+    assert box.legs == ()
+    assert at_laser_height(world.outlines, world.obstacles, kernels) is world.outlines

@@ -79,3 +79,22 @@ def test_all_outlines_come_in_one_array() -> None:
     people = [Person(path=CORNER), Person(path=((5.0, 5.0),))]
     assert outlines_at(people, 1.0).shape == (16, 4)
     assert outlines_at([], 1.0).shape == (0, 4)
+
+
+def test_the_foot_on_the_ground_stands_still_while_the_other_one_swings() -> None:
+    person = Person(path=((0, 0), (6, 0)), speed=0.5, loop=False)
+    left = [person.pose_at(t / 10).x + person.stride_at(t / 10) for t in range(9, 100)]
+    right = [person.pose_at(t / 10).x - person.stride_at(t / 10) for t in range(9, 100)]
+    for a, b in zip(pairwise(left), pairwise(right), strict=True):
+        steps = sorted((a[1] - a[0], b[1] - b[0]))
+        # they change about in the middle of a step, which may lie between two looks
+        assert sum(steps) == pytest.approx(2 * 0.05)
+        assert -1e-9 <= steps[0] <= steps[1] <= 0.1 + 1e-9
+    assert max(abs(a - b) for a, b in zip(left, right, strict=True)) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("time", [0.0, 1.9, 4.0, 5.0, 8.0])
+def test_who_does_not_walk_has_both_feet_side_by_side(time: float) -> None:
+    person = Person(path=((0, 0), (1, 0)), speed=0.5, pause=2.0, loop=False)
+    assert person.stride_at(time) == pytest.approx(0.0, abs=1e-9)
+    assert Person(path=((0, 0),)).stride_at(time) == 0.0
