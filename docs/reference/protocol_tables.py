@@ -19,7 +19,7 @@ from pioneer3.arcos.reports import sip
 from pioneer3.models import RobotModel, load_model, model_names
 from pioneer3.units import MM
 
-PAGES = tuple(Path(__file__).with_name(name) for name in ("protocol.md", "facts.md"))
+PAGES = tuple(Path(__file__).with_name(name) for name in ("protocol.md", "facts.md", "scip.md"))
 BLOCK = re.compile(r"<!-- made: ([^>]+?) -->\n(?:(?!<!-- made).*?<!-- end -->\n)?", re.DOTALL)
 ARCOS_NAME = re.compile(r" ?\(ARCOS (\d+)(?: of simulators)?(?:, ([^);]+))?(?:; [^)]*)?\)")
 ATTRIBUTE = re.compile(r"^        (\w+): (.*(?:\n {10,}.*)*)", re.MULTILINE)

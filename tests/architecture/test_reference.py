@@ -16,9 +16,8 @@ PROTOCOL = PAGES[0].read_text(encoding="utf-8")
 TEXTS = {".py", ".md", ".toml", ".js", ".html", ".css", ""}
 NOTE = r"(?:,? (?:row|rule|field) \d+)?"
 SECTION = rf"\d+(?:\.\d+)*{NOTE}"
-CITATION = re.compile(
-    rf"(protocol|facts)\.md\s+(?:# )?({SECTION}(?:(?:,| to| and|;)\s+{SECTION})*)"
-)
+NAMES = "|".join(page.stem for page in PAGES)
+CITATION = re.compile(rf"({NAMES})\.md\s+(?:# )?({SECTION}(?:(?:,| to| and|;)\s+{SECTION})*)")
 HEADING = re.compile(r"^#{2,3} (\d+(?:\.\d+)?)\.? ", re.MULTILINE)
 PAGE = re.compile(r"[\w./-]*\w\.md\b")
 ELSEWHERE = re.compile(r"user-needs|\.\./shared/|\bshared/(?!maps|captures)\w")

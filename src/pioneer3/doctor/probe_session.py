@@ -36,7 +36,7 @@ QUICK: Final = Timing(retry=0.25, give_up=3.5)
 THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
 SCIP_SPEEDS: Final = (19200, 115200)
-"""Speeds of Hokuyo lasers with a serial port [baud] (facts.md 11.3)."""
+"""Speeds of Hokuyo lasers with a serial port [baud] (scip.md 1.1)."""
 SCIP_TIMEOUT: Final = 0.5
 CLOSE_TIMEOUT: Final = 0.5
 CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}

@@ -1,6 +1,6 @@
 """Recognises devices that are not Pioneer robots by the bytes they send. Pure.
 
-Sources: SCIP, facts.md 11. SICK LMS 2xx telegrams: STX (02), address (80 from the laser), length of
+Sources: SCIP, scip.md 1. SICK LMS 2xx telegrams: STX (02), address (80 from the laser), length of
 the data (2 bytes, low first), data, CRC (2 bytes, low first).
 """
 

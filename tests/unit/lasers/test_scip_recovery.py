@@ -1,14 +1,16 @@
 """The client makes a laser scan in whatever state that is."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from random import Random
 
 import pytest
 
+from pioneer3.geometry import TURN
 from pioneer3.lasers.client import Identified, Lost, Measured, Patience, ScanSettings
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.lasers.scip.unit import STABLE
-from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol
+from pioneer3.models.lasers import LASERS, LaserModel, LaserProtocol, Steps
 from tests.unit.lasers.scip_rig import URG, URG_SPEEDS, UST, UTM, Rig
 
 SOON = 3.0
@@ -270,6 +272,42 @@ def test_wishes_become_the_command() -> None:
     assert scan.first == pytest.approx((311 + 1 - 540) * UTM.step)
     assert scan.period == pytest.approx(0.05)
     assert set(scan.echoes) == set()
+
+
+def test_an_unknown_product_is_described_by_pp_alone() -> None:
+    steps = Steps(shortest=30, longest=11000, per_turn=2000, first=0, last=1500, front=700, rpm=900)
+    model = replace(UTM, name="new", product="SOKUIKI Sensor XYZ-11LX", steps=steps)
+    model = replace(model, first=steps.angle(0), last=steps.angle(1500), step=steps.angle(701))
+    rig = Rig(ScipDevice(model))
+    rig.connect()
+    expect_scans(rig)
+    scan = rig.scans[-1]
+    assert len(scan.ranges) == 1501
+    assert scan.first == pytest.approx(-700 / 2000 * TURN)
+    assert (scan.near, scan.far) == pytest.approx((0.03, 11.0))
+    assert scan.period == pytest.approx(60 / 900)
+
+
+@pytest.mark.parametrize(("longest", "letters"), [(4000, b"MS"), (5600, b"MD")])
+def test_a_slow_line_gets_short_values_where_ranges_fit(longest: int, letters: bytes) -> None:
+    assert URG.steps is not None
+    model = replace(URG, steps=replace(URG.steps, longest=longest))
+    rig = Rig(ScipDevice(model, start_speed=115200))
+    rig.connect([115200])
+    expect_scans(rig, within=2.0)
+    assert rig.sent[-1].startswith(letters)
+    assert max(rig.scans[-1].ranges) == pytest.approx(2.3, abs=0.001)
+
+
+def test_all_echoes_are_returned() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect(settings=ScanSettings(multi_echo=True, intensities=True))
+    expect_scans(rig)
+    scan = rig.scans[-1]
+    assert len(scan.echoes) == len(scan.ranges) == len(scan.intensities) == UTM.count
+    assert [step[0] for step in scan.echoes] == list(scan.ranges)
+    assert [len(step) for step in scan.echoes[:6]] == [2, 1, 1, 1, 1, 2]
+    assert scan.echoes[5][1] == pytest.approx(scan.echoes[5][0] + 1.0)
 
 
 def test_a_laser_without_intensities_sends_distances() -> None:

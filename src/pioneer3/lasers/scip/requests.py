@@ -1,4 +1,4 @@
-"""Commands that measure, as a simulated laser reads them (scip.md 2.1, 4.3). No I/O."""
+"""Commands that measure, as a simulated laser reads them (scip.md 2.1, 2.3). No I/O."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
 """One host at a simulated SCIP laser: commands in, answers out. No I/O.
 
-Facts: scip.md 1.4, 1.5, 2, 4, 5.
+Facts: scip.md 1.2, 1.5, 2, 4, 5.2.
 """
 
 from collections.abc import Callable, Mapping

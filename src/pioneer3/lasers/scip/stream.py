@@ -5,6 +5,7 @@ The directions count from the middle of each cluster, whose shortest reading is 
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 from pioneer3.geometry import TURN
 from pioneer3.lasers.client import ScanSettings
@@ -12,9 +13,9 @@ from pioneer3.lasers.scip.scans import FORMATS, Format
 from pioneer3.lasers.scip.wire import LINE, STAMP
 from pioneer3.models.lasers import Steps
 
-MAX_CLUSTER = 99
-MAX_SKIP = 9
-SHORT_VALUE = 4095
+MAX_CLUSTER: Final = 99
+MAX_SKIP: Final = 9
+SHORT_VALUE: Final = 4095
 """The most that two characters carry [mm]."""
 
 

@@ -68,7 +68,9 @@ def data_lines(
         codes = Codes(min(codes.nothing, LONGEST_SHORT_VALUE), codes.near)
     distances = values_of(sweep.ranges, steps.shortest, longest, codes)
     distances = _with_margins(distances, steps, start, end, NOT_MEASURED)
-    lights = _with_margins(intensities_of(sweep), steps, start, end, 0)
+    lights = [0] * len(distances)
+    if format_.intensities:
+        lights = _with_margins(intensities_of(sweep), steps, start, end, 0)
     picks = _picks(distances, steps.shortest, cluster)
     if format_.multi_echo:
         echoes = [[distance] for distance in distances]

@@ -34,11 +34,15 @@ class Answer:
     began: float
 
     def after(self, command: bytes) -> "Answer | None":
-        """Return the answer to `command` with all before its echo cut off; `None` without one."""
-        for number in range(len(self.lines) - 1, -1, -1):
-            if self.lines[number].endswith(command):
-                return Answer([command, *self.lines[number + 1 :]], self.began)
-        return None
+        """Return the answer to `command` with all before its echo cut off; `None` without one.
+
+        An echo behind noise counts too, if there is no other.
+        """
+        lines = self.lines
+        found = [number for number, line in enumerate(lines) if line == command] or [
+            number for number, line in enumerate(lines) if line.endswith(command)
+        ]
+        return Answer([command, *lines[found[-1] + 1 :]], self.began) if found else None
 
     @property
     def status(self) -> str:
