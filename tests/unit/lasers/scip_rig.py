@@ -71,6 +71,7 @@ class Rig:
         self.turns: list[float] = []
         self.unheard: list[bytes] = []
         self.deaf = False
+        self.stuck = False
         self.spoil: Callable[[bytes], bytes] = lambda data: data
         self._delay, self._drift, self._sweep = delay, drift, sweep
         self._noise = Random(1)
@@ -171,7 +172,7 @@ class Rig:
         return self._began + (self._turn.count - 1) * self._turn.beam_time
 
     def _begin_turn(self) -> None:
-        if self._turn is None and self.device.turn is not None:
+        if self._turn is None and self.device.turn is not None and not self.stuck:
             laser_now = self.laser_time(self.now)
             turn = self.device.turn
             following = self._began + turn.period

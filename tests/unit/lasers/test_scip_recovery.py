@@ -80,6 +80,14 @@ def test_any_state_is_left(model: LaserModel, state: str, after: float) -> None:
     expect_scans(rig)
 
 
+def test_half_a_command_is_ended_before_the_first_question() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.enter(b"MD0000")
+    rig.connect()
+    expect_scans(rig)
+    assert rig.sent[:3] == [b"\nQT\n", b"VV\n", b"PP\n"]
+
+
 @pytest.mark.parametrize("state", ["left scanning", "telling its time", "in half a command"])
 @pytest.mark.parametrize("speed", URG_SPEEDS)
 def test_the_speed_is_found_in_any_state(speed: int, state: str) -> None:
@@ -147,6 +155,46 @@ def test_a_silent_laser_is_lost() -> None:
     took = rig.run(5.0, Lost)
     assert took == pytest.approx(Patience().silence, abs=0.05)
     assert "said nothing" in rig.losses[0]
+
+
+@pytest.mark.parametrize("before", [0.0, 2.0])
+def test_a_laser_whose_mirror_is_stuck_is_lost(before: float) -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect()
+    rig.run(before)
+    rig.stuck = True
+    took = rig.run(20.0, Lost)
+    assert took == pytest.approx(Patience().give_up, abs=0.1)
+    assert "does its mirror turn?" in rig.losses[0]
+    assert len(rig.remarks) > 5
+
+
+@pytest.mark.parametrize("question", [b"VV", b"PP", b"BM", b"MD"])
+def test_a_laser_that_leaves_a_question_open_is_lost(question: bytes) -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect()
+    rig.spoil = lambda data: b"" if data.startswith(question) else data
+    rig.run(20.0, Lost)
+    assert "not all questions" in rig.losses[0]
+
+
+def test_a_laser_without_a_sensible_geometry_is_lost() -> None:
+    rig = Rig(ScipDevice(UTM))
+    rig.connect()
+    rig.spoil = lambda data: data.replace(b"SCAN:2400;U", b"SCAN:0;?")
+    rig.run(20.0, Lost)
+    assert "not the geometry of a laser" in rig.losses[0]
+
+
+def test_an_error_in_mid_stream_starts_the_laser_again() -> None:
+    rig = Rig(ScipDevice(UTM))
+    client = rig.connect()
+    expect_scans(rig)
+    rig.events += [
+        (rig.now, event) for event in client.receive(b"MD0000108001000\n98a\n\n", rig.now)
+    ]
+    assert "status 98" in rig.remarks[-1]
+    expect_scans(rig)
 
 
 def test_no_laser_at_all_is_lost_with_advice() -> None:

@@ -34,6 +34,14 @@ def test_scans_are_dated_within_two_milliseconds(
     assert max(map(abs, errors)) < 0.002
 
 
+def test_the_bytes_of_the_comparison_take_their_time_on_a_slow_line() -> None:
+    rig = Rig(ScipDevice(URG))
+    rig.connect([19200])
+    rig.run(8.0)
+    assert len(rig.scans) > 4
+    assert max(map(abs, rig.stamp_errors())) < 0.002
+
+
 def test_without_a_comparison_the_quickest_scan_counts() -> None:
     rig = jittery(ScipDevice(UTM))
     rig.connect(settings=ScanSettings(calibrate_time=False))

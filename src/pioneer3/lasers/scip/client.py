@@ -7,8 +7,8 @@ Rules:
 2. A scan counts only if its echo is the command that was sent and every line and number is as it
    must be. All others are refused and counted; the next one is taken again.
 3. When scans stop coming, the dialogue begins again, at the same speed first. A laser that does not
-   answer either is lost after :attr:`Patience.silence`; one that answers, but does not measure,
-   after :attr:`Patience.give_up`.
+   answer either is lost after :attr:`Patience.silence`; one that answers, but sends no scan, after
+   :attr:`Patience.give_up`.
 4. The stamp of a scan is the time of its first reading. The laser dates the step 0 of the turn,
    whether or not that is measured: the first reading is `start` steps later (scip.md 5.1).
 
@@ -112,10 +112,10 @@ class ScipClient:
         if self._ended or now < self.deadline - ROUNDING:
             return []
         now = max(now, self.deadline)
-        if self._stream is not None:
-            return self._begin_again(now, f"no scan for {now - self._scanned_at:.2f} s")
         if now >= self._begun_at + self._patience.give_up - ROUNDING:
             return [self._lose(self._reason_for_no_scan())]
+        if self._stream is not None:
+            return self._begin_again(now, f"no scan for {now - self._scanned_at:.2f} s")
         if now >= self._answered_at + self._silence - ROUNDING:
             return [self._lose(f"the laser has said nothing for {self._silence:g} s")]
         if self._dialogue is None:
@@ -214,7 +214,7 @@ class ScipClient:
 
     def _plan_watch(self) -> None:
         self.deadline = min(
-            self._answered_at + self._silence / 2, self._scanned_at + self._patience.give_up
+            self._answered_at + self._silence / 2, self._begun_at + self._patience.give_up
         )
 
     def _poll(self) -> None:
@@ -226,7 +226,6 @@ class ScipClient:
         """Start the scans again, which have stopped."""
         self._stream, self._dialogue = None, self._start.run()
         self._reader.discard()
-        self._begun_at = self._scanned_at
         return [Remarked(f"{reason}: starting the laser again"), *self._go_on(None, now)]
 
     def _take_scan(self, answer: Answer, now: float) -> list[Event]:
@@ -246,7 +245,8 @@ class ScipClient:
             return []
         self.scans += 1
         self._interval = max(stream.period, now - self._scanned_at)
-        self._scanned_at = self._answered_at = now
+        self._scanned_at = self._answered_at = self._begun_at = now
+        self._start.findings = ""
         self._poll()
         self._plan_watch()
         return [Measured(scan)]

@@ -139,7 +139,6 @@ class Start:
         while True:
             try:
                 yield from self._find()
-                self.findings = "it answers, but not all questions"
                 steps = yield from self._get_acquainted()
                 yield from self._speed_up(steps)
                 self.clock = DeviceClock()
@@ -147,9 +146,11 @@ class Start:
                     yield from self._compare_clocks()
                 stream = yield from self._measure(steps)
             except _NoAnswerError:
+                self.findings = self.findings or "it answers, but not all questions"
                 continue
             if stream is not None:
                 self._resets = 0
+                self.findings = "it agrees to measure, but sends nothing: does its mirror turn?"
                 return stream
 
     def _find(self) -> Generator[Step, Reply, None]:
