@@ -145,6 +145,15 @@ def test_a_laser_that_lost_its_speed_is_lost_and_found() -> None:
     expect_scans(rig, within=SOON + 4.0 - waited)
 
 
+def test_a_speed_that_was_agreed_to_in_vain_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig(ScipDevice(URG, start_speed=115200))
+    monkeypatch.setattr(rig.host.line, "change_speed", lambda _: None)
+    rig.connect([115200, 750000])
+    expect_scans(rig)
+    assert rig.remarks == ["the laser does not answer at 750000 baud, which it agreed to"]
+    assert rig.baud == 115200
+
+
 def test_a_silent_laser_is_lost() -> None:
     rig = Rig(ScipDevice(UTM))
     rig.connect()

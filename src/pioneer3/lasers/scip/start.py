@@ -212,7 +212,7 @@ class Start:
             reply = yield Ask(text.encode())
             if reply.status in OK:
                 self._baud = baud
-                self.started_at = slow
+                self.started_at = self.started_at or slow
                 yield SpeedWanted(baud)
                 yield Pause(BREATH)
                 if (yield from self._wake()):
