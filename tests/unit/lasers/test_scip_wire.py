@@ -1,9 +1,11 @@
 """Lines, checksums and numbers of SCIP are as on the page, and as other programs print them."""
 
+from math import isnan
+
 import pytest
 
 from pioneer3.lasers.scip.identity import device_id, identity_from, is_healthy, steps_from
-from pioneer3.lasers.scip.scans import FORMATS, decode, ranges_of_values
+from pioneer3.lasers.scip.scans import FORMATS, decode, ranges_of
 from pioneer3.lasers.scip.wire import (
     MAX_ANSWER,
     AnswerReader,
@@ -18,7 +20,6 @@ from pioneer3.lasers.scip.wire import (
     unseal,
 )
 from pioneer3.models.lasers import LASERS
-from tests.unit.lasers.scip_rig import URG, UTM
 
 INF = float("inf")
 
@@ -148,7 +149,7 @@ def test_health_is_read_from_the_status(status: str, healthy: bool) -> None:
 def test_codes_are_as_in_rep_117(laser: str, value: int, metres: float) -> None:
     steps = LASERS[laser].steps
     assert steps is not None
-    assert ranges_of_values(steps)[value] == pytest.approx(metres)
+    assert ranges_of([value], steps) == pytest.approx((metres,))
 
 
 @pytest.mark.parametrize(
@@ -158,14 +159,7 @@ def test_codes_are_as_in_rep_117(laser: str, value: int, metres: float) -> None:
 def test_other_codes_are_no_reading(laser: str, values: list[int]) -> None:
     steps = LASERS[laser].steps
     assert steps is not None
-    ranges = ranges_of_values(steps)
-    assert all(ranges[value] != ranges[value] for value in values)
-
-
-def test_every_value_has_a_range() -> None:
-    for model in (URG, UTM):
-        assert model.steps is not None
-        assert len(ranges_of_values(model.steps)) == 1 << 18
+    assert all(isnan(metres) for metres in ranges_of(values, steps))
 
 
 def test_intensities_follow_distances() -> None:

@@ -20,11 +20,10 @@ from math import inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
-from pioneer3.lasers.scip.scans import Readings, decode, ranges_of_values
+from pioneer3.lasers.scip.scans import Readings, decode, ranges_of
 from pioneer3.lasers.scip.start import NOTHING, OK, Ask, Pause, Reply, Start, Step
 from pioneer3.lasers.scip.stream import Stream
 from pioneer3.lasers.scip.wire import Answer, AnswerReader, decode_stamp
-from pioneer3.models.lasers import Steps
 from pioneer3.units import MM
 
 SCANNED: Final = b"99b"
@@ -72,8 +71,6 @@ class ScipClient:
         self._asked: Ask | None = None
         self._asked_at = now
         self._stream: Stream | None = None
-        self._values: list[float] = []
-        self._values_of: Steps | None = None
         self._interval = 0.0
         self._scanned_at = now
         self._answered_at = inf
@@ -205,8 +202,6 @@ class ScipClient:
         self._interval = stream.period
         if self._start.baud is not None:
             self._interval = max(self._interval, stream.size * 10 / self._start.baud)
-        if self._values_of != stream.steps:
-            self._values, self._values_of = ranges_of_values(stream.steps), stream.steps
         self._scanned_at = self._answered_at = now
         self._device_time = None
         self._poll()
@@ -288,7 +283,7 @@ class ScipClient:
         """Return the scan of `readings`, dated with the time of step 0, or `None` without that."""
         if date is None:
             return None
-        values, period = self._values, stream.period
+        period, steps = stream.period, stream.steps
         if device_time is not None:
             if self._device_time is not None:  # a slow line carries each second scan only, or less
                 turns = round((device_time - self._device_time) / stream.turn)
@@ -300,11 +295,11 @@ class ScipClient:
             step=stream.step,
             beam_time=stream.step_time * stream.cluster,
             period=period,
-            near=stream.steps.shortest * MM,
-            far=stream.steps.longest * MM,
-            ranges=tuple([values[value] for value in readings.distances]),
+            near=steps.shortest * MM,
+            far=steps.longest * MM,
+            ranges=ranges_of(readings.distances, steps),
             intensities=tuple(readings.intensities),
-            echoes=tuple([tuple([values[value] for value in step]) for step in readings.echoes]),
+            echoes=tuple([ranges_of(echoes, steps) for echoes in readings.echoes]),
             device_time=device_time,
         )
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, nan
+from types import MappingProxyType
 from typing import Final
 
 from pioneer3.lasers.scip.wire import decode_values, from_lines, from_plain_lines
@@ -14,6 +15,9 @@ ECHO: Final = b"&"
 MAX_VALUE: Final = (1 << 18) - 1
 WIDE_RANGE: Final = 20000
 """Lasers with a DMAX above this have the codes of the UTM-30LX [mm]."""
+CODES: Final = MappingProxyType({0: inf, 6: inf})
+UTM_CODES: Final = MappingProxyType({1: inf, 2: -inf})
+"""Values below DMIN that tell more than that there is no reading."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,12 +122,13 @@ def _decode_echoes(text: bytes, format_: Format, count: int) -> Readings | None:
     return Readings([step[0] for step in echoes], intensities, echoes)
 
 
-def ranges_of_values(steps: Steps) -> list[float]:
-    """Return the range of each possible value [m], as REP 117 has it (scip.md 3.2).
-
-    Shape (2^18,): one look-up for each reading is the fastest way.
-    """
-    codes = {1: inf, 2: -inf} if steps.longest > WIDE_RANGE else {0: inf, 6: inf}
-    near = [codes.get(value, nan) for value in range(steps.shortest)]
-    measured = [value * MM for value in range(steps.shortest, steps.longest + 1)]
-    return near + measured + [inf] * (MAX_VALUE - steps.longest)
+def ranges_of(values: Sequence[int], steps: Steps) -> tuple[float, ...]:
+    """Return the range of each value [m], as REP 117 has it (scip.md 3.2)."""
+    low, high = steps.shortest, steps.longest
+    codes = UTM_CODES if high > WIDE_RANGE else CODES
+    return tuple(
+        [
+            value * MM if low <= value <= high else codes.get(value, nan) if value < low else inf
+            for value in values
+        ]
+    )
