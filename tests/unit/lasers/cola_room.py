@@ -17,9 +17,10 @@ LOGIN = "sMN SetAccessMode 03 F4724744"
 
 
 def laser(name: str = "lms-111", spin_up: float = 0.0) -> ColaDevice:
-    """Return a laser that has been switched on at time 0."""
+    """Return a laser, switched on at time 0 if it takes time to get ready."""
     device = ColaDevice(LASERS[name], spin_up=spin_up)
-    device.switch_on(0.0)
+    if spin_up:
+        device.switch_on(0.0)
     return device
 
 

@@ -69,7 +69,7 @@ class ScipClient:
         self._start = Start(speeds, settings or ScanSettings())
         self._dialogue: Generator[Step, Reply, Stream] | None = None
         self._asked: Ask | None = None
-        self._asked_at = now
+        self._asked_at = self._sent_at = now
         self._stream: Stream | None = None
         self._interval = 0.0
         self._scanned_at = now
@@ -163,11 +163,15 @@ class ScipClient:
             self._asked, self._asked_at = step, now
             self._heard_noise = self._heard_noise or self._noise
             self._noise = False
-            self._outbox.append(step.prefix + step.command + b"\n")
+            self._send_question(step, now)
             self._wait(now, self._answer_time)
         else:
             self._wait(now, step.seconds)
         return events
+
+    def _send_question(self, question: Ask, now: float) -> None:
+        self._sent_at = now
+        self._outbox.append(question.prefix + question.command + b"\n")
 
     def _wait(self, now: float, seconds: float) -> None:
         self.deadline = min(
@@ -187,6 +191,8 @@ class ScipClient:
         assert self._asked is not None
         found = answer.after(self._asked.command)
         if found is None:
+            if answer.began >= self._sent_at + self._answer_time:
+                self._send_question(self._asked, now)  # it was lost: old scans go on
             return []
         if not found.status or found.lines[1] == SCANNED:
             self._refused += not found.status

@@ -31,8 +31,14 @@ from pioneer3.models.lasers import LaserProtocol
 
 LISTEN = 0.1
 """At each speed before asking [s]: a laser that scans has sent something by then."""
-WHOLE_SCAN = 0.45
-"""Where something comes, it is listened to for so long [s]: at 19200 baud a scan takes 0.4 s."""
+WHOLE_SCAN = 0.1
+"""Where something comes, it is listened to for so long [s], besides the time of a scan's bytes."""
+SCAN = 750 * 10
+"""Bits of a scan of an LMS-2xx; of a Hokuyo twice as many, but that has faster lines."""
+LONGEST_SCAN = 0.45
+QUICK = 38400
+"""At this speed [baud] and above a scan would have been recognised: bytes that were not are of a
+laser that scans at another speed, and does not hear questions."""
 WAIT = 0.1
 """For an answer [s], besides the time of its bytes: an LMS-2xx answers within 60 ms."""
 ANSWER = 250 * 10
@@ -87,8 +93,8 @@ class Search:
         """Process received bytes; return the events that follow."""
         if self._client is not None:
             return self._passed(self._client.receive(data, now))
-        if data and not self._asked and not self._heard:
-            self.deadline = now + WHOLE_SCAN
+        if data and not self._asked and not self._heard and self._speed:
+            self.deadline = now + min(WHOLE_SCAN + SCAN / self._speed, LONGEST_SCAN)
         self._heard += data
         del self._heard[:-HEARD]
         protocol = recognise(bytes(self._heard))
@@ -109,7 +115,8 @@ class Search:
         if now >= self._until:
             self.deadline = inf
             return [Lost(NOTHING)]
-        if not self._asked:
+        scans_elsewhere = self._heard and (self._speed or 0) >= QUICK
+        if not self._asked and not scans_elsewhere:
             self._asked, self._outbox = True, QUESTION
             bits = ANSWER / self._speed if self._speed else 0.0
             self.deadline = now + WAIT + bits + self._round_trip

@@ -157,12 +157,13 @@ class OneHost:
         if not heard or self._slot.closed:
             cable.clear()
         cable.take(host, now)
-        data = cable.from_laser(now)
+        understands = host is not None and self._understands(host)
+        data = cable.from_laser(now)  # after its last byte the laser may change its speed
         if not data or host is None or not heard:
             return
         if not host.permanent:
             self._slot.heard_from(host)
-        host.send(data if self._understands(host) else self._noise.randbytes(len(data)))
+        host.send(data if understands else self._noise.randbytes(len(data)))
 
     def shut(self, *, closed: bool) -> None:
         self._slot.closed = closed
