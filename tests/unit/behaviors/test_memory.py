@@ -219,3 +219,14 @@ class TestQueries:
         (point,) = Surroundings(pose, [(1.0, 3.5)]).points()
         assert (point.x, point.y) == pytest.approx((1.5, 0.0))
         assert (point.distance, point.bearing) == pytest.approx((1.5, 0.0))
+
+
+def test_the_newest_scan_is_given_for_a_second_and_not_to_the_next_session() -> None:
+    memory, made = RangeMemory(P3AT), scan(1.0, {})
+    memory.update(reading(1.1), made)
+    assert memory.newest_scan(1.9) is made
+    assert memory.newest_scan(2.1) is None
+    memory.update(reading(1.2))
+    assert memory.newest_scan(1.2) is made
+    memory.update(reading(1.3, sessions=2))
+    assert memory.newest_scan(1.3) is None
