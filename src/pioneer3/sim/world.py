@@ -155,8 +155,12 @@ class World:
         return self._seen(fan, limit, self._everyone, self._rng)
 
     def sight(self, body: Body, mount: Pose2, start: float, step: float, count: int) -> Float:
-        """Return what :meth:`laser` would if it made no errors; it takes no random numbers."""
-        return self.look(body, _fan(mount, start, step, count), LASER_RANGE)[0]
+        """Return the exact ranges [m] as an eye sees, which meets the bodies of people.
+
+        The arguments are those of :meth:`laser`. It takes no random numbers.
+        """
+        self._place()
+        return self._seen_from(body, _fan(mount, start, step, count), LASER_RANGE, self.outlines)[0]
 
     def look(self, body: Body, fan: Fan, limit: float) -> tuple[Float, Codes]:
         """Return the exact range [m], at most `limit`, and the material at the end of each beam.
@@ -164,10 +168,14 @@ class World:
         Light goes through glass that it does not meet nearly at a right angle. It takes no random
         numbers. The code of nothing is that of a plain wall.
         """
+        return self._seen_from(body, fan, limit, self._met_by_lasers())
+
+    def _seen_from(
+        self, body: Body, fan: Fan, limit: float, outlines: Robots
+    ) -> tuple[Float, Codes]:
+        """Return exact ranges [m] and materials, of the walls and what moves, as `outlines`."""
         owner = np.array([body.number], dtype=np.int32)
-        ranges: Float = self.kernels.cast_fans(
-            self._clear, self._met_by_lasers(), fan, limit, owners=owner
-        )[0]
+        ranges: Float = self.kernels.cast_fans(self._clear, outlines, fan, limit, owners=owner)[0]
         return self._through_glass(body, fan, ranges)
 
     def generator(self, body: Body) -> Generator:
