@@ -223,7 +223,7 @@ class TestQueries:
 
 def test_the_newest_scan_is_given_for_a_second_and_not_to_the_next_session() -> None:
     memory, made = RangeMemory(P3AT), scan(1.0, {})
-    memory.update(reading(1.1), made)
+    memory.update(reading(1.1), [made])
     assert memory.newest_scan(1.9) is made
     assert memory.newest_scan(2.1) is None
     memory.update(reading(1.2))
