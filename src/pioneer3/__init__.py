@@ -24,12 +24,13 @@ if TYPE_CHECKING:
     )
     from pioneer3.geometry import Pose2, Twist2
     from pioneer3.models import RobotModel, load_model
-    from pioneer3.runtime.blocking import BlockingRobot, connect
-    from pioneer3.runtime.connect import connect_async
+    from pioneer3.runtime.blocking import BlockingLaser, BlockingRobot, connect, connect_laser
+    from pioneer3.runtime.connect import connect_async, connect_laser_async
     from pioneer3.runtime.robot import Robot
-    from pioneer3.state import Snapshot
+    from pioneer3.state import Scan, Snapshot
 
 _HOME = {
+    "BlockingLaser": "runtime.blocking",
     "BlockingRobot": "runtime.blocking",
     "CommandError": "errors",
     "ConfigError": "errors",
@@ -44,15 +45,19 @@ _HOME = {
     "Pose2": "geometry",
     "Robot": "runtime.robot",
     "RobotModel": "models",
+    "Scan": "state",
     "Snapshot": "state",
     "Twist2": "geometry",
     "connect": "runtime.blocking",
     "connect_async": "runtime.connect",
+    "connect_laser": "runtime.blocking",
+    "connect_laser_async": "runtime.connect",
     "load_model": "models",
 }
 
 __version__ = "0.2.0"
 __all__ = [
+    "BlockingLaser",
     "BlockingRobot",
     "CommandError",
     "ConfigError",
@@ -67,10 +72,13 @@ __all__ = [
     "Pose2",
     "Robot",
     "RobotModel",
+    "Scan",
     "Snapshot",
     "Twist2",
     "connect",
     "connect_async",
+    "connect_laser",
+    "connect_laser_async",
     "load_model",
 ]
 

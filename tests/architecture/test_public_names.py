@@ -4,6 +4,7 @@ import sys
 import pioneer3
 
 PUBLIC = [
+    "BlockingLaser",
     "BlockingRobot",
     "CommandError",
     "ConfigError",
@@ -18,10 +19,13 @@ PUBLIC = [
     "Pose2",
     "Robot",
     "RobotModel",
+    "Scan",
     "Snapshot",
     "Twist2",
     "connect",
     "connect_async",
+    "connect_laser",
+    "connect_laser_async",
     "load_model",
 ]
 HEAVY = ["asyncio", "numpy", "rich", "serialx", "starlette", "uvicorn", "msgspec", "cyclopts"]

@@ -19,7 +19,7 @@ from pioneer3.robot.devices import (
     Safety,
     TcmCompass,
 )
-from pioneer3.runtime.blocking import facade_of
+from pioneer3.runtime.facade import facade_of
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.state import Scan

@@ -12,6 +12,7 @@ from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
 from pioneer3.models import RobotModel, load_model
+from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.robot import Robot
@@ -84,8 +85,37 @@ async def connect_async(
             yield Robot(supervisor, arbiter, drivers)
 
 
-def _laser(asked: "LaserSpec | str", supervisor: Supervisor, stack: ExitStack) -> "LaserDriver":
-    """Return the driver of a laser that looks from the robot of `supervisor`."""
+@asynccontextmanager
+async def connect_laser_async(
+    url: "str | LaserSpec", *, record: Path | None = None, patience: float = 10.0
+) -> "AsyncIterator[LaserDriver]":
+    """Connect to a laser range finder alone, and wait for its first scan.
+
+    It is connected again after every loss.
+
+    Args:
+        url: `/dev/ttyACM0`, `tcp://192.168.0.10:10940`, or with a model, `lms-200@/dev/ttyUSB1`.
+        record: New file for every byte on the wire, which `replay:FILE` plays.
+        patience: Longest wait for the first scan [s].
+
+    Raises:
+        DeviceError: no scan came; the message has the reason.
+        ConfigError: the URL is wrong.
+    """
+    from pioneer3.robot.lasers.spec import parse_laser
+
+    spec = parse_laser(url) if isinstance(url, str) else url
+    with ExitStack() as stack:
+        driver = _laser(replace(spec, record=record or spec.record), None, stack)
+        async with running(driver.run()):
+            await driver.reading(patience)
+            yield driver
+
+
+def _laser(
+    asked: "LaserSpec | str", supervisor: Supervisor | None, stack: ExitStack
+) -> "LaserDriver":
+    """Return the driver of a laser that looks from the robot of `supervisor`, if there is one."""
     from pioneer3.robot.lasers.driver import LaserDriver  # costs 20 ms that few need
     from pioneer3.robot.lasers.spec import parse_laser
 
@@ -98,9 +128,11 @@ def _laser(asked: "LaserSpec | str", supervisor: Supervisor, stack: ExitStack) -
         )
 
     def mounting() -> "Mounting":
-        return spec.mounting_on(supervisor.info.model if supervisor.info else None)
+        info = supervisor.info if supervisor else None
+        return spec.mounting_on(info.model if info else None)
 
-    return LaserDriver(config, supervisor.poses.at, mounting)
+    poses = supervisor.poses if supervisor else Poses()
+    return LaserDriver(config, poses.at, mounting)
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:
