@@ -48,12 +48,13 @@ class Feed(Generic[T]):
         self._closed = True
         self._wake()
 
-    async def values(self) -> AsyncIterator[T]:
+    async def values(self, *, latest_first: bool = False) -> AsyncIterator[T]:
         """Yield each value published from now on, but only the newest to a slow reader.
 
-        The last one before :meth:`close` is not skipped.
+        The last one before :meth:`close` is not skipped. With `latest_first` it begins with the
+        latest value, if there is one.
         """
-        seen = self._count
+        seen = self._count - (latest_first and self._count > 0)
         while True:
             if self._count != seen:
                 seen = self._count

@@ -10,8 +10,11 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.models import RobotModel
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.identity import kind
+from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.spec import LaserSpec
+from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
@@ -20,6 +23,7 @@ from pioneer3.web.scene import RemoteWorld, Scene
 
 log = logging.getLogger(__name__)
 
+NEWS = {Connection.CONNECTED, Connection.LOST}
 RETRY_PERIOD = 5.0
 """Pause before another attempt to connect to a robot [s]."""
 
@@ -135,9 +139,20 @@ class RobotConnection:
             self._tell(f"Connected to a {kind(robot.info)}: {_title(robot, view.name)}")
             self.tried.set()
             which = "" if self._single else f"{view.name}: "
-            async for status in robot.supervisor.status.values():
-                self._tell(f"{which}{status.connection.value}: {status.message}")
-            await asyncio.get_running_loop().create_future()  # the page of a recording stays
+            async with running(*(self._follow_laser(laser, which) for laser in robot.lasers)):
+                async for status in robot.supervisor.status.values():
+                    self._tell(f"{which}{status.connection.value}: {status.message}")
+                await asyncio.get_running_loop().create_future()  # the page of a recording stays
+
+    async def _follow_laser(self, laser: LaserSource, which: str) -> None:
+        """Tell that a laser at the computer has come, or is lost."""
+        if not isinstance(laser, LaserDriver):
+            return
+        told = None
+        async for status in laser.status.values(latest_first=True):
+            if status.connection in NEWS and status != told:
+                told = status
+                self._tell(f"{which}{laser.title} {status.connection.value}: {status.message}")
 
     @asynccontextmanager
     async def _in_scene(self, robot: Robot) -> AsyncIterator[Scene]:

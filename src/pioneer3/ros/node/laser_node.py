@@ -84,7 +84,7 @@ class LaserNode:
     async def _follow_link(self) -> None:
         """Log what becomes of the laser."""
         logged = None
-        async for status in self._laser.status.values():
+        async for status in self._laser.status.values(latest_first=True):
             news = status.connection in {Connection.LOST, Connection.CONNECTED}
             if news and status != logged:
                 self._middleware.warn(f"laser {status.connection.value}: {status.message}")
