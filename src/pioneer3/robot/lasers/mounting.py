@@ -13,6 +13,9 @@ from pioneer3.state import Scan
 PoseAt = Callable[[float], Pose2]
 """Returns the robot's pose in odometry's frame at a time [s, monotonic]."""
 
+ROUNDING = 1e-9
+"""A reading at the very end of a sector belongs to it, however the two are rounded [rad]."""
+
 
 class Sector(NamedTuple):
     """Directions from `first` counter-clockwise to `last` [rad]."""
@@ -22,7 +25,8 @@ class Sector(NamedTuple):
 
     def holds(self, angle: float) -> bool:
         """Whether `angle` [rad] lies in it."""
-        return (angle - self.first) % (2 * pi) <= (self.last - self.first) % (2 * pi) + 1e-9
+        width = (self.last - self.first) % (2 * pi)
+        return (angle - self.first + ROUNDING) % (2 * pi) <= width + 2 * ROUNDING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
