@@ -199,19 +199,20 @@ class LaserDriver:
 
     async def run(self) -> None:
         """Connect, and again after every loss; ends by cancellation, or with a recording."""
+        end = "closed"
         try:
             while True:
                 self._publish(Connection.CONNECTING, self._connecting())
                 try:
                     await self._serve_once()
                 except RecordingOverError as over:
-                    self._publish(Connection.CLOSED, str(over))
+                    end = str(over)
                     return
                 except LinkError as error:
                     self._lose(str(error))
                 await asyncio.sleep(RETRY)
         finally:
-            self._publish(Connection.CLOSED, "closed")
+            self._publish(Connection.CLOSED, end)
             for feed in (self._feed, self._identities, self.status):
                 feed.close()
 
@@ -311,6 +312,8 @@ class LaserDriver:
 
     def _take(self, raw: RawScan) -> None:
         self.scans += 1
+        now = self._clock()
+        self._latency = now - raw.stamp - raw.beam_time * max(0, len(raw.ranges) - 1)
         if self.config.time_offset:
             raw = replace(raw, stamp=raw.stamp + self.config.time_offset)
         scan = self._mounting().scan(raw, self.scans, self.config.name, self._pose_at)
@@ -318,8 +321,6 @@ class LaserDriver:
             self._failure, self._good_speed = "", self._speed
             self._publish(Connection.CONNECTED, f"{len(scan.ranges)} readings a scan")
         self.latest = scan
-        now = self._clock()
-        self._latency = now - raw.stamp - raw.beam_time * len(raw.ranges)
         self._stamps.append(now)
         self._forget(now)
         self._feed.publish(scan)
