@@ -1,0 +1,190 @@
+"""The search for a laser's protocol: simulated lasers on cables, and everything that is none."""
+
+import asyncio
+from random import Random
+
+import pytest
+
+from pioneer3.doctor.lasers import protocol_of
+from pioneer3.errors import ConfigError
+from pioneer3.lasers.client import Event, Lost, Patience, ScanSettings, SpeedWanted
+from pioneer3.lasers.lms2xx.commands import Command
+from pioneer3.lasers.lms2xx.telegram import encode as telegram
+from pioneer3.lasers.recognition import QUESTION
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.lasers.search import NOTHING, SPEEDS, Search, client_of
+from tests.lasers import LaserUnit
+from tests.support import SimulatedRobot, until
+
+PATIENCE = Patience(give_up=4.0)
+UNITS = [
+    ("utm-30lx", True, LaserProtocol.SCIP),
+    ("utm-30lx", False, LaserProtocol.SCIP),
+    ("urg-04lx", True, LaserProtocol.SCIP),
+    ("lms-200", True, LaserProtocol.LMS2XX),
+    ("lms-111", False, LaserProtocol.COLA),
+    ("tim551", False, LaserProtocol.COLA),
+]
+LEFT = {
+    "urg-04lx": (
+        (19200, b"\nSCIP2.0\n"),
+        (19200, b"BM\n"),
+        (19200, b"SS057600\n"),
+        (57600, b"MD0044072501000\n"),
+    ),
+    "lms-200": (
+        (9600, telegram(Command.MODE, bytes([0x41]))),
+        (19200, telegram(Command.MODE, bytes([0x24]))),
+    ),
+}
+"""Speeds and bytes that leave a laser at another speed, and scanning."""
+
+
+def search(speeds: tuple[int, ...] = (), patience: Patience = PATIENCE) -> Search:
+    return Search(0.0, speeds, ScanSettings(), patience)
+
+
+def run(found: Search, seconds: float, hears: bytes = b"", *, echo: bool = False) -> list[Event]:
+    """Let time pass; `hears` comes once, 1 ms after the search has set a speed, or with `echo`
+    all that it sends; return all events, and after the first loss nothing more.
+    """
+    events: list[Event] = []
+    now = 0.0
+    while now < seconds:
+        events += found.tick(now)
+        sent = found.outgoing()
+        heard, hears = (sent if echo else hears), (hears if echo else b"")
+        if heard:
+            events += found.receive(heard, now + 0.001)
+        if any(isinstance(event, Lost) for event in events):
+            break
+        now = max(now + 1e-6, min(found.deadline, now + 0.05))
+    return events
+
+
+@pytest.mark.parametrize(("name", "serial", "protocol"), UNITS)
+async def test_every_laser_answers_the_question(
+    name: str, serial: bool, protocol: LaserProtocol
+) -> None:
+    async with SimulatedRobot() as robot, LaserUnit(robot, name, serial=serial) as unit:
+        link = await unit.open()
+        assert await protocol_of(link, PATIENCE) is protocol
+        await link.close()
+
+
+@pytest.mark.parametrize("name", LEFT)
+async def test_a_laser_left_scanning_at_another_speed_is_recognised(name: str) -> None:
+    async with SimulatedRobot() as robot, LaserUnit(robot, name, serial=True) as unit:
+        link = await unit.open()
+        for baud, data in LEFT[name]:
+            await link.set_speed(baud)
+            await link.write(data)
+            await asyncio.sleep(0.5)
+        await link.close()
+        speed = unit.laser.device.speed
+        assert speed == LEFT[name][-1][0]
+        again = await unit.open()
+        protocol = await protocol_of(again, PATIENCE)
+        assert protocol is {"urg-04lx": LaserProtocol.SCIP}.get(name, LaserProtocol.LMS2XX)
+        assert unit.laser.device.speed == speed  # no question changes a setting
+        await again.close()
+
+
+@pytest.mark.parametrize(
+    ("heard", "protocol"),
+    [
+        (b"MD0000108001000\r\n99b\r\n0Ej9\r\n", LaserProtocol.SCIP),
+        (b"\x02sSN LMDscandata 1 1 89A27F\x03", LaserProtocol.COLA),
+        (bytes.fromhex("02800A00B00340E803E903FF1F10A3EA"), LaserProtocol.LMS2XX),
+    ],
+)
+def test_a_laser_that_scans_is_recognised_before_it_is_asked(
+    heard: bytes, protocol: LaserProtocol
+) -> None:
+    found: list[LaserProtocol] = []
+    searching = Search(0.0, (), ScanSettings(), PATIENCE, found=found.append)
+    searching.tick(0.0)
+    assert searching.outgoing() == b""
+    searching.receive(heard, 0.01)
+    assert found == [protocol]
+
+
+def test_a_robot_that_sends_its_reports_is_left_alone() -> None:
+    report = bytes.fromhex("fafb031d001d")
+    events = run(search(), 2.0, b"\x00" + report)
+    assert events == [Lost("this port leads to the robot, not to a laser: give it with --port")]
+
+
+def test_an_echo_is_no_laser() -> None:
+    assert run(search(), 2.0, echo=True) == [
+        Lost("what was sent comes back: the line's two ends are joined")
+    ]
+
+
+def test_where_nothing_answers_it_gives_up_after_all_speeds() -> None:
+    searching = search(SPEEDS)
+    events = run(searching, 100.0)
+    assert [event.baud for event in events if isinstance(event, SpeedWanted)][:6] == list(SPEEDS)
+    assert events[-1] == Lost(NOTHING)
+
+
+def test_in_the_network_it_sets_no_speed() -> None:
+    events = run(search(), 100.0)
+    assert events == [Lost(NOTHING)]
+
+
+def test_only_speeds_of_the_port_are_tried() -> None:
+    events = run(search((9600, 38400)), 3.0)
+    assert {event.baud for event in events if isinstance(event, SpeedWanted)} == {9600, 38400}
+
+
+def test_giving_up_takes_as_long_as_the_patience_and_no_longer() -> None:
+    searching = search(SPEEDS, Patience(give_up=1.0))
+    now = 0.0
+    while not any(isinstance(event, Lost) for event in searching.tick(now)):
+        searching.outgoing()
+        now = searching.deadline
+        assert now < 2.0
+    assert now >= 1.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_at_a_wrong_speed_is_neither_a_laser_nor_asked(seed: int) -> None:
+    noise, sent = Random(seed), b""
+    searching = search((115200, 38400))
+    now = 0.0
+    for _ in range(15):
+        for event in searching.tick(now):
+            assert isinstance(event, SpeedWanted)
+        assert searching.receive(noise.randbytes(100), now + 0.005) == []
+        sent += searching.outgoing()
+        now += 0.01
+    assert QUESTION not in sent
+
+
+async def test_the_speed_is_left_as_it_was_found() -> None:
+    async with SimulatedRobot() as robot, LaserUnit(robot, "lms-200", serial=True) as unit:
+        link = await unit.open()
+        assert await protocol_of(link, PATIENCE) is LaserProtocol.LMS2XX
+        assert unit.laser.device.speed == 9600
+        await link.close()
+
+
+async def test_a_driver_says_at_which_protocol_it_arrived() -> None:
+    async with SimulatedRobot() as robot, LaserUnit(robot, "urg-04lx", serial=True) as unit:
+        driver = unit.driver()
+        assert driver.protocol is None
+        running = asyncio.ensure_future(driver.run())
+        await until(lambda: driver.latest)
+        assert driver.protocol is LaserProtocol.SCIP
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+
+def test_there_are_clients_of_all_protocols() -> None:
+    for protocol in LaserProtocol:
+        client = client_of(protocol, 0.0, SPEEDS, ScanSettings(), PATIENCE)
+        client.tick(0.0)
+        assert client.deadline > 0.0
+    with pytest.raises(ConfigError, match="no such protocol"):
+        client_of("morse", 0.0, (), ScanSettings(), PATIENCE)  # type: ignore[arg-type]
