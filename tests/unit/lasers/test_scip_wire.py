@@ -198,7 +198,7 @@ def test_an_answer_is_dated_with_its_first_byte() -> None:
     reader = AnswerReader()
     assert reader.feed(b"\n\n", 1.0) == []
     assert reader.feed(b"V", 2.0) == []
-    assert reader.begins_with(b"V")
+    assert reader.began(b"V") is not None
     answers = reader.feed(b"V\r\n00P\r\n\r\nPP\n00P\n\n", 3.0)
     assert [answer.lines for answer in answers] == [[b"VV", b"00P"], [b"PP", b"00P"]]
     assert [answer.began for answer in answers] == [2.0, 3.0]

@@ -99,9 +99,11 @@ class ScipClient:
                 events += self._take_reply(answer, now)
             if self._ended:
                 break
-        if self._stream is not None and self._reader.begins_with(self._stream.command):
-            self._answered_at = now
-            self._plan_watch()
+        if self._stream is not None:
+            began = self._reader.began(self._stream.command)
+            if began is not None:  # not `now`: noise that has no end may follow
+                self._answered_at = max(self._answered_at, began)
+                self._plan_watch()
         return events
 
     def tick(self, now: float) -> list[Event]:

@@ -172,9 +172,9 @@ class AnswerReader:
         self._buffer.clear()
         self._return_held = False
 
-    def begins_with(self, command: bytes) -> bool:
-        """Tell whether the answer to `command` has begun."""
-        return self._buffer.startswith(command)
+    def began(self, command: bytes) -> float | None:
+        """Return when the answer to `command` began [s, monotonic], or `None` without one."""
+        return self._began if self._buffer.startswith(command) else None
 
     def feed(self, data: bytes, now: float) -> list[Answer]:
         """Add bytes received at `now` [s, monotonic]; return the answers that they complete."""
