@@ -33,8 +33,10 @@ LISTEN = 0.1
 """At each speed before asking [s]: a laser that scans has sent something by then."""
 WHOLE_SCAN = 0.1
 """Where something comes, it is listened to for so long [s], besides the time of a scan's bytes."""
-SCAN = 750 * 10
-"""Bits of a scan of an LMS-2xx; of a Hokuyo twice as many, but that has faster lines."""
+LMS_SCAN = 750 * 10
+"""Bits of a scan of an LMS-2xx."""
+SCIP_SCAN = 2150 * 10
+"""Bits of a scan of a Hokuyo; only its beginning tells the protocol."""
 LONGEST_SCAN = 0.45
 QUICK = 38400
 """At this speed [baud] and above a scan would have been recognised: bytes that were not are of a
@@ -94,7 +96,8 @@ class Search:
         if self._client is not None:
             return self._passed(self._client.receive(data, now))
         if data and not self._asked and not self._heard and self._speed:
-            self.deadline = now + min(WHOLE_SCAN + SCAN / self._speed, LONGEST_SCAN)
+            scan = scan_bits(self._speed) / self._speed
+            self.deadline = now + min(WHOLE_SCAN + scan, LONGEST_SCAN)
         self._heard += data
         del self._heard[:-HEARD]
         protocol = recognise(bytes(self._heard))
@@ -166,6 +169,11 @@ class Search:
 
     def _is_robot(self) -> bool:
         return PacketReader().feed(bytes(self._heard)) != []
+
+
+def scan_bits(speed: int) -> int:
+    """Return the bits of the longest scan that lasers send at `speed` [baud]."""
+    return LMS_SCAN if speed in SPEEDS_OF[LaserProtocol.LMS2XX] else SCIP_SCAN
 
 
 def client_of(
