@@ -10,13 +10,16 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.doctor.diagnose import diagnose, examine
 from pioneer3.doctor.facts import Facts, Finding, Level
-from pioneer3.doctor.probe_session import QUICK, SCIP_SPEEDS, ProbeSession
-from pioneer3.doctor.recognition import SCIP_QUESTION, Kind, lms_checksum
+from pioneer3.doctor.probe_session import QUICK, ProbeSession
+from pioneer3.doctor.recognition import Kind
+from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
+from pioneer3.lasers.recognition import LMS_QUESTION, QUESTION
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
 from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"
 SPEEDS = (9600, 19200, 38400, 57600, 115200)
+LASER_SPEEDS = (*SPEEDS, 500000)
 HARMLESS = (
     commands.Stop,
     commands.Pulse,
@@ -184,7 +187,7 @@ async def facts_about(device: Device) -> Facts:
     return await examine(device.link(), 1.0, Facts(url=URL))
 
 
-@pytest.mark.parametrize("speed", SCIP_SPEEDS)
+@pytest.mark.parametrize("speed", [19200, 38400, 57600, 115200])
 async def test_a_hokuyo_answers_the_question_at_its_speed(speed: int) -> None:
     version = b"VV\n00P\nVEND:Hokuyo;x\nPROD:URG-04LX;x\n\n"
     laser = Device(speeds=SPEEDS, answers={(speed, b"VV\n"): version})
@@ -193,23 +196,36 @@ async def test_a_hokuyo_answers_the_question_at_its_speed(speed: int) -> None:
     assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "Hokuyo, URG-04LX")
 
 
+@pytest.mark.parametrize("speed", [9600, 19200, 38400, 500000])
+async def test_a_sick_answers_the_question_at_its_speed(speed: int) -> None:
+    answer = b"\x06" + telegram_of(0xBA, b"LMS200;301061;V02.30 \x10", address=0x80)
+    laser = Device(speeds=LASER_SPEEDS, answers={(speed, LMS_QUESTION): answer})
+    facts = await facts_about(laser)
+    assert facts.other_device is not None
+    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "SICK LMS200-301061")
+
+
+async def test_a_laser_in_the_network_answers_the_question() -> None:
+    answer = b"\x02sRA DeviceIdent 6 LMS111 10 V1.36-21.10.2010\x03"
+    facts = await facts_about(Device(answers={(None, b"sRN DeviceIdent"): answer}))
+    assert facts.other_device is not None
+    assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "SICK LMS111")
+
+
 async def test_a_silent_device_hears_the_handshake_and_one_question() -> None:
-    device = Device(speeds=SPEEDS)
+    device = Device(speeds=LASER_SPEEDS)
     facts = await facts_about(device)
     assert facts.other_device is None
-    assert {speed for speed, _ in device.written} == set(SPEEDS)
     questions = [(s, data) for s, data in device.written if not data.startswith(b"\xfa\xfb")]
-    assert questions == [(speed, SCIP_QUESTION) for speed in SCIP_SPEEDS]
+    assert {speed for speed, _ in questions} == set(LASER_SPEEDS)
+    assert {data for _, data in questions} == {QUESTION}
 
 
 async def test_a_streaming_sick_is_recognised_without_a_question() -> None:
-    powered_on = bytes.fromhex("0280") + b"\x02\x00\x91\x10"
-    telegram = powered_on + lms_checksum(powered_on).to_bytes(2, "little")
-    device = Device(greeting=telegram)
-    facts = await facts_about(device)
+    scan = telegram_of(0xB0, bytes.fromhex("0240 6400 6500 10"), address=0x80)
+    facts = await facts_about(Device(greeting=scan))
     assert facts.other_device is not None
     assert facts.other_device.name == "SICK LMS 2xx"
-    assert all(data != SCIP_QUESTION for _, data in device.written)
 
 
 async def test_a_loopback_plug_is_recognised() -> None:

@@ -144,7 +144,15 @@ def _details(each: Probed) -> str:
 
 
 def advice(found: Sequence[Probed]) -> Text:
-    """Return the option to use, or advice when there is no robot."""
+    """Return the options to use, or advice when there is no robot."""
+    text = _advice_for_robot(found)
+    for each in found:
+        if each.verdict is Verdict.LASER:
+            text.append("\nThe laser: ").append(f"--laser {each.url}", "bold green")
+    return text
+
+
+def _advice_for_robot(found: Sequence[Probed]) -> Text:
     best = choose(found)
     if best is None:
         text = Text("\nNo robot found. Is it on, and its cable plugged in?\nWhy not: ", "bold")

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from pioneer3.doctor.ports import SerialPort, is_serial, list_ports
+from pioneer3.doctor.recognition import UNNAMED
 from pioneer3.errors import ConfigError, LinkError, PortNotFoundError
 from pioneer3.lasers.client import Lost, Patience, ScanSettings, SpeedWanted
+from pioneer3.lasers.recognition import QUESTION, name_in
 from pioneer3.links import Link, open_link
 from pioneer3.links.urls import split_url
 from pioneer3.models.lasers import LaserProtocol
@@ -17,6 +19,11 @@ from pioneer3.robot.lasers.search import Search
 
 PATIENCE: Final = Patience(give_up=3.5)
 """Once over all serial speeds."""
+REST: Final = 0.4
+"""For the rest of an answer [s]."""
+SCANS: Final = 5
+"""So many times that long is waited for an answer that comes between scans: at 19200 baud a scan
+takes 1.1 s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +32,12 @@ class FoundLaser:
 
     Attributes:
         url: Argument for `--laser`.
-        protocol: Language of the laser, `None` if it is known to be one by its USB number.
-        name: Of the port, for people.
+        protocol: Its language.
+        name: Its own, as far as it gave one, for people.
     """
 
     url: str
-    protocol: LaserProtocol | None
+    protocol: LaserProtocol
     name: str
 
 
@@ -48,7 +55,7 @@ async def find_laser(taken: Sequence[str] = ()) -> str:
             "network is given by its address, such as --laser tcp://192.168.0.10:10940"
         )
     if len(found) > 1:
-        several = ", ".join(laser.url for laser in found)
+        several = ", ".join(f"{laser.url} ({laser.name})" for laser in found)
         raise ConfigError(f"--laser auto: there are several: {several}; choose one")
     return found[0].url
 
@@ -66,27 +73,42 @@ async def find_lasers(taken: Sequence[str] = ()) -> tuple[FoundLaser, ...]:
 
 
 async def _ask_port(port: SerialPort) -> FoundLaser | None:
-    name = port.product or port.chip or port.device
-    if port.is_hokuyo:
-        return FoundLaser(port.path, LaserProtocol.SCIP, name)
-    protocol = await protocol_at(port.path)
-    return FoundLaser(port.path, protocol, name) if protocol else None
+    found = await laser_at(port.path)
+    if found is None and port.is_hokuyo:
+        return FoundLaser(port.path, LaserProtocol.SCIP, port.product or "Hokuyo")
+    return found
 
 
-async def protocol_at(url: str, patience: Patience = PATIENCE) -> LaserProtocol | None:
-    """Return the protocol of the laser at `url`, or `None` if none answers."""
+async def laser_at(url: str, patience: Patience = PATIENCE) -> FoundLaser | None:
+    """Return the laser at `url`, or `None` if none answers."""
     try:
         link = await open_link(url)
     except LinkError:
         return None
     try:
-        return await protocol_of(link, patience)
+        return await laser_on(link, patience)
     finally:
         await link.close()
 
 
-async def protocol_of(link: Link, patience: Patience = PATIENCE) -> LaserProtocol | None:
-    """Return the protocol of the laser at an open link, or `None` if none answers."""
+async def laser_on(link: Link, patience: Patience = PATIENCE) -> FoundLaser | None:
+    """Return the laser at an open link, or `None` if none answers."""
+    heard = bytearray()
+    protocol = await _search(link, patience, heard)
+    if protocol is None:
+        return None
+    with suppress(LinkError):
+        await _hear_more(link, heard)
+        if not name_in(bytes(heard)):  # it was scanning, and has not been asked
+            await link.write(QUESTION)
+        for _ in range(SCANS):
+            if not name_in(bytes(heard)):
+                await _hear_more(link, heard)
+    return FoundLaser(link.url, protocol, name_in(bytes(heard)) or UNNAMED[protocol])
+
+
+async def _search(link: Link, patience: Patience, heard: bytearray) -> LaserProtocol | None:
+    """Return the protocol of the laser; put what it said at its speed into `heard`."""
     clock = asyncio.get_running_loop().time
     found: list[LaserProtocol] = []
     search = Search(
@@ -103,6 +125,7 @@ async def protocol_of(link: Link, patience: Patience = PATIENCE) -> LaserProtoco
                 match event:
                     case SpeedWanted(baud):
                         await link.set_speed(baud)
+                        heard.clear()
                     case Lost():
                         return None
             if question := search.outgoing():
@@ -110,11 +133,20 @@ async def protocol_of(link: Link, patience: Patience = PATIENCE) -> LaserProtoco
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(search.deadline):
                     data = await link.read()
+                    heard += data
                     if not data or any(
                         isinstance(event, Lost) for event in search.receive(data, clock())
                     ):
                         break
     return found[0] if found else None
+
+
+async def _hear_more(link: Link, heard: bytearray) -> None:
+    """Add to `heard` all that comes for a short while."""
+    with suppress(TimeoutError):
+        async with asyncio.timeout(REST):
+            while data := await link.read():
+                heard += data
 
 
 def _device(url: str) -> str:

@@ -242,7 +242,7 @@ def _named(other_device: OtherDevice) -> str:
 _OTHER_DEVICES: Final = {
     Kind.LASER: (
         "This port is the laser's; the robot is on another one. They swap numbers when unplugged.",
-        "Run: p3 find-port, and use the names in /dev/serial/by-id, which never swap.",
+        "Give this one with --laser. The robot's: p3 find-port; names that stay: p3 setup udev.",
     ),
     Kind.ECHO: (
         "Sent and received lines are joined: a loopback plug, a loose cable end, a modem.",

@@ -2,11 +2,12 @@
 
 import asyncio
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.doctor.lasers import laser_at
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
 from pioneer3.doctor.recognition import Kind, OtherDevice
@@ -74,7 +75,11 @@ def skipped(port: SerialPort) -> Probed | None:
 
 async def probe_port(port: SerialPort, timing: Timing = QUICK) -> Probed:
     """Return the result for the serial `port`."""
-    return skipped(port) or await probe(port.path, port, timing)
+    known = skipped(port)
+    if known is not None and known.verdict is Verdict.LASER:
+        laser = await laser_at(port.path)  # by its USB number it is one; it is asked for its name
+        return replace(known, detail=laser.name) if laser else known
+    return known or await probe(port.path, port, timing)
 
 
 async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK) -> Probed:

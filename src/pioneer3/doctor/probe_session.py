@@ -1,7 +1,7 @@
 """A session that probes the device at the end of a link: handshake and listening, no motion.
 
 It sends SYNC, OPEN, STOP, ENABLE 0, CONFIG, SONAR 1, PULSE and CLOSE, and to a device that is no
-robot the question for a laser's version. None of that changes a setting that lasts.
+robot the questions for a laser's type. None of that changes a setting that lasts.
 """
 
 import asyncio
@@ -22,7 +22,8 @@ from pioneer3.arcos.host_events import (
 )
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Config, Sip
-from pioneer3.doctor.recognition import SCIP_QUESTION, Kind, OtherDevice, recognise
+from pioneer3.doctor.lasers import laser_on
+from pioneer3.doctor.recognition import Kind, OtherDevice, recognise
 from pioneer3.errors import LinkError
 from pioneer3.links import Link
 from pioneer3.models import find_model, generic_model
@@ -35,9 +36,6 @@ QUICK: Final = Timing(retry=0.25, give_up=3.5)
 """Once over all serial speeds."""
 THOROUGH: Final = Timing(retry=0.3, give_up=8.5)
 """Twice over all serial speeds."""
-SCIP_SPEEDS: Final = (19200, 115200)
-"""Speeds of Hokuyo lasers with a serial port [baud] (scip.md 1.1)."""
-SCIP_TIMEOUT: Final = 0.5
 CLOSE_TIMEOUT: Final = 0.5
 CERTAIN: Final = {Kind.LASER, Kind.ECHO, Kind.PACKETS}
 MAX_RECEIVED: Final = 4096
@@ -143,13 +141,14 @@ class ProbeSession:
     async def other_device(self) -> OtherDevice | None:
         """Return the device that does not answer as a robot; `None` when nothing was received.
 
-        A device whose bytes are not those of a laser, an echo or a robot is probed as a laser.
+        A device whose bytes are not those of an echo or a robot is asked as a laser.
         """
         said = [recognise(bytes(data), bytes(self._sent)) for data in self._heard.values()]
         known = [who for who in said if who is not None]
         certain = next((who for who in known if who.kind in CERTAIN), None)
-        if certain is None and not self.closed:
-            certain = await self._probe_laser()
+        if (certain is None or certain.kind is Kind.LASER) and not self.closed:
+            laser = await laser_on(self._link)
+            certain = OtherDevice(Kind.LASER, laser.name) if laser else certain
         return certain or next(iter(known), None)
 
     async def close(self) -> None:
@@ -205,22 +204,3 @@ class ProbeSession:
                 self.sips.append((now, sip))
             case Lost(reason):
                 self.failure = reason
-
-    async def _probe_laser(self) -> OtherDevice | None:
-        for speed in SCIP_SPEEDS if self._link.speeds else (None,):
-            with suppress(LinkError):
-                if speed is not None:
-                    await self._link.set_speed(speed)
-                await self._link.write(SCIP_QUESTION)
-                who = recognise(await self._read_for(SCIP_TIMEOUT))
-                if who is not None and who.kind is Kind.LASER:
-                    return who
-        return None
-
-    async def _read_for(self, seconds: float) -> bytes:
-        received = bytearray()
-        with suppress(TimeoutError):
-            async with asyncio.timeout(seconds):
-                while len(received) < MAX_RECEIVED and (data := await self._link.read()):
-                    received += data
-        return bytes(received)

@@ -3,8 +3,8 @@
 import re
 from typing import Final
 
-from pioneer3.lasers.lms2xx.commands import Command
-from pioneer3.lasers.lms2xx.telegram import UNITS, Telegram, TelegramReader, encode
+from pioneer3.lasers.lms2xx.commands import Command, Unasked
+from pioneer3.lasers.lms2xx.telegram import PAUSE, UNITS, Telegram, TelegramReader, encode
 from pioneer3.models.lasers import LaserProtocol
 
 SCIP_QUESTION: Final = b"\nVV\n"
@@ -22,6 +22,10 @@ SCIP_ANSWER: Final = re.compile(
 )
 """The command, repeated, and a status (scip.md 1.2)."""
 COLA_ANSWER: Final = re.compile(rb"\x02s(?:(?:RA|AN|WA|EA|SN) \w+|FA)[ -~]*\x03")
+SCIP_NAMES: Final = re.compile(r"(VEND|PROD|SERI):([^;\r\n]+);?.?\r?\n")
+COLA_NAME: Final = re.compile(rb"\x02sRA DeviceIdent ([0-9A-F]{1,2}) ([ -~]*)\x03")
+TYPES: Final = {Command.TYPE + 0x80, Unasked.READY}
+"""Codes of the telegrams in which an LMS-2xx says its type."""
 
 
 def recognise(heard: bytes) -> LaserProtocol | None:
@@ -30,7 +34,37 @@ def recognise(heard: bytes) -> LaserProtocol | None:
         return LaserProtocol.SCIP
     if COLA_ANSWER.search(heard):
         return LaserProtocol.COLA
-    telegrams = TelegramReader(UNITS).feed(heard, 0.0)
-    if any(isinstance(item, Telegram) for item in telegrams):
-        return LaserProtocol.LMS2XX
-    return None
+    return LaserProtocol.LMS2XX if _telegrams(heard) else None
+
+
+def name_in(heard: bytes) -> str:
+    """Return the name by which a laser introduces itself in `heard`; empty where it does not."""
+    return _scip_name(heard) or _cola_name(heard) or _lms_name(heard)
+
+
+def _scip_name(heard: bytes) -> str:
+    told = dict(SCIP_NAMES.findall(heard.decode("ascii", "replace")))
+    parts = [told[key].strip() for key in ("VEND", "PROD") if key in told]
+    if "SERI" in told:
+        parts.append(f"serial number {told['SERI'].strip()}")
+    return ", ".join(parts)
+
+
+def _cola_name(heard: bytes) -> str:
+    told = COLA_NAME.search(heard)
+    return f"SICK {told[2][: int(told[1], 16)].decode('ascii').strip()}" if told else ""
+
+
+def _lms_name(heard: bytes) -> str:
+    """Return such as `SICK LMS200-301061`, from `LMS200;301061;V02.30 `."""
+    for telegram in _telegrams(heard):
+        if telegram.code in TYPES and telegram.body:
+            *names, _ = telegram.body.decode("ascii", "replace").split(";")
+            return f"SICK {'-'.join(name.strip() for name in names if name.strip())}"
+    return ""
+
+
+def _telegrams(heard: bytes) -> list[Telegram]:
+    reader = TelegramReader(UNITS)
+    items = reader.feed(heard, 0.0) + reader.feed(b"", PAUSE)  # a false beginning hides none
+    return [item for item in items if isinstance(item, Telegram)]

@@ -66,6 +66,13 @@ def test_a_simulator_is_never_passed_off_as_a_robot() -> None:
     assert "a SIMULATOR; no real robot answers" in text
 
 
+def test_the_option_for_each_laser_is_spelt_out_beside_that_of_the_robot() -> None:
+    laser = Probed("/dev/ttyACM0", Verdict.LASER, "Hokuyo")
+    both = advice([Probed("/dev/ttyUSB0", Verdict.ROBOT), laser]).plain
+    assert "Use: --port /dev/ttyUSB0\nThe laser: --laser /dev/ttyACM0" in both
+    assert "--laser /dev/ttyACM0" in advice([laser]).plain
+
+
 def test_without_a_robot_the_most_promising_port_goes_to_the_doctor() -> None:
     found = [Probed("/dev/ttyS0", Verdict.SILENT), Probed("/dev/ttyUSB0", Verdict.NO_PERMISSION)]
     assert "Why not: p3 doctor -p /dev/ttyUSB0\n" in advice(found).plain

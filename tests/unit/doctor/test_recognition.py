@@ -2,13 +2,10 @@
 
 import pytest
 
-from pioneer3.arcos.packet import encode
-from pioneer3.doctor.recognition import (
-    SCIP_QUESTION,
-    Kind,
-    lms_checksum,
-    recognise,
-)
+from pioneer3.arcos.packet import PacketReader, encode
+from pioneer3.doctor.recognition import Kind, recognise
+from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
+from pioneer3.lasers.recognition import COLA_QUESTION, LMS_QUESTION, QUESTION, SCIP_QUESTION
 
 VERSION = (
     b"\nVV\n00P\nVEND:Hokuyo Automatic Co.,Ltd.;[\nPROD:SOKUIKI Sensor URG-04LX;R\n"
@@ -19,8 +16,7 @@ SENT = b"".join(encode(bytes([number])) for number in (0, 1, 2))
 
 def telegram(data: bytes) -> bytes:
     """Return a SICK telegram from the laser."""
-    body = b"\x02\x80" + len(data).to_bytes(2, "little") + data
-    return body + lms_checksum(body).to_bytes(2, "little")
+    return telegram_of(data[0], data[1:], address=0x80)
 
 
 def test_silence_is_nobody() -> None:
@@ -50,14 +46,10 @@ def test_an_echoed_scip_command_is_enough_for_a_laser(heard: bytes) -> None:
     assert who.kind is Kind.LASER
 
 
-def test_the_sick_checksum_is_the_one_of_the_status_request() -> None:
-    assert lms_checksum(bytes.fromhex("0200010031")) == 0x1215
-
-
 def test_a_sick_telegram_is_found_inside_noise() -> None:
     who = recognise(b"\x02\x80\xff" + telegram(b"\x90LMS200;30106;V02.10\x10") + b"\x02")
     assert who is not None
-    assert (who.kind, who.name) == (Kind.LASER, "SICK LMS 2xx")
+    assert (who.kind, who.name) == (Kind.LASER, "SICK LMS200-30106")
 
 
 def test_a_sick_telegram_with_a_flipped_bit_is_no_laser() -> None:
@@ -68,6 +60,25 @@ def test_a_sick_telegram_with_a_flipped_bit_is_no_laser() -> None:
         who = recognise(bytes(bad))
         assert who is not None
         assert who.kind is not Kind.LASER
+
+
+def test_a_sick_that_only_sends_scans_has_no_name() -> None:
+    who = recognise(telegram(b"\xb0\x02\x40\x64\x00\x65\x00\x10"))
+    assert who is not None
+    assert (who.kind, who.name) == (Kind.LASER, "SICK LMS 2xx")
+
+
+@pytest.mark.parametrize(
+    ("heard", "name"),
+    [
+        (b"\x02sRA DeviceIdent 6 LMS111 10 V1.36-21.10.2010\x03", "SICK LMS111"),
+        (b"\xfb\x02sSN LMDscandata 0 1 89A27F\x03", "a laser that speaks CoLa-A (SICK)"),
+    ],
+)
+def test_a_laser_in_the_network_is_named_if_it_says_its_name(heard: bytes, name: str) -> None:
+    who = recognise(heard)
+    assert who is not None
+    assert (who.kind, who.name) == (Kind.LASER, name)
 
 
 def test_our_own_words_are_an_echo() -> None:
@@ -106,5 +117,13 @@ def test_anything_else_is_noise() -> None:
     assert who.kind is Kind.NOISE
 
 
-def test_the_question_to_a_laser_asks_for_its_version_and_nothing_else() -> None:
+def test_the_questions_to_lasers_ask_for_the_type_and_nothing_else() -> None:
     assert SCIP_QUESTION.split(b"\n") == [b"", b"VV", b""]
+    assert bytes.fromhex("02 00 01 00 3A 1E 12") == LMS_QUESTION
+    assert COLA_QUESTION == b"\x02sRN DeviceIdent\x03"
+
+
+def test_the_questions_are_nothing_to_a_robot() -> None:
+    reader = PacketReader()
+    assert reader.feed(QUESTION) == []
+    assert reader.feed(encode(b"\x00")) == [b"\x00"]
