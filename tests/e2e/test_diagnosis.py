@@ -12,9 +12,12 @@ from pioneer3.doctor.diagnose import diagnose, examine
 from pioneer3.doctor.facts import Facts, Finding, Level
 from pioneer3.doctor.probe_session import QUICK, ProbeSession
 from pioneer3.doctor.recognition import Kind
+from pioneer3.lasers.client import Patience, ScanSettings
 from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
 from pioneer3.lasers.recognition import LMS_QUESTION, QUESTION
 from pioneer3.links.memory import MemoryLink, Noise, bytewise, null_modem
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.lasers.search import Search
 from tests.support import SimulatedRobot, corrupted, decoded
 
 URL = "memory:robot"
@@ -203,6 +206,14 @@ async def test_a_sick_answers_the_question_at_its_speed(speed: int) -> None:
     facts = await facts_about(laser)
     assert facts.other_device is not None
     assert (facts.other_device.kind, facts.other_device.name) == (Kind.LASER, "SICK LMS200-301061")
+
+
+def test_a_laser_that_repeats_what_was_meant_for_a_robot_is_not_taken_for_one() -> None:
+    found: list[LaserProtocol] = []
+    search = Search(0.0, (), ScanSettings(), Patience(), found=found.append)
+    assert search.receive(encode(b"\x00") + encode(b"\x1d"), 0.1) == []
+    search.receive(b"\n0E\n\nVV\n00P\n", 0.2)
+    assert found == [LaserProtocol.SCIP]
 
 
 async def test_a_laser_in_the_network_answers_the_question() -> None:

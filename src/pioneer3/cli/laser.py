@@ -33,8 +33,8 @@ laser_app = App(
 Where = Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")]
 Pose = Annotated[str, Parameter(metavar="POSE", allow_leading_hyphen=True)]
 Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True)]
-PATIENCE = 8.0
-"""For the first answer, and for the first scan [s]."""
+PATIENCE = 9.0
+"""For the first answer, and for the first scan [s]: longer than the driver's own."""
 FIRST_REACH = 4.0
 
 
@@ -116,7 +116,6 @@ async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
         LinkError: no laser answers; the message has the reason.
     """
     from pioneer3.cli.process import busy_sign
-    from pioneer3.errors import DeviceError, LinkError
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.tasks import running
 
@@ -126,11 +125,38 @@ async def _driver(options: LaserOptions) -> "AsyncIterator[LaserDriver]":
     driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
     async with running(driver.run()):
         with busy_sign(f"Connecting to {spec.url} ..."):
-            try:
-                await driver.identified(PATIENCE)
-            except DeviceError as error:
-                raise LinkError(str(error)) from None
+            await _identified(driver)
         yield driver
+
+
+async def _identified(driver: "LaserDriver") -> None:
+    """Wait until the laser has said what it is.
+
+    Raises:
+        LinkError: the first attempt to reach it has failed; the message has the reason.
+    """
+    import asyncio
+
+    from pioneer3.errors import DeviceError, LinkError
+    from pioneer3.robot.supervisor import Connection
+
+    async def failed() -> str:
+        async for status in driver.status.values():
+            if status.connection in {Connection.LOST, Connection.CLOSED}:
+                return status.message
+        return "closed"
+
+    told, reason = asyncio.create_task(driver.identified(PATIENCE)), asyncio.create_task(failed())
+    try:
+        await asyncio.wait((told, reason), return_when=asyncio.FIRST_COMPLETED)
+        if driver.identity is None and reason.done():
+            raise LinkError(reason.result())
+        await told
+    except DeviceError as error:
+        raise LinkError(str(error)) from None
+    finally:
+        told.cancel()
+        reason.cancel()
 
 
 async def _laser(options: LaserOptions, seconds: float, *, json: bool) -> int:
@@ -223,7 +249,7 @@ def identity_lines(driver: "LaserDriver") -> list[str]:
 def reading_line(driver: "LaserDriver", scan: "Scan | None") -> str:
     """Return the closest reading, as the demo shows it, and the rate; or why nothing comes."""
     if scan is None:
-        return f"LOST: {driver.presence}"
+        return f"{'LOST' if driver.scans else 'No scan yet'}: {driver.presence}"
     from pioneer3.demo.modes.sensors import buffer_line
 
     return f"{buffer_line(scan)}   {driver.rate:.0f} scans/s"

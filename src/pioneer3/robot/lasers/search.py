@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from math import inf
 
 from pioneer3.arcos.packet import PacketReader
+from pioneer3.arcos.reports import Sip, from_payload
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import (
     Client,
@@ -168,7 +169,9 @@ class Search:
         return events
 
     def _is_robot(self) -> bool:
-        return PacketReader().feed(bytes(self._heard)) != []
+        """Whether a report was heard; a SCIP laser repeats commands that were meant for a robot."""
+        packets = PacketReader().feed(bytes(self._heard))
+        return any(isinstance(from_payload(packet), Sip) for packet in packets)
 
 
 def scan_bits(speed: int) -> int:
