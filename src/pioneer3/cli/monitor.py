@@ -9,6 +9,7 @@ from pioneer3.cli.options import LINK, Flag, LinkOptions, Seconds
 from pioneer3.cli.process import run_until_told_to_leave
 
 if TYPE_CHECKING:
+    from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.runtime.robot import Robot
     from pioneer3.state import Snapshot
 
@@ -24,7 +25,8 @@ def monitor(
 
     Nothing moves, and the motors stay off. On a terminal it is a screen, else a
     line for each reading. A lost link is shown, in JSON by a snapshot or report
-    that is null; if it is still lost at the end, the exit code is 1.
+    that is null; if it is still lost at the end, the exit code is 1. In JSON each
+    scan of a laser is an object of its own.
 
     Example: pioneer3 monitor --port /dev/ttyUSB0
 
@@ -59,11 +61,24 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
 async def _print_json(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.live import watch
     from pioneer3.cli.process import write_json
+    from pioneer3.tasks import running
 
     def show(snapshot: "Snapshot | None" = None) -> None:
         write_json({"snapshot": snapshot, "why_not_moving": robot.why_not_moving()})
 
-    return await watch(robot, seconds, show, show)
+    async def show_scans(laser: "LaserDriver") -> None:
+        async for scan in laser.values():
+            write_json({"laser": laser.name, "scan": scan})
+
+    async with running(*(show_scans(laser) for laser in _lasers(robot))):
+        return await watch(robot, seconds, show, show)
+
+
+def _lasers(robot: "Robot") -> "list[LaserDriver]":
+    """Return the lasers at this computer."""
+    from pioneer3.robot.lasers.driver import LaserDriver
+
+    return [laser for laser in robot.lasers if isinstance(laser, LaserDriver)]
 
 
 async def _print_lines(robot: "Robot", seconds: float) -> int:
@@ -71,10 +86,11 @@ async def _print_lines(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.process import write_line
     from pioneer3.cli.screen import line
 
+    lasers = _lasers(robot)
     return await watch(
         robot,
         seconds,
-        lambda snapshot: write_line(line(snapshot)),
+        lambda snapshot: write_line("  ".join([line(snapshot), *(o.words for o in lasers)])),
         lambda: write_line(lost(robot)),
     )
 
@@ -86,12 +102,13 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
     from pioneer3.cli.live import looks
     from pioneer3.cli.screen import screen
 
-    console, code = Console(highlight=False), 0
+    console, code, lasers = Console(highlight=False), 0, _lasers(robot)
     with Live(console=console, screen=True, auto_refresh=False) as live:
         async for snapshot in looks(robot, seconds):
             status = robot.supervisor.status.latest
             why = robot.why_not_moving()
-            view = screen(robot.info, robot.snapshot, why, status, console.width)
+            words = [laser.words for laser in lasers]
+            view = screen(robot.info, robot.snapshot, why, status, console.width, words)
             live.update(view, refresh=True)
             code = 1 if snapshot is None else 0
     return code

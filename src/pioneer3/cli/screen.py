@@ -33,6 +33,7 @@ def screen(
     why: str | None,
     status: Status | None,
     width: int = 80,
+    lasers: Sequence[str] = (),
 ) -> RenderableType:
     """Return the whole screen.
 
@@ -42,12 +43,13 @@ def screen(
         why: Why the robot stands still, or `None`.
         status: How it stands with the connection.
         width: Of the terminal, in columns.
+        lasers: A line about each laser at the computer.
     """
     layout = Layout()
     layout.split_column(
         Layout(_headline(info, status), size=1),
         Layout(name="middle"),
-        Layout(_bottom(snapshot, why, status), size=5),
+        Layout(_bottom(snapshot, why, status, lasers), size=5 + len(lasers)),
     )
     if snapshot is None:
         layout["middle"].update(Panel(Text("no readings: the link is lost", "bold red")))
@@ -191,8 +193,11 @@ def _metres(metres: float) -> str:
     return f"{metres:.2f}" if isfinite(metres) else "-"
 
 
-def _bottom(snapshot: Snapshot | None, why: str | None, status: Status | None) -> Panel:
+def _bottom(
+    snapshot: Snapshot | None, why: str | None, status: Status | None, lasers: Sequence[str]
+) -> Panel:
     lines = [_link(snapshot.link)] if snapshot else []
+    lines += [Text(laser, "bold red" if "LOST" in laser else "") for laser in lasers]
     if status and status.connection is not Connection.CONNECTED:
         lines.append(Text(f"{status.connection}: {status.message}", "bold red"))
     lines.append(Text(why or "It moves."))

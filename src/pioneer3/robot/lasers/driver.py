@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import AsyncGenerator, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from math import inf, isfinite
 from typing import TypeVar
 
 from pioneer3.errors import DeviceError, LinkError, RecordingOverError
@@ -151,6 +152,15 @@ class LaserDriver:
     def lost(self) -> str | None:
         """While no scans come, a few words; else `None`."""
         return None if self.connected else f"the {self.name} is lost"
+
+    @property
+    def words(self) -> str:
+        """Product, rate and nearest reading while scans come; else why they do not."""
+        if not self.connected or self.latest is None:
+            return f"{self.name} LOST: {self.presence}"
+        nearest = min(filter(isfinite, self.latest.ranges), default=inf)
+        near = f"nearest {nearest:.2f} m" if nearest < inf else "nothing in range"
+        return f"{self.title}: {self.rate:.0f} scans/s, {near}"
 
     @property
     def latency(self) -> float:
