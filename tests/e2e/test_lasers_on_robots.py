@@ -1,4 +1,4 @@
-"""Robot and lasers, each on a link of its own: losses of either, poses, recordings. Virtual time."""
+"""Robot and lasers, each on a link of its own: losses of either, poses, recordings."""
 
 import asyncio
 from dataclasses import replace

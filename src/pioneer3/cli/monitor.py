@@ -107,8 +107,14 @@ async def _show_screen(robot: "Robot", seconds: float) -> int:
         async for snapshot in looks(robot, seconds):
             status = robot.supervisor.status.latest
             why = robot.why_not_moving()
-            words = [laser.words for laser in lasers]
-            view = screen(robot.info, robot.snapshot, why, status, console.width, words)
+            view = screen(
+                robot.info,
+                robot.snapshot,
+                why,
+                status,
+                width=console.width,
+                lasers=[laser.words for laser in lasers],
+            )
             live.update(view, refresh=True)
             code = 1 if snapshot is None else 0
     return code

@@ -74,9 +74,10 @@ def laser(
     *arguments: Annotated[str, Parameter(show=True)],
     port: Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")] = AUTO,
 ) -> int:
-    """Be a laser's ROS 1 node, in the place of hokuyo_node or urg_node; no robot is needed.
+    """Be a laser's ROS 1 node, in the place of hokuyo_node or urg_node.
 
-    It has their parameters, and publishes scan and /diagnostics.
+    No robot is needed. It has their parameters, and publishes scan and
+    /diagnostics.
 
     Example: pioneer3 ros1 laser _port:=/dev/ttyACM0 _min_ang:=-1.57 _frame_id:=laser
     Example: pioneer3 ros1 laser _ip_address:=192.168.0.10

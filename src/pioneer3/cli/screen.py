@@ -32,6 +32,7 @@ def screen(
     snapshot: Snapshot | None,
     why: str | None,
     status: Status | None,
+    *,
     width: int = 80,
     lasers: Sequence[str] = (),
 ) -> RenderableType:

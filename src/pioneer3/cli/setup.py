@@ -18,8 +18,8 @@ def udev(*, write: Annotated[Path | None, Parameter(metavar="FILE")] = None) -> 
     Without them a laser is /dev/ttyACM0 today and /dev/ttyACM1 after it was plugged
     in again. Robots and lasers are told apart by the serial number of their USB
     adapter; Hokuyo lasers, whose USB has none, are asked for their own. The rules
-    also let the group dialout use them. It shows the rules and the commands that put
-    them in force; nothing is changed unless you run those.
+    also let the group dialout use them. It shows the rules and the commands that
+    put them in force; nothing is changed unless you run those.
 
     Example: pioneer3 setup udev
     Example: pioneer3 setup udev --write 70-pioneer3.rules

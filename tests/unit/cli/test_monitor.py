@@ -56,7 +56,7 @@ CONNECTED = Status(Connection.CONNECTED, "Bender")
 def shown(snapshot: Snapshot | None, status: Status = CONNECTED, width: int = 80) -> list[str]:
     """Return the lines of the screen."""
     console = Console(file=StringIO(), width=width, height=24, highlight=False)
-    console.print(screen(ROBOT, snapshot, "Because.", status, width))
+    console.print(screen(ROBOT, snapshot, "Because.", status, width=width))
     return console.file.getvalue().splitlines()  # type: ignore[attr-defined, no-any-return]
 
 
