@@ -1,4 +1,4 @@
-"""Robot and lasers, each on a link of its own: losses of either, poses, recordings."""
+"""Robot and lasers, each on its own link: losses of either, poses, recordings. Virtual time."""
 
 import asyncio
 from dataclasses import replace
@@ -51,7 +51,8 @@ def misses(scan: Scan, half: float = HALF) -> NDArray[np.float64]:
     """Return how far each point is off the walls of the room [m]."""
     points = np.array(scan.points_in_odom())
     assert len(points) > 50
-    return np.abs(np.max(np.abs(points), axis=1) - half)
+    off: NDArray[np.float64] = np.abs(np.max(np.abs(points), axis=1) - half)
+    return off
 
 
 @pytest.mark.parametrize(
