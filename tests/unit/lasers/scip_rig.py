@@ -161,8 +161,9 @@ class Rig:
             turn, self._turn = self._turn, None
             self.turns.append(self.our_time(self._began))
             self.device.measured(self._sweep(turn, self._began), laser_now)
+        speed = self.device.speed
         if data := self.host.outgoing(laser_now + SLACK):
-            self._put(data, 1, self.device.speed)
+            self._put(data, 1, speed)
         if self.client is not None:
             self._take(self.client.tick(self.now))
 

@@ -147,7 +147,7 @@ def test_a_laser_that_lost_its_speed_is_lost_and_found() -> None:
 
 def test_a_speed_that_was_agreed_to_in_vain_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(ScipDevice(URG, start_speed=115200))
-    monkeypatch.setattr(rig.host.line, "change_speed", lambda _: None)
+    monkeypatch.setattr(rig.host.line, "then_change_to", lambda _: None)
     rig.connect([115200, 750000])
     expect_scans(rig)
     assert rig.remarks == ["the laser does not answer at 750000 baud, which it agreed to"]

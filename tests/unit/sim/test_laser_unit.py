@@ -176,6 +176,7 @@ async def test_several_hosts_share_a_cola_unit() -> None:
     assert len(hosts[0].lines) >= 9
     assert hosts[2].heard == b""
     bench.laser.hosts.disconnected(hosts[0])
+    bench.run(TICK)
     assert len(bench.device.connections) == 2
 
 

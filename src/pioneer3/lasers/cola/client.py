@@ -38,9 +38,8 @@ from pioneer3.lasers.cola.wire import (
     encode,
     parse_number,
 )
+from pioneer3.lasers.line import ROUNDING
 
-ROUNDING: Final = 1e-9
-"""Event loops wake up this much early [s]."""
 SLOWEST_REPEAT: Final = 1.0
 """Requests are repeated at least this often [s]."""
 SILENT_PERIODS: Final = 10

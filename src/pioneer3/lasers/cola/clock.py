@@ -1,10 +1,12 @@
 """From the laser's clock to ours (cola.md 3.6).
 
-Each scan has the laser's time at which it was sent. Arrival minus that time is the difference of
-the clocks plus the delay of the network; the smallest one seen has the least delay in it.
+Each scan has the laser's time at which it was sent; :mod:`pioneer3.lasers.clock` tells how that,
+and the time of arrival, give the difference of the clocks.
 """
 
 from typing import Final
+
+from pioneer3.lasers.clock import Envelope
 
 DRIFT: Final = 1e-4
 """Most that the laser's clock gains or loses, as a share; quartz oscillators stay within that."""
@@ -19,7 +21,7 @@ class DeviceClock:
     def __init__(self) -> None:
         self._sent_us: int | None = None
         self._elapsed = 0.0
-        self._offset = 0.0
+        self._envelope = Envelope(DRIFT)
 
     def first_reading(self, sensed_us: int, sent_us: int, arrival: float, span: float) -> float:
         """Return the time of a scan's first reading [s, monotonic].
@@ -35,17 +37,14 @@ class DeviceClock:
         """
         if self._sent_us == sent_us or not sent_us:
             return arrival - span  # this clock stands still
-        self._follow(sent_us, arrival)
+        offset = self._follow(sent_us, arrival)
         age_us = (sent_us - sensed_us) % WRAP_US
         age = age_us / 1e6 if age_us <= LONGEST_US else 0.0
-        return min(self._elapsed + self._offset, arrival) - max(age, span)
+        return min(self._elapsed + offset, arrival) - max(age, span)
 
-    def _follow(self, sent_us: int, arrival: float) -> None:
-        """Keep the time since the first scan, and the smallest difference of the clocks."""
-        if self._sent_us is None:
-            self._offset = arrival
-        else:
-            passed = (sent_us - self._sent_us) % WRAP_US / 1e6
-            self._elapsed += passed
-            self._offset = min(self._offset + passed * DRIFT, arrival - self._elapsed)
+    def _follow(self, sent_us: int, arrival: float) -> float:
+        """Keep the laser's time since the first scan; return ours less that, without the delay."""
+        if self._sent_us is not None:
+            self._elapsed += (sent_us - self._sent_us) % WRAP_US / 1e6
         self._sent_us = sent_us
+        return self._envelope.follow(arrival - self._elapsed, arrival)

@@ -35,6 +35,8 @@ from pioneer3.lasers.cola.wire import (
 
 MOST_WAITING: Final = 2
 """Scans that wait to leave."""
+MOST_POLLS: Final = 8
+"""Requests for one scan that wait for it; the unit is too busy for more."""
 
 
 class Owner(Protocol):
@@ -143,6 +145,8 @@ class ColaConnection:
         if name == NAME:
             latest = self._unit.latest_scan(now)
             if latest is None:
+                if self.polling >= MOST_POLLS:
+                    raise RefusedError(Error.SERVER_BUSY)
                 self.polling += 1
                 return ""
             return f"sRA {NAME} {latest}"

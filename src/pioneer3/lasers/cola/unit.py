@@ -44,6 +44,8 @@ PLACE: Final = "not defined"
 """LocationName at delivery."""
 CALENDAR_BEGIN: Final = datetime(2006, 1, 1, tzinfo=UTC)
 """Date of a laser that nobody has told the date."""
+YEARS: Final = range(1970, 2100)
+"""That the calendar can be set to."""
 FRESH_TURNS: Final = 2
 """A request for the last scan gets it if it is no older than this many turns."""
 _ALMOST: Final = 1e-3
@@ -236,6 +238,8 @@ class Unit:
     def set_date(self, numbers: Sequence[int], micros: int, now: float) -> bool:
         """Set the calendar to year, month, day, hour, minute, second; tell whether they exist."""
         year, month, day, hour, minute, second = numbers
+        if year not in YEARS:
+            return False
         try:
             self._date = datetime(year, month, day, hour, minute, second, micros, tzinfo=UTC)
         except ValueError:

@@ -18,15 +18,14 @@ from math import ceil, floor, inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.line import ROUNDING, duration
 from pioneer3.lasers.lms2xx import commands
 from pioneer3.lasers.lms2xx.commands import MODE_OF_SPEED, Mode, Unasked
-from pioneer3.lasers.lms2xx.line import duration
 from pioneer3.lasers.lms2xx.measuring import MIRROR_TURN, VARIANT_OF_COUNT, Variant
 from pioneer3.lasers.lms2xx.scans import VALUES, Measurement
 from pioneer3.lasers.lms2xx.setup import SetUp, Wait
 from pioneer3.lasers.lms2xx.telegram import (
     FRAME,
-    ROUNDING,
     UNITS,
     Item,
     Sign,

@@ -22,15 +22,14 @@ from types import MappingProxyType
 from typing import Final
 
 from pioneer3.lasers.device import Connection, Sweep, Turn
+from pioneer3.lasers.line import ROUNDING, Line
 from pioneer3.lasers.lms2xx.blocks import REAL_TIME_INDICES
 from pioneer3.lasers.lms2xx.commands import ANSWER, STREAMS, Command, Mode, Unasked
-from pioneer3.lasers.lms2xx.line import Line
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, Units
 from pioneer3.lasers.lms2xx.mirror import Mirror, Readings
 from pioneer3.lasers.lms2xx.scans import SUBRANGE_VALUES, VALUES, Measurement
 from pioneer3.lasers.lms2xx.telegram import (
     ANY_UNIT,
-    ROUNDING,
     USUAL_STATUS,
     Sign,
     Telegram,
@@ -121,7 +120,7 @@ class LmsDevice:
     def outgoing(self, now: float) -> bytes:
         """Return and forget the bytes that have left by `now`, up to a change of speed."""
         data = self._line.take(now)
-        self.speed = self.unit.speed = self._line.speed
+        self._use_speed_of_line()
         self._answer_requests(now)
         self._schedule()
         return data
@@ -150,13 +149,18 @@ class LmsDevice:
     def _restart(self, now: float) -> None:
         """Start: say nothing, then READY."""
         self.unit.restart()
-        self.unit.speed = self.speed = self._line.speed
+        self._use_speed_of_line()
         self._reader.discard()
         self._requests.clear()
         self._answer_at = None
         self._begin_measuring()
         self._ready_at = now + self._boot
         self._schedule()
+
+    def _use_speed_of_line(self) -> None:
+        speed = self._line.speed
+        assert speed is not None  # it is a serial line
+        self.speed = self.unit.speed = speed
 
     def _begin_measuring(self) -> None:
         self._scan_wanted, self._partial_number = False, 0

@@ -33,10 +33,10 @@ from pioneer3.lasers.client import (
     ScanSettings,
     SpeedWanted,
 )
+from pioneer3.lasers.line import duration
 from pioneer3.lasers.lms2xx import commands
 from pioneer3.lasers.lms2xx.blocks import Config, Status
 from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode, Unasked
-from pioneer3.lasers.lms2xx.line import duration
 from pioneer3.lasers.lms2xx.measuring import MEASURING_MODES, VARIANTS, Units, Variant
 from pioneer3.lasers.lms2xx.scans import VALUES
 from pioneer3.lasers.lms2xx.telegram import Telegram, encode

@@ -15,6 +15,7 @@ from math import inf
 from typing import Final
 
 from pioneer3.errors import CommandError
+from pioneer3.lasers.line import ROUNDING
 
 STX: Final = 0x02
 FRAME: Final = 6
@@ -25,8 +26,6 @@ LOWEST_CODE: Final = 0x10
 """No command has a lower code; noise often has 0."""
 PAUSE: Final = 0.1
 """Silence [s] after which an unfinished telegram is noise; units pause for 14 ms at most."""
-ROUNDING: Final = 1e-9
-"""Event loops wake up this much early [s]."""
 ANY_UNIT: Final = 0x00
 """Address of requests to whichever unit listens."""
 UNITS: Final = range(0x80, 0x85)

@@ -20,6 +20,7 @@ from math import inf
 from typing import Final
 
 from pioneer3.lasers.client import Event, Lost, Measured, Patience, RawScan, Remarked, ScanSettings
+from pioneer3.lasers.line import ROUNDING
 from pioneer3.lasers.scip.scans import Readings, decode, ranges_of
 from pioneer3.lasers.scip.start import NOTHING, OK, Ask, Pause, Reply, Start, Step
 from pioneer3.lasers.scip.stream import Stream
@@ -27,8 +28,6 @@ from pioneer3.lasers.scip.wire import Answer, AnswerReader, decode_stamp
 from pioneer3.units import MM
 
 SCANNED: Final = b"99b"
-ROUNDING: Final = 1e-9
-"""Event loops wake up this much early [s]."""
 PERIODS: Final = 10
 """A silence is at least this many scan periods."""
 SLOWEST_ANSWER: Final = 3.0

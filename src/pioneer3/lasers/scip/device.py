@@ -108,7 +108,7 @@ class ScipDevice:
             for session in self._sessions:
                 session.restart()
         if self.unit.start_speed is not None:
-            self.speed = self._sessions[0].line.baud
+            self.speed = self._sessions[0].line.speed
         else:
             self._sessions = [session for session in self._sessions if not session.closed]
         self.deadline = min((session.line.due for session in self._sessions), default=inf)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from pioneer3.lasers.device import Sweep
-from pioneer3.lasers.scip.line import Line
+from pioneer3.lasers.line import Line
 from pioneer3.lasers.scip.requests import Refused, ScanRequest, read_request, read_scip1_request
 from pioneer3.lasers.scip.scans import FORMATS, WIDE_RANGE
 from pioneer3.lasers.scip.sweeps import data_lines
@@ -16,6 +16,12 @@ from pioneer3.lasers.scip.wire import STAMP, encode_values, pair, seal
 
 LONGEST_COMMAND: Final = 128
 LONGEST_COMMENT: Final = 16
+MOST_WAITING: Final = 8
+"""Commands for one scan that wait for it; more are ignored."""
+MOST_SCANS: Final = 1 << 17
+"""A network host that does not read loses further scans from here on [bytes]."""
+MOST_UNSENT: Final = 1 << 18
+"""Bytes on their way out, more than any scan has, above which commands are ignored."""
 REBOOT_WITHIN: Final = 1.0
 """The second RB must follow the first one within this [s]."""
 UNKNOWN: Final = "0E"
@@ -59,7 +65,7 @@ class Session:
         *commands, rest = (self._received + data.replace(b"\r", b"\n")).split(b"\n")
         self._received = rest[-LONGEST_COMMAND:]
         for command in commands:
-            if command:
+            if command and self.line.waiting < MOST_UNSENT:
                 self._obey(command[-LONGEST_COMMAND:].decode("latin-1"), now)
         self._changed()
 
@@ -74,7 +80,7 @@ class Session:
         if self._unit.start_speed is None:
             self.closed = True
             self._waiting.clear()
-            self.line.clear()
+            self.line.clear(None)
             self._end_stream()
             self._changed()
 
@@ -88,7 +94,7 @@ class Session:
 
     def cut_off(self) -> None:
         """Lose the bytes that have not left."""
-        self.line = Line(self._unit.start_speed)
+        self.line.clear(self._unit.start_speed)
 
     def measured(self, sweep: Sweep, stamp_ms: int, now: float) -> None:
         """Send the readings of a turn to this host, if it wants them.
@@ -102,13 +108,18 @@ class Session:
         for request in waiting:
             self._send_scan(request, sweep, stamp_ms, now)
         stream = self._stream
-        if stream is None or self._is_skipped(stream) or self.line.busy:
+        if stream is None or self._is_skipped(stream) or self._is_congested:
             return
         self._skipped = 0
         self._left -= bool(stream.scans)
         self._send_scan(stream, sweep, stamp_ms, now, left=self._left)
         if stream.scans and not self._left:
             self._end_stream()
+
+    @property
+    def _is_congested(self) -> bool:
+        """Whether the line still carries a scan; a network takes more of them."""
+        return self.line.waiting > (0 if self.line.speed else MOST_SCANS)
 
     def _is_skipped(self, stream: ScanRequest) -> bool:
         self._skipped += 1
@@ -140,7 +151,7 @@ class Session:
     def _answer(self, echo: str, status: str, data: bytes, now: float) -> None:
         """Queue an answer; a status of one character is SCIP 1.1's, without a checksum."""
         code = status.encode() if len(status) == 1 else seal(status.encode())
-        self.line.put(echo.encode("latin-1") + b"\n" + code + b"\n" + data + b"\n", now)
+        self.line.send(echo.encode("latin-1") + b"\n" + code + b"\n" + data + b"\n", now)
 
     def _obey(self, text: str, now: float) -> None:
         command, mark, comment = text.partition(";")
@@ -170,7 +181,7 @@ class Session:
             case "PP", "":
                 return "00", lines_of(unit.parameters)
             case "II", "":
-                return "00", lines_of(unit.state(self.line.baud, now))
+                return "00", lines_of(unit.state(self.line.speed, now))
             case "BM", "":
                 return self._switch_laser_on(), b""
             case ("QT" | "RS", "") | ("%S", "L"):
@@ -207,7 +218,7 @@ class Session:
                 request = read_scip1_request(text, self._unit.steps)
                 if request is None or not self._unit.laser_on:
                     return "1", b""
-                self._waiting.append(request)
+                self._keep(request)
                 return "", b""
         return "E", b""
 
@@ -235,7 +246,7 @@ class Session:
 
     def _change_speed(self, baud: int | None) -> None:
         if baud is not None:
-            self.line.change_speed(baud)
+            self.line.then_change_to(baud)
 
     def _knows(self, letters: str) -> bool:
         format_, unit = FORMATS[letters], self._unit
@@ -258,8 +269,13 @@ class Session:
             return "00"
         if not self._unit.laser_on:
             return "10"
-        self._waiting.append(request)
+        self._keep(request)
         return ""
+
+    def _keep(self, request: ScanRequest) -> None:
+        """Keep a command for one scan until the scan is there."""
+        if len(self._waiting) < MOST_WAITING:
+            self._waiting.append(request)
 
     def _end_stream(self) -> None:
         """End this host's scans; the laser goes off with the last stream."""
@@ -282,7 +298,7 @@ class Session:
             return "04" if model.speeds or model.usb else "0F"
         if len(digits) != 6 or not digits.isdecimal():
             return "01"
-        if int(digits) == self.line.baud:
+        if int(digits) == self.line.speed:
             return "03"
         return "00" if int(digits) in self._unit.speeds else "02"
 

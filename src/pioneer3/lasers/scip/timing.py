@@ -5,12 +5,12 @@ Two sources are joined:
 1. TM asks the laser for its time. The answer with the shortest round trip is the best; its middle
    is the moment at which the laser looked at its clock.
 2. Each scan came some time after it was stamped. The quickest of them tell how the clocks drift:
-   nothing makes a scan come too early. The lower envelope of these delays follows each quicker one
-   at once, and rises no faster than clocks drift.
+   see :mod:`pioneer3.lasers.clock`.
 """
 
 from typing import Final
 
+from pioneer3.lasers.clock import Envelope
 from pioneer3.units import MS
 
 WRAP: Final = 1 << 24
@@ -34,8 +34,7 @@ class DeviceClock:
         self._last_ms: int | None = None
         self._round_trip = 0.0
         self._offset = 0.0
-        self._envelope: float | None = None
-        self._followed_at = 0.0
+        self._envelope = Envelope(MAX_DRIFT)
         self._settled_at = 0.0
         self._delay = 0.0
 
@@ -79,20 +78,18 @@ class DeviceClock:
         seconds = self.unwrap(stamp_ms)
         if arrived is not None:
             self._follow(arrived - seconds, arrived)
-        if self._envelope is None:
+        lag = self._envelope.lag
+        if lag is None:
             return seconds + self._offset if self.compared else None
         if not self.compared:
-            return seconds + self._envelope - took
-        if self._followed_at <= self._settled_at:
+            return seconds + lag - took
+        if self._envelope.at <= self._settled_at:
             return seconds + self._offset
-        return seconds + self._envelope - self._delay
+        return seconds + lag - self._delay
 
     def _follow(self, lag: float, now: float) -> None:
-        if self._envelope is None:
-            self._envelope, self._settled_at = lag, now + SETTLING
-        else:
-            rise = MAX_DRIFT * (now - self._followed_at)
-            self._envelope = min(lag, self._envelope + rise)
-        self._followed_at = now
+        if self._envelope.lag is None:
+            self._settled_at = now + SETTLING
+        smallest = self._envelope.follow(lag, now)
         if now <= self._settled_at:
-            self._delay = self._envelope - self._offset
+            self._delay = smallest - self._offset

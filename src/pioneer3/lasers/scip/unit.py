@@ -102,10 +102,11 @@ class Unit:
         self.streams = 0
         self._ready_at = now + self._boot_time
         self.reset(now)
+        self.laser_on = self.begins_in_scip1
 
     def reset(self, now: float) -> None:
         """Take back the settings that were changed since power-on."""
-        self.laser_on = self.begins_in_scip1
+        self.laser_on = False
         self.sensitive = False
         self.slower = 0
         self._clock_began = now

@@ -3,12 +3,14 @@
 1. A unit with a serial line, which has a speed, has one connection for ever: hosts come and go at
    its terminal and, through a serial device server, on the network. All others have a connection
    per host, on the network or at a terminal that stands for USB.
-2. Units that speak CoLa-A serve several hosts, others one at a time: the rules of
-   :class:`pioneer3.sim.server.clients.ClientSlot` hold. A host that gets scans is not silent.
+2. Units that speak CoLa-A serve several hosts, of which the longest silent one gives way to one too
+   many; others one at a time: the rules of :class:`pioneer3.sim.server.clients.ClientSlot` hold. A
+   host that gets scans is not silent. The last requests of a host that leaves are still obeyed.
 3. At the terminal of a serial line a host must have set the speed of the device, else neither
    understands the other. A device server on the network always has the right speed.
 """
 
+import asyncio
 import logging
 from collections.abc import Callable
 from math import inf
@@ -16,13 +18,17 @@ from random import Random
 from typing import Protocol
 
 from pioneer3.lasers.device import Connection, Device
-from pioneer3.sim.server.clients import Client, ClientHandler, ClientSlot
+from pioneer3.sim.server.clients import STALE, Client, ClientHandler, ClientSlot
 from pioneer3.sim.server.faults import Channel, LinkFaults
 
 log = logging.getLogger(__name__)
 
 MOST_WAITING = 4096
 """Most that waits for the next tick [bytes]; then the host waits."""
+MOST_TAKEN = 64
+"""Taken from a host at once [bytes]; a few times each tick, so a flood is as a busy serial line."""
+MOST_FAREWELL = 256
+"""Taken from a host that has gone: its last requests, but no flood [bytes]."""
 MOST_HOSTS = 8
 """At a unit that serves several."""
 
@@ -51,11 +57,11 @@ class Cable:
         if len(self._inbox) >= MOST_WAITING:
             client.pause()
 
-    def take(self, client: Client | None, now: float) -> None:
-        """Give the device the bytes that have come by `now` [s]."""
-        data = bytes(self._inbox)
-        self._inbox.clear()
-        if client is not None:
+    def take(self, client: Client | None, now: float, most: int = MOST_TAKEN) -> None:
+        """Give the device bytes that have come by `now` [s], at most so many at once."""
+        data = bytes(self._inbox[:most])
+        del self._inbox[:most]
+        if client is not None and len(self._inbox) < MOST_WAITING:
             client.resume()
         if self._faults.any or self._to_laser.due < inf:
             data = self._to_laser.transmit(data, now)
@@ -68,6 +74,11 @@ class Cable:
         if self._faults.any or self._to_host.due < inf:
             data = self._to_host.transmit(data, now)
         return data
+
+    def hang_up(self) -> None:
+        """Note that the host has gone: its last bytes still arrive, none come to it."""
+        del self._inbox[MOST_FAREWELL:]
+        self._to_host.clear()
 
     def clear(self) -> None:
         """Drop the bytes that are on their way."""
@@ -185,9 +196,9 @@ class OneHost:
             self._cable = self._new_cable()
 
     def _hang_up(self) -> None:
-        """Drop what is on its way; a connection that does not last ends."""
+        """Drop what is on its way to the host; a connection that does not last ends."""
         if self._cable is not None:
-            self._cable.clear()
+            self._cable.hang_up()
             if not self._lasting:
                 self._cable.connection.close()
                 self._cable = None
@@ -211,11 +222,13 @@ class SeveralHosts:
     ) -> None:
         self._device, self._faults, self._wake, self._label = device, faults, wake, label
         self._cables: dict[Client, Cable] = {}
+        self._leaving: list[Cable] = []
+        self._heard: dict[Client, float] = {}
         self._closed = False
 
     @property
     def full(self) -> bool:
-        return self._closed or len(self._cables) >= MOST_HOSTS
+        return self._closed or (len(self._cables) >= MOST_HOSTS and self._silent_host() is None)
 
     @property
     def connected(self) -> bool:
@@ -225,19 +238,26 @@ class SeveralHosts:
         if self.full:
             client.close()
             return
+        if len(self._cables) >= MOST_HOSTS and (silent := self._silent_host()) is not None:
+            log.info("%s: silent, gives way at %s", silent.peer, self._label())
+            silent.close()
+            self.disconnected(silent)
         log.info("%s: connected to %s", client.peer, self._label())
         self._cables[client] = Cable(self._device.connect(), self._faults)
+        self._heard[client] = _now()
         client.resume()
 
     def received(self, client: Client, data: bytes) -> None:
         if client in self._cables:
+            self._heard[client] = _now()
             self._cables[client].keep(client, data)
             self._wake()
 
     def disconnected(self, client: Client) -> None:
         if (cable := self._cables.pop(client, None)) is not None:
             log.info("%s: gone from %s", client.peer, self._label())
-            cable.connection.close()
+            del self._heard[client]
+            self._leaving.append(cable)
 
     def exchange(self, now: float, *, heard: bool) -> None:
         for client, cable in tuple(self._cables.items()):
@@ -247,6 +267,9 @@ class SeveralHosts:
             data = cable.from_laser(now)
             if data and heard:
                 client.send(data)
+                if client in self._heard:  # sending has not closed it
+                    self._heard[client] = _now()
+        self._let_go(now)
 
     def shut(self, *, closed: bool) -> None:
         self._closed = closed
@@ -259,3 +282,20 @@ class SeveralHosts:
         self._faults = faults
         for cable in self._cables.values():
             cable.replace(faults)
+
+    def _let_go(self, now: float) -> None:
+        """End the connections of hosts that have gone, after their last requests."""
+        leaving, self._leaving = self._leaving, []
+        for cable in leaving:
+            cable.hang_up()
+            cable.take(None, now, MOST_FAREWELL)
+            cable.connection.close()
+
+    def _silent_host(self) -> Client | None:
+        """Return the host that has been silent for longest, and for long enough to give way."""
+        silent = min(self._heard, key=self._heard.__getitem__, default=None)
+        return silent if silent and _now() - self._heard[silent] >= STALE else None
+
+
+def _now() -> float:
+    return asyncio.get_running_loop().time()
