@@ -21,6 +21,8 @@ from pioneer3.sim.world import World
 
 SWITCHED_ON = 60.0
 """A laser has been on for so long when it comes into the world [s]: all have started by then."""
+SAID = 1.0
+"""Its words at the start have left by so long ago [s]; no host hears them."""
 SLACK = 1e-6
 """Times are sums of ticks, and rounded [s]."""
 
@@ -64,6 +66,8 @@ class SimulatedLaser:
         self._faults = LinkFaults()
         self._hosts = self._new_hosts(wake)
         device.switch_on(world.time - SWITCHED_ON)
+        device.tick(world.time - SAID)
+        self._hosts.exchange(world.time, heard=False)
 
     @property
     def label(self) -> str:
