@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from pioneer3.doctor.lasers import protocol_at
+from pioneer3.doctor.lasers import laser_at
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -57,9 +57,11 @@ async def test_a_robot_and_its_laser_scan(name: str, *, terminal: bool) -> None:
 async def test_the_doctor_finds_out_the_protocol() -> None:
     async with simulated("urg-04lx") as (_, laser):
         assert laser.pty is not None
-        assert await protocol_at(laser.pty) is LaserProtocol.SCIP
-    assert await protocol_at(f"tcp://127.0.0.1:{free_port()}") is None
-    assert await protocol_at("/dev/ttyNothing") is None
+        found = await laser_at(laser.pty)
+        assert found is not None
+        assert found.protocol is LaserProtocol.SCIP
+    assert await laser_at(f"tcp://127.0.0.1:{free_port()}") is None
+    assert await laser_at("/dev/ttyNothing") is None
 
 
 async def test_json_is_the_identity_and_then_a_line_for_each_scan() -> None:

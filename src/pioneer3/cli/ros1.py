@@ -79,7 +79,7 @@ def laser(
     No robot is needed. It has their parameters, and publishes scan and
     /diagnostics.
 
-    Example: pioneer3 ros1 laser _port:=/dev/ttyACM0 _min_ang:=-1.57 _frame_id:=laser
+    Example: pioneer3 ros1 laser _port:=/dev/ttyACM0 _min_ang:=-1.57
     Example: pioneer3 ros1 laser _ip_address:=192.168.0.10
 
     Args:

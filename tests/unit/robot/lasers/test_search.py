@@ -5,7 +5,8 @@ from random import Random
 
 import pytest
 
-from pioneer3.doctor.lasers import protocol_of
+from pioneer3.arcos.packet import encode
+from pioneer3.doctor.lasers import laser_on
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import Event, Lost, Patience, ScanSettings, SpeedWanted
 from pioneer3.lasers.lms2xx.commands import Command
@@ -68,7 +69,9 @@ async def test_every_laser_answers_the_question(
 ) -> None:
     async with SimulatedRobot() as robot, LaserUnit(robot, name, serial=serial) as unit:
         link = await unit.open()
-        assert await protocol_of(link, PATIENCE) is protocol
+        found = await laser_on(link, PATIENCE)
+        assert found is not None
+        assert found.protocol is protocol
         await link.close()
 
 
@@ -84,8 +87,9 @@ async def test_a_laser_left_scanning_at_another_speed_is_recognised(name: str) -
         speed = unit.laser.device.speed
         assert speed == LEFT[name][-1][0]
         again = await unit.open()
-        protocol = await protocol_of(again, PATIENCE)
-        assert protocol is {"urg-04lx": LaserProtocol.SCIP}.get(name, LaserProtocol.LMS2XX)
+        found = await laser_on(again, PATIENCE)
+        assert found is not None
+        assert found.protocol is {"urg-04lx": LaserProtocol.SCIP}.get(name, LaserProtocol.LMS2XX)
         assert unit.laser.device.speed == speed  # no question changes a setting
         await again.close()
 
@@ -110,7 +114,7 @@ def test_a_laser_that_scans_is_recognised_before_it_is_asked(
 
 
 def test_a_robot_that_sends_its_reports_is_left_alone() -> None:
-    report = bytes.fromhex("fafb031d001d")
+    report = encode(bytes([0x32]) + bytes(30))
     events = run(search(), 2.0, b"\x00" + report)
     assert events == [Lost("this port leads to the robot, not to a laser: give it with --port")]
 
@@ -165,7 +169,9 @@ def test_noise_at_a_wrong_speed_is_neither_a_laser_nor_asked(seed: int) -> None:
 async def test_the_speed_is_left_as_it_was_found() -> None:
     async with SimulatedRobot() as robot, LaserUnit(robot, "lms-200", serial=True) as unit:
         link = await unit.open()
-        assert await protocol_of(link, PATIENCE) is LaserProtocol.LMS2XX
+        found = await laser_on(link, PATIENCE)
+        assert found is not None
+        assert found.protocol is LaserProtocol.LMS2XX
         assert unit.laser.device.speed == 9600
         await link.close()
 
