@@ -7,6 +7,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages.update import NoEcho
 from pioneer3.ros.node.driving_parameters import NAMES
+from pioneer3.ros.node.laser_parameters import BELOW
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameters import (
     FRAMES,
@@ -143,7 +144,8 @@ def test_the_nearest_range_is_less_than_the_farthest() -> None:
 def test_every_parameter_is_in_the_docs() -> None:
     text = PAGE.read_text(encoding="utf-8")
     names = {
-        *OTHERS,
+        f"{BELOW}/serial_port",
+        *(name for name in OTHERS if name != BELOW),
         *NAMES,
         MODEL,
         SIMULATED,

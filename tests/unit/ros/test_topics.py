@@ -74,6 +74,7 @@ def test_the_compatible_names_types_and_latches_are_rosarias() -> None:
         **ROSARIA,
         "/tf_static": "tf2_msgs/TFMessage",  # which RosAria leaves out, so that nothing is shown
         "/diagnostics": "diagnostic_msgs/DiagnosticArray",
+        "scan": "sensor_msgs/LaserScan",  # of lasers that somebody asked for
     }
 
 

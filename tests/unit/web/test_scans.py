@@ -26,6 +26,7 @@ def test_a_sweep_is_told_in_whole_numbers() -> None:
     )
     assert strict(encode(sweep(7, scan, Pose2(1.0, -2.0, 0.5)))) == {
         "robot": 7,
+        "laser": 0,
         "pose": [1000, -2000, 500],
         "first": -0.1,
         "step": 0.1,

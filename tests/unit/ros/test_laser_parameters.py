@@ -1,0 +1,154 @@
+"""Parameters of lasers, with the names of urg_node and of hokuyo_node."""
+
+from math import inf, nan, pi
+
+import pytest
+
+from pioneer3.errors import ConfigError
+from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
+from pioneer3.models.lasers import LaserProtocol
+from pioneer3.ros.node.laser_parameters import (
+    IGNORED,
+    PARAMETERS,
+    LaserParameters,
+    read_laser_parameters,
+    unused_laser_parameters,
+)
+from pioneer3.ros.node.parameters import read_parameters
+
+
+def test_without_any_nothing_is_asked_for() -> None:
+    found = read_laser_parameters({})
+    assert found == LaserParameters()
+    assert found.settings == AS_DELIVERED
+    assert found.spec() is None
+
+
+@pytest.mark.parametrize(
+    ("given", "url"),
+    [
+        ({"serial_port": "/dev/ttyACM0"}, "/dev/ttyACM0"),
+        ({"port": "/dev/ttyACM0"}, "/dev/ttyACM0"),
+        ({"port": "/dev/old", "serial_port": "/dev/new"}, "/dev/new"),
+        ({"serial_port": "", "port": ""}, None),
+        ({"ip_address": "192.168.0.10"}, "tcp://192.168.0.10:10940"),
+        ({"ip_address": "192.168.0.1", "ip_port": 2112}, "tcp://192.168.0.1:2112"),
+        ({"ip_address": "", "serial_port": "/dev/a"}, "/dev/a"),
+        ({"ip_address": "192.168.0.10", "serial_port": "/dev/a"}, "tcp://192.168.0.10:10940"),
+    ],
+)
+def test_the_port_is_that_of_either_node(given: dict[str, object], url: str | None) -> None:
+    found = read_laser_parameters(given)
+    assert found.url == url
+    spec = found.spec()
+    assert (spec.url if spec else None) == url
+
+
+def test_the_names_of_both_nodes_mean_the_same() -> None:
+    rep138 = read_laser_parameters(
+        {
+            "frame_id": "/front",
+            "publish_intensity": True,
+            "angle_min": -1.5,
+            "angle_max": 1.0,
+            "cluster": 3,
+            "skip": 2,
+            "calibrate_time": False,
+            "time_offset": -0.02,
+            "publish_multiecho": True,
+        }
+    )
+    assert rep138 == LaserParameters(
+        frame="front",
+        time_offset=-0.02,
+        settings=ScanSettings(
+            first=-1.5,
+            last=1.0,
+            cluster=3,
+            skip=2,
+            intensities=True,
+            multi_echo=True,
+            calibrate_time=False,
+        ),
+    )
+    hokuyo = read_laser_parameters(
+        {"frameid": "front", "intensity": True, "min_ang": -1.5, "max_ang": 1, "cluster": 3}
+    )
+    assert (hokuyo.frame, hokuyo.settings.intensities) == ("front", True)
+    assert (hokuyo.settings.first, hokuyo.settings.last) == (-1.5, 1.0)
+
+
+def test_the_driver_gets_all_of_them() -> None:
+    found = read_laser_parameters(
+        {"port": "lms-200@/dev/ttyUSB1", "intensity": True, "time_offset": 0.1}
+    )
+    spec = found.spec()
+    assert spec is not None
+    assert spec.protocol is LaserProtocol.LMS2XX
+    assert spec.settings.intensities
+    assert spec.time_offset == 0.1
+    assert spec.name == "laser"
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [
+        ({"serial_port": 3}, "serial_port"),
+        ({"serial_port": "/dev/a b"}, "serial_port"),
+        ({"ip_address": True}, "ip_address"),
+        ({"ip_address": "a", "ip_port": 0}, "ip_port"),
+        ({"ip_address": "a", "ip_port": "10940"}, "ip_port"),
+        ({"frame_id": 1}, "frame_id"),
+        ({"time_offset": 0.3}, "time_offset"),
+        ({"time_offset": nan}, "time_offset"),
+        ({"angle_min": -4.0}, "angle_min"),
+        ({"angle_max": inf}, "angle_max"),
+        ({"min_ang": "left"}, "angle_min"),
+        ({"angle_min": 1.0, "angle_max": 0.5}, "angle_min"),
+        ({"cluster": 0}, "cluster"),
+        ({"cluster": 100}, "cluster"),
+        ({"cluster": True}, "cluster"),
+        ({"skip": 10}, "skip"),
+        ({"skip": 1.5}, "skip"),
+        ({"publish_intensity": 1}, "publish_intensity"),
+        ({"intensity": "yes"}, "publish_intensity"),
+        ({"calibrate_time": None}, "calibrate_time"),
+        ({"publish_multiecho": "on"}, "publish_multiecho"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(given: dict[str, object], name: str) -> None:
+    with pytest.raises(ConfigError, match=f"~{name} must") as refused:
+        read_laser_parameters(given)
+    assert "\n" not in str(refused.value)
+
+
+def test_the_widest_field_is_half_a_turn_each_way() -> None:
+    found = read_laser_parameters({"angle_min": -pi, "angle_max": pi})
+    assert (found.settings.first, found.settings.last) == (-pi, pi)
+
+
+def test_what_has_no_effect_is_told() -> None:
+    assert unused_laser_parameters({"port": 1, "error_limit": 4, "colour": 1, "skip": 1}) == [
+        "parameter ~colour of the laser is unknown",
+        "parameter ~error_limit of hokuyo_node or urg_node has no effect here",
+    ]
+    assert unused_laser_parameters({"colour": 1}, "laser") == [
+        "parameter ~laser/colour of the laser is unknown"
+    ]
+    both = {name for each in PARAMETERS for name in (each.name, each.hokuyo) if name}
+    assert not both & set(IGNORED)
+    assert unused_laser_parameters(dict.fromkeys(both)) == []
+
+
+def test_in_the_robots_node_they_are_below_a_name() -> None:
+    found = read_parameters({"laser": {"serial_port": "/dev/a", "frame_id": "front"}})
+    assert found.laser.url == "/dev/a"
+    assert found.options.frames.laser == "front"
+    own = read_parameters({"laser": {"frame_id": "front"}, "laser_frame_id": "eyes"})
+    assert own.options.frames.laser == "eyes"
+
+
+@pytest.mark.parametrize("given", [{"laser": "/dev/a"}, {"laser": {"serial_port": 3}}])
+def test_there_they_are_refused_too(given: dict[str, object]) -> None:
+    with pytest.raises(ConfigError, match="serial_port"):
+        read_parameters(given)
