@@ -65,7 +65,7 @@ def running_product(
     """Run the product while the block lasts; not editable, it is like one with a real robot.
 
     All robots of `world` are connected; in a map, of which it may be the name, and in the office,
-    which is taken without one, there is a P3-AT.
+    which is taken without one, there is a P3-AT. Their lasers are connected too.
     """
 
     @asynccontextmanager
@@ -74,7 +74,10 @@ def running_product(
             running = await stack.enter_async_context(simulator(map_name=world or "office", port=0))
             web = WebPage()
             for one in running.robots:
-                robot = await stack.enter_async_context(connect_async(one.url, timing=PATIENT))
+                lasers = [one.laser.url] if one.laser else []
+                robot = await stack.enter_async_context(
+                    connect_async(one.url, timing=PATIENT, lasers=lasers)
+                )
                 scene = Scene.of(running, one) if editable else Scene(running.world.map)
                 name = one.name if len(running.robots) > 1 else ""
                 await stack.enter_async_context(web.hosting(robot, scene, name))
