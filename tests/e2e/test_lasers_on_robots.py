@@ -2,7 +2,7 @@
 
 import asyncio
 from dataclasses import replace
-from math import isfinite, isnan, pi, radians
+from math import isfinite, isnan, pi, radians, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.maps import LineMap
+from pioneer3.sim.realism import Realism
 from pioneer3.state import Scan
 from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot, hold, until
@@ -84,6 +85,21 @@ async def test_points_land_on_the_walls_while_the_robot_turns(name: str, *, seri
         assert np.mean(corrected) < 0.02
         assert np.mean(bent) > 0.02
         assert np.mean(bent) > 1.4 * np.mean(corrected)
+
+
+@pytest.mark.parametrize("name", ["utm-30lx", "lms-111", "tim551"])
+async def test_with_all_errors_points_are_off_by_those_of_the_laser(name: str) -> None:
+    async with (
+        SimulatedRobot(room(), realism=Realism(), seed=3) as robot,
+        LaserUnit(robot, name, serial=False) as unit,
+        connect_async(robot.open, lasers=[unit.spec()]) as driver,
+    ):
+        await scanning(driver)
+        error = unit.laser.model.error_at(HALF)
+        off = np.concatenate([misses(await driver.laser.reading()) for _ in range(10)])
+        farthest = error.systematic + error.share * HALF * sqrt(2) + 4 * error.sigma
+        assert np.mean(off <= farthest) > 0.999
+        assert np.mean(off) > 0.3 * error.sigma
 
 
 async def test_points_land_on_the_walls_while_the_robot_drives() -> None:
