@@ -173,7 +173,7 @@ def test_no_bytes_make_a_laser_raise(noise: list[bytes], name: str) -> None:
     host = device.connect()
     for number, data in enumerate(noise):
         host.receive(data, float(number))
-    host.receive(b"\nTM2\nQT\n", 100.0)
+    host.receive(b"\nSCIP2.0\nTM2\nQT\n", 100.0)
     host.outgoing(1000.0)
     host.receive(b"QT\n", 2000.0)
     assert host.outgoing(2010.0).endswith(b"QT\n00P\n\n")

@@ -1,4 +1,6 @@
-"""Laser range finders as data: field, range, timing, errors, interfaces (lasers.md).
+"""Laser range finders as data: field, range, timing, errors, interfaces.
+
+Facts: cola.md 4, lms2xx.md 1, scip.md 8, and the range finders in docs/explanation/realism.md.
 
 Angles are counter-clockwise, seen from above, from straight ahead of the laser.
 """
@@ -41,7 +43,7 @@ class RangeError:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Steps:
-    """Geometry of a SCIP laser as its PP answer gives it (scip.md).
+    """Geometry of a SCIP laser as its PP answer gives it (scip.md 4.1).
 
     Attributes:
         shortest: DMIN [mm]; smaller values are codes.

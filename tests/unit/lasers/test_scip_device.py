@@ -66,7 +66,7 @@ def status(answer: str) -> str:
 
 @pytest.fixture
 def urg() -> Bench:
-    return Bench(ScipDevice(URG))
+    return Bench(ScipDevice(URG, scip1=False))
 
 
 @pytest.fixture
@@ -234,7 +234,7 @@ def test_a_slower_motor_makes_longer_turns(urg: Bench) -> None:
 
 
 def test_a_serial_line_carries_what_it_can() -> None:
-    bench = Bench(ScipDevice(URG, start_speed=115200))
+    bench = Bench(ScipDevice(URG, scip1=False, start_speed=115200))
     bench.ask("MD0044072501000")
     turn = bench.device.turn
     assert turn is not None
@@ -292,7 +292,7 @@ def test_a_closed_connection_ends_its_own_stream_only() -> None:
 
 
 def test_a_serial_stream_outlives_its_host() -> None:
-    device = ScipDevice(URG)
+    device = ScipDevice(URG, scip1=False)
     host = device.connect()
     host.receive(b"MD0044072501000\n", 0.0)
     host.close()
@@ -362,7 +362,7 @@ def test_urg_c_finds_what_it_expects() -> None:
 
 
 def test_aria_finds_what_it_expects_of_scip_2() -> None:
-    bench = Bench(ScipDevice(URG))
+    bench = Bench(ScipDevice(URG, scip1=False))
     bench.ask("RS")
     bench.ask("SCIP2.0")
     for key in ("VEND:", "PROD:", "FIRM:", "PROT:", "SERI:"):
@@ -416,7 +416,7 @@ def test_every_model_in_the_table_turns() -> None:
     for model in LASERS.values():
         if model.steps is None:
             continue
-        bench = Bench(ScipDevice(model))
+        bench = Bench(ScipDevice(model, scip1=False))
         bench.ask(f"MD{model.steps.first:04}{model.steps.last:04}01000")
         turn: Turn | None = bench.device.turn
         assert turn is not None

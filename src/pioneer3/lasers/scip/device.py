@@ -17,6 +17,9 @@ from pioneer3.lasers.scip.session import Session
 from pioneer3.lasers.scip.unit import WELL, Unit
 from pioneer3.models.lasers import LaserModel
 
+SCIP1_KIND = "urg"
+"""ARIA's name of lasers that begin with SCIP 1.1 (scip.md 1.5)."""
+
 
 class ScipDevice:
     """One laser that speaks SCIP.
@@ -26,7 +29,7 @@ class ScipDevice:
         serial: Its serial number.
         start_speed: Speed of its serial line after power-on [baud]; `None` for that at delivery of
             lasers with several speeds. The others are on USB or a network: no speed.
-        scip1: Whether it speaks SCIP 1.1 after power-on.
+        scip1: Whether it speaks SCIP 1.1 after power-on; `None`: as its type does.
         scip2: Whether it knows SCIP 2.0 at all; the first URG-04LX do not.
         status: STAT of II.
         firmware: FIRM of VV.
@@ -44,7 +47,7 @@ class ScipDevice:
         *,
         serial: str = "H0012345",
         start_speed: int | None = None,
-        scip1: bool = False,
+        scip1: bool | None = None,
         scip2: bool = True,
         status: str = WELL,
         firmware: str = "3.3.00(12/Sep./2012)",
@@ -52,6 +55,8 @@ class ScipDevice:
     ) -> None:
         if start_speed is None and model.speeds:
             start_speed = model.speeds[0]
+        if scip1 is None:
+            scip1 = SCIP1_KIND in model.kinds
         self.unit = Unit(
             model,
             serial=serial,
