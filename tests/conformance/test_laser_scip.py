@@ -52,8 +52,8 @@ async def test_aria_starts_and_leaves_in_scip_2(
     async with simulated(name) as laser:
         assert laser.pty is not None
         host = Terminal(laser.pty, 19200)
-        for command in (b"RS\n", b"SCIP2.0\n"):
-            host.write(command)
+        for sent in (b"RS\n", b"SCIP2.0\n"):
+            host.write(sent)
             await asyncio.sleep(0.1)
         await host.listen(1.0)
         host.flush()

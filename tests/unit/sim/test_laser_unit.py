@@ -9,6 +9,7 @@ from pioneer3.models.lasers import LASERS, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.maps import LineMap
+from pioneer3.sim.server import laser_hosts
 from pioneer3.sim.server.clients import Client
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -184,6 +185,44 @@ async def test_a_unit_serves_only_so_many_hosts() -> None:
     bench = Bench("lms-111")
     hosts = [bench.connect() for _ in range(9)]
     assert [host.closed for host in hosts] == [False] * 8 + [True]
+
+
+async def test_the_longest_silent_host_gives_way_to_one_too_many(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr(laser_hosts, "_now", lambda: clock[0])
+    bench = Bench("lms-111")
+    hosts = [bench.connect() for _ in range(8)]
+    bench.send(hosts[0], b"S")  # it gets scans
+    clock[0] += 1.0
+    bench.send(hosts[1], b"?")
+    clock[0] += 1.5
+    bench.run(0.1)
+    new = bench.connect()
+    assert not new.closed
+    assert [host.closed for host in hosts] == [False, False, True] + [False] * 5
+
+
+async def test_a_flood_is_taken_in_small_pieces_and_loses_nothing() -> None:
+    bench = Bench("lms-111")
+    host = bench.connect()
+    bench.send(host, b"?" * 4000)
+    bench.run(TICK)
+    assert 0 < len(host.heard) < 400
+    bench.run(1.0)
+    assert host.heard == b"!" * 4000
+
+
+async def test_the_last_requests_of_a_host_are_obeyed_but_no_flood() -> None:
+    for name in ("lms-111", "lms-200"):
+        bench = Bench(name)
+        host = bench.connect()
+        bench.send(host, b"Q" * 4000)
+        (connection,) = bench.device.connections
+        bench.laser.hosts.disconnected(host)
+        bench.run(1.0)
+        assert connection.heard == b"Q" * 256
 
 
 async def test_without_power_it_is_silent_and_begins_anew() -> None:
