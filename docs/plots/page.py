@@ -13,7 +13,7 @@ from playwright.async_api import Browser, ViewportSize, async_playwright
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import RobotSpec, WorldFile
+from pioneer3.sim.worldfile import RobotSpec, WorldFile, parse_equipment
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
@@ -30,6 +30,11 @@ THREE = WorldFile(
         RobotSpec(model="p3dx-sh", name="cid", start=Pose2(16.0, 7.4, pi), port=0),
     ),
 )
+WITH_LASER = WorldFile(
+    name="office",
+    map="office",
+    robots=(RobotSpec(port=0, equipment=parse_equipment("laser=utm-30lx")),),
+)
 PLACES = (7.0, 5.1), (9.0, 7.05), (18.0, 7.0)
 """Where each of three is sent [m]."""
 WANDERING = 45.0
@@ -44,6 +49,8 @@ async def pictures(folder: Path) -> None:
         )
         async with serving(ONE) as address:
             await look(browser, address, folder)
+        async with serving(WITH_LASER) as address:
+            await look_at_the_laser(browser, address, folder)
         async with serving(THREE) as address:
             await look_at_the_map(browser, address, folder)
         await browser.close()
@@ -56,7 +63,8 @@ async def serving(world: WorldFile) -> AsyncIterator[str]:
         running = await stack.enter_async_context(simulator(map_name=world, port=0))
         page, several = Page(), len(world.robots) > 1
         for one in running.robots:
-            robot = await stack.enter_async_context(connect_async(one.url))
+            lasers = [one.laser.url] if one.laser else []
+            robot = await stack.enter_async_context(connect_async(one.url, lasers=lasers))
             await stack.enter_async_context(
                 page.hosting(robot, Scene.of(running, one), one.name if several else "")
             )
@@ -81,6 +89,14 @@ async def look_at_the_map(browser: Browser, address: str, folder: Path) -> None:
             await desk.click("#goto-go")
     await desk.wait_for_timeout(4000)
     await canvas.screenshot(path=folder / "map.png")
+
+
+async def look_at_the_laser(browser: Browser, address: str, folder: Path) -> None:
+    """Take a picture of the map with the scan of a laser."""
+    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
+    await desk.goto(address)
+    await desk.wait_for_timeout(3000)
+    await desk.screenshot(path=folder / "page-laser.png")
 
 
 async def look(browser: Browser, address: str, folder: Path) -> None:

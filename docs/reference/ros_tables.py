@@ -1,4 +1,4 @@
-"""Write the tables of docs/how-to/ros1.md from the table of topics and that of services.
+"""Write the tables of docs/how-to/ros1.md and laser.md: topics, services, the laser's parameters.
 
     uv run python -m docs.reference.ros_tables
 
@@ -11,10 +11,12 @@ from pathlib import Path
 from docs.reference.protocol_tables import BLOCK, table
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
 from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
 from pioneer3.ros.node.services import SERVICES
-from pioneer3.ros.node.topics import TOPICS, Direction, Topic, transducer_topic
+from pioneer3.ros.node.topics import TOPICS, Direction, Topic, laser_topic, transducer_topic
 
 PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
+LASER_PAGE = PAGE.with_name("laser.md")
 EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",
@@ -49,7 +51,7 @@ def topics() -> str:
             when(topic),
             topic.note,
         )
-        for topic in (*TOPICS, first)
+        for topic in (*TOPICS, laser_topic("laser"), first)
     ]
     return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
 
@@ -63,9 +65,19 @@ def services() -> str:
     return table(("`compatibility`", "`standard`", "type", ""), rows)
 
 
+def laser_parameters() -> str:
+    """Return the table of parameters of lasers, and those without effect."""
+    rows = [(code(each.name), code(each.hokuyo), each.note) for each in PARAMETERS]
+    ignored = ", ".join(code(name) for name in IGNORED)
+    return (
+        table(("name", "in hokuyo_node, if another", ""), rows)
+        + f"\n\nWithout effect, which the log says: {ignored}."
+    )
+
+
 def filled(text: str) -> str:
     """Return the page with its tables made anew."""
-    makers = {"topics": topics, "services": services}
+    makers = {"topics": topics, "services": services, "laser parameters": laser_parameters}
 
     def made(block: re.Match[str]) -> str:
         return f"<!-- made: {block[1]} -->\n\n{makers[block[1]]()}\n\n<!-- end -->\n"
@@ -74,4 +86,5 @@ def filled(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in (PAGE, LASER_PAGE):
+        page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -69,7 +69,13 @@ def laser(
 
 
 @laser_app.command
-def mask(port: Where = AUTO, *, seconds: Seconds = 5.0, nearer_than: Distance = 0.3) -> int:
+def mask(
+    port: Where = AUTO,
+    *,
+    seconds: Seconds = 5.0,
+    nearer_than: Distance = 0.3,
+    laser_pose: Pose = "0,0,0",
+) -> int:
     """Learn the sectors in which the laser sees the robot's own posts.
 
     Clear the floor around the robot, then start this: directions in which something
@@ -82,8 +88,9 @@ def mask(port: Where = AUTO, *, seconds: Seconds = 5.0, nearer_than: Distance = 
         port: As for `pioneer3 laser`.
         seconds: How long to look.
         nearer_than: Things nearer to the laser than this belong to the robot.
+        laser_pose: As for `pioneer3 laser`; it matters for a laser that hangs upside-down.
     """
-    options = LaserOptions(laser=(port,))
+    options = LaserOptions(laser=(port,), laser_pose=(laser_pose,))
     return run_until_told_to_leave(_mask(options, seconds, nearer_than))
 
 
@@ -207,7 +214,7 @@ async def _show(driver: "LaserDriver", seconds: float) -> int:
         async for scan in _scans(driver, seconds, pace=0.1):
             if scan is not None:
                 reach = reach_for_points(points_in_robot(scan), reach)
-            live.update(_view(driver, scan, console.width, console.height, reach), refresh=True)
+            live.update(view(driver, scan, console.width, console.height, reach), refresh=True)
     return _code(driver)
 
 
@@ -267,9 +274,13 @@ def _closest(scan: "Scan") -> dict[str, float] | None:
     return {"range": nearest[0], "angle": nearest[1]} if nearest else None
 
 
-def _view(
+def view(
     driver: "LaserDriver", scan: "Scan | None", columns: int, rows: int, reach: float
 ) -> "RenderableType":
+    """Return the screen of `columns` by `rows`: title, picture, closest reading, hint.
+
+    The edge of the picture is `reach` [m] away.
+    """
     from rich.console import Group
     from rich.text import Text
 

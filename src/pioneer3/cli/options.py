@@ -122,6 +122,8 @@ class LaserOptions:
         """
         if not (self.laser or self.laser_pose or self.laser_mask):
             return ()
+        from pioneer3.errors import ConfigError
+        from pioneer3.links.urls import split_url
         from pioneer3.robot.lasers.spec import parse_lasers
 
         found = list(self.laser)
@@ -129,7 +131,12 @@ class LaserOptions:
             from pioneer3.doctor.lasers import find_laser
 
             found[found.index(AUTO)] = await find_laser((*taken, *found))
-        return parse_lasers(found, self.laser_pose, self.laser_mask, record=record)
+        specs = parse_lasers(found, self.laser_pose, self.laser_mask, record=record)
+        robots = {split_url(url) for url in taken}
+        own = next((spec.url for spec in specs if split_url(spec.url) in robots), None)
+        if own is not None:
+            raise ConfigError(f"--laser {own}: that is the robot's own port")
+        return specs
 
 
 NO_LASERS = LaserOptions()

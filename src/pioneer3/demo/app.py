@@ -17,7 +17,6 @@ from textual.widgets import Static
 
 from pioneer3.demo import view
 from pioneer3.demo.drawing import Trail, reach_for, ring
-from pioneer3.demo.modes.sensors import points_in_robot
 from pioneer3.demo.program import Program
 from pioneer3.demo.view import panel
 
@@ -235,14 +234,13 @@ class DemoApp(App[None]):
         pose, ranges = snapshot.odometry.robot_in_odom, snapshot.sonar.ranges
         self._trail.add(pose)
         self._reach = reach_for(ranges, self._reach)
-        scan = program.robot.laser.latest if program.active.about.key == "l" else None
         drawn = ring(
             program.robot.info.model,
             ranges,
             columns,
             rows,
             reach=self._reach,
-            laser=points_in_robot(scan) if scan else (),
+            laser=program.active.points(),
             trail=self._trail.seen_from(pose),
         )
         picture.update(drawn.text())

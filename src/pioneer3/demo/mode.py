@@ -122,6 +122,7 @@ class DemoMode:
         row: ARIA's columns at this moment; `None` while there is nothing to show.
         gauges: Bars for a screen.
         details: Longer texts, a line each.
+        points: To draw around the robot, x ahead and y to the left of it [m].
     """
 
     about: Description
@@ -132,3 +133,4 @@ class DemoMode:
     row: Callable[[], Row | None] = lambda: None
     gauges: Callable[[], Sequence[Gauge]] = lambda: ()
     details: Callable[[], Sequence[str]] = lambda: ()
+    points: Callable[[], Sequence[tuple[float, float]]] = lambda: ()

@@ -1,4 +1,8 @@
-from docs.reference.ros_tables import PAGE, filled
+from pathlib import Path
+
+import pytest
+
+from docs.reference.ros_tables import LASER_PAGE, PAGE, filled
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.robot.devices.gyro import GyroReading
@@ -192,6 +196,7 @@ def test_topics_that_the_options_do_not_want_are_not_published() -> None:
     assert "cmd_vel" not in names
 
 
-def test_the_tables_in_the_docs_are_up_to_date() -> None:
-    text = PAGE.read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", [PAGE, LASER_PAGE], ids=lambda page: page.name)
+def test_the_tables_in_the_docs_are_up_to_date(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
     assert text == filled(text), "run: uv run python -m docs.reference.ros_tables"

@@ -43,7 +43,7 @@ MODES: tuple[Description, ...] = (
         key="l",
         name="laser",
         hint="nearest and farthest; its points in the ring",
-        needs="a simulator; lasers on the computer's own ports are not read yet",
+        needs="a laser (`--laser PORT`), or a simulator's own",
         help=("1-9: choose the laser", "z: raw readings or not", "l: connect again"),
         make=laser,
     ),

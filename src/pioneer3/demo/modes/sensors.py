@@ -123,20 +123,29 @@ Point = tuple[float, float]
 
 def laser(context: Context, about: Description) -> DemoMode:
     """Return the mode that shows the laser."""
-    device = context.robot.laser
+    lasers, device = context.robot.lasers, context.robot.laser
     raw, held = False, ExitStack()
 
     def on_key(key: str) -> bool:
         nonlocal raw
         if key in {"z", "Z"}:
             raw = not raw
-        elif key == "1":
-            context.say("Laser 1 it is.")
-        elif key in set("23456789"):
-            context.say(f"There is no laser {key}: laser 1 is the only one.")
+        elif key in set("123456789"):
+            choose(int(key))
         else:
             return False
         return True
+
+    def choose(number: int) -> None:
+        nonlocal device
+        if number <= len(lasers):
+            device = lasers[number - 1]
+            connect()
+            context.say(f"Laser {number} it is: {device.presence.reason}")
+        elif len(lasers) == 1:
+            context.say(f"There is no laser {number}: laser 1 is the only one.")
+        else:
+            context.say(f"There is no laser {number}: there are lasers 1 to {len(lasers)}.")
 
     @contextmanager
     def enter() -> Iterator[None]:
@@ -152,7 +161,11 @@ def laser(context: Context, about: Description) -> DemoMode:
         scan = device.latest
         if scan is None or context.snapshot is None:
             return None
-        return Row(tail=raw_line(scan) if raw else buffer_line(scan))
+        told = raw_line(scan) if raw else buffer_line(scan)
+        return Row(tail=f"{told}   LOST" if device.lost else told)
+
+    def points() -> list[Point]:
+        return points_in_robot(device.latest) if device.latest else []
 
     return DemoMode(
         about,
@@ -161,6 +174,7 @@ def laser(context: Context, about: Description) -> DemoMode:
         on_key=on_key,
         again=connect,
         row=row,
+        points=points,
     )
 
 

@@ -148,7 +148,7 @@ def parse_mounting(text: str) -> Mounting:
     parts = [part.strip() for part in text.split(",")]
     upside_down = parts[-1] == UPSIDE_DOWN
     try:
-        x, y, heading = parts[: len(parts) - upside_down]
+        x, y, heading = _exactly(3, parts[: len(parts) - upside_down])
         pose = Pose2(LENGTH.read(x), LENGTH.read(y), wrap(ANGLE.read(heading)))
     except ValueError as error:
         raise ConfigError(
@@ -167,10 +167,16 @@ def parse_mask(text: str) -> tuple[Sector, ...]:
         ConfigError: they are no sectors.
     """
     try:
-        ends = [part.split(":") for part in text.split(",")]
+        ends = [_exactly(2, part.split(":")) for part in text.split(",")]
         return tuple(Sector(ANGLE.read(first), ANGLE.read(last)) for first, last in ends)
     except ValueError as error:
         raise ConfigError(
             f"--laser-mask {text}: expected sectors in degrees, counter-clockwise, such as "
             f"-135:-120,120:135: {error}"
         ) from None
+
+
+def _exactly(count: int, parts: list[str]) -> list[str]:
+    if len(parts) != count:
+        raise ValueError(f"{count} numbers are needed, not {len(parts)}")
+    return parts
