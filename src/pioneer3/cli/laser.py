@@ -4,7 +4,7 @@ import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import asdict
-from math import inf, isfinite
+from math import degrees, inf, isfinite
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
@@ -32,7 +32,7 @@ laser_app = App(
 
 Where = Annotated[str, Parameter(env_var="PIONEER3_LASER", metavar="PORT")]
 Pose = Annotated[str, Parameter(metavar="POSE", allow_leading_hyphen=True)]
-Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True)]
+Mask = Annotated[str, Parameter(metavar="SECTORS", allow_leading_hyphen=True, show_default=False)]
 PATIENCE = 9.0
 """For the first answer, and for the first scan [s]: longer than the driver's own."""
 FIRST_REACH = 4.0
@@ -254,24 +254,32 @@ def identity_lines(driver: "LaserDriver") -> list[str]:
 
 
 def reading_line(driver: "LaserDriver", scan: "Scan | None") -> str:
-    """Return the closest reading, as the demo shows it, and the rate; or why nothing comes."""
+    """Return the closest and the farthest reading and the rate; or why nothing comes."""
     if scan is None:
         return f"{'LOST' if driver.scans else 'No scan yet'}: {driver.presence}"
-    from pioneer3.demo.modes.sensors import buffer_line
+    valid = _valid(scan)
+    seen = (
+        f"closest {_polar(min(valid))}, farthest {_polar(max(valid))}"
+        if valid
+        else "nothing in range"
+    )
+    return f"{seen}, {len(scan.ranges)} readings, {driver.rate:.0f} scans/s"
 
-    return f"{buffer_line(scan)}   {driver.rate:.0f} scans/s"
+
+def _polar(reading: tuple[float, float]) -> str:
+    metres, angle = reading
+    return f"{metres:.2f} m at {degrees(angle):z.0f}°"
 
 
 def _closest(scan: "Scan") -> dict[str, float] | None:
-    nearest = min(
-        (
-            (metres, angle)
-            for angle, metres in zip(scan.angles, scan.ranges, strict=True)
-            if isfinite(metres)
-        ),
-        default=None,
-    )
-    return {"range": nearest[0], "angle": nearest[1]} if nearest else None
+    metres, angle = min(_valid(scan), default=(None, None))
+    return None if metres is None or angle is None else {"range": metres, "angle": angle}
+
+
+def _valid(scan: "Scan") -> list[tuple[float, float]]:
+    """Return range [m] and direction [rad] of each valid reading."""
+    readings = zip(scan.ranges, scan.angles, strict=True)
+    return [(metres, angle) for metres, angle in readings if isfinite(metres)]
 
 
 def view(

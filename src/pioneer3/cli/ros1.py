@@ -84,8 +84,8 @@ def laser(
 
     Args:
         arguments: ROS's own: _serial_port:=/dev/ttyACM0, __name:=front, scan:=front/scan.
-        port: [MODEL@]PORT, such as /dev/ttyACM0, lms-200@/dev/ttyUSB1; auto looks for one.
-            Parameters come first.
+        port: [MODEL@]PORT, such as /dev/ttyACM0, lms-200@/dev/ttyUSB1; auto looks for
+            one. Parameters come first.
     """
     return run_until_told_to_leave(_serve_laser(arguments, port))
 
