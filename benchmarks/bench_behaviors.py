@@ -1,23 +1,27 @@
-"""What one decision costs, with as many echoes as the sonars' memory holds."""
+"""What one decision costs, with as many echoes as the sonars' memory holds, and with a laser."""
 
 from collections.abc import Iterator
-from math import cos, sin
+from dataclasses import replace
+from math import cos, radians, sin
 from random import Random
 from time import perf_counter
 
 from benchmarks.table import Row
 from pioneer3.behaviors.action import Situation
 from pioneer3.behaviors.engine import resolve
-from pioneer3.behaviors.memory import SONAR
+from pioneer3.behaviors.memory import SONAR, RangeMemory
 from pioneer3.behaviors.modes import Preset, wander
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import load_model
-from pioneer3.state import Battery, Motors, Odometry, Snapshot
+from pioneer3.state import Battery, Motors, Odometry, Scan, Snapshot
 
 DECISIONS, ROUNDS = 300, 9
 BAR_US = 200.0
+LASER_BAR_US = 5000.0
+READINGS = 1081
+"""Of a UTM-30LX: three quarters of a turn."""
 PRESETS: tuple[Preset, ...] = ("lab", "aria", "explore")
 
 
@@ -63,7 +67,38 @@ def microseconds(preset: Preset) -> float:
     return best / DECISIONS * 1e6
 
 
+def scan_of(situation: Situation, random: Random) -> Scan:
+    """Return what a laser sees in a room with a wall 1.5 m to 4 m away all around."""
+    step, snapshot = radians(270) / (READINGS - 1), situation.snapshot
+    return Scan(
+        stamp=snapshot.stamp,
+        sequence=snapshot.sequence,
+        robot_in_odom=situation.pose,
+        sensor_in_robot=Pose2(0.1),
+        angles=tuple(n * step - radians(135) for n in range(READINGS)),
+        ranges=tuple(random.uniform(1.5, 4.0) for _ in range(READINGS)),
+        last_in_odom=situation.pose @ Pose2(0.004, 0.0, 0.003),
+    )
+
+
+def microseconds_with_laser(preset: Preset) -> float:
+    """Return what a snapshot with a new scan costs at best [us]: to remember, and to decide."""
+    best, random, seen = float("inf"), Random(1), situations()[: DECISIONS // 3]
+    scans = [scan_of(situation, random) for situation in seen]
+    for _ in range(ROUNDS):
+        stack, memory = wander(preset=preset), RangeMemory(seen[0].model)
+        began = perf_counter()
+        for situation, scan in zip(seen, scans, strict=True):
+            memory.update(situation.snapshot, [scan])
+            resolve([stack], replace(situation, around=memory.around(situation.now)))
+        best = min(best, perf_counter() - began)
+    return best / len(seen) * 1e6
+
+
 def rows() -> Iterator[Row]:
     """Measure every way of wandering."""
     for preset in PRESETS:
         yield Row(f"behaviors: one decision, wander {preset}", microseconds(preset), "us", BAR_US)
+    for preset in PRESETS:
+        name = f"behaviors: {READINGS} readings and a decision, wander {preset}"
+        yield Row(name, microseconds_with_laser(preset), "us", LASER_BAR_US)

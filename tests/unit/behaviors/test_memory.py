@@ -1,11 +1,11 @@
 """What is remembered of sonar, bumpers and laser, by the numbers of facts.md 7.2."""
 
 from dataclasses import replace
-from math import cos, inf, pi, radians, sin
+from math import cos, inf, isnan, nan, pi, radians, sin
 
 import pytest
 
-from pioneer3.behaviors.memory import RangeMemory
+from pioneer3.behaviors.memory import RangeMemory, thinned
 from pioneer3.behaviors.surroundings import WINDOW, Buffer, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.state import Bumpers, LinkQuality, Motors, Scan, Snapshot, Sonar
@@ -179,6 +179,72 @@ def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:
     memory.update(reading(2.1), [scan(2.1, {0: 2.5, 45: 1.05}, 1)])
     left = memory.around(2.1).points(Buffer.CUMULATIVE)
     assert sorted(round(p.distance, 1) for p in left) == [1.1, 2.6]
+
+
+def test_a_laser_that_looks_through_glass_leaves_what_sonar_has_heard() -> None:
+    memory = RangeMemory(P3AT)
+    memory.update(reading(1.0, {AHEAD: 0.5}), [scan(1.0, {})])
+    memory.update(reading(2.1), [scan(2.1, {}, 1)])
+    for buffer in Buffer:
+        assert len(memory.around(2.1).points(buffer)) == 1
+
+
+def test_a_thin_leg_between_two_beams_is_remembered() -> None:
+    memory = RangeMemory(P3AT)
+    beside = dict.fromkeys((-2, 2), 2.0)
+    memory.update(reading(1.0), [scan(1.0, {0: 1.5})])
+    memory.update(reading(2.1), [scan(2.1, {1: 1.5} | beside, 1)])  # the next beam meets it
+    assert len(memory.around(2.1).points(Buffer.CUMULATIVE)) == 2
+    memory.update(reading(3.2), [scan(3.2, beside, 2)])
+    left = memory.around(3.2).points(Buffer.CUMULATIVE)
+    assert [round(p.distance, 1) for p in left] == [2.1]  # the leg is gone; of two so near, one
+
+
+def test_a_masked_beam_forgets_nothing() -> None:
+    memory = RangeMemory(P3AT)
+    memory.update(reading(1.0), [scan(1.0, {0: 1.5})])
+    memory.update(reading(2.1), [scan(2.1, {0: nan}, 1)])
+    assert len(memory.around(2.1).points(Buffer.CUMULATIVE)) == 1
+
+
+@pytest.mark.parametrize(("metres", "left"), [(0.1, 0), (0.18, 0), (0.2, 1)])
+def test_a_laser_that_meets_the_robot_itself_sees_nothing(metres: float, left: int) -> None:
+    # from 0.1 m ahead of the centre to the front at 0.313 m, less 0.03 m
+    memory = RangeMemory(P3AT)
+    memory.update(reading(0.0), [scan(0.0, {0: metres})])
+    for buffer in Buffer:
+        assert len(memory.around(0.0).points(buffer)) == left
+
+
+def fine_scan(ranges: dict[int, float]) -> Scan:
+    """Return a scan of 1081 beams of a quarter of a degree, of which some echo."""
+    return replace(
+        scan(0.0, {}),
+        angles=tuple(radians(n / 4 - 135) for n in range(1081)),
+        ranges=tuple(ranges.get(n, inf) for n in range(1081)),
+    )
+
+
+def test_of_a_fine_scan_the_nearest_reading_of_each_degree_is_taken() -> None:
+    coarse = thinned(fine_scan({540: 2.0, 541: 1.5, 543: 1.8, 548: 3.0, 1080: 2.5}))
+    assert len(coarse.ranges) == len(coarse.angles) == 271
+    assert {n: r for n, r in enumerate(coarse.ranges) if r < inf} == {135: 1.5, 137: 3.0, 270: 2.5}
+    assert coarse.angles[135] == pytest.approx(radians(0.375))
+    for n in range(1081):
+        assert abs(coarse.angles[n // 4] - radians(n / 4 - 135)) <= radians(0.376)
+
+
+def test_thinning_keeps_apart_what_saw_nothing_and_what_is_not_valid() -> None:
+    coarse = thinned(fine_scan({0: nan, 4: nan, 5: 1.0, 8: -inf}))
+    assert isnan(coarse.ranges[0])
+    assert coarse.ranges[1] == 1.0
+    assert isnan(coarse.ranges[2])
+    assert coarse.ranges[3] == inf
+
+
+def test_a_coarse_scan_is_taken_as_it_is() -> None:
+    made = scan(0.0, {0: 1.0})
+    assert thinned(made) is made
 
 
 def test_an_old_scan_says_nothing() -> None:
