@@ -123,6 +123,8 @@ class LimiterBySonar:
 
 UNSURE = radians(20)
 """How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
+AWAY = 0.04
+"""Of a corner that turns away from an echo, as long as that may come from the other side [m/s]."""
 
 
 @dataclass(slots=True)
@@ -131,12 +133,13 @@ class LimiterSweep:
 
     Not one of ARIA's, whose limiters look ahead only, at what is seen now: things that sonars have
     lost and corners of a turning robot are what it runs into. Because memory may be wrong, a robot
-    may always go on at a creep, at which touching something does no harm.
+    may always go on forwards and turn at a creep, at which touching something does no harm. It may
+    not creep backwards too: a corner that turns meanwhile moves nearly twice as fast.
 
     Attributes:
         creep: Speed at which any point of the robot may meet something [m/s].
-        margin: Kept beside and before the robot [m].
-        deceleration: The speed ahead is what this can end in time [m/s^2].
+        margin: Kept before and behind the robot, and beside it on its way forwards [m].
+        deceleration: This ends the speed in time, both ways [m/s^2].
         turn_time: It takes at least this long to turn until something is met [s].
     """
 
@@ -147,29 +150,42 @@ class LimiterSweep:
     name: str = "limiter sweep"
 
     def decide(self, situation: Situation) -> Desire | None:
-        """Return limits of the speed forwards and of both turns, or `None`."""
+        """Return limits of the speed both ways and of both turns, or `None`."""
         model, around = situation.model, situation.around
         corner = hypot(max(model.length_front, model.length_rear), model.width / 2)
         side, reach = model.width / 2 + self.margin, corner + self.margin
-        ahead, left, right = inf, inf, inf
+        half, rear = model.width / 2, -model.length_rear
+        front, back, left, right = inf, inf, inf, inf
         for point in chain(around.points(Buffer.WINDOW), around.points(Buffer.CUMULATIVE)):
             x, y, distance, _ = point
-            if 0 < x < ahead and -side < y < side:
-                ahead = x
+            if 0 < x < front and -side < y < side:
+                front = x
+            elif -back < x < rear and -half < y < half:  # beside a rear corner is not behind it
+                back = -x
             if distance < reach:
                 to_left, to_right = self._turns_to(point, model)
                 left, right = min(left, to_left), min(right, to_right)
-        gap = ahead - model.length_front
-        fastest = sqrt(2 * self.deceleration * max(0.0, gap - self.margin))
-        slowed = fastest < situation.limits.max_speed
-        if not slowed and left == right == inf:
+        front, back = front - model.length_front, back - model.length_rear
+        top = situation.limits.max_speed
+        v_max, back_max = self._fastest(front, top, self.creep), self._fastest(back, top, 0.0)
+        if v_max is None and back_max is None and left == right == inf:
             return None
+        if v_max is not None:
+            reason = f"{front:.2f} m ahead"
+        else:
+            reason = "a corner is near something" if back_max is None else behind(back)
         return Desire(
-            v_max=max(self.creep, fastest) if slowed else None,
+            v_max=v_max,
+            back_max=back_max,
             left_max=self._rate(left, corner),
             right_max=self._rate(right, corner),
-            reason=f"{gap:.2f} m ahead" if slowed else "a corner is near something",
+            reason=reason,
         )
+
+    def _fastest(self, gap: float, top: float, least: float) -> float | None:
+        """Return the speed that ends within `gap` [m], or `None` if it is above `top` [m/s]."""
+        fastest = sqrt(2 * self.deceleration * max(0.0, gap - self.margin))
+        return max(least, fastest) if fastest < top else None
 
     def _rate(self, angle: float, corner: float) -> float | None:
         return max(self.creep / corner, angle / self.turn_time) if angle < inf else None
@@ -179,11 +195,23 @@ class LimiterSweep:
         left = right = inf
         for x in (model.length_front, -model.length_rear):
             for y in (model.width / 2, -model.width / 2):
-                if point.distance < hypot(x, y) + self.margin:
+                corner = hypot(x, y)
+                if point.distance < corner + self.margin:
                     between = wrap(point.bearing - atan2(y, x))
-                    left = min(left, max(0.0, between % TURN - UNSURE))
-                    right = min(right, max(0.0, -between % TURN - UNSURE))
+                    away = self.turn_time * AWAY / corner
+                    left = min(left, _turn_to(between, away))
+                    right = min(right, _turn_to(-between, away))
         return left, right
+
+
+def _turn_to(between: float, away: float) -> float:
+    """Return how far a corner turns until it meets a point `between` [rad] ahead of it.
+
+    Of a point a little behind it, which may be ahead of it in truth, return `away`.
+    """
+    if -UNSURE < between < 0:
+        return away
+    return max(0.0, between % TURN - UNSURE)
 
 
 FRESH = 0.7

@@ -47,7 +47,10 @@ def test_what_is_remembered_counts() -> None:
         # to the left of the front left corner by 40 degrees: it may turn (40 - 20) degrees / 1.2 s;
         # the rear left corner is 180 - 38.9 - 38.9 - 40 = 62.2 degrees away, from the other side
         (40, radians(20) / 1.2, radians(42.2) / 1.2),
-        (15, CREEP, radians(67.2) / 1.2),  # within 20 degrees: it may be there already
+        # within 20 degrees: it may be there already, or on the other side of the corner
+        (15, CREEP, CREEP),
+        (-15, CREEP, CREEP),
+        (25, CREEP, radians(57.2) / 1.2),
     ],
 )
 def test_a_corner_does_not_swing_into_something(off: float, left: float, right: float) -> None:
@@ -62,3 +65,27 @@ def test_a_corner_does_not_swing_into_something(off: float, left: float, right: 
 def test_what_no_corner_reaches_does_not_count() -> None:
     assert LimiterSweep().decide(seen(around=around((0.46, pi / 2)))) is None
     assert LimiterSweep().decide(seen()) is None
+
+
+def test_a_corner_turns_slowly_away_from_what_may_be_on_its_other_side() -> None:
+    at_corner = seen(around=around((0.41, CORNER + radians(1))))
+    desire = LimiterSweep(creep=0.0).decide(at_corner)
+    assert value(desire, "left_max") == 0.0
+    assert value(desire, "right_max") == pytest.approx(0.04 / hypot(0.313, 0.2525))
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "limit"),
+    [
+        (-0.763, 0.0, sqrt(2 * 0.3 * 0.40)),  # 0.45 m behind the rear end; 0.05 m is kept
+        (-0.34, 0.2, 0.0),
+        (-0.34, 0.26, None),  # it passes beside it
+        (-0.31, 0.25, None),  # beside the corner, not behind it
+    ],
+)
+def test_what_is_behind_slows_it_down_on_its_way_back(
+    x: float, y: float, limit: float | None
+) -> None:
+    desire = LimiterSweep().decide(seen(around=around((hypot(x, y), atan2(y, x)))))
+    assert value(desire, "v_max") is None
+    assert value(desire, "back_max") == (None if limit is None else pytest.approx(limit))
