@@ -1,5 +1,7 @@
 """The stacks that people choose."""
 
+from math import radians
+
 import pytest
 
 from pioneer3.behaviors.action import Stack
@@ -84,6 +86,13 @@ def test_teleop_is_guarded_and_unguarded_is_not() -> None:
     ratios.push(1.0, 0.0)
     assert resolve([teleop(ratios)], wall).twist.v == 0.0
     assert resolve([unguarded(ratios)], wall).twist.v == 0.75
+
+
+def test_teleop_does_not_swing_a_corner_into_something() -> None:
+    ratios, leg = RatioInput(), seen(around=around((0.43, radians(45))))  # 6 degrees off a corner
+    ratios.push(0.0, 1.0)
+    assert resolve([unguarded(ratios)], leg).twist.w > 0.5
+    assert 0 < resolve([teleop(ratios)], leg).twist.w * 0.402 <= 0.05
 
 
 def test_each_stack_has_actions_of_its_own() -> None:

