@@ -1,6 +1,12 @@
-"""A robot that drives by itself among walls, and what is to be said about how it does."""
+"""A robot that drives by itself among walls, and what is to be said about how it does.
+
+A contact counts as an impact with the speed of the robot's own point of contact: a robot that
+stands when somebody walks up to it hits nobody.
+"""
 
 import asyncio
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from math import cos, hypot, inf, sin
 from typing import NamedTuple
@@ -8,8 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3 import connect_async
+from pioneer3 import Robot, connect_async
 from pioneer3.behaviors.action import Stack
+from pioneer3.behaviors.actions import RatioInput
+from pioneer3.behaviors.modes import goto
+from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.gym.maps import FreeSpace
 from pioneer3.models import load_model
@@ -17,10 +26,23 @@ from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import Box, Person
+from tests.laser_unit import LaserUnit
 from tests.support import SimulatedRobot
 
 MODEL = "p3at-sh"
+IN_BAND = "in-band"
+"""The laser of the simulator in the robot's own stream; others are models of units."""
+LOST_EVERY, LOST_FOR = 60.0, 10.0
+"""A laser that is lost now and then is silent for so long, so often [s]."""
+STICK_MOVES = 0.4
+"""A stick moves in a second with this probability."""
+NEAR_START = 0.8
+"""People and movable boxes are at least so far from the start [m]."""
 Cell = tuple[int, int]
+Thing = Box | Person
+Guide = Callable[[Robot], Stack | None]
+"""Is asked every second; returns a mode to start, or `None` to go on."""
 
 
 class Impact(NamedTuple):
@@ -65,6 +87,11 @@ class Watch:
         self._here = sim.body.robot_in_world
         self._way, self._minute = 0.0, 60.0
 
+    def begin(self) -> None:
+        """Count way and minutes from now."""
+        self._here = self._sim.body.robot_in_world
+        self._way, self._minute = 0.0, self._sim.world.time + 60.0
+
     def __call__(self) -> None:
         """Note the step just taken."""
         sim, log = self._sim, self.log
@@ -85,7 +112,7 @@ class Watch:
 
 
 async def drive_by_itself(
-    stack: Stack,
+    mode: Stack | Guide,
     line_map: LineMap,
     home: Pose2,
     seconds: float,
@@ -94,28 +121,143 @@ async def drive_by_itself(
     kernels: Kernels | None = None,
     realism: Realism | None = None,
     model: str = MODEL,
+    things: Sequence[Thing] = (),
+    laser: str | None = None,
+    lossy: bool = False,
 ) -> Log:
-    """Let a stack drive a simulated robot, through the whole driver, in the loop's time."""
+    """Let a mode drive a simulated robot, through the whole driver, in the loop's time.
+
+    Args:
+        mode: The mode, or one after the other.
+        line_map: What stands still.
+        home: Where the robot starts.
+        seconds: How long, at most [s].
+        seed: Of all errors.
+        kernels: Of the world.
+        realism: Of wheels and sensors; the default if not given.
+        model: Of the robot.
+        things: People and movable boxes.
+        laser: `IN_BAND`, the model of a unit, or `None` for none.
+        lossy: Whether the unit is lost now and then, as `LOST_EVERY` and `LOST_FOR` say.
+    """
     sim = SimulatedRobot(
         line_map, home=home, seed=seed, realism=realism or Realism(), kernels=kernels, model=model
     )
+    for thing in things:
+        sim.world.add_obstacle(thing)
     watch = sim.stepped = Watch(sim)
-    async with sim, connect_async(sim.open) as robot:
-        robot.arbiter.start(stack)
-        end = asyncio.get_running_loop().time() + seconds
-        while sim.world.time < seconds and asyncio.get_running_loop().time() < end:
+    async with sim, _connected(sim, laser, lossy=lossy) as robot:
+        watch.begin()
+        guide = _Once(mode) if isinstance(mode, Stack) else mode
+        end = sim.world.time + seconds
+        while sim.world.time < end:
+            if (following := guide(robot)) is not None:
+                robot.arbiter.start(following)
             await asyncio.sleep(1.0)
-            if robot.arbiter.mode is not stack:
+            if isinstance(mode, Stack) and robot.arbiter.mode is not mode:
                 watch.log.ended = robot.arbiter.ended.why if robot.arbiter.ended else "?"
                 break
     return watch.log
 
 
-def start_in(line_map: LineMap, seed: int, model: str = MODEL) -> Pose2:
-    """Return a random pose where the robot can turn."""
+class _Once:
+    """Starts one mode."""
+
+    def __init__(self, mode: Stack) -> None:
+        self._mode: Stack | None = mode
+
+    def __call__(self, robot: Robot) -> Stack | None:
+        mode, self._mode = self._mode, None
+        return mode
+
+
+class RandomGoals:
+    """Goes to one place after the other; what is in the way ends a mode and calls for another.
+
+    Args:
+        line_map: With the places.
+        home: Where the robot starts, the origin of its odometry.
+        seed: Of the choice.
+        model: Of the robot.
+        speed: [m/s].
+    """
+
+    def __init__(
+        self, line_map: LineMap, home: Pose2, seed: int, model: str = MODEL, speed: float = 0.4
+    ) -> None:
+        self._places, self._home, self._speed = places_of(line_map, model), home, speed
+        self._rng = np.random.default_rng(seed)
+
+    def __call__(self, robot: Robot) -> Stack | None:
+        if robot.arbiter.mode is not None:
+            return None
+        goal = self._home.inverse() @ Pose2(*self._places.sample(self._rng))
+        return goto(goal.x, goal.y, speed=self._speed)
+
+
+class RandomStick:
+    """Pushes a stick about, for the most part forwards, and turns.
+
+    Args:
+        seed: Of the choice.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._rng, self._ratios = np.random.default_rng(seed), RatioInput()
+
+    def __call__(self, robot: Robot) -> Stack | None:
+        if self._rng.random() < STICK_MOVES:
+            drive, turn = self._rng.uniform(-0.6, 1.0), self._rng.uniform(-1.0, 1.0)
+            straight = self._rng.random() < 1 / 2
+            self._ratios.push(float(drive), 0.0 if straight else float(turn))
+        return None if robot.arbiter.mode is not None else teleop(self._ratios)
+
+
+@asynccontextmanager
+async def _connected(
+    sim: SimulatedRobot, laser: str | None, *, lossy: bool
+) -> AsyncIterator[Robot]:
+    """Connect to the robot, and let its laser scan during the block."""
+    async with AsyncExitStack() as stack:
+        if laser is None or laser == IN_BAND:
+            robot = await stack.enter_async_context(connect_async(sim.open))
+        else:
+            unit = await stack.enter_async_context(LaserUnit(sim, laser))
+            connection = connect_async(sim.open, lasers=[unit.spec])
+            robot = await stack.enter_async_context(connection)
+            if lossy:
+                sim.stepped = _Losses(sim, unit)
+        if laser is not None:
+            stack.enter_context(robot.laser.wanted())
+            await robot.laser.reading()
+        yield robot
+
+
+class _Losses:
+    """Silences a unit now and then."""
+
+    def __init__(self, sim: SimulatedRobot, unit: LaserUnit) -> None:
+        self._stepped, self._sim, self._unit = sim.stepped, sim, unit
+        self._next = LOST_EVERY / 2
+
+    def __call__(self) -> None:
+        if self._sim.world.time >= self._next:
+            self._unit.laser.silence(LOST_FOR)
+            self._next += LOST_EVERY
+        self._stepped()
+
+
+def start_in(
+    line_map: LineMap, seed: int, model: str = MODEL, things: Sequence[Thing] = ()
+) -> Pose2:
+    """Return a random pose where the robot can turn, away from people and movable boxes."""
     rng = np.random.default_rng(seed)
-    x, y = places_of(line_map, model).sample(rng)
-    return Pose2(x, y, float(rng.uniform(-np.pi, np.pi)))
+    places = places_of(line_map, model)
+    stand = [thing.pose if isinstance(thing, Box) else thing.pose_at(0.0) for thing in things]
+    while True:
+        x, y = places.sample(rng)
+        if all(hypot(at.x - x, at.y - y) > NEAR_START for at in stand):
+            return Pose2(x, y, float(rng.uniform(-np.pi, np.pi)))
 
 
 def places_of(line_map: LineMap, model: str = MODEL) -> FreeSpace:
@@ -137,7 +279,7 @@ def _contact_speed(sim: SimulatedRobot, pose: Pose2, twist: Twist2) -> float:
 
 def _contact(sim: SimulatedRobot, pose: Pose2) -> tuple[float, float]:
     """Return the point of the robot nearest to a wall, in its own frame [m]."""
-    model, walls = sim.body.model, sim.world.map.walls
+    model, walls = sim.body.model, np.concatenate([sim.world.map.walls, _sides_of_things(sim)])
     c, s = cos(pose.theta), sin(pose.theta)
     ends = walls.reshape(-1, 2) - (pose.x, pose.y)
     ends = np.stack([c * ends[:, 0] + s * ends[:, 1], c * ends[:, 1] - s * ends[:, 0]], axis=1)
@@ -161,3 +303,10 @@ def _contact(sim: SimulatedRobot, pose: Pose2) -> tuple[float, float]:
         if gap < best:
             best, found = gap, (float(corner[0]), float(corner[1]))
     return found
+
+
+def _sides_of_things(sim: SimulatedRobot) -> NDArray[np.float64]:
+    """Return the sides of people and boxes [m], shape (S, 4)."""
+    outlines = sim.world.outlines.shapes[len(sim.world.robots) :, 3:]
+    corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
+    return np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
