@@ -2,9 +2,11 @@
 
 import errno
 import os
+from array import array
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from stat import S_IRGRP
 from typing import Final
@@ -13,12 +15,13 @@ from pioneer3.errors import LinkError, PortBusyError, PortNotFoundError, PortPer
 from pioneer3.links.stream import StreamLink
 
 try:
+    import fcntl
     import grp
     import termios
     import tty
     from termios import error as TerminalError  # noqa: N812
 except ImportError:  # Windows
-    grp = termios = tty = None  # type: ignore[assignment]
+    fcntl = grp = termios = tty = None  # type: ignore[assignment]
     TerminalError = OSError  # type: ignore[misc, assignment]
 
 SPEEDS: Final = (9600, 19200, 38400, 57600, 115200)
@@ -150,5 +153,22 @@ def terminal_speed(terminal: int) -> int | None:
         code = termios.tcgetattr(terminal)[5]
     except (OSError, TerminalError):
         return None
+    return _speeds_by_code().get(code) or None
+
+
+def unread(terminal: int) -> int:
+    """Return the number of bytes that have come to an open terminal and wait to be read."""
+    count = array("i", [0])
+    fcntl.ioctl(terminal, termios.FIONREAD, count)
+    return count[0]
+
+
+def forget_unread(terminal: int) -> None:
+    """Drop the bytes that have come to an open terminal and wait to be read."""
+    termios.tcflush(terminal, termios.TCIFLUSH)
+
+
+@cache
+def _speeds_by_code() -> Mapping[int, int]:
     names = (name for name in dir(termios) if name[0] == "B" and name[1:].isdecimal())
-    return next((int(name[1:]) for name in names if getattr(termios, name) == code), None) or None
+    return {getattr(termios, name): int(name[1:]) for name in names}

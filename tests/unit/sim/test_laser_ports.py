@@ -17,7 +17,7 @@ from pioneer3.links import Link, open_link
 from pioneer3.links.serial import make_pty, terminal_speed
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.server import laser_ports
+from pioneer3.sim.server import clients, laser_ports
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
 from pioneer3.sim.server.laser_ports import DEVICES, device_of
@@ -138,6 +138,10 @@ class Terminal:
     async def read(self, seconds: float) -> bytes:
         """Return all that comes within so many seconds."""
         await asyncio.sleep(seconds)
+        return self.now()
+
+    def now(self) -> bytes:
+        """Return all that has come."""
         try:
             return os.read(self.file, 65536)
         except BlockingIOError:
@@ -219,6 +223,25 @@ async def test_a_stream_at_a_terminal_outlives_its_host() -> None:
         await host.until(lines(3))
         host.close()
         again = Terminal(laser.pty, 9600)
+        await again.until(lines(9))
+        again.close()
+
+
+async def test_a_host_finds_no_old_bytes_at_a_terminal_that_nobody_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(clients, "UNREAD", 0.3)
+    async with simulated("lms-200") as laser:
+        assert laser.pty is not None
+        host = Terminal(laser.pty, 9600)
+        host.write(b"S")
+        await host.until(lines(3))
+        host.close()
+        await asyncio.sleep(1.0)
+        again = Terminal(laser.pty, 9600)
+        assert len(again.now()) < 200
+        again.write(b"?")
+        assert (await again.read(0.2)).count(b"\n") > 5  # it may take its time now
         await again.until(lines(9))
         again.close()
 

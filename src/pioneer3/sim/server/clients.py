@@ -19,11 +19,16 @@ from typing import Protocol
 
 from pioneer3.errors import LinkError
 from pioneer3.links import Link
+from pioneer3.links.serial import forget_unread, unread
 
 CHUNK = 2048
 """Most that is read from one client in one round of the loop [bytes]."""
 MOST_UNSENT = 256 * 1024
 """Most that waits for a client to take it [bytes]: 2 s of the longest laser sweeps."""
+UNREAD = 3.0
+"""At a terminal that nobody has read for this long [s, real] no host is left."""
+LANDING = 0.01
+"""Bytes written have come to the other end of a terminal by then [s, real]."""
 STUCK = 0.5
 """A client that takes nothing for this long [s, real], with full buffers, is disconnected."""
 
@@ -147,14 +152,47 @@ class SocketClient:
 
 
 class PtyClient(SocketClient):
-    """A host that opens a pseudo terminal. Unread bytes are lost, as on a serial line."""
+    """A host that opens a pseudo terminal. Unread bytes are lost, as on a serial line.
+
+    A serial port forgets unread bytes when its host leaves. Nobody tells when a host leaves a
+    terminal, so they are forgotten when nobody has read for :data:`UNREAD`, and bytes still come.
+
+    Args:
+        slave: The end that hosts open.
+    """
 
     permanent = True
 
+    def __init__(self, handler: ClientHandler, file: FileIO, peer: str, slave: int) -> None:
+        super().__init__(handler, file, peer)
+        self._slave = slave
+        self._waiting, self._abandoned = 0, False
+        self._read_at = self._looked_at = self._loop.time()
+
     def send(self, data: bytes) -> None:
         """Send as much as the terminal takes."""
-        if not self._file.closed:
-            self._write(data)
+        if self._file.closed:
+            return
+        if self._is_abandoned():
+            forget_unread(self._slave)
+        self._write(data)
+
+    def _read(self) -> None:
+        self._abandoned, self._read_at = False, self._loop.time()  # a host is there
+        super()._read()
+
+    def _is_abandoned(self) -> bool:
+        """Return whether nobody reads; a host that begins to read shows in an empty terminal."""
+        now = self._loop.time()
+        if now - self._looked_at < LANDING:
+            return self._abandoned
+        self._looked_at = now
+        before, self._waiting = self._waiting, unread(self._slave)
+        if not self._waiting or (self._waiting < before and not self._abandoned):
+            self._abandoned, self._read_at = False, now
+        elif now - self._read_at > UNREAD:
+            self._abandoned = True
+        return self._abandoned
 
     def close(self) -> None:
         """Go on reading: the terminal stays for the next host."""

@@ -103,7 +103,7 @@ class PtyListener:
         os.set_blocking(pair.master, False)
         self.path = pair.path
         self._slave = pair.slave
-        self._client = PtyClient(port, FileIO(pair.master, "r+"), pair.path)
+        self._client = PtyClient(port, FileIO(pair.master, "r+"), pair.path, pair.slave)
         self._client.resume()
 
     @property
