@@ -104,6 +104,18 @@ async def test_lms_a_host_may_change_its_speed_without_waiting_for_the_answer(
         host.close()
 
 
+async def test_lms_a_host_may_leave_at_the_speed_that_it_came_with(monkeypatch: Patch) -> None:
+    async with simulated("lms-200", monkeypatch) as laser:
+        assert laser.pty is not None
+        host = LmsHost(laser.pty)
+        await faster(host)
+        await host.listen(0.1)
+        host.write(encode(0x20, b"\x42"))
+        host.set_speed(9600, termios.TCSADRAIN)
+        host.close()
+        await until(lambda: laser.device.speed == 9600)
+
+
 async def test_lms_a_reset_is_followed_by_silence_and_ready_at_9600(monkeypatch: Patch) -> None:
     async with simulated("lms-200", monkeypatch) as laser:
         assert laser.pty is not None

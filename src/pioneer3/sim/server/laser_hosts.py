@@ -7,7 +7,8 @@
    many; others one at a time: the rules of :class:`pioneer3.sim.server.clients.ClientSlot` hold. A
    host that gets scans is not silent. The last requests of a host that leaves are still obeyed.
 3. At the terminal of a serial line a host must have set the speed of the device, else neither
-   understands the other. A device server on the network always has the right speed.
+   understands the other. A host that changes its speed right after its last byte is understood. A
+   device server on the network always has the right speed.
 """
 
 import asyncio
@@ -135,6 +136,7 @@ class OneHost:
         self._cable = self._new_cable() if self._lasting else None
         self._slot = ClientSlot(self._another, label)
         self._terminal_speed: Callable[[], int | None] = lambda: None
+        self._speed_before: int | None = None
         self._noise = Random(faults.seed)
 
     @property
@@ -153,7 +155,7 @@ class OneHost:
         self._slot.admit(client)
 
     def received(self, client: Client, data: bytes) -> None:
-        if self._slot.heard_from(client) and self._cable and self._understands(client):
+        if self._slot.heard_from(client) and self._cable and self._is_understood(client):
             self._cable.keep(client, data)
             self._wake()
 
@@ -168,6 +170,7 @@ class OneHost:
         if not heard or self._slot.closed:
             cable.clear()
         cable.take(host, now)
+        self._speed_before = self._terminal_speed()
         understands = host is not None and self._understands(host)
         data = cable.from_laser(now)  # after its last byte the laser may change its speed
         if not data or host is None or not heard:
@@ -175,6 +178,10 @@ class OneHost:
         if not host.permanent:
             self._slot.heard_from(host)
         host.send(data if understands else self._noise.randbytes(len(data)))
+
+    def _is_understood(self, client: Client) -> bool:
+        """Whether the laser understands bytes that are read now: they were sent a moment ago."""
+        return self._understands(client) or self._speed_before == self._device.speed
 
     def shut(self, *, closed: bool) -> None:
         self._slot.closed = closed
