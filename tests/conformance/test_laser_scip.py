@@ -151,7 +151,7 @@ async def test_urg_c_hunts_for_the_speed_and_the_state() -> None:
             host.write(b"QT\n")
             heard[baud] = await host.listen(0.3)
         assert heard == {115200: b"", 38400: b"", 19200: b"QT\nE\n\n"}
-        host.set_speed(19200)
+        host.flush()
         await ask(host, "SCIP2.0")
         assert await ask(host, "TM0") == [b"TM0", b"00P"]
         assert await ask(host, "QT") == [b"QT", b"0Ee"]
