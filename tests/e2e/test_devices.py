@@ -346,7 +346,7 @@ class TestLaser:
             assert scan.angles[90] == pytest.approx(0.0)
             assert all(r < inf for r in scan.ranges)
 
-    async def test_a_real_robots_is_not_built_yet_and_says_so(self) -> None:
+    async def test_that_of_a_real_robot_is_at_the_computer(self) -> None:
         async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
             info = driver.info
             assert info.config is not None
@@ -355,7 +355,7 @@ class TestLaser:
                 identity=replace(info.identity, name="lab 3"),
                 config=replace(info.config, serial_number="1234"),
             )
-            with pytest.raises(DeviceError, match="not built yet"):
+            with pytest.raises(DeviceError, match="name that port with --laser"):
                 await driver.devices.laser.reading()
 
 
