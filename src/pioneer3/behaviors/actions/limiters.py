@@ -123,6 +123,8 @@ class LimiterBySonar:
 
 UNSURE = radians(20)
 """How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
+SLOWEST = 0.01
+"""Corners of a robot that drives may turn at least so fast [m/s]."""
 AWAY = 0.04
 """Of a corner that turns away from an echo, as long as that may come from the other side [m/s]."""
 
@@ -177,8 +179,8 @@ class LimiterSweep:
         return Desire(
             v_max=v_max,
             back_max=back_max,
-            left_max=self._rate(left, corner),
-            right_max=self._rate(right, corner),
+            left_max=self._rate(left, corner, situation.twist.v),
+            right_max=self._rate(right, corner, situation.twist.v),
             reason=reason,
         )
 
@@ -187,8 +189,15 @@ class LimiterSweep:
         fastest = sqrt(2 * self.deceleration * max(0.0, gap - self.margin))
         return max(least, fastest) if fastest < top else None
 
-    def _rate(self, angle: float, corner: float) -> float | None:
-        return max(self.creep / corner, angle / self.turn_time) if angle < inf else None
+    def _rate(self, angle: float, corner: float, v: float) -> float | None:
+        """Return the turn rate that may meet something `angle` ahead of a corner, at speed `v`.
+
+        What a robot drives adds to the speed of its corners: the creep is of both together.
+        """
+        if angle == inf:
+            return None
+        least = max(min(SLOWEST, self.creep), self.creep - abs(v)) / corner
+        return max(least, angle / self.turn_time)
 
     def _turns_to(self, point: Point, model: RobotModel) -> tuple[float, float]:
         """Return how far [rad] the robot can turn left, and right, until it meets `point`."""

@@ -6,6 +6,7 @@ import pytest
 
 from pioneer3.behaviors.actions import LimiterSweep
 from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import around, seen, value
 
 CORNER = atan2(0.2525, 0.313)
@@ -89,3 +90,11 @@ def test_what_is_behind_slows_it_down_on_its_way_back(
     desire = LimiterSweep().decide(seen(around=around((hypot(x, y), atan2(y, x)))))
     assert value(desire, "v_max") is None
     assert value(desire, "back_max") == (None if limit is None else pytest.approx(limit))
+
+
+@pytest.mark.parametrize(("v", "least"), [(0.0, 0.04), (-0.02, 0.02), (0.03, 0.01), (0.2, 0.01)])
+def test_the_creep_is_of_driving_and_turning_together(v: float, least: float) -> None:
+    """Backing at 0.018 m/s while it turned, a corner met a person at 0.055 m/s."""
+    place = seen(around=around((0.42, CORNER)), twist=Twist2(v))
+    desire = LimiterSweep().decide(place)
+    assert value(desire, "left_max") == pytest.approx(least / hypot(0.313, 0.2525))
