@@ -21,7 +21,6 @@ from typing import Protocol
 from pioneer3.lasers.device import Connection, Device
 from pioneer3.sim.server.clients import STALE, Client, ClientHandler, ClientSlot
 from pioneer3.sim.server.faults import Channel, LinkFaults
-from pioneer3.sim.server.serial_output import SerialOutput
 
 log = logging.getLogger(__name__)
 
@@ -139,7 +138,6 @@ class OneHost:
         self._terminal_speed: Callable[[], int | None] = lambda: None
         self._speed_before: int | None = None
         self._noise = Random(faults.seed)
-        self._output = SerialOutput()
 
     @property
     def full(self) -> bool:
@@ -171,7 +169,6 @@ class OneHost:
             return
         if not heard or self._slot.closed:
             cable.clear()
-            self._output.clear()
         cable.take(host, now)
         self._speed_before = self._terminal_speed()
         understands = host is not None and self._understands(host)
@@ -180,11 +177,7 @@ class OneHost:
             return
         if not host.permanent:
             self._slot.heard_from(host)
-        sent = data if understands else self._noise.randbytes(len(data))
-        if host.permanent and self._lasting:
-            self._output.send(host, sent)
-        else:
-            host.send(sent)
+        host.send(data if understands else self._noise.randbytes(len(data)))
 
     def _is_understood(self, client: Client) -> bool:
         """Whether the laser understands bytes that are read now: they were sent a moment ago."""
@@ -211,7 +204,6 @@ class OneHost:
 
     def _hang_up(self) -> None:
         """Drop what is on its way to the host; a connection that does not last ends."""
-        self._output.clear()
         if self._cable is not None:
             self._cable.hang_up()
             if not self._lasting:
