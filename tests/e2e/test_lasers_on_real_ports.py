@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 import signal
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -91,7 +92,7 @@ async def test_without_a_terminal_there_is_a_line_each_second() -> None:
             name, _, value = line.partition("  ")
             told[name] = value.strip()
         assert told["vendor"] == "SICK"
-        assert "15 scans/s" in await command.line()
+        assert re.search(r"1[3-7] scans/s", await command.line())
         laser.unplug()
         line = ""
         while not line.startswith("LOST: "):
