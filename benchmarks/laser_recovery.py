@@ -16,8 +16,6 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from benchmarks.table import Row, percentile_99
-from pioneer3.lasers.lms2xx.commands import Command
-from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.links import open_link
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.runtime.connect import connect_async
@@ -28,6 +26,7 @@ from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import parse_equipment
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.tasks import running
+from tests.lasers import LEFT
 
 QUIET = 8.0
 FIRST = 5.0
@@ -145,19 +144,6 @@ FAULTS = (
 )
 STARTS = {"utm-30lx": 1.0, "urg-04lx": 1.0, "lms-200": 30.0, "lms-111": 15.0}
 """Models, and the time that each needs from power to its first answer or scan [s]."""
-STARTS_ELSEWHERE = {
-    "urg-04lx": (
-        (19200, b"\nSCIP2.0\n"),
-        (19200, b"BM\n"),
-        (19200, b"SS057600\n"),
-        (57600, b"MD0044072501000\n"),
-    ),
-    "lms-200": (
-        (9600, telegram(Command.MODE, bytes([0x42 - 1]))),
-        (19200, telegram(Command.MODE, bytes([0x24]))),
-    ),
-}
-"""Speeds and bytes that leave a laser at another speed, and scanning."""
 
 
 async def first_scan(driver: LaserDriver) -> float:
@@ -199,7 +185,7 @@ async def faults_of(model: str) -> list[Row]:
     rows: list[Row] = []
     async with simulator_with(model) as simulator:
         port = simulator.pty if simulator.pty != "-" else simulator.laser
-        if STARTS_ELSEWHERE.get(model):
+        if LEFT.get(model):
             await left_behind(simulator, model)
         quiet, loud = Heartbeat(), Heartbeat()
         async with connect_async(simulator.robot) as robot, running(quiet.run(), drive(robot)):
@@ -237,7 +223,7 @@ async def drive(robot: Robot) -> None:
 async def left_behind(simulator: Simulator, model: str) -> None:
     """Leave the laser as a program does that crashed: at another speed, and scanning."""
     link = await open_link(simulator.pty)
-    for baud, data in STARTS_ELSEWHERE[model]:
+    for baud, data in LEFT[model]:
         await link.set_speed(baud)
         await link.write(data)
         await asyncio.sleep(0.5)

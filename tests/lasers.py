@@ -7,6 +7,8 @@ from typing import Any, Self
 
 from pioneer3.errors import LinkError, PortNotFoundError
 from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
+from pioneer3.lasers.lms2xx.commands import Command
+from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.links import Link, Opener
 from pioneer3.links.memory import MemoryLink
 from pioneer3.models.lasers import load_laser
@@ -39,6 +41,21 @@ class OpenedSpec(LaserSpec):
             settings=self.settings,
             time_offset=self.time_offset,
         )
+
+
+LEFT = {
+    "urg-04lx": (
+        (19200, b"\nSCIP2.0\n"),
+        (19200, b"BM\n"),
+        (19200, b"SS057600\n"),
+        (57600, b"MD0044072501000\n"),
+    ),
+    "lms-200": (
+        (9600, telegram(Command.MODE, bytes([0x41]))),
+        (19200, telegram(Command.MODE, bytes([0x24]))),
+    ),
+}
+"""Speeds and bytes that leave a laser at another speed, and scanning."""
 
 
 class CableEnd(MemoryLink):

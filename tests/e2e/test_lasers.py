@@ -4,13 +4,11 @@ import asyncio
 
 import pytest
 
-from pioneer3.lasers.lms2xx.commands import Command
-from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.tasks import running
-from tests.lasers import STARTS, LaserUnit
+from tests.lasers import LEFT, STARTS, LaserUnit
 from tests.support import SimulatedRobot, until, wall_at
 
 UNITS = [
@@ -26,19 +24,6 @@ FIRST = 5.0
 """To the first scan, with the search for protocol and speed [s]."""
 AGAIN = 3.0
 """From the moment that a laser is back to the next scan [s]."""
-LEFT = {
-    "urg-04lx": (
-        (19200, b"\nSCIP2.0\n"),
-        (19200, b"BM\n"),
-        (19200, b"SS057600\n"),
-        (57600, b"MD0044072501000\n"),
-    ),
-    "lms-200": (
-        (9600, telegram(Command.MODE, bytes([0x41]))),
-        (19200, telegram(Command.MODE, bytes([0x24]))),
-    ),
-}
-"""Speeds and bytes that leave a laser at another speed, and scanning."""
 
 
 async def happen(unit: LaserUnit, how: str) -> None:

@@ -135,7 +135,7 @@ def gap_to(leg: Leg, x: float, y: float) -> float:
 
 
 def range_towards(scan: Scan, bearing: float) -> float:
-    """Return what the beam nearest to a bearing in the laser's frame measures [m].
+    """Return the reading of the beam nearest to a bearing in the laser's frame [m].
 
     `inf` also where there is no valid reading; 0 beside the field of view.
     """

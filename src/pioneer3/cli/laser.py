@@ -247,7 +247,7 @@ def _code(driver: "LaserDriver") -> int:
 
 
 def identity_lines(driver: "LaserDriver") -> list[str]:
-    """Return what the laser says of itself, a line for each."""
+    """Return the identity of the laser, a line for each part."""
     identity = asdict(driver.identity) if driver.identity else {}
     told = [f"{name.replace('_', ' '):14}{value}" for name, value in identity.items() if value]
     return [f"laser at {driver.config.url}", *told]

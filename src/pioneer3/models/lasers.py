@@ -119,10 +119,6 @@ class LaserModel:
         """Readings of a scan, as delivered."""
         return round((self.last - self.first) / self.step) + 1
 
-    def error_at(self, metres: float) -> RangeError:
-        """Return the errors of ranges of about `metres`."""
-        return next((e for e in self.errors if metres <= e.up_to), self.errors[-1])
-
 
 def _scip(
     name: str,

@@ -143,7 +143,7 @@ def test_noise_and_the_lasting_error_are_those_of_the_model(name: str) -> None:
         ranges, _ = straight_ahead(*world_of(wall, errors=noisy, seed=seed), model)
         sigmas.append(ranges.std())
         biases.append(ranges.mean() - 2.0)
-    error = model.error_at(2.0)
+    error = next(error for error in model.errors if error.up_to >= 2.0)
     largest = error.systematic + 2.0 * error.share
     assert np.mean(sigmas) == pytest.approx(error.sigma, rel=0.05)
     assert max(map(abs, biases)) <= largest + 4 * error.sigma / 20

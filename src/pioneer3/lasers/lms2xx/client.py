@@ -263,7 +263,7 @@ class LmsClient:
         return max(1, ceil(transfer / variant.scan_time - EDGE)) * variant.scan_time
 
     def _remark_on(self, status: int) -> list[Event]:
-        """Say what the status byte reports, when it changes."""
+        """Remark each change of the status byte."""
         known = status & (SEVERITY | POLLUTED)
         if known == self._told_status:
             return []

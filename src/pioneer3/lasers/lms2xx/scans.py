@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from struct import Struct, error, pack, unpack_from
 from typing import Final
 
-from pioneer3.lasers.lms2xx.commands import ANSWER, Command, Mode
+from pioneer3.lasers.lms2xx.commands import ANSWER, Command
 from pioneer3.lasers.lms2xx.measuring import Units
 
 COUNT: Final = 0x3FF
@@ -33,14 +33,6 @@ _LAYOUTS: Final[dict[int, tuple[Struct, tuple[str, ...]]]] = {
 """Numbers before the values, the header last, by code."""
 _REFLECTIVITIES: Final = Struct("<HHH")
 """A header, the first and the last reading of the part, from 1."""
-CODE_OF_MODE: Final = {
-    Mode.ALL_VALUES: VALUES,
-    Mode.PARTIAL_SCANS: VALUES,
-    Mode.MEAN: MEAN_VALUES,
-    Mode.SUBRANGE: SUBRANGE_VALUES,
-    Mode.MEAN_OF_SUBRANGE: MEAN_SUBRANGE_VALUES,
-    Mode.RANGE_AND_REFLECTIVITY: RANGES_AND_REFLECTIVITIES,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -158,7 +158,7 @@ class TelegramReader:
         return min(now, max(self._heard, now - len(data) * self.byte_time))
 
     def _take(self, *, over: bool) -> list[Item]:
-        """Take what is complete; where the line is `over`, the rest can no longer be completed."""
+        """Take the complete telegrams; if the line is `over`, nothing completes the others."""
         buffer, start, items = self._buffer, 0, list[Item]()
         while start < len(buffer):
             size = self._size(start)

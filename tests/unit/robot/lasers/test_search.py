@@ -9,12 +9,10 @@ from pioneer3.arcos.packet import encode
 from pioneer3.doctor.lasers import laser_on
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import Event, Lost, Patience, ScanSettings, SpeedWanted
-from pioneer3.lasers.lms2xx.commands import Command
-from pioneer3.lasers.lms2xx.telegram import encode as telegram
 from pioneer3.lasers.recognition import QUESTION
 from pioneer3.models.lasers import LaserProtocol
 from pioneer3.robot.lasers.search import NOTHING, SPEEDS, Search, client_of
-from tests.lasers import LaserUnit
+from tests.lasers import LEFT, LaserUnit
 from tests.support import SimulatedRobot, until
 
 PATIENCE = Patience(give_up=4.0)
@@ -26,19 +24,6 @@ UNITS = [
     ("lms-111", False, LaserProtocol.COLA),
     ("tim551", False, LaserProtocol.COLA),
 ]
-LEFT = {
-    "urg-04lx": (
-        (19200, b"\nSCIP2.0\n"),
-        (19200, b"BM\n"),
-        (19200, b"SS057600\n"),
-        (57600, b"MD0044072501000\n"),
-    ),
-    "lms-200": (
-        (9600, telegram(Command.MODE, bytes([0x41]))),
-        (19200, telegram(Command.MODE, bytes([0x24]))),
-    ),
-}
-"""Speeds and bytes that leave a laser at another speed, and scanning."""
 
 
 def search(speeds: tuple[int, ...] = (), patience: Patience = PATIENCE) -> Search:
