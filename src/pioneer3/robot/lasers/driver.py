@@ -220,6 +220,9 @@ class LaserDriver:
                     return
                 except LinkError as error:
                     self._lose(str(error))
+                except Exception as error:  # it must not end the robot beside it
+                    log.exception("%s failed", self.config.url)
+                    self._lose(f"{self.config.url}: failed: {error!r}")
                 await asyncio.sleep(RETRY)
         finally:
             self._publish(Connection.CLOSED, end)
