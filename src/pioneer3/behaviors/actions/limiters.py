@@ -145,7 +145,7 @@ class LimiterSweep:
         turn_time: It takes at least this long to turn until something is met [s].
     """
 
-    creep: float = 0.04
+    creep: float = 0.035
     margin: float = 0.05
     deceleration: float = 0.3
     turn_time: float = 1.2
