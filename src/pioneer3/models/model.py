@@ -6,7 +6,7 @@ as metres, and degrees as radians.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi, radians, tau
+from math import hypot, pi, radians, tau
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -248,6 +248,11 @@ class RobotModel:
         if self.switch_speed not in SWITCH_SPEEDS:
             speeds = ", ".join(map(str, SWITCH_SPEEDS))
             raise ConfigError(f"switch_speed: {self.switch_speed} is none of {speeds}")
+
+    @property
+    def corner(self) -> float:
+        """Distance of the farthest corner from the centre [m]."""
+        return hypot(max(self.length_front, self.length_rear), self.width / 2)
 
     @property
     def length(self) -> float:

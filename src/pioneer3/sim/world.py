@@ -7,7 +7,7 @@ and little more for a thousand. A :class:`~pioneer3.sim.body.Body` is a view of 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
-from math import ceil, hypot, radians
+from math import ceil, radians
 
 import numpy as np
 from numpy.random import Generator, SeedSequence, default_rng
@@ -351,7 +351,7 @@ class World:
         if not (model.front_bumpers or model.rear_bumpers):
             return 0, 0
         x, y, theta = self.outlines.poses[:, body.number].tolist()
-        reach = hypot(max(model.length_front, model.length_rear), model.width / 2) + REACH
+        reach = model.corner + REACH
         middle_x, middle_y, radius = self.outlines.shapes[:, :3].T
         near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
         near[body.number] = False

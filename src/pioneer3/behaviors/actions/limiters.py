@@ -125,7 +125,7 @@ UNSURE = radians(20)
 """How far off its axis a sonar's echo may come from, and what wheels that slip make of a turn."""
 SLOWEST = 0.01
 """Corners of a robot that drives may turn at least so fast [m/s]."""
-AWAY = 0.04
+AWAY = 0.035
 """Of a corner that turns away from an echo, as long as that may come from the other side [m/s]."""
 
 
@@ -154,7 +154,7 @@ class LimiterSweep:
     def decide(self, situation: Situation) -> Desire | None:
         """Return limits of the speed both ways and of both turns, or `None`."""
         model, around = situation.model, situation.around
-        corner = hypot(max(model.length_front, model.length_rear), model.width / 2)
+        corner = model.corner
         side, reach = model.width / 2 + self.margin, corner + self.margin
         half, rear = model.width / 2, -model.length_rear
         front, back, left, right = inf, inf, inf, inf

@@ -47,6 +47,8 @@ class StallRecover:
     Its desire is the answer to the stall, which ends every other motion. It leaves the robot
     alone as soon as a higher priority has taken a channel of motion. It turns more slowly than
     ARIA's, as fast as the robot can: a corner of a robot that stands at a wall swings into it.
+    A stall tells that something is near that no sensor saw: for the first `clear` it creeps, and
+    does not turn as it drives.
 
     Attributes:
         obstacle_distance: Nearer than this to the robot's circle is too near to go on after half of
@@ -55,6 +57,8 @@ class StallRecover:
         speed: [m/s].
         turn_amount: [rad].
         turn_rate: Highest [rad/s].
+        creep: Speed at which any point of the robot may touch something [m/s].
+        clear: So far from where it stalled nothing unseen touches it [m].
         enabled: Whether it does anything.
     """
 
@@ -63,6 +67,8 @@ class StallRecover:
     speed: float = 0.15
     turn_amount: float = radians(45)
     turn_rate: float = radians(10)
+    creep: float = 0.035
+    clear: float = 0.1
     enabled: bool = True
     name: str = "stall recover"
     _way: Way | None = field(default=None, init=False)
@@ -70,6 +76,7 @@ class StallRecover:
     _end: float = field(default=-inf, init=False)
     _last: float = field(default=-inf, init=False)
     _target: float | None = field(default=None, init=False)
+    _stalled_at: Pose2 = field(default=ORIGIN, init=False)
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the next moment of an attempt, if one is needed."""
@@ -87,6 +94,7 @@ class StallRecover:
         self._next = (self._next + 1) % len(WAYS) if now - self._last <= SAME_TROUBLE else 0
         self._way = way = WAYS[self._next]
         self._end = now + self.seconds
+        self._stalled_at = situation.pose
         turn = _away(situation) if way.turn is AWAY else way.turn
         theta = situation.pose.theta
         self._target = wrap(theta + turn * self.turn_amount) if turn else None
@@ -102,16 +110,24 @@ class StallRecover:
             self._way = None
             return Desire(v=0.0, w=0.0, reason="tried", answers_stall=True)
         reason = f"stalled: {way.words}"
-        if self._target is None:
+        near, rate = self._is_near(situation.pose), self.turn_rate
+        if near:
+            v = max(-self.creep, min(v, self.creep))
+            rate = min(rate, self.creep / situation.model.corner)
+        if self._target is None or (near and v):
             return Desire(v=v, w=0.0, reason=reason, answers_stall=True)
         return Desire(
             v=v,
             heading=self._target,
-            left_max=self.turn_rate,
-            right_max=self.turn_rate,
+            left_max=rate,
+            right_max=rate,
             reason=reason,
             answers_stall=True,
         )
+
+    def _is_near(self, here: Pose2) -> bool:
+        """Whether the robot has hardly left the place where it stalled."""
+        return hypot(here.x - self._stalled_at.x, here.y - self._stalled_at.y) < self.clear
 
     def _speed(self, drive: int, situation: Situation) -> float:
         around, left = situation.around, self._end - situation.now

@@ -10,8 +10,8 @@ from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import around, seen, value
 
 CORNER = atan2(0.2525, 0.313)
-CREEP = 0.04 / hypot(0.313, 0.2525)
-"""Turn rate at which a corner moves at 0.04 m/s [rad/s]."""
+CREEP = 0.035 / hypot(0.313, 0.2525)
+"""Turn rate at which a corner moves at 0.035 m/s [rad/s]."""
 
 
 @pytest.mark.parametrize(
@@ -19,8 +19,8 @@ CREEP = 0.04 / hypot(0.313, 0.2525)
     [
         (0.45, sqrt(2 * 0.3 * 0.40)),  # 0.05 m is kept
         (0.1, sqrt(2 * 0.3 * 0.05)),
-        (0.05, 0.04),  # never less than a creep
-        (-0.1, 0.04),  # memory is wrong about what is inside of the robot
+        (0.05, 0.035),  # never less than a creep
+        (-0.1, 0.035),  # memory is wrong about what is inside of the robot
         (1.0, None),  # 0.755 m/s: more than the robot can do
         (inf, None),
     ],
@@ -72,7 +72,7 @@ def test_a_corner_turns_slowly_away_from_what_may_be_on_its_other_side() -> None
     at_corner = seen(around=around((0.41, CORNER + radians(1))))
     desire = LimiterSweep(creep=0.0).decide(at_corner)
     assert value(desire, "left_max") == 0.0
-    assert value(desire, "right_max") == pytest.approx(0.04 / hypot(0.313, 0.2525))
+    assert value(desire, "right_max") == pytest.approx(CREEP)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_what_is_behind_slows_it_down_on_its_way_back(
     assert value(desire, "back_max") == (None if limit is None else pytest.approx(limit))
 
 
-@pytest.mark.parametrize(("v", "least"), [(0.0, 0.04), (-0.02, 0.02), (0.03, 0.01), (0.2, 0.01)])
+@pytest.mark.parametrize(("v", "least"), [(0.0, 0.035), (-0.02, 0.015), (0.03, 0.01), (0.2, 0.01)])
 def test_the_creep_is_of_driving_and_turning_together(v: float, least: float) -> None:
     """Backing at 0.018 m/s while it turned, a corner met a person at 0.055 m/s."""
     place = seen(around=around((0.42, CORNER)), twist=Twist2(v))

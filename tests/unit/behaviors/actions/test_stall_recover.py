@@ -32,6 +32,11 @@ def at(
     )
 
 
+def recovery() -> StallRecover:
+    """Return one that does not creep at first, as ARIA's."""
+    return StallRecover(clear=0.0)
+
+
 def test_it_does_nothing_while_the_wheels_turn() -> None:
     assert StallRecover().decide(at(0.0)) is None
     assert StallRecover(enabled=False).decide(at(0.0, BOTH)) is None
@@ -50,7 +55,7 @@ def test_it_does_nothing_while_the_wheels_turn() -> None:
 def test_it_backs_and_turns_away_first(
     motors: Motors, echoes: tuple[tuple[float, float], ...], degrees: float
 ) -> None:
-    desire = StallRecover().decide(at(0.0, motors, 0.3, *echoes))
+    desire = recovery().decide(at(0.0, motors, 0.3, *echoes))
     assert desire is not None
     assert desire.answers_stall
     assert value(desire, "v") == -0.15
@@ -59,7 +64,7 @@ def test_it_backs_and_turns_away_first(
 
 
 def test_it_stops_turning_within_three_degrees_and_drives_on() -> None:
-    action = StallRecover()
+    action = recovery()
     action.decide(at(0.0, RIGHT))
     assert value(action.decide(at(1.0, FREE, radians(41.9))), "heading") is not None
     there = action.decide(at(1.1, FREE, radians(42.1)))
@@ -67,7 +72,7 @@ def test_it_stops_turning_within_three_degrees_and_drives_on() -> None:
 
 
 def test_it_ends_after_fifty_cycles() -> None:
-    action = StallRecover()
+    action = recovery()
     action.decide(at(0.0, BOTH))
     assert value(action.decide(at(4.9)), "v") == -0.15
     last = action.decide(at(5.0))
@@ -77,7 +82,7 @@ def test_it_ends_after_fifty_cycles() -> None:
 
 def test_after_half_of_the_time_it_minds_what_is_near() -> None:
     # nearer than 0.5 + 0.225 behind; in the first half it goes on all the same
-    action, near = StallRecover(), (0.72, pi)
+    action, near = recovery(), (0.72, pi)
     action.decide(at(0.0, BOTH, 0.0, near))
     action.decide(at(2.0, FREE, radians(-45), near))  # has turned; only drives now
     assert value(action.decide(at(2.4, FREE, radians(-45), near)), "v") == -0.15
@@ -94,7 +99,7 @@ def trouble(action: StallRecover, now: float) -> Desire:
 
 
 def test_trouble_soon_after_calls_for_the_next_way_round_and_round() -> None:
-    action = StallRecover()
+    action = recovery()
     wanted = [trouble(action, 9.0 * n) for n in range(11)]
     reasons = [f"stalled: {way.words}" for way in (*WAYS, WAYS[0])]
     assert [desire.reason for desire in wanted] == reasons
@@ -126,3 +131,22 @@ def test_half_a_wish_above_does_not_end_it() -> None:
     assert StallRecover().decide(at(0.0, BOTH, higher=Desire(v=Weighted(0.1, 0.5)))) is not None
     # nor do limits
     assert StallRecover().decide(at(0.0, BOTH, higher=Desire(v_max=0.0))) is not None
+
+
+def test_it_creeps_first_because_no_sensor_saw_the_thing_it_met() -> None:
+    """It backed at 0.09 m/s into the box that its rear corner touched."""
+    action = StallRecover()
+    first = action.decide(at(0.0, RIGHT))
+    assert (value(first, "v"), value(first, "heading"), value(first, "w")) == (-0.035, None, 0.0)
+    away = seen(1.0, pose=Pose2(-0.11, 0.0, 0.0), motors=FREE)
+    then = action.decide(away)
+    assert value(then, "v") == -0.15
+    assert value(then, "heading") == pytest.approx(radians(45))
+
+
+def test_no_corner_turns_faster_than_the_creep_where_it_stalled() -> None:
+    action = StallRecover()
+    for number in range(5):
+        turn = trouble(action, 9.0 * number)
+    assert turn.reason == "stalled: turn left"
+    assert value(turn, "left_max") == pytest.approx(0.035 / seen().model.corner)
