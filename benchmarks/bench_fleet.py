@@ -27,10 +27,10 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.packet import HEADER, encode
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import build_grid, compiled_kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 

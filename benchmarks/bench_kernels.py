@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.table import Row
+from pioneer3.maps import shipped_map
 from pioneer3.models import load_model
 from pioneer3.sim.kernels import (
     Grid,
@@ -24,7 +25,6 @@ from pioneer3.sim.kernels import (
     laser_fan,
     sonar_mounts,
 )
-from pioneer3.sim.maps import shipped_map
 
 Float = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ RUNS = 5
 LOAD = r"""
 import re, sys, time
 from pathlib import Path
-from pioneer3.sim.maps import read_map
+from pioneer3.maps import read_map
 def most():
     return int(re.search(r"VmHWM:\s+(\d+)", Path("/proc/self/status").read_text())[1])
 before, began, worked = most(), time.perf_counter(), time.process_time()

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from benchmarks.bench_kernels import BEAMS, LASER_LIMIT, MODEL, office
 from benchmarks.table import Row
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels, compiled_kernels, laser_fan
 from pioneer3.sim.kernels.drives import STALLED
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.world import World
 

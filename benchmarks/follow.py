@@ -21,7 +21,7 @@ from pioneer3.behaviors.modes.follow import Rule
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.kernels import Kernels, is_cached
+from pioneer3.sim.kernels import CACHE, Kernels
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import LASER_RANGE
 from pioneer3.sim.world import World
@@ -78,7 +78,9 @@ def cost() -> Row:
     """Return the time to find and track all legs in a scan of 1081 readings, amid chairs."""
     course = among_chairs(3)
     body = Body(load_model(MODELS[0]))
-    world = World(course.room, [body], Kernels(compiled=is_cached()), seed=1, realism=Realism())
+    world = World(
+        course.room, [body], Kernels(compiled=CACHE.is_complete), seed=1, realism=Realism()
+    )
     body.robot_in_world = Pose2(*course.path[0], course.heading) @ Pose2(-1.1)
     world.add_obstacle(Person(path=course.path, speed=SPEED, loop=False))
     start, step, count = radians(-135), radians(0.25), 1081

@@ -33,9 +33,9 @@ from benchmarks.table import Row, percentile_99
 from pioneer3.arcos.reports import Config
 from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.limits import Limits
+from pioneer3.maps import shipped_map
 from pioneer3.models import load_model
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.sim.maps import shipped_map
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Scan, Snapshot, Sonar
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages

@@ -20,9 +20,9 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes import wander
 from pioneer3.behaviors.modes.wander import PRESETS
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import WorldFile, load_world
 from tests.conftest import VirtualTimeLoop

@@ -15,13 +15,13 @@ from pioneer3.errors import LinkError, MotionError, PortNotFoundError
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import Fault, MemoryLink, clean, null_modem
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import Kernels, is_cached
-from pioneer3.sim.maps import LineMap
+from pioneer3.sim.kernels import CACHE, Kernels
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 
@@ -93,7 +93,7 @@ class SimulatedRobot:
         self.world = World(
             line_map,
             [self.body],
-            kernels or Kernels(compiled=is_cached()),
+            kernels or Kernels(compiled=CACHE.is_complete),
             seed=seed,
             realism=realism,
         )

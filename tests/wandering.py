@@ -21,10 +21,10 @@ from pioneer3.behaviors.modes import goto
 from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.gym.maps import FreeSpace
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import TOUCHED
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Box, Person
 from tests.laser_unit import LaserUnit

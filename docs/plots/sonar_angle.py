@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World

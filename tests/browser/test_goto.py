@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap, MapObject
+from pioneer3.maps import LineMap, MapObject
 from tests.browser.drawn import rest, state
 from tests.browser.support import Product, later, speed, until, wait_for_the_robot
 from tests.browser.test_edit import drag, spot

@@ -11,7 +11,7 @@ from msgspec import structs
 from playwright.sync_api import Browser, Page, expect
 
 from pioneer3.geometry import Pose2, Twist2
-from pioneer3.sim.maps.image import to_png
+from pioneer3.maps.image import to_png
 from pioneer3.state import Bumpers
 from pioneer3.web.messages import Target, encode
 from tests.browser.drawn import (

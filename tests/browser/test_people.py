@@ -7,7 +7,7 @@ import pytest
 import zxingcpp
 from playwright.sync_api import Browser, Page, expect
 
-from pioneer3.sim.maps.image import read_image
+from pioneer3.maps.image import read_image
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting

@@ -27,13 +27,13 @@ from pioneer3.arcos.packet import PacketReader
 from pioneer3.arcos.reports import Report, SimLaserExtended, Sip
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.links.tap import FROM_HOST, FROM_ROBOT, Chunk, read_recording
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.robot.assemble import POSITION_MODULUS
 from pioneer3.robot.assemble import Counter as WrappingCounter
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
 

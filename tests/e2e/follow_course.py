@@ -10,7 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 from pioneer3.sim.worldfile import Box, Person
 
 Point = tuple[float, float]

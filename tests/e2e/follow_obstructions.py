@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 from pioneer3.sim.worldfile import Box, Person
 from tests.e2e.follow_course import (
     LENGTH,

@@ -16,11 +16,11 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command, RequestMode, SimLaserMode
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
 from tests.e2e.plain_client import SYNCS

@@ -11,8 +11,8 @@ from random import Random
 
 from pioneer3.arcos import commands
 from pioneer3.arcos.reports import Sip
+from pioneer3.maps import LineMap
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 from pioneer3.tasks import running

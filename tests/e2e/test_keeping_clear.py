@@ -13,8 +13,8 @@ from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.modes import goto, wander
 from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.sim.kernels.drives import TOUCHED
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Person
 from tests.combinations import pairwise

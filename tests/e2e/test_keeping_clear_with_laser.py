@@ -12,7 +12,7 @@ from pioneer3 import Robot
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.modes import Preset, wander
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 from pioneer3.sim.worldfile import load_world
 from tests.wandering import (
     IN_BAND,

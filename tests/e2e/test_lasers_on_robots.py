@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from pioneer3.behaviors.modes import wander
 from pioneer3.geometry import Pose2
 from pioneer3.lasers.client import ScanSettings
+from pioneer3.maps import LineMap
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.lasers.mounting import Mounting, Sector
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.state import Scan
 from tests.lasers import LaserUnit

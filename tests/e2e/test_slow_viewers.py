@@ -13,7 +13,7 @@ import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
 from pioneer3 import connect_async
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 from pioneer3.web import client
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import read_map
 from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.kernels import (
     Echoes,
@@ -18,7 +19,6 @@ from pioneer3.sim.kernels import (
     sonar_mounts,
 )
 from pioneer3.sim.kernels.echoes import ALL, SHADE
-from pioneer3.sim.maps import read_map
 from pioneer3.sim.raycast import cast_reference, ranges_reference
 from tests.property.scenes import (
     ANGLES,

@@ -10,6 +10,7 @@ from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import read_map
 from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots, build_grid
 from pioneer3.sim.kernels.drives import (
@@ -26,7 +27,6 @@ from pioneer3.sim.kernels.drives import (
     TOP,
     VELOCITY,
 )
-from pioneer3.sim.maps import read_map
 from tests.property.scenes import MAPS
 
 Float = NDArray[np.float64]

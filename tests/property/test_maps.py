@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps import read_map
-from pioneer3.sim.maps.grid import outline
+from pioneer3.maps import read_map
+from pioneer3.maps.grid import outline
 
 HEADERS = st.sampled_from(["2D-Map\n", "2D-Map-Ex\n", "2D-Map-Ex2\r\n"])
 WORDS = st.one_of(

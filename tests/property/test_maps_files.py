@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, read_map, write_aria_map
+from pioneer3.maps.grid import outline, raster_outline
+from pioneer3.maps.image import to_png
 from pioneer3.models import load_model
 from pioneer3.sim.map_check import check_world
-from pioneer3.sim.maps import LineMap, read_map, write_aria_map
-from pioneer3.sim.maps.grid import outline, raster_outline
-from pioneer3.sim.maps.image import to_png
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_map, parse_world, to_toml
 
 MODEL = load_model("p3at-sh")

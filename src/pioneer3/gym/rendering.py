@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.gym.simulation import GoalSimulation
-from pioneer3.sim.maps.grid import shape_of, touched
+from pioneer3.maps.grid import shape_of, touched
 
 Float = NDArray[np.float64]
 Image = NDArray[np.uint8]

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Literal, TypedDict, get_args
 
 from pioneer3.errors import ConfigError
+from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 
 Sensors = Literal["sonar", "laser", "both"]

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.maps.materials import MATT, REFERENCE, REMISSION, Codes
 from pioneer3.models.lasers import LaserModel
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import laser_fan
-from pioneer3.sim.materials import MATT, REFERENCE, REMISSION, Codes
 from pioneer3.sim.world import World
 
 Float = NDArray[np.float64]

@@ -11,13 +11,13 @@ from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.maps.aria import AriaFile, Section, parse_aria
+from pioneer3.maps.line_map import Bounds, LineMap, MapObject, distances
+from pioneer3.maps.load import read_map_file
+from pioneer3.maps.map_server import KEYS, MapServerFile
+from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.maps.aria import AriaFile, Section, parse_aria
-from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, distances
-from pioneer3.sim.maps.load import read_map_file
-from pioneer3.sim.maps.map_server import KEYS, MapServerFile
-from pioneer3.sim.maps.text import decoded, read_bytes
 from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world

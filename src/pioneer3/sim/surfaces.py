@@ -11,7 +11,7 @@ from math import cos
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.materials import GLASS, GLASS_ANGLE, PLAIN, Codes
+from pioneer3.maps.materials import GLASS, GLASS_ANGLE, PLAIN, Codes
 from pioneer3.sim.raycast import ranges_reference
 
 Float = NDArray[np.float64]

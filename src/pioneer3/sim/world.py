@@ -14,6 +14,8 @@ from numpy.random import Generator, SeedSequence, default_rng
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, empty_map
+from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.body import Body, outline_of
 from pioneer3.sim.collision import REACH, pressed_segments
 from pioneer3.sim.kernels import (
@@ -26,8 +28,6 @@ from pioneer3.sim.kernels import (
     laser_fan,
 )
 from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
-from pioneer3.sim.maps import LineMap, empty_map
-from pioneer3.sim.materials import Codes, Material, codes_of
 from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE, Firing

@@ -12,10 +12,10 @@ import msgspec
 from pioneer3 import state
 from pioneer3.doctor.facts import Finding
 from pioneer3.geometry import Pose2, Twist2
+from pioneer3.maps.line_map import Role as ObjectRole
 from pioneer3.models.model import SonarMount
 from pioneer3.robot.config_table import Row
 from pioneer3.robot.supervisor import Connection
-from pioneer3.sim.maps.line_map import Role as ObjectRole
 from pioneer3.teleop.gamepad import Scheme
 from pioneer3.web.access.sessions import Role
 

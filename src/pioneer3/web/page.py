@@ -8,8 +8,8 @@ from typing import Protocol
 
 from pioneer3 import __version__
 from pioneer3.errors import CommandError
+from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.maps import LineMap
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests

@@ -17,9 +17,9 @@ from pioneer3.arcos.commands import RequestMode, RequestSimStat, SimCtrl, SimOpe
 from pioneer3.arcos.reports import MapChanged, Report, SimStat
 from pioneer3.errors import CommandError, ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.robot.identity import is_simulator
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.maps import LineMap, shipped_maps
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.worldfile import load_world, shipped_worlds
 from pioneer3.tasks import running

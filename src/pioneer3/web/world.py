@@ -9,10 +9,10 @@ from msgspec.structs import replace
 
 from pioneer3.errors import CommandError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, OccupancyGrid
+from pioneer3.maps import MapObject as NamedPlace
+from pioneer3.maps.image import to_png
 from pioneer3.models import load_model, model_names
-from pioneer3.sim.maps import LineMap, OccupancyGrid
-from pioneer3.sim.maps import MapObject as NamedPlace
-from pioneer3.sim.maps.image import to_png
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotItem

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import wrap
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 
 Float32 = NDArray[np.float32]
 

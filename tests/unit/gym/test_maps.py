@@ -6,9 +6,9 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.gym.maps import BASE, SPARE, Distance, FreeSpace, TiledMap
+from pioneer3.maps import LineMap, empty_map, shipped_map
+from pioneer3.maps.line_map import distances
 from pioneer3.models import load_model
-from pioneer3.sim.maps import LineMap, empty_map, shipped_map
-from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.placement.footprint import turning_circle
 from pioneer3.sim.placement.free_space import Obstructions
 from tests.unit.gym.rooms import ROOM, rooms

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.maps import LineMap
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.middleware import Sender
-from pioneer3.sim.maps import LineMap
 from tests.support import SimulatedRobot, wall_at
 
 AHEAD = 0.3

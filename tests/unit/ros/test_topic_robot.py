@@ -10,13 +10,13 @@ from pioneer3.behaviors.actions import Hold
 from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import STILL, Twist2
+from pioneer3.maps import LineMap
 from pioneer3.ros.client.robot import SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotBuilder
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.maps import LineMap
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key, Keyboard

@@ -4,11 +4,11 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.arcos.reports import Report, Sip
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import ClientMaps

@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.collision import REACH, pressed_segments
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 
 Float = NDArray[np.float64]

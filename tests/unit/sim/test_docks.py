@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, empty_map, read_map
 from pioneer3.models import load_model
 from pioneer3.sim.body import AMBIENT, Body
 from pioneer3.sim.kernels.drives import CAPACITY, HEAT_TIME, IDLE_POWER, STALL_HEAT
-from pioneer3.sim.maps import LineMap, empty_map, read_map
 from pioneer3.sim.world import CHARGE_POWER, DOCKED, DOCKED_ANGLE, World
 from tests.support import wall_at
 

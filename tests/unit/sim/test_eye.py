@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.eye import Eye, Patch, look
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person
 

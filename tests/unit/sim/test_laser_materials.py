@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.laser_scanner import Arc
-from pioneer3.sim.materials import Material
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.surfaces import Surfaces
 from pioneer3.sim.worldfile import Box

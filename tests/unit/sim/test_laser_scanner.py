@@ -8,13 +8,13 @@ import pytest
 from numpy.typing import NDArray
 
 from pioneer3.geometry import ORIGIN, Pose2, arc
+from pioneer3.maps import LineMap
+from pioneer3.maps.materials import Material, codes_of
 from pioneer3.models import load_model
 from pioneer3.models.lasers import LASERS, LaserModel
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.laser_scanner import Arc, LaserScanner
-from pioneer3.sim.maps import LineMap
-from pioneer3.sim.materials import Material, codes_of
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.realism import RangeFinderErrors, Realism
 from pioneer3.sim.world import World

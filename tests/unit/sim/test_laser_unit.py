@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.models.lasers import LASERS, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import laser_hosts
 from pioneer3.sim.server.clients import Client
 from pioneer3.sim.server.faults import LinkFaults

@@ -10,9 +10,9 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap, MapObject, empty_map, shipped_maps
+from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel, load_model
-from pioneer3.sim.maps import LineMap, MapObject, empty_map, shipped_maps
-from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.placement.footprint import (
     hits,
     inside,

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from pioneer3.geometry import ORIGIN, Pose2, arc
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import WAY_NOISE
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import (
     MODES,
     OdometryErrors,

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pioneer3.cli.sim import ErrorOptions
+from pioneer3.maps.materials import MATERIALS, REMISSION
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.materials import MATERIALS, REMISSION
 from pioneer3.sim.realism import MODES, OdometryErrors, RangeFinderErrors, Realism, SonarErrors
 
 ROOT = Path(__file__).parents[3]

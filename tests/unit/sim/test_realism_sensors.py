@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import build_grid
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import OdometryErrors, OdometryMode, Realism, SonarErrors
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE
 from pioneer3.sim.world import World

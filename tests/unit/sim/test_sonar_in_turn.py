@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.realism import Realism, SonarErrors
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.world import World

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, MapObject
 from pioneer3.models import load_model
-from pioneer3.sim.maps import LineMap, MapObject
 from pioneer3.sim.placement.straight_path import PathCheck, check_path
 
 MODEL = load_model("p3dx-sh")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.sensors import LASER_RANGE, SONAR_MIN, SONAR_RANGE
 from pioneer3.sim.world import World
 from tests.support import wall_at

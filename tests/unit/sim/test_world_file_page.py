@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from pioneer3.maps import shipped_maps
+from pioneer3.maps.materials import Material
 from pioneer3.models import load_model
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.map_check import check_world
-from pioneer3.sim.maps import shipped_maps
-from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile import WorldFile, parse_world, schema, shipped_worlds
 from pioneer3.sim.worldfile.person import RADIUS, SPEED
 

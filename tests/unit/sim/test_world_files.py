@@ -8,10 +8,10 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import shipped_map
+from pioneer3.maps.materials import Material
 from pioneer3.models import load_model
 from pioneer3.sim.equipment import Equipment, EquipmentOptions
-from pioneer3.sim.maps import shipped_map
-from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile import (
     Box,
     Person,

@@ -16,11 +16,11 @@ from pioneer3 import Robot, connect_async
 from pioneer3.geometry import Pose2
 from pioneer3.links import Link
 from pioneer3.links.memory import null_modem
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotHere

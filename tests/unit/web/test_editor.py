@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap
+from pioneer3.maps import LineMap
 from pioneer3.sim.server.start import simulator
 from pioneer3.web import requests
 from pioneer3.web.control import TERM

@@ -9,7 +9,7 @@ import pytest
 
 from pioneer3.behaviors.action import MODE, Desire, Goal, Situation, Stack
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap, MapObject
+from pioneer3.maps import LineMap, MapObject
 from pioneer3.web.scene import Scene
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product

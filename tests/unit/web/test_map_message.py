@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap, MapObject, OccupancyGrid, shipped_map
-from pioneer3.sim.maps.image import parse_image
-from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN
+from pioneer3.maps import LineMap, MapObject, OccupancyGrid, shipped_map
+from pioneer3.maps.image import parse_image
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.web import world as module
 from pioneer3.web.messages import encode
 from pioneer3.web.world import SHADE, map_message

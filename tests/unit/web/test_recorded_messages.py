@@ -17,8 +17,8 @@ from starlette.types import ASGIApp
 
 from pioneer3 import __version__
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import LineMap, MapObject, OccupancyGrid
-from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN
+from pioneer3.maps import LineMap, MapObject, OccupancyGrid
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, Playground, playground
 

@@ -2,8 +2,8 @@
 
 from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import Echoes, find_edges
-from pioneer3.sim.kernels.jit import is_cached, numba_version
 from pioneer3.sim.kernels.kernels import (
+    CACHE,
     WORTH_COMPILING,
     WORTH_THREADS,
     Kernels,
@@ -14,6 +14,7 @@ from pioneer3.sim.kernels.robots import Robots
 from pioneer3.sim.kernels.walls import Grid, build_grid
 
 __all__ = [
+    "CACHE",
     "WORTH_COMPILING",
     "WORTH_THREADS",
     "Drives",
@@ -26,8 +27,6 @@ __all__ = [
     "build_grid",
     "compiled_kernels",
     "find_edges",
-    "is_cached",
     "laser_fan",
-    "numba_version",
     "sonar_mounts",
 ]

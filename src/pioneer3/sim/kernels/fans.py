@@ -10,7 +10,7 @@ from math import ceil, cos, floor, inf, pi, sin, sqrt, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.jit import inlined, kernel
+from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.rays import meeting, walk
 from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours
 from pioneer3.sim.kernels.walls import SLACK

@@ -7,14 +7,15 @@ C-contiguous, is filled and returned; where not, the answer is a new array. Afte
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.jit import KernelCache, fast, numba_version, plain
 from pioneer3.sim.kernels import fans, motion, rays
 from pioneer3.sim.kernels.drives import Drives
 from pioneer3.sim.kernels.echoes import ALL, Echoes
-from pioneer3.sim.kernels.jit import COMPLETE, cache_directory, fast, numba_version, plain
 from pioneer3.sim.kernels.mounts import Fan, Mounts, laser_fan, sonar_mounts
 from pioneer3.sim.kernels.robots import Robots, place
 from pioneer3.sim.kernels.walls import Grid, build_grid
@@ -23,6 +24,8 @@ Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
 Int32 = NDArray[np.int32]
 
+_HERE = Path(__file__).parent
+CACHE = KernelCache(_HERE, [_HERE.parent / "collision.py", _HERE.parent / "raycast.py"])
 WORTH_COMPILING = 5
 """Robots from which on compiled kernels pay in real time; loading them takes a second."""
 
@@ -53,11 +56,11 @@ class Kernels:
 
     def __init__(self, threads: int = 1, *, compiled: bool = True) -> None:
         self.compiled = compiled and bool(numba_version())
-        self._place = fast(place) if compiled else plain(place)
-        self._sonar = fast(rays.sonar) if compiled else plain(rays.sonar)
-        self._fans = fast(fans.fans) if compiled else plain(fans.fans)
-        self._blocked = fast(motion.blocked) if compiled else plain(motion.blocked)
-        self._step = fast(motion.step) if compiled else plain(motion.step)
+        self._place = fast(place, CACHE) if compiled else plain(place)
+        self._sonar = fast(rays.sonar, CACHE) if compiled else plain(rays.sonar)
+        self._fans = fast(fans.fans, CACHE) if compiled else plain(fans.fans)
+        self._blocked = fast(motion.blocked, CACHE) if compiled else plain(motion.blocked)
+        self._step = fast(motion.step, CACHE) if compiled else plain(motion.step)
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 
@@ -244,6 +247,6 @@ def compiled_kernels(threads: int = 1) -> Kernels:
     drives = Drives.at_rest(1)
     for noise in (None, np.zeros((3, 1))):
         kernels.step(grid, robots, drives, 0.1, noise)
-    if kernels.compiled and cache_directory().is_dir():
-        (cache_directory() / COMPLETE).touch()
+    if kernels.compiled:
+        CACHE.complete()
     return kernels

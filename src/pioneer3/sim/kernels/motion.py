@@ -6,6 +6,7 @@ from math import ceil, copysign, cos, isnan, pi, sin, sqrt, tau
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.jit import inlined, kernel
 from pioneer3.sim.collision import TOUCH
 from pioneer3.sim.kernels.drives import (
     ACCELERATION,
@@ -51,7 +52,6 @@ from pioneer3.sim.kernels.drives import (
     W_OF_W,
     WAY_NOISE,
 )
-from pioneer3.sim.kernels.jit import inlined, kernel
 from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours, outline, place
 
 Float = NDArray[np.float64]

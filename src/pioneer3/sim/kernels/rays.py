@@ -6,8 +6,8 @@ from math import cos, floor, inf, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.echoes import SHADE
-from pioneer3.sim.kernels.jit import inlined, kernel
 from pioneer3.sim.kernels.robots import FAR, Others, Walls, cells, neighbours
 from pioneer3.sim.raycast import TOUCH
 

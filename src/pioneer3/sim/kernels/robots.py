@@ -11,7 +11,7 @@ from math import cos, floor, inf, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.sim.kernels.jit import inlined, kernel
+from pioneer3.jit import inlined, kernel
 from pioneer3.sim.kernels.walls import SLACK
 
 Float = NDArray[np.float64]

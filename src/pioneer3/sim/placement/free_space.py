@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import Bounds, LineMap
+from pioneer3.maps.grid import samples
+from pioneer3.maps.line_map import distances
 from pioneer3.models import RobotModel
-from pioneer3.sim.maps import Bounds, LineMap
-from pioneer3.sim.maps.grid import samples
-from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.placement.footprint import hits, inside, which_inside
 
 Float = NDArray[np.float64]

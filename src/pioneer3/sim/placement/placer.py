@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.placement.footprint import overlap, turning_circle
 from pioneer3.sim.placement.free_space import (
     Circle,

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.equipment import Equipment
-from pioneer3.sim.maps import LineMap
 from pioneer3.sim.placement.free_space import Obstructions
 from pioneer3.sim.placement.placer import PlacementRequest, place_all
 from pioneer3.sim.worldfile import RobotSpec, WorldFile

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.maps.line_map import LineMap, MapObject, distances
 from pioneer3.models import RobotModel
-from pioneer3.sim.maps.line_map import LineMap, MapObject, distances
 from pioneer3.sim.placement.footprint import inside
 
 Float = NDArray[np.float64]

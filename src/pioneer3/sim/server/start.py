@@ -13,17 +13,12 @@ from pathlib import Path
 from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError, PioneerError, how_to_get
+from pioneer3.jit import numba_version
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
-from pioneer3.sim.kernels import (
-    WORTH_COMPILING,
-    WORTH_THREADS,
-    compiled_kernels,
-    is_cached,
-    numba_version,
-)
+from pioneer3.sim.kernels import CACHE, WORTH_COMPILING, WORTH_THREADS, compiled_kernels
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
@@ -169,7 +164,7 @@ async def simulator(
     if _is_work(simulation) or factory_robot:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
-        elif is_cached():
+        elif CACHE.is_complete:
             await _load_kernels(world)
         else:
             here.progress = COMPILING

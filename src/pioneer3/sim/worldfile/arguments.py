@@ -6,8 +6,8 @@ from pathlib import PurePath
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.maps.text import shown
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
-from pioneer3.sim.maps.text import shown
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,
     RobotSpec,

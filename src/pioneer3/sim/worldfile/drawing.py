@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps.grid import shape_of, touched
-from pioneer3.sim.maps.image import to_png
-from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject
-from pioneer3.sim.materials import BLACK, GLASS, REFLECTOR
+from pioneer3.maps.grid import shape_of, touched
+from pioneer3.maps.image import to_png
+from pioneer3.maps.line_map import Bounds, LineMap, MapObject
+from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import WorldFile
 

@@ -4,8 +4,8 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps import LineMap, shipped_maps
-from pioneer3.sim.maps.text import shown
+from pioneer3.maps import LineMap, shipped_maps
+from pioneer3.maps.text import shown
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.sim.worldfile.toml import is_world, read_world
 

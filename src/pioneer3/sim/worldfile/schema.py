@@ -11,10 +11,10 @@ from msgspec import Meta, Struct, defstruct, field
 from msgspec.structs import asdict
 
 from pioneer3.geometry import Pose2, wrap
+from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.models.model import BUMPERS
 from pioneer3.sim.equipment import LAST_PORT, EquipmentOptions
-from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,

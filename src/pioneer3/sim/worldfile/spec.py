@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, MapObject, empty_map, read_map, shipped_map
+from pioneer3.maps.line_map import solid_walls
+from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
-from pioneer3.sim.maps import LineMap, MapObject, empty_map, read_map, shipped_map
-from pioneer3.sim.maps.line_map import solid_walls
-from pioneer3.sim.materials import Codes, Material, codes_of
 from pioneer3.sim.worldfile.person import Person, Point
 
 Float = NDArray[np.float64]

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
 from pioneer3.errors import ConfigError
+from pioneer3.maps import shipped_maps
+from pioneer3.maps.materials import Material
+from pioneer3.maps.text import decoded, one_line, read_bytes, shown, write_bytes, wrong
 from pioneer3.models.toml import load_toml
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.maps import shipped_maps
-from pioneer3.sim.maps.text import decoded, one_line, read_bytes, shown, write_bytes, wrong
-from pioneer3.sim.materials import Material
 from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, WorldFile
 
 Table = TypeVar("Table")

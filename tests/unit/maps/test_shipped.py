@@ -7,9 +7,9 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import shipped_map, shipped_maps
+from pioneer3.maps.line_map import distances
 from pioneer3.sim.collision import footprint_hits
-from pioneer3.sim.maps import shipped_map, shipped_maps
-from pioneer3.sim.maps.line_map import distances
 from pioneer3.sim.raycast import cast_reference
 from pioneer3.sim.worldfile import load_map
 

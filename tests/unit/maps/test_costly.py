@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from pioneer3.errors import ConfigError
+from pioneer3.maps import read_map
+from pioneer3.maps.aria import BLOCK, MOST_ENTRIES, MOST_LINES, MOST_SECTIONS, parse_aria
+from pioneer3.maps.image import MOST_SLOW_PIXELS, to_png
+from pioneer3.maps.map_server import LARGEST_YAML
 from pioneer3.models import load_model
 from pioneer3.sim.map_check import MOST_ERRORS, check_aria
-from pioneer3.sim.maps import read_map
-from pioneer3.sim.maps.aria import BLOCK, MOST_ENTRIES, MOST_LINES, MOST_SECTIONS, parse_aria
-from pioneer3.sim.maps.image import MOST_SLOW_PIXELS, to_png
-from pioneer3.sim.maps.map_server import LARGEST_YAML
 from pioneer3.sim.worldfile import load_map
 
 HEAD = "2D-Map\n"

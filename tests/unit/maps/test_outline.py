@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pioneer3.sim.maps.grid import outline
+from pioneer3.maps.grid import outline
 
 
 def test_no_points_no_walls() -> None:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pioneer3.sim.maps import LineMap, MapObject, read_map, shipped_map, write_aria_map
+from pioneer3.maps import LineMap, MapObject, read_map, shipped_map, write_aria_map
 
 TEXT = """2D-Map
 MapInfo: GoalType Name=Counter "Label=Where people queue" Heading=Required

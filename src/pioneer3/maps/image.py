@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.grid import MOST_CELLS
-from pioneer3.sim.maps.text import one_line, read_bytes, wrong
+from pioneer3.maps.grid import MOST_CELLS
+from pioneer3.maps.text import one_line, read_bytes, wrong
 
 if TYPE_CHECKING:
     from PIL.ImageFile import ImageFile

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
-from pioneer3.sim.maps.grid import EDGE, MOST_CELLS, shape_of, touched
-from pioneer3.sim.maps.image import to_pgm
-from pioneer3.sim.maps.line_map import Bounds, LineMap, MapObject, solid_walls
-from pioneer3.sim.maps.text import write_bytes
+from pioneer3.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
+from pioneer3.maps.grid import EDGE, MOST_CELLS, shape_of, touched
+from pioneer3.maps.image import to_pgm
+from pioneer3.maps.line_map import Bounds, LineMap, MapObject, solid_walls
+from pioneer3.maps.text import write_bytes
 from pioneer3.units import MM
 
 RESOLUTION = 0.05

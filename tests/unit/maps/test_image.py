@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.image import PNG_SIGNATURE, parse_image, to_png
+from pioneer3.maps.image import PNG_SIGNATURE, parse_image, to_png
 
 HERE = Path("m.png")
 SIZES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.materials import Codes
+from pioneer3.maps.materials import Codes
 
 Float = NDArray[np.float64]
 States = NDArray[np.uint8]

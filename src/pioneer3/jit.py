@@ -5,12 +5,15 @@ it for Python to run; :func:`fast` returns it compiled. Both give the same numbe
 because kernels keep to what Python and numba compute alike: they divide no Python number by zero,
 pass no NaN to `min` or `max`, and take a square root where `hypot` would do, as Python has a
 `hypot` of its own. Compiled code is kept on disk until a file of the kernels changes.
+
+Kernels lie in folders of their own; :class:`KernelCache` tells where the compiled ones of a folder
+are.
 """
 
 import os
 import sys
-from collections.abc import Callable
-from functools import cache, wraps
+from collections.abc import Callable, Iterable
+from functools import cache, cached_property, wraps
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -21,9 +24,6 @@ import numpy as np
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-USED: Final = ("collision.py", "raycast.py")
-"""Files beside this folder that kernels take constants from."""
 
 INLINE: Final = "kernel_inline"
 """The attribute of a marked function: numba's option `inline`."""
@@ -55,12 +55,50 @@ def plain(function: Callable[P, R]) -> Callable[P, R]:
     return run
 
 
-def fast(function: Callable[P, R]) -> Callable[P, R]:
+class KernelCache:
+    """The compiled kernels of one folder, on disk.
+
+    Left alone, numba compiles anew when the file of the function called has changed or moved, and
+    does not notice a change in the file of one that it calls.
+
+    Args:
+        folder: Of the kernels' sources.
+        used: Other files that kernels take constants from.
+    """
+
+    def __init__(self, folder: Path, used: Iterable[Path] = ()) -> None:
+        self._folder, self._used = folder, tuple(used)
+
+    @cached_property
+    def directory(self) -> Path:
+        """A directory of its own for these sources, where they are, this Python and this numba."""
+        words = f"{self._folder} {sys.implementation.cache_tag} {numba_version()}"
+        digest = sha256(words.encode())
+        for source in (*sorted(self._folder.glob("*.py")), *self._used):
+            digest.update(source.read_bytes())
+        caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        chosen = os.environ.get("NUMBA_CACHE_DIR") or caches / "pioneer3"
+        return Path(chosen) / digest.hexdigest()[:16]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all kernels have been compiled before."""
+        return (self.directory / COMPLETE).exists()
+
+    def complete(self) -> None:
+        """Note that all kernels are there, if any was kept."""
+        if self.directory.is_dir():
+            (self.directory / COMPLETE).touch()
+
+
+def fast(function: Callable[P, R], kept: KernelCache) -> Callable[P, R]:
     """Return a kernel compiled, or plain where numba is not installed.
 
     It is compiled, or loaded from the cache, at its first call, and runs without the GIL.
     """
-    result: Callable[P, R] = _compiled(function) if numba_version() else plain(function)
+    if not numba_version():
+        return plain(function)
+    result: Callable[P, R] = _compiled(function, kept.directory)
     return result
 
 
@@ -74,39 +112,22 @@ def numba_version() -> str:
 
 
 @cache
-def cache_directory() -> Path:
-    """Return a directory of its own for these sources, where they are, this Python and this numba.
-
-    Left alone, numba compiles anew when the file of the function called has changed or moved, and
-    does not notice a change in the file of one that it calls.
-    """
-    here = Path(__file__).parent
-    digest = sha256(f"{here} {sys.implementation.cache_tag} {numba_version()}".encode())
-    for source in (*sorted(here.glob("*.py")), *(here.parent / name for name in USED)):
-        digest.update(source.read_bytes())
-    caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    chosen = os.environ.get("NUMBA_CACHE_DIR") or caches / "pioneer3"
-    return Path(chosen) / digest.hexdigest()[:16]
-
-
-def is_cached() -> bool:
-    """Return whether all kernels have been compiled before."""
-    return (cache_directory() / COMPLETE).exists()
-
-
-@cache
-def _compiled(function: Any) -> Any:
+def _compiled(function: Any, directory: Path) -> Any:
     """Return a copy of `function` that calls compiled kernels only, compiled."""
     import numba  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     names = function.__globals__
     called = {name: names[name] for name in function.__code__.co_names if name in names}
-    kernels = {name: _compiled(value) for name, value in called.items() if hasattr(value, INLINE)}
+    kernels = {
+        name: _compiled(value, directory)
+        for name, value in called.items()
+        if hasattr(value, INLINE)
+    }
     copy = FunctionType(function.__code__, names | kernels, function.__name__)
     copy.__module__, copy.__qualname__ = function.__module__, function.__qualname__
     inline = getattr(function, INLINE)
     config: Any = numba.config
-    before, config.CACHE_DIR = config.CACHE_DIR, str(cache_directory())
+    before, config.CACHE_DIR = config.CACHE_DIR, str(directory)
     try:
         options = {"inline": inline, "cache": inline == "never", "error_model": "numpy"}
         return numba.njit(nogil=True, **options)(copy)

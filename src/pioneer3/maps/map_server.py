@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.maps.grid import MOST_WALLS, raster_outline
-from pioneer3.sim.maps.image import Image, read_image
-from pioneer3.sim.maps.line_map import (
+from pioneer3.maps.grid import MOST_WALLS, raster_outline
+from pioneer3.maps.image import Image, read_image
+from pioneer3.maps.line_map import (
     FREE,
     OCCUPIED,
     UNKNOWN,
@@ -29,7 +29,7 @@ from pioneer3.sim.maps.line_map import (
     OccupancyGrid,
     States,
 )
-from pioneer3.sim.maps.text import Line, one_line, shown, wrong
+from pioneer3.maps.text import Line, one_line, shown, wrong
 
 if TYPE_CHECKING:
     from yaml import Node

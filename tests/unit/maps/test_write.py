@@ -8,7 +8,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import (
+from pioneer3.maps import (
     LineMap,
     MapObject,
     empty_map,
@@ -17,8 +17,8 @@ from pioneer3.sim.maps import (
     write_aria_map,
     write_map_server,
 )
-from pioneer3.sim.maps.grid import samples
-from pioneer3.sim.maps.line_map import distances
+from pioneer3.maps.grid import samples
+from pioneer3.maps.line_map import distances
 
 SHARED = Path(__file__).parents[4] / "shared/maps"
 shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no maps beside this tree")

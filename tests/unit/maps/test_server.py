@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps import LineMap, read_map
+from pioneer3.maps import LineMap, read_map
 
 YAML = "image: m.pgm\nresolution: 0.5\norigin: [1.0, 2.0, 0.0]\n"
 # one occupied pixel, the upper left of 3 x 2; all else free

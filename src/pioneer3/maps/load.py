@@ -5,11 +5,11 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
-from pioneer3.sim.maps.aria import AriaFile, parse_aria
-from pioneer3.sim.maps.image import SIGNATURES
-from pioneer3.sim.maps.line_map import LineMap
-from pioneer3.sim.maps.map_server import LARGEST_YAML, MapServerFile, parse_map_server
-from pioneer3.sim.maps.text import decoded, read_bytes, wrong
+from pioneer3.maps.aria import AriaFile, parse_aria
+from pioneer3.maps.image import SIGNATURES
+from pioneer3.maps.line_map import LineMap
+from pioneer3.maps.map_server import LARGEST_YAML, MapServerFile, parse_map_server
+from pioneer3.maps.text import decoded, read_bytes, wrong
 
 PICTURES = (".pgm", ".png")
 YAMLS = (".yaml", ".yml")
@@ -54,8 +54,8 @@ def read_map_file(path: Path) -> AriaFile | MapServerFile:
 
 def shipped_maps() -> tuple[str, ...]:
     """Return the names of the maps that ship, sorted."""
-    worlds = (files("pioneer3.sim") / "worlds").iterdir()
-    return tuple(sorted(w.name.removesuffix(_SUFFIX) for w in worlds if w.name.endswith(_SUFFIX)))
+    there = files("pioneer3.maps").iterdir()
+    return tuple(sorted(m.name.removesuffix(_SUFFIX) for m in there if m.name.endswith(_SUFFIX)))
 
 
 def shipped_map(name: str) -> LineMap:
@@ -68,5 +68,5 @@ def shipped_map(name: str) -> LineMap:
     if stem not in shipped_maps():
         listed = ", ".join(shipped_maps())
         raise ConfigError(f"map {name!r}: none ships under this name; there is {listed}")
-    with as_file(files("pioneer3.sim") / "worlds" / (stem + _SUFFIX)) as path:
+    with as_file(files("pioneer3.maps") / (stem + _SUFFIX)) as path:
         return read_map(path)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps import read_map, shipped_map
-from pioneer3.sim.maps.grid import grid_of, outline, raster_outline
-from pioneer3.sim.maps.line_map import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from pioneer3.maps import read_map, shipped_map
+from pioneer3.maps.grid import grid_of, outline, raster_outline
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 POINTS = np.array([[1.0, 2.0], [1.1, 2.0], [1.3, 2.2], [1.3, 2.2]])
 

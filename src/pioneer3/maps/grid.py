@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.sim.maps.line_map import OCCUPIED, UNKNOWN, Bounds, OccupancyGrid
+from pioneer3.maps.line_map import OCCUPIED, UNKNOWN, Bounds, OccupancyGrid
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
