@@ -73,8 +73,8 @@ _RANGES = {
     "laser_port": Annotated[int, Meta(ge=1, le=LAST_PORT)],
     "north": Angle,
     "compass_noise": Annotated[float, Meta(ge=0, le=180)],
-    "gyro_bias": Annotated[float, Meta(ge=-100, le=100)],
-    "gyro_noise": Annotated[float, Meta(ge=0, le=100)],
+    "gyro_bias": Annotated[float, Meta(ge=-100.0, le=100.0)],
+    "gyro_noise": Annotated[float, Meta(ge=0.0, le=100.0)],
 }
 
 
