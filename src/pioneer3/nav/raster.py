@@ -1,0 +1,63 @@
+"""The square cells that a map is divided into."""
+
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.maps import Bounds
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Raster:
+    """Rows and columns of square cells in the map's frame; row 0 is the lowest.
+
+    Attributes:
+        x: Left edge [m].
+        y: Lower edge [m].
+        cell: Side of a cell [m].
+        height: Number of rows.
+        width: Number of columns.
+    """
+
+    x: float
+    y: float
+    cell: float
+    height: int
+    width: int
+
+    @classmethod
+    def around(cls, bounds: Bounds, cell: float, margin: float = 0.0) -> Self:
+        """Return the cells that cover `bounds` and `margin` [m] around them.
+
+        Edges lie on multiples of `cell`, so that rasters of the same cells fit together.
+        """
+        left, low = (floor((edge - margin) / cell) for edge in bounds[:2])
+        right, high = (ceil((edge + margin) / cell) for edge in bounds[2:])
+        return cls(
+            x=left * cell, y=low * cell, cell=cell, height=high - low + 1, width=right - left + 1
+        )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.height, self.width
+
+    def in_cells(self, points: Float) -> Float:
+        """Return `points` (N, 2) [m] in cells from the lower left corner."""
+        scaled: Float = (points - (self.x, self.y)) / self.cell
+        return scaled
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int] | None:
+        """Return row and column of a point [m], or `None` outside."""
+        row, column = floor((y - self.y) / self.cell), floor((x - self.x) / self.cell)
+        inside = 0 <= row < self.height and 0 <= column < self.width
+        return (row, column) if inside else None
+
+    def middle_of(self, row: int, column: int) -> tuple[float, float]:
+        """Return the middle of a cell [m]."""
+        return self.x + (column + 0.5) * self.cell, self.y + (row + 0.5) * self.cell
