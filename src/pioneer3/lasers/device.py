@@ -84,7 +84,11 @@ class Device(Protocol):
         """Return the connection of one more host."""
 
     def measured(self, sweep: Sweep, now: float) -> None:
-        """Take the readings of a turn that is over."""
+        """Take the readings of a turn whose last reading was taken at `now` [s].
+
+        Bytes may have been exchanged for later times already, up to a tick of the simulator. Those
+        of this turn leave from `now` on, behind the others.
+        """
 
     def tick(self, now: float) -> None:
         """Act on the passing of time."""

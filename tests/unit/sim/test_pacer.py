@@ -131,3 +131,21 @@ def test_a_tick_that_was_held_back_is_not_made_up_for() -> None:
     ticks(pace, 1.0, start=0.0)
     pace.postpone(1.3)
     assert ticks(pace, 0.1, start=1.3) == pytest.approx(5, abs=1)
+
+
+def test_between_ticks_time_passes_at_the_speed_that_is_asked_for() -> None:
+    pace = Pacer(0.5)
+    assert pace.elapsed(7.0) == 0.0
+    pace.wait(7.0)
+    pace.passed(7.0)
+    assert [pace.elapsed(7.0 + later) for later in (0.0, 0.01, 0.04, 5.0, -1.0)] == pytest.approx(
+        [0.0, 0.005, TICK, TICK, 0.0]
+    )
+
+
+@pytest.mark.parametrize("pace", [Pacer(inf), Pacer(lock_step=True), Pacer(paused=True)])
+def test_where_time_goes_in_whole_ticks_none_passes_between_them(pace: Pacer) -> None:
+    pace.wait(7.0)
+    pace.passed(7.0)
+    assert not pace.steady
+    assert pace.elapsed(7.015) == 0.0

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from pioneer3.lasers.device import Sweep
-from pioneer3.lasers.line import Line
+from pioneer3.lasers.line import ROUNDING, Line
 from pioneer3.lasers.scip.requests import Refused, ScanRequest, read_request, read_scip1_request
 from pioneer3.lasers.scip.scans import FORMATS, WIDE_RANGE
 from pioneer3.lasers.scip.sweeps import data_lines
@@ -108,7 +108,7 @@ class Session:
         for request in waiting:
             self._send_scan(request, sweep, stamp_ms, now)
         stream = self._stream
-        if stream is None or self._is_skipped(stream) or self._is_congested:
+        if stream is None or self._is_skipped(stream) or self._is_congested(now):
             return
         self._skipped = 0
         self._left -= bool(stream.scans)
@@ -116,10 +116,11 @@ class Session:
         if stream.scans and not self._left:
             self._end_stream()
 
-    @property
-    def _is_congested(self) -> bool:
-        """Whether the line still carries a scan; a network takes more of them."""
-        return self.line.waiting > (0 if self.line.speed else MOST_SCANS)
+    def _is_congested(self, now: float) -> bool:
+        """Whether the line still carries a scan at `now` [s]; a network takes more of them."""
+        if self.line.speed:
+            return self.line.free_at > now + ROUNDING
+        return self.line.waiting > MOST_SCANS
 
     def _is_skipped(self, stream: ScanRequest) -> bool:
         self._skipped += 1

@@ -61,6 +61,7 @@ class SimulatedLaser:
         self._scanner = LaserScanner(world, body, model)
         self._turn: Turn | None = None
         self._began, self._next, self._looked = -inf, -inf, world.time
+        self._exchanged = world.time
         self._powered, self._closed = True, False
         self._silent_until = -inf
         self._faults = LinkFaults()
@@ -129,7 +130,7 @@ class SimulatedLaser:
     def switch_on(self) -> None:
         """Give it power: it begins as after a power cycle."""
         self._powered, self._turn, self._next = True, None, -inf
-        self.device.switch_on(self._world.time)
+        self.device.switch_on(max(self._world.time, self._exchanged))
         self._shut()
 
     def silence(self, seconds: float) -> None:
@@ -144,9 +145,26 @@ class SimulatedLaser:
             if isinstance(self._hosts, OneHost):
                 self._hosts.set_terminal(lambda: listener.speed)
 
+    @property
+    def on_serial_line(self) -> bool:
+        """Whether its bytes leave one after the other, at a speed."""
+        return self.device.speed is not None
+
+    @property
+    def due(self) -> float:
+        """When bytes may leave towards a host [s, simulated]; `inf`: never."""
+        return self.device.deadline if self._powered and self.connected else inf
+
     def exchange(self, now: float) -> None:
-        """Pass the bytes of hosts and laser on at `now` [s, simulated]."""
+        """Pass the bytes of hosts and laser on at `now` [s, simulated].
+
+        It may be called between two ticks. Its time never goes back: a `now` before that of the
+        last call counts as that one.
+        """
+        self._exchanged = now = max(now, self._exchanged)
         self._shut()
+        if self._turn is None and self.device.turn is None:
+            self._looked = now  # no turn begins before a host has asked for it
         self._hosts.exchange(now, heard=self._powered and now >= self._silent_until)
 
     def tick(self, now: float) -> None:
@@ -178,11 +196,15 @@ class SimulatedLaser:
         scanner.look(now)
 
     def _hand_in(self, turn: Turn) -> None:
-        """Give the device a turn of which all readings are taken, when the last one was."""
+        """Give the device a turn of which all readings are taken, when the last one was.
+
+        That is before this tick, and may be before the last call of :meth:`exchange`: bytes of the
+        turn leave from its end on even so, those that have left by now at once.
+        """
         ranges, intensities = self._scanner.readings()
         ended = self._began + (turn.count - 1) * turn.beam_time
         self._next = self._began + turn.period
-        self.exchange(ended)  # bytes that have left by then make room for this turn's
+        self.exchange(ended)  # what is sent before the turn leaves before it
         self.device.measured(
             Sweep(
                 turn=turn,

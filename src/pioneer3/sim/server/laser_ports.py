@@ -5,6 +5,7 @@ import os
 import socket
 from collections.abc import Callable
 from importlib import import_module
+from math import inf
 from typing import cast
 
 from pioneer3.errors import ConfigError, LinkError, PortBusyError
@@ -97,10 +98,21 @@ class LaserPorts:
         self.lasers.remove(laser)
         laser.close()
 
-    def exchange(self, now: float) -> None:
-        """Pass the bytes of hosts and lasers on at `now` [s, simulated]."""
+    @property
+    def due(self) -> float:
+        """When bytes may leave a serial line towards its host [s, simulated]; `inf`: never."""
+        return min((laser.due for laser in self.lasers if laser.on_serial_line), default=inf)
+
+    def exchange(self, now: float, between_ticks: float) -> None:
+        """Pass the bytes of hosts and lasers on.
+
+        Args:
+            now: The world's time [s, simulated].
+            between_ticks: That of serial lines, up to a tick later.
+        """
         for laser in self.lasers:
-            self._guarded(laser, laser.exchange, now)
+            at = between_ticks if laser.on_serial_line else now
+            self._guarded(laser, laser.exchange, at)
 
     def tick(self, now: float) -> None:
         """Let time pass for all lasers until `now` [s, simulated]."""

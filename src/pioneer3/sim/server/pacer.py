@@ -100,6 +100,11 @@ class Pacer:
         return (last - first) * TICK / (now - since)
 
     @property
+    def steady(self) -> bool:
+        """Whether time passes between ticks too: it runs at a set speed, and not in lock step."""
+        return not (self._paused or self.lock_step) and isfinite(self._speed)
+
+    @property
     def watchdog_factor(self) -> float:
         """Factor by which the robot's watchdog waits longer for a silent host.
 
@@ -119,6 +124,15 @@ class Pacer:
             self._due = now
         wait = self._due - now
         return wait if wait > EARLY else 0.0
+
+    def elapsed(self, now: float) -> float:
+        """Return the simulated time that has passed since the last tick [s], 0 to :data:`TICK`.
+
+        It is 0 where time is not :attr:`steady`.
+        """
+        if self._due is None or not self.steady:
+            return 0.0
+        return min(max(TICK - (self._due - now) * self.speed, 0.0), TICK)
 
     def postpone(self, now: float) -> None:
         """Note that the due tick could not happen; it is not caught up."""

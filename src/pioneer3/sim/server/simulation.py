@@ -4,6 +4,9 @@ A tick is: bytes in, answers out, a step of the world, the reports of the robots
 Robots know the world's time, never the machine's, and take bytes only between steps, so the same
 bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
 SIMSTAT tells real time.
+
+Bytes of lasers on serial lines leave between ticks too, while time passes steadily: programs give
+up a telegram that pauses for longer than a real one does.
 """
 
 import asyncio
@@ -28,6 +31,8 @@ log = logging.getLogger(__name__)
 
 LONGEST_TURN = 0.02
 """Hosts are read at least this often, however slowly time passes [s, real]."""
+PIECES_APART = 0.004
+"""Bytes of serial lines leave in pieces, so far apart at least [s, real]."""
 TICKS_PER_CYCLE = round(CYCLE / TICK)
 SLACK = 1e-6
 """Times are sums of ticks, and rounded [s]."""
@@ -180,16 +185,25 @@ class Simulation:
         """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
         now = clock()
         self._report_pace(now)
-        self._receive()
+        self._receive(self.world.time + self.pace.elapsed(now))
         wait = self.pace.wait(now)
         if wait == 0 and self._all_have_answered(now):
             self._tick()
             self.pace.passed(now)
-            return min(LONGEST_TURN, self.pace.wait(clock()))
+            now = clock()
+            return min(LONGEST_TURN, self.pace.wait(now), self._until_bytes_leave(now))
         if self.pace.paused:
             self._turns += 1
             self._waiting_since = None
-        return min(LONGEST_TURN, wait or LONGEST_TURN)
+        return min(LONGEST_TURN, wait or LONGEST_TURN, self._until_bytes_leave(now))
+
+    def _until_bytes_leave(self, now: float) -> float:
+        """Return how long after `now` another piece leaves a serial line [s, real]."""
+        due = self.lasers.due
+        if due == inf or not self.pace.steady:
+            return inf
+        wait = (due - self.world.time - self.pace.elapsed(now)) / self.pace.speed
+        return max(PIECES_APART, wait)
 
     def _report_pace(self, now: float) -> None:
         """Tell the robots how fast time passes."""
@@ -205,8 +219,12 @@ class Simulation:
         for port in self.ports:
             port.firmware.step_times = times
 
-    def _receive(self) -> None:
-        """Give every robot the bytes of its host, and send its answers."""
+    def _receive(self, between_ticks: float) -> None:
+        """Give all robots and lasers the bytes of their hosts, and send their answers.
+
+        Args:
+            between_ticks: The time for serial lines [s, simulated].
+        """
         now, in_cycle = self.world.time, self._ticks % TICKS_PER_CYCLE
         hold = self.pace.lock_step and in_cycle > 0
         spread = self.pace.speed >= 1 and not self.pace.paused  # else it may last
@@ -226,7 +244,7 @@ class Simulation:
             if port.is_open and not was_open:
                 port.report_tick = in_cycle
                 openings = openings and openings - 1
-        self.lasers.exchange(now)
+        self.lasers.exchange(now, between_ticks)
 
     def _openings_left(self, slot: int) -> int:
         """Return how many sessions may still open in this tick of the cycle.
