@@ -23,7 +23,7 @@ class Identity:
     """The identity that the robot sends.
 
     Attributes:
-        name: Given by its owner; `MobileSim` for simulators.
+        name: Given by its owner; most simulators say `MobileSim`.
         family: `Pioneer` for every P2, P3, PeopleBot and AmigoBot.
         model: Parameter-file name in lower case, such as `p3at-sh`.
     """

@@ -75,6 +75,7 @@ class Device:
         watchdog: Silence of the host that stops the robot [s]; 0 switches it off.
 
     Attributes:
+        identity: The same; may be changed between two sessions.
         watchdog: The same; may be changed at any time.
     """
 
@@ -82,7 +83,7 @@ class Device:
         self.phase = Phase.WAITING
         self.reader = PacketReader()
         self.watchdog = watchdog
-        self._identity = identity
+        self.identity = identity
         self._heard_at = 0.0
         self._expired = False
         self._outbox: list[bytes] = []
@@ -158,7 +159,7 @@ class Device:
             case 1, Phase.SYNCED0 | Phase.SYNCED1:
                 self._answer(reports.SyncEcho(1), Phase.SYNCED1)
             case 2, Phase.SYNCED1 | Phase.READY:
-                own = self._identity
+                own = self.identity
                 identity = reports.SyncIdentity(name=own.name, family=own.family, model=own.model)
                 self._answer(identity, Phase.READY)
         return []

@@ -241,8 +241,9 @@ def sim(
     """Run the simulator alone, without a window: robots in a map, each on a TCP port.
 
     Programs connect to it as to a robot: ours, ARIA's, Player's. They may come and
-    go. MobileSim's options work. Names are for people: to programs every robot is
-    MobileSim, by which ARIA knows a simulator.
+    go. MobileSim's options work. Names are for people: to programs a robot is
+    MobileSim, by which ARIA knows a simulator. With --fit laser=MODEL it tells its
+    own name: ARIA takes it for a real robot, and opens the port of its laser.
 
     Example: pioneer3 sim -m lab -r p3at -r p3dx:bob --start random
 

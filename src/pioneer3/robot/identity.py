@@ -6,6 +6,8 @@ from pioneer3.robot.supervisor import RobotInfo
 
 SIMULATOR_NAMES = {"mobilesim", "amrisim", "arsim"}
 SIMULATOR_SERIAL = "SIM"
+SIMULATOR_SERIALS = {SIMULATOR_SERIAL, "SIMULATED"}
+"""The second one is that of our simulator where ARIA shall take it for a robot."""
 
 
 def is_simulator(info: RobotInfo | None) -> bool:
@@ -13,7 +15,7 @@ def is_simulator(info: RobotInfo | None) -> bool:
     if info is None:
         return False
     serial = info.config.serial_number if info.config else ""
-    return info.identity.name.lower() in SIMULATOR_NAMES or serial == SIMULATOR_SERIAL
+    return info.identity.name.lower() in SIMULATOR_NAMES or serial in SIMULATOR_SERIALS
 
 
 def kind(info: RobotInfo) -> Literal["SIMULATOR", "ROBOT"]:

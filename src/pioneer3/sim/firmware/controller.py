@@ -16,6 +16,7 @@ console      commands to the simulator itself
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 
 from pioneer3.arcos import commands, reports
@@ -49,6 +50,8 @@ SONAR_CYCLE = 0.04
 """CONFIG's value for sonars that fire all at once [s]; the usual one."""
 NAME = "MobileSim"
 """By this name real ARIA programs know a simulator, and take its laser (protocol.md 2.6)."""
+LONGEST_NAME = 40
+"""Of a robot that tells its own name [letters]."""
 
 
 class Firmware:
@@ -56,7 +59,7 @@ class Firmware:
 
     Attributes:
         body: The robot.
-        identity: The names in its answer to SYNC2.
+        identity: The names in its answers to SYNC2 and CONFIG.
         device: Its end of the session with a host.
         accessories: The devices connected to it.
         on_map_changed: Called when a host has loaded another map, or failed to. By default this
@@ -70,13 +73,25 @@ class Firmware:
         name: str = NAME,
         watchdog: float = 2.0,
         *,
+        own_name: str = "",
         equipment: Equipment | None = None,
         client_maps: ClientMaps | None = None,
     ) -> None:
-        """`client_maps` are the maps for hosts; by default shipped ones and those here."""
+        """Begin without a session.
+
+        Args:
+            world: Where the robot is.
+            body: The robot.
+            name: Its name for programs.
+            watchdog: Silence of the host that stops the robot [s], 0 for never.
+            own_name: Its name among people, for :meth:`use_own_name`; by default its model's.
+            equipment: Its accessories; by default those of its model.
+            client_maps: The maps for hosts; by default shipped ones and those here.
+        """
         self.body = body
         self._world = world
         self.identity = Identity(name=name, family=body.model.family, model=body.model.name)
+        self._own_name, self._renamed = own_name or body.model.name, False
         self.device = Device(self.identity, watchdog)
         self.accessories = Accessories(body, equipment)
         self.on_map_changed: Callable[[reports.MapChanged], None] = self.tell
@@ -137,6 +152,16 @@ class Firmware:
         """Send `report` to the host, if there is one."""
         self.device.send(report)
 
+    def use_own_name(self) -> None:
+        """Be called by its own name from the next session on, no longer as a simulator.
+
+        Else ARIA reads the laser in the robot's stream, and never opens the port of another one
+        (protocol.md 2.6).
+        """
+        self._renamed = True
+        if not self.device.is_open:
+            self._rename()
+
     def hang_up(self, now: float) -> None:
         """End the session: the host's link is gone for good."""
         for event in self.device.hang_up():
@@ -159,6 +184,12 @@ class Firmware:
     def information(self, now: float) -> reports.Sip:
         """Return the standard information packet for this moment."""
         return self._instruments.read(self.accessories.inputs(now))
+
+    @property
+    def _serial_number(self) -> str:
+        """The serial number in CONFIG: AriaCoda knows a simulator by it, as ARIA by its name."""
+        is_other = self._renamed and self.identity.name.lower() != NAME.lower()
+        return OWN_SERIAL_NUMBER if is_other else SERIAL_NUMBER
 
     def _map_changed(self, change: reports.MapChanged) -> None:
         self.on_map_changed(change)
@@ -189,12 +220,19 @@ class Firmware:
                 self._instruments.hang_up()
                 self._console.hang_up()
                 self.accessories.hang_up()
+                self._rename()
             case Commanded(command):
                 self._obey(command, now)
             case WatchdogExpired():
                 self.body.drive.held = True
             case WatchdogFed():
                 self.body.drive.held = False
+
+    def _rename(self) -> None:
+        if self._renamed:
+            name = self._own_name[:LONGEST_NAME].replace("\0", "?")
+            told = name.encode("latin-1", "replace").decode("latin-1")
+            self.identity = self.device.identity = replace(self.identity, name=told)
 
     def _obey(self, command: Command, now: float) -> None:
         """Carry out one command; ignore commands for missing devices, as a real robot does."""
@@ -210,6 +248,7 @@ class Firmware:
                     self.identity,
                     self.body,
                     self.accessories.equipment,
+                    serial_number=self._serial_number,
                     cycle=CYCLE,
                     sonar_cycle=self._world.realism.sonar.cycle or SONAR_CYCLE,
                     watchdog=self._nominal_watchdog,
@@ -219,6 +258,8 @@ class Firmware:
 
 SERIAL_NUMBER = "SIM"
 """By this AriaCoda knows a simulator (facts.md 13, row 12)."""
+OWN_SERIAL_NUMBER = "SIMULATED"
+"""Of a robot that tells its own name; AriaCoda takes it for a real one."""
 LARGEST_WORD = 9999
 TOP_ACCELERATION_MM, TOP_TURN_ACCELERATION_DEG = 2000, 300
 """Of one real P3-AT (protocol.md 5.1)."""
@@ -229,6 +270,7 @@ def configuration(
     body: Body,
     equipment: Equipment,
     *,
+    serial_number: str,
     cycle: float,
     sonar_cycle: float,
     watchdog: float,
@@ -244,7 +286,7 @@ def configuration(
     return Config(
         family=identity.family,
         model=identity.model,
-        serial_number=SERIAL_NUMBER,
+        serial_number=serial_number,
         four_motors=int(model.drive == "skid"),
         rotation_top_deg_s=_whole(degrees(model.max_turn_rate)),
         speed_top_mm_s=_whole(model.max_speed / MM),

@@ -35,7 +35,8 @@ class SimulatedRobot:
     """One robot of a running simulation.
 
     Attributes:
-        name: For people; on the wire every simulated robot is `MobileSim`.
+        name: For people; to programs it is `MobileSim`, unless it has a laser with a port of its
+            own.
         body: The robot in the world.
         firmware: Its controller.
         port: Connects its host, over a cable that may have faults.
@@ -172,7 +173,11 @@ class RunningSimulation:
             body = Body(model, self._place_for(PlacementRequest(name, model, spec.start)))
             self.world.add(body)
             firmware = Firmware(
-                self.world, body, equipment=equipment, client_maps=self._client_maps
+                self.world,
+                body,
+                own_name=name,
+                equipment=equipment,
+                client_maps=self._client_maps,
             )
             try:
                 laser = await self._listen(firmware, spec.port, equipment)

@@ -144,7 +144,8 @@ class Simulation:
     ) -> SimulatedLaser:
         """Fit a laser to a robot, and let hosts connect to it; see :meth:`LaserPorts.add`.
 
-        Without `port` it has a free port where the robots have such.
+        Without `port` it has a free port where the robots have such. From the next session on
+        the robot tells its own name (:meth:`Firmware.use_own_name`).
 
         Raises:
             ConfigError: There is no such laser.
@@ -153,7 +154,9 @@ class Simulation:
         if self._host is None:
             raise LinkError("a laser can be given a port only while the robots listen")
         free = not self._next_number
-        return await self.lasers.add(firmware.body, name, port, self._host, free=free)
+        laser = await self.lasers.add(firmware.body, name, port, self._host, free=free)
+        firmware.use_own_name()
+        return laser
 
     async def remove(self, firmware: Firmware) -> None:
         """Disconnect a robot's host and close its port; the robot's session ends.

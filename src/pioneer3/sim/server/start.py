@@ -143,7 +143,13 @@ async def simulator(
     bodies = [Body(each.model, each.pose) for each in spawned]
     world = World(line_map, bodies, seed=world_file.seed, realism=realism)
     firmwares = [
-        Firmware(world, body, equipment=each.equipment, client_maps=client_maps)
+        Firmware(
+            world,
+            body,
+            own_name=each.name,
+            equipment=each.equipment,
+            client_maps=client_maps,
+        )
         for each, body in zip(spawned, bodies, strict=True)
     ]
     things: tuple[Box | Person, ...] = world_file.movable + world_file.people

@@ -31,8 +31,9 @@ class RobotSpec:
 
     Attributes:
         model: A model's name, or the path of its file.
-        name: For people; empty for its model's name. On the wire every simulated robot is
-            `MobileSim`: ARIA knows a simulator by this name (protocol.md 2.6).
+        name: For people; empty for its model's name. To programs the robot is `MobileSim`, by
+            which ARIA knows a simulator (protocol.md 2.6). One that has a laser with a port of
+            its own tells its own name.
         start: Its place at the beginning.
         port: TCP port; `None` for the next one, 0 for a free one.
         equipment: Its accessories.
