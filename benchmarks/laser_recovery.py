@@ -29,7 +29,7 @@ from pioneer3.tasks import running
 from tests.lasers import LEFT
 
 QUIET = 8.0
-FIRST = 5.0
+FIRST = 3.0
 """From the start of the driver to the first scan, with the search for the protocol [s]."""
 AWAY = 2.0
 SILENCE = 5.0

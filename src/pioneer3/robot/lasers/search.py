@@ -3,6 +3,8 @@
 Rules:
 
 1. It listens before it asks: a laser that was left scanning tells its protocol and its speed.
+   Once bytes have come that no laser sends at that speed, the quick speeds are next: a scan shows
+   there at once, and a laser that scans elsewhere hears no question.
 2. It asks in all languages at once. Each device ignores the questions in the others': SCIP ends a
    line at LF, an LMS-2xx looks for a right checksum, CoLa for STX and ETX.
 3. No question changes a setting.
@@ -27,7 +29,7 @@ from pioneer3.lasers.client import (
 from pioneer3.lasers.cola.client import ColaClient
 from pioneer3.lasers.lms2xx.client import LmsClient
 from pioneer3.lasers.recognition import QUESTION, recognise
-from pioneer3.lasers.scip.client import ScipClient
+from pioneer3.lasers.scip.client import TEXT, ScipClient
 from pioneer3.models.lasers import LaserProtocol
 
 LISTEN = 0.1
@@ -47,8 +49,14 @@ WAIT = 0.1
 ANSWER = 250 * 10
 """Bits of the question and the longest answer."""
 HEARD = 4096
+TAIL = 64
+"""Latest bytes, of which :data:`WRONG` that are no text show that no SCIP laser sends at this
+speed; the first bytes may have come at the speed before."""
+WRONG = 8
 SPEEDS = (115200, 38400, 9600, 19200, 57600, 500000)
 """Of all lasers [baud]; those with USB answer at any."""
+SPEEDS_OF_SCANS = (115200, 38400, 57600, 500000, 19200, 9600)
+"""The same in the order in which a laser that scans is looked for [baud]."""
 SPEEDS_OF = {
     LaserProtocol.SCIP: (115200, 19200, 57600, 38400),
     LaserProtocol.LMS2XX: (38400, 9600, 19200, 500000),
@@ -86,8 +94,10 @@ class Search:
         self._settings, self._patience, self._round_trip = settings, patience, round_trip
         self._found = found
         self._until = now + patience.give_up
-        self._turn = -1
-        self._asked = True
+        self._left: list[int] = []
+        self._speed: int | None = None
+        self._scans_elsewhere = False
+        self._asked = self._listened = True
         self._heard = bytearray()
         self._outbox = b""
         self._client: Client | None = None
@@ -96,9 +106,8 @@ class Search:
         """Process received bytes; return the events that follow."""
         if self._client is not None:
             return self._passed(self._client.receive(data, now))
-        if data and not self._asked and not self._heard and self._speed:
-            scan = scan_bits(self._speed) / self._speed
-            self.deadline = now + min(WHOLE_SCAN + scan, LONGEST_SCAN)
+        if data and not self._asked and not self._heard and self._knows_lms:
+            self._listen_for_scan(now)
         self._heard += data
         del self._heard[:-HEARD]
         protocol = recognise(bytes(self._heard))
@@ -119,22 +128,49 @@ class Search:
         if now >= self._until:
             self.deadline = inf
             return [Lost(NOTHING)]
-        scans_elsewhere = self._heard and (self._speed or 0) >= QUICK
-        if not self._asked and not scans_elsewhere:
-            self._asked, self._outbox = True, QUESTION
-            bits = ANSWER / self._speed if self._speed else 0.0
-            self.deadline = now + WAIT + bits + self._round_trip
+        return self._try_next(now) if self._asked else self._end_listening(now)
+
+    def _end_listening(self, now: float) -> list[Event]:
+        """Listen for longer to what may be a scan; else ask, or go on to the next speed."""
+        if self._heard and self._speed and not self._listened and not self._is_noise():
+            self._listen_for_scan(now)
             return []
-        self._turn += 1
-        self._asked = False
+        if self._heard and (self._speed or 0) >= QUICK:
+            self._scans_elsewhere = True
+            return self._try_next(now)
+        self._asked, self._outbox = True, QUESTION
+        bits = ANSWER / self._speed if self._speed else 0.0
+        self.deadline = now + WAIT + bits + self._round_trip
+        return []
+
+    def _try_next(self, now: float) -> list[Event]:
+        """Go on to the next speed, or begin a new round over all of them."""
+        if not self._left:
+            self._left, self._scans_elsewhere = [*self._speeds], False
+        if self._left:
+            order = SPEEDS_OF_SCANS if self._scans_elsewhere else SPEEDS
+            self._speed = next(speed for speed in order if speed in self._left)
+            self._left.remove(self._speed)
+        self._asked = self._listened = False
         self._heard.clear()
         self.deadline = now + LISTEN
         return [SpeedWanted(self._speed)] if self._speed else []
 
     @property
-    def _speed(self) -> int | None:
-        """The speed in use [baud]; `None` where there is none."""
-        return self._speeds[self._turn % len(self._speeds)] if self._speeds else None
+    def _knows_lms(self) -> bool:
+        """Whether an LMS-2xx, whose scans are no text, may be at this speed."""
+        return self._speed in SPEEDS_OF[LaserProtocol.LMS2XX]
+
+    def _listen_for_scan(self, now: float) -> None:
+        """Wait until a scan from its beginning on has come."""
+        assert self._speed is not None
+        self._listened = True
+        scan = scan_bits(self._speed) / self._speed
+        self.deadline = now + min(WHOLE_SCAN + scan, LONGEST_SCAN)
+
+    def _is_noise(self) -> bool:
+        """Whether the latest bytes are not those of a scan at this speed."""
+        return not self._knows_lms and len(self._heard[-TAIL:].translate(None, TEXT)) >= WRONG
 
     def outgoing(self) -> bytes:
         """Return and forget the bytes to put on the wire."""

@@ -9,9 +9,20 @@ from pioneer3.arcos.packet import encode
 from pioneer3.doctor.lasers import laser_on
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import Event, Lost, Patience, ScanSettings, SpeedWanted
-from pioneer3.lasers.recognition import QUESTION
+from pioneer3.lasers.lms2xx.measuring import Units
+from pioneer3.lasers.lms2xx.scans import VALUES, Measurement
+from pioneer3.lasers.lms2xx.telegram import encode as telegram_of
+from pioneer3.lasers.recognition import QUESTION, recognise
+from pioneer3.lasers.scip.wire import seal
 from pioneer3.models.lasers import LaserProtocol
-from pioneer3.robot.lasers.search import NOTHING, SPEEDS, Search, client_of
+from pioneer3.robot.lasers.search import (
+    NOTHING,
+    SPEEDS,
+    SPEEDS_OF_SCANS,
+    Search,
+    client_of,
+)
+from pioneer3.tasks import running
 from tests.lasers import LEFT, LaserUnit
 from tests.support import SimulatedRobot, until
 
@@ -96,6 +107,82 @@ def test_a_laser_that_scans_is_recognised_before_it_is_asked(
     assert searching.outgoing() == b""
     searching.receive(heard, 0.01)
     assert found == [protocol]
+
+
+@pytest.mark.parametrize("later", [0.0, 0.17, 0.34, 0.51, 0.68])
+@pytest.mark.parametrize("name", LEFT)
+async def test_a_laser_left_scanning_at_another_speed_scans_within_3_s(
+    name: str, later: float
+) -> None:
+    async with SimulatedRobot() as robot, LaserUnit(robot, name, serial=True) as unit:
+        link = await unit.open()
+        for baud, data in LEFT[name]:
+            await link.set_speed(baud)
+            await link.write(data)
+            await asyncio.sleep(0.5)
+        await asyncio.sleep(later)
+        await link.close()
+        driver = unit.driver()
+        async with running(driver.run()):
+            await driver.reading(3.0)
+
+
+def scip_line(letters: bytes) -> bytes:
+    """Return a full line of a scan."""
+    return seal(letters[:64])
+
+
+SCIP_PART = b"0a0b\n" + scip_line(b"0h0h0i0j" * 8) + b"\n" + b"0k0k"
+LMS_SCAN = telegram_of(
+    VALUES,
+    Measurement(code=VALUES, values=(300,) * 181, units=Units.CENTIMETRES).to_body() + b"\x10",
+    0x80,
+)
+
+
+@pytest.mark.parametrize(
+    ("heard", "protocol"),
+    [
+        (SCIP_PART, LaserProtocol.SCIP),
+        (SCIP_PART.replace(b"0h", b"0g", 1), None),
+        (SCIP_PART.replace(b"\n", b""), None),
+        (b"\x01\x17\x01" + LMS_SCAN[:60], LaserProtocol.LMS2XX),
+        (b"\x01\x17\x01" + LMS_SCAN[:6], None),
+        (b"\x17" + LMS_SCAN[:2] + b"\x71" + LMS_SCAN[3:60], None),
+        (b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n" * 20, None),
+    ],
+)
+def test_part_of_a_scan_tells_the_protocol(heard: bytes, protocol: LaserProtocol | None) -> None:
+    assert recognise(heard) is protocol
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_random_bytes_are_no_scan(seed: int) -> None:
+    assert recognise(Random(seed).randbytes(20_000)) is None
+
+
+def speeds_tried(hears: bytes) -> list[int]:
+    """Return the speeds that are tried within a round in which these bytes come at the first."""
+    events = run(search(SPEEDS, Patience(give_up=60.0)), 8.0, hears)
+    return [event.baud for event in events if isinstance(event, SpeedWanted)][: len(SPEEDS)]
+
+
+def test_after_bytes_of_a_scan_at_another_speed_the_quick_speeds_are_next() -> None:
+    noise = Random(1).randbytes(300)
+    assert speeds_tried(b"") == [*SPEEDS]
+    assert speeds_tried(noise) == [*SPEEDS_OF_SCANS]
+    assert sorted(SPEEDS_OF_SCANS) == sorted(SPEEDS)
+
+
+def test_bytes_from_before_the_change_of_speed_do_not_count() -> None:
+    found: list[LaserProtocol] = []
+    late = Search(0.0, SPEEDS, ScanSettings(), PATIENCE, found=found.append)
+    assert late.tick(0.0) == [SpeedWanted(115200)]
+    late.receive(Random(1).randbytes(200), 0.01)
+    late.receive(b"0j0k" * 30 + b"\n", 0.09)
+    assert late.tick(0.1) == []
+    late.receive(scip_line(b"0h0h0i0j" * 8) + b"\n", 0.12)
+    assert found == [LaserProtocol.SCIP]
 
 
 def test_a_robot_that_sends_its_reports_is_left_alone() -> None:
