@@ -1,4 +1,8 @@
-"""A simulated laser at the far end of a cable in memory, on a robot of :mod:`tests.support`."""
+"""A simulated laser at the far end of a cable in memory, on a robot of :mod:`tests.support`.
+
+The unit is the simulator's own, with its mirror and its maker's protocol. A driver reads it as it
+would read a real one.
+"""
 
 import asyncio
 from dataclasses import dataclass, replace
@@ -136,23 +140,31 @@ class Host:
 
 
 class LaserUnit:
-    """A simulated laser on `robot`; :meth:`open` lays a cable to it.
+    """A simulated laser on `robot` during the block; :meth:`open` lays a cable to it.
 
     Args:
-        robot: Whose world steps.
+        robot: Whose world steps; the unit measures after each step.
         name: Of the laser's model.
-        serial: Whether it is at a serial port, else in the network.
+        serial: Whether it is at a serial port, else in the network; `None` for a serial port if
+            its model has one.
         name_in_scans: Of the laser.
 
     Attributes:
-        laser: The simulated unit.
+        laser: The simulated unit; it can be silenced and switched off.
         plugged: Whether :meth:`open` works.
     """
 
     def __init__(
-        self, robot: SimulatedRobot, name: str, *, serial: bool, name_in_scans: str = "laser"
+        self,
+        robot: SimulatedRobot,
+        name: str,
+        *,
+        serial: bool | None = None,
+        name_in_scans: str = "laser",
     ) -> None:
         model = load_laser(name)
+        if serial is None:
+            serial = bool(model.speeds) or model.usb
         self.laser = SimulatedLaser(robot.world, robot.body, model, device_of(model))
         self.plugged = True
         self.url = f"/dev/{name_in_scans}" if serial else f"tcp://{name_in_scans}:10940"
@@ -168,7 +180,7 @@ class LaserUnit:
                 self.laser.hosts.set_terminal(lambda: self._end.speed if self._end else None)
 
     async def __aenter__(self) -> Self:
-        before = self._robot.stepped
+        before = self._stepped = self._robot.stepped
 
         def stepped() -> None:
             before()
@@ -183,6 +195,8 @@ class LaserUnit:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._robot.stepped = self._stepped
+        self.laser.close()
         tasks = [task for host in self._hosts for task in host.end()]
         for ended in await asyncio.gather(*tasks, return_exceptions=True):
             if isinstance(ended, Exception) and error is None:

@@ -27,7 +27,7 @@ from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.worldfile import Box, Person
-from tests.laser_unit import LaserUnit
+from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot
 
 MODEL = "p3at-sh"
@@ -223,8 +223,8 @@ async def _connected(
             robot = await stack.enter_async_context(connect_async(sim.open))
         else:
             unit = await stack.enter_async_context(LaserUnit(sim, laser))
-            connection = connect_async(sim.open, lasers=[unit.spec])
-            robot = await stack.enter_async_context(connection)
+            spec = unit.spec(protocol=unit.laser.model.protocol)
+            robot = await stack.enter_async_context(connect_async(sim.open, lasers=[spec]))
             if lossy:
                 sim.stepped = _Losses(sim, unit)
         if laser is not None:
