@@ -52,6 +52,22 @@ async def test_the_robots_node_has_the_scans_of_its_laser(ros1: None) -> None:
         await node.end(signal.SIGINT)
 
 
+async def test_parameters_hold_for_a_laser_of_the_command_line(ros1: None) -> None:
+    async with (
+        simulated("utm-30lx") as (robot, laser),
+        running(
+            *("ros1", "--port", robot, "--laser", laser),
+            *("_laser/angle_min:=-1.0", "_laser/angle_max:=0.5", "_laser/port:=/dev/nowhere"),
+        ) as node,
+    ):
+        while not (await node.line()).startswith("node /"):
+            pass
+        assert await angle("/scan", "angle_min") == pytest.approx(degrees(-1.0), abs=0.3)
+        assert await angle("/scan", "angle_max") == pytest.approx(degrees(0.5), abs=0.3)
+        _, said = await node.end(signal.SIGINT)
+        assert "parameter ~laser/port is ignored" in said
+
+
 async def test_a_laser_alone_has_the_parameters_of_hokuyo_node(ros1: None) -> None:
     async with (
         simulated("utm-30lx") as (_, laser),

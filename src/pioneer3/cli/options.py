@@ -107,7 +107,10 @@ class LaserOptions:
     ] = ()
 
     async def specs(
-        self, record: Path | None = None, taken: Sequence[str] = ()
+        self,
+        record: Path | None = None,
+        taken: Sequence[str] = (),
+        otherwise: Sequence[str] = (),
     ) -> "tuple[LaserSpec, ...]":
         """Return the lasers, after looking for those that are `auto`.
 
@@ -115,18 +118,19 @@ class LaserOptions:
             record: New file for every byte of the robot; each laser has its own, with its name
                 added.
             taken: Ports that are the robots'.
+            otherwise: Ports of lasers if the options have none.
 
         Raises:
             ConfigError: An option is wrong.
             LinkError: There is no laser to be found.
         """
-        if not (self.laser or self.laser_pose or self.laser_mask):
+        found = list(self.laser or otherwise)
+        if not (found or self.laser_pose or self.laser_mask):
             return ()
         from pioneer3.errors import ConfigError
         from pioneer3.links.urls import split_url
         from pioneer3.robot.lasers.spec import parse_lasers
 
-        found = list(self.laser)
         if AUTO in found:
             from pioneer3.doctor.lasers import find_laser
 

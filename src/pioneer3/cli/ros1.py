@@ -1,8 +1,8 @@
 """`pioneer3 ros1`."""
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
@@ -16,6 +16,9 @@ from pioneer3.cli.ros1_demos import (
     rob_key_multi,
     robots,
 )
+
+if TYPE_CHECKING:
+    from pioneer3.robot.lasers.spec import LaserSpec
 
 ros1_app = App(
     name="ros1",
@@ -62,6 +65,7 @@ def ros1(
         port: The robot: /dev/ttyUSB0, localhost:8101.
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
+            Other parameters below _laser/ hold for the first one in either case.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:
@@ -94,7 +98,10 @@ async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
     from pioneer3.cli.process import write_line
     from pioneer3.ros.ros1.laser import serve_laser
 
-    return await serve_laser(arguments, LaserOptions(laser=(port,)).specs, write_line)
+    def find(ports: Sequence[str]) -> "Awaitable[Sequence[LaserSpec]]":
+        return LaserOptions(laser=tuple(ports) or (port,)).specs()
+
+    return await serve_laser(arguments, find, write_line)
 
 
 async def _serve(
@@ -106,7 +113,8 @@ async def _serve(
     options = Options(
         port=port,
         baud=baud,
-        lasers=lambda robot: lasers.specs(taken=[robot]),
+        laser_ports=lasers.laser,
+        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
         arguments=arguments,
     )
     return await serve(options, write_line)

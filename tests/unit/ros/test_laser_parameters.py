@@ -1,16 +1,20 @@
 """Parameters of lasers, with the names of urg_node and of hokuyo_node."""
 
+from dataclasses import replace
 from math import inf, nan, pi
 
 import pytest
 
+from pioneer3.cli.options import LaserOptions
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
 from pioneer3.models.lasers import LaserProtocol
+from pioneer3.robot.lasers.spec import parse_lasers
 from pioneer3.ros.node.laser_parameters import (
     IGNORED,
     PARAMETERS,
     LaserParameters,
+    overridden_laser_parameters,
     read_laser_parameters,
     unused_laser_parameters,
 )
@@ -21,7 +25,8 @@ def test_without_any_nothing_is_asked_for() -> None:
     found = read_laser_parameters({})
     assert found == LaserParameters()
     assert found.settings == AS_DELIVERED
-    assert found.spec() is None
+    assert found.ports == ()
+    assert found.applied_to(()) == ()
 
 
 @pytest.mark.parametrize(
@@ -40,8 +45,7 @@ def test_without_any_nothing_is_asked_for() -> None:
 def test_the_port_is_that_of_either_node(given: dict[str, object], url: str | None) -> None:
     found = read_laser_parameters(given)
     assert found.url == url
-    spec = found.spec()
-    assert (spec.url if spec else None) == url
+    assert found.ports == ((url,) if url else ())
 
 
 def test_the_names_of_both_nodes_mean_the_same() -> None:
@@ -82,12 +86,62 @@ def test_the_driver_gets_all_of_them() -> None:
     found = read_laser_parameters(
         {"port": "lms-200@/dev/ttyUSB1", "intensity": True, "time_offset": 0.1}
     )
-    spec = found.spec()
-    assert spec is not None
+    (spec,) = found.applied_to(parse_lasers(found.ports))
     assert spec.protocol is LaserProtocol.LMS2XX
     assert spec.settings.intensities
     assert spec.time_offset == 0.1
     assert spec.name == "laser"
+
+
+async def test_settings_hold_for_the_first_laser_of_the_command_line() -> None:
+    options = LaserOptions(
+        laser=("tcp://10.0.0.1:2111", "/dev/ttyACM1"), laser_pose=("0.2,0,10",), laser_mask=("0:5",)
+    )
+    given = await options.specs(otherwise=["/dev/ttyACM9"])
+    found = read_laser_parameters({"port": "/dev/ttyACM9", "skip": 2, "time_offset": 0.1})
+    first, second = found.applied_to(given)
+    assert first == replace(given[0], settings=ScanSettings(skip=2), time_offset=0.1)
+    assert second == given[1]
+
+
+async def test_a_laser_of_parameters_has_the_place_of_the_command_line() -> None:
+    options = LaserOptions(laser_pose=("0.2,0,10",), laser_mask=("0:5",))
+    found = read_laser_parameters({"port": "/dev/ttyACM9", "skip": 2})
+    (spec,) = found.applied_to(await options.specs(otherwise=found.ports))
+    assert spec.url == "/dev/ttyACM9"
+    assert spec.mounting is not None
+    assert spec.mounting.sensor_in_robot.x == 0.2
+    assert spec.masked
+    assert spec.settings.skip == 2
+
+
+async def test_a_laser_of_parameters_is_not_at_the_robots_port() -> None:
+    with pytest.raises(ConfigError, match="/dev/ttyUSB0"):
+        await LaserOptions().specs(taken=["/dev/ttyUSB0"], otherwise=["/dev/ttyUSB0"])
+
+
+def test_a_port_that_the_command_line_overrides_is_told() -> None:
+    raw = {"port": "/dev/ttyACM0", "ip_port": 2112, "skip": 1, "frame_id": "front"}
+    why = "is ignored: --laser or PIONEER3_LASER gives auto and /dev/ttyACM1"
+    assert overridden_laser_parameters(raw, ["auto", "/dev/ttyACM1"], "laser") == [
+        f"parameter ~laser/ip_port {why}",
+        f"parameter ~laser/port {why}",
+    ]
+    assert overridden_laser_parameters(raw, ["/dev/ttyACM0"]) == []
+    assert overridden_laser_parameters(raw, []) == []
+    assert overridden_laser_parameters({"skip": 1, "ip_port": 2112}, ["/dev/ttyACM1"]) == [
+        "parameter ~ip_port is ignored: --laser or PIONEER3_LASER gives /dev/ttyACM1"
+    ]
+
+
+def test_settings_of_no_laser_are_told() -> None:
+    raw = {"min_ang": -1.0, "skip": 1, "frame_id": "front"}
+    why = "is ignored: no laser is given; give it with --laser or ~laser/serial_port"
+    assert overridden_laser_parameters(raw, [], "laser") == [
+        f"parameter ~laser/min_ang {why}",
+        f"parameter ~laser/skip {why}",
+    ]
+    assert overridden_laser_parameters({}, [], "laser") == []
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,20 @@
-"""Parameters of the laser range finder: the names of urg_node (REP 138) and of hokuyo_node."""
+"""Parameters of the laser range finder: the names of urg_node (REP 138) and of hokuyo_node.
+
+The command line may give lasers too. It comes first: the port among the parameters counts where the
+command line gives none. It has no settings of scans, so those of the parameters always count. They
+are for the first laser, as the topic `scan` is.
+"""
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import degrees, pi
 from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.lasers.client import AS_DELIVERED, ScanSettings
 from pioneer3.models.lasers import HOKUYO_PORT
-from pioneer3.robot.lasers.spec import LaserSpec, parse_laser
+from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.ros.node.values import RawParameters, flag, number
 
 BELOW: Final = "laser"
@@ -26,33 +31,55 @@ class LaserParameter:
         name: In REP 138.
         hokuyo: In hokuyo_node, if another.
         note: Its meaning, for people.
+        of_port: Whether it says where the laser is.
+        of_scans: Whether it is a setting of the scans.
     """
 
     name: str
     hokuyo: str = ""
     note: str
+    of_port: bool = False
+    of_scans: bool = False
 
 
 PARAMETERS: Final = (
-    LaserParameter(name="serial_port", hokuyo="port", note="such as /dev/ttyACM0"),
+    LaserParameter(name="serial_port", hokuyo="port", note="such as /dev/ttyACM0", of_port=True),
     LaserParameter(name="serial_baud", note="accepted; the speed is found"),
-    LaserParameter(name="ip_address", note="of a laser in the network; comes before serial_port"),
-    LaserParameter(name="ip_port", note=f"{HOKUYO_PORT} unless given"),
+    LaserParameter(
+        name="ip_address",
+        note="of a laser in the network; comes before serial_port",
+        of_port=True,
+    ),
+    LaserParameter(name="ip_port", note=f"{HOKUYO_PORT} unless given", of_port=True),
     LaserParameter(name="frame_id", hokuyo="frameid", note="of the scans; `laser` unless given"),
     LaserParameter(
-        name="calibrate_time", note="compare the laser's clock with ours; true unless given"
-    ),
-    LaserParameter(name="time_offset", note="added to the times of scans [s], within 0.25"),
-    LaserParameter(name="publish_intensity", hokuyo="intensity", note="false unless given"),
-    LaserParameter(name="publish_multiecho", note="all echoes, from lasers that have them"),
-    LaserParameter(
-        name="angle_min", hokuyo="min_ang", note="first direction [rad]; all unless given"
+        name="calibrate_time",
+        note="compare the laser's clock with ours; true unless given",
+        of_scans=True,
     ),
     LaserParameter(
-        name="angle_max", hokuyo="max_ang", note="last direction [rad]; all unless given"
+        name="time_offset", note="added to the times of scans [s], within 0.25", of_scans=True
     ),
-    LaserParameter(name="cluster", note="readings that become one, 1 to 99"),
-    LaserParameter(name="skip", note="scans left out after each one, 0 to 9"),
+    LaserParameter(
+        name="publish_intensity", hokuyo="intensity", note="false unless given", of_scans=True
+    ),
+    LaserParameter(
+        name="publish_multiecho", note="all echoes, from lasers that have them", of_scans=True
+    ),
+    LaserParameter(
+        name="angle_min",
+        hokuyo="min_ang",
+        note="first direction [rad]; all unless given",
+        of_scans=True,
+    ),
+    LaserParameter(
+        name="angle_max",
+        hokuyo="max_ang",
+        note="last direction [rad]; all unless given",
+        of_scans=True,
+    ),
+    LaserParameter(name="cluster", note="readings that become one, 1 to 99", of_scans=True),
+    LaserParameter(name="skip", note="scans left out after each one, 0 to 9", of_scans=True),
 )
 IGNORED: Final = (
     "allow_unsafe_settings",
@@ -83,21 +110,18 @@ class LaserParameters:
     time_offset: float = 0.0
     settings: ScanSettings = AS_DELIVERED
 
-    def spec(self) -> LaserSpec | None:
-        """Return the laser for the driver, or `None` where no port is given.
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """The port, if one is given."""
+        return () if self.url is None else (self.url,)
 
-        Raises:
-            ConfigError: the port is none.
-        """
-        if self.url is None:
-            return None
-        spec = parse_laser(self.url)
-        return LaserSpec(
-            url=spec.url,
-            protocol=spec.protocol,
-            settings=self.settings,
-            time_offset=self.time_offset,
+    def applied_to(self, lasers: Sequence[LaserSpec]) -> tuple[LaserSpec, ...]:
+        """Return `lasers`, the first one with the settings of the parameters."""
+        first = (
+            replace(laser, settings=self.settings, time_offset=self.time_offset)
+            for laser in lasers[:1]
         )
+        return (*first, *lasers[1:])
 
 
 def read_laser_parameters(raw: RawParameters) -> LaserParameters:
@@ -140,6 +164,31 @@ def unused_laser_parameters(raw: RawParameters, below: str = "") -> list[str]:
         else f"parameter {place}{name} of the laser is unknown"
         for name in sorted(set(raw) - known)
     ]
+
+
+def overridden_laser_parameters(
+    raw: RawParameters, given: Sequence[str], below: str = ""
+) -> list[str]:
+    """Return a sentence for each parameter in `raw` that is known and does not apply.
+
+    Args:
+        raw: The parameters.
+        given: Ports of lasers on the command line.
+        below: Name that the parameters lie below.
+
+    Raises:
+        ConfigError: as :func:`read_laser_parameters` does.
+    """
+    place = f"~{below}/" if below else "~"
+    url = read_laser_parameters(raw).url
+    if given:
+        ignored = [] if url in given else [each for each in PARAMETERS if each.of_port]
+        reason = f"--laser or PIONEER3_LASER gives {' and '.join(given)}"
+    else:
+        ignored = [each for each in PARAMETERS if each.of_scans] if url is None else []
+        reason = f"no laser is given; give it with --laser or {place}serial_port"
+    names = {name for each in ignored for name in (each.name, each.hokuyo)}
+    return [f"parameter {place}{name} is ignored: {reason}" for name in sorted(names & set(raw))]
 
 
 def _renamed(raw: RawParameters) -> Mapping[str, object]:

@@ -18,14 +18,14 @@ NODE: Final = "laser"
 
 async def serve_laser(
     arguments: Sequence[str],
-    find: Callable[[], Awaitable[Sequence[LaserSpec]]],
+    find: Callable[[Sequence[str]], Awaitable[Sequence[LaserSpec]]],
     tell: Callable[[str], None],
 ) -> int:
     """Run the node until it is shut down or cancelled.
 
     Args:
         arguments: ROS's own.
-        find: Looks for the laser of the command line; may find none.
+        find: Looks for the laser, given its port if the parameters have one.
         tell: Takes a line for a person.
 
     Raises:
@@ -39,7 +39,7 @@ async def serve_laser(
         for sentence in unused_laser_parameters(raw):
             rospy.logwarn(sentence)
         watch.start()
-        spec = parameters.spec() or (await find())[0]
+        spec = parameters.applied_to(await find(parameters.ports))[0]
         tell(f"laser at {spec.url}")
         driver = LaserDriver(spec.config(), mounting=lambda: spec.mounting_on(None))
         node = LaserNode(driver, parameters.frame or FRAME, RospyMiddleware())

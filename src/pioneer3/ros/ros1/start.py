@@ -13,10 +13,14 @@ from pioneer3.doctor.ports import list_ports
 from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_port
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.identity import is_simulator, kind
-from pioneer3.robot.lasers.spec import LaserSpec
+from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.ros.node.driving_parameters import NAMES
-from pioneer3.ros.node.laser_parameters import BELOW, unused_laser_parameters
+from pioneer3.ros.node.laser_parameters import (
+    BELOW,
+    overridden_laser_parameters,
+    unused_laser_parameters,
+)
 from pioneer3.ros.node.names import NODE, lab_node
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import (
@@ -37,9 +41,12 @@ LAB_NAME: Final = "_lab_name:="
 LOOPBACK: Final = {"localhost", "127.0.0.1", "::1"}
 
 
-async def no_lasers(port: str) -> Sequence[LaserSpec]:
-    """Return no lasers."""
-    return ()
+FindLasers = Callable[[str, Sequence[str]], Awaitable[Sequence[LaserSpec]]]
+"""Given the robot's port, and those of lasers if the command line has none, looks for lasers."""
+
+
+async def _of_parameters(robot: str, otherwise: Sequence[str]) -> Sequence[LaserSpec]:
+    return parse_lasers(otherwise)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,13 +56,15 @@ class Options:
     Attributes:
         port: URL of the robot.
         baud: Serial speed to try first.
-        lasers: Looks for the robot's laser range finders; given the robot's own port.
+        laser_ports: Of the robot's laser range finders.
+        lasers: Looks for them.
         arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
     """
 
     port: str | None = None
     baud: int | None = None
-    lasers: Callable[[str], Awaitable[Sequence[LaserSpec]]] = no_lasers
+    laser_ports: Sequence[str] = ()
+    lasers: FindLasers = _of_parameters
     arguments: Sequence[str] = ()
 
 
@@ -116,19 +125,18 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
         import rospy
 
         raw = rospy.get_param("~", {})
-        parameters = _parameters(raw)
+        parameters = _parameters(raw, options.laser_ports)
         watch.start()
         port = options.port or parameters.port or await simulator_or_robot(tell)
         baud = options.baud or parameters.baud
-        own = parameters.laser.spec()
-        lasers = await options.lasers(port) or ((own,) if own else ())
+        lasers = await options.lasers(port, parameters.laser.ports)
         async with connect_async(
             port,
             baud=baud,
             max_speed=parameters.max_speed,
             max_turn_rate=parameters.max_turn_rate,
             auto_enable=parameters.auto_enable,
-            lasers=lasers,
+            lasers=parameters.laser.applied_to(lasers),
         ) as robot:
             tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
             await asyncio.to_thread(_introduce, robot.info)
@@ -193,13 +201,21 @@ def _forget(arguments: Sequence[str]) -> None:
             rospy.delete_param(f"~{name}")
 
 
-def _parameters(raw: RawParameters) -> NodeParameters:
-    """Return the parameters below the node's name, and warn of those that are unused or unsafe."""
+def _parameters(raw: RawParameters, laser_ports: Sequence[str]) -> NodeParameters:
+    """Return the parameters below the node's name, and warn of those that are unused or unsafe.
+
+    `laser_ports` are those of the command line.
+    """
     import rospy
 
     parameters = read_parameters(raw)
     unused = unused_parameters(raw, parameters.profile, NAMES)
-    for sentence in (*unused, *unused_laser_parameters(laser_part(raw), BELOW)):
+    of_laser = laser_part(raw)
+    for sentence in (
+        *unused,
+        *unused_laser_parameters(of_laser, BELOW),
+        *overridden_laser_parameters(of_laser, laser_ports, BELOW),
+    ):
         rospy.logwarn(sentence)
     if parameters.timeout > LONG:
         length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
