@@ -150,18 +150,14 @@ async def _looked_at(
     ports: "tuple[SerialPort, ...]", urls: tuple[str, ...], *, no_probe: bool
 ) -> "list[Probed]":
     from pioneer3.cli.process import busy_sign
-    from pioneer3.doctor.probe import not_probed, probe, probe_port
+    from pioneer3.doctor.probe import not_probed, probe_all
 
     if no_probe:
         return not_probed(ports, urls)
-    found = []
-    for port in ports:
-        with busy_sign(f"Asking {port.path} ..."):
-            found.append(await probe_port(port))
-    for url in urls:
-        with busy_sign(f"Asking {url} ..."):
-            found.append(await probe(url))
-    return found
+    with busy_sign("Asking all ports ...") as show:
+        return await probe_all(
+            ports, urls, lambda waiting: show(f"Asking {', '.join(waiting)} ...")
+        )
 
 
 async def _replugged() -> "tuple[SerialPort, ...]":

@@ -2,7 +2,7 @@
 
 import signal
 import sys
-from collections.abc import Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -100,12 +100,15 @@ def _rounded(value: object) -> object:
 
 
 @contextmanager
-def busy_sign(text: str) -> Iterator[None]:
-    """Show on stderr, if that is a terminal, that something is going on."""
+def busy_sign(text: str) -> Iterator[Callable[[str], None]]:
+    """Show on stderr, if that is a terminal, that something is going on.
+
+    The function that it yields replaces the text.
+    """
     if not sys.stderr.isatty():
-        yield
+        yield lambda text: None
         return
     from rich.console import Console
 
-    with Console(stderr=True).status(text):
-        yield
+    with Console(stderr=True).status(text) as status:
+        yield status.update

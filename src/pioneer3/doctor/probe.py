@@ -1,7 +1,7 @@
-"""Probes ports, one after the other, for the device at the other end."""
+"""Probes ports, side by side, for the devices at the other ends."""
 
 import asyncio
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
@@ -101,6 +101,35 @@ async def probe(url: str, port: SerialPort | None = None, timing: Timing = QUICK
         return _other(url, port, other_device)
     finally:
         await session.close()
+
+
+async def probe_all(
+    ports: Sequence[SerialPort],
+    urls: Sequence[str] = (),
+    progress: Callable[[Sequence[str]], None] = lambda waiting: None,
+) -> list[Probed]:
+    """Return the results for all serial `ports`, then all `urls`, in their order.
+
+    They are probed side by side, so that it takes as long as the slowest of them.
+
+    Args:
+        ports: Of this computer.
+        urls: Of the network.
+        progress: Given the ports that have not been judged yet, at first and after each.
+    """
+    waiting = [*(port.path for port in ports), *urls]
+
+    async def judged(url: str, probing: Awaitable[Probed]) -> Probed:
+        result = await probing
+        waiting.remove(url)
+        progress(tuple(waiting))
+        return result
+
+    progress(tuple(waiting))
+    return await asyncio.gather(
+        *(judged(port.path, probe_port(port)) for port in ports),
+        *(judged(url, probe(url)) for url in urls),
+    )
 
 
 def _refusal(error: LinkError) -> Verdict:

@@ -1,9 +1,11 @@
 """Which port to use, and which to leave alone."""
 
 import asyncio
+from collections.abc import Sequence
 
 import pytest
 
+from pioneer3.doctor import probe
 from pioneer3.doctor.ports import Holder, SerialPort
 from pioneer3.doctor.probe import (
     Probed,
@@ -12,9 +14,14 @@ from pioneer3.doctor.probe import (
     choose,
     found_code,
     not_probed,
+    probe_all,
     skipped,
     wait_for_plug,
 )
+from pioneer3.errors import PortNotFoundError
+from pioneer3.links import Link
+from pioneer3.links.memory import null_modem
+from pioneer3.links.serial import SPEEDS
 
 USB0 = SerialPort(path="/dev/serial/by-id/usb-A", device="/dev/ttyUSB0")
 USB1 = SerialPort(path="/dev/serial/by-id/usb-B", device="/dev/ttyUSB1")
@@ -83,3 +90,45 @@ async def test_plugging_in_is_waited_for() -> None:
 
 async def test_waiting_for_a_plug_ends() -> None:
     assert await wait_for_plug((USB0,), (), tuple, patience=2) == ()
+
+
+@pytest.fixture
+def silent_ports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Serial ports where nothing ever answers; nobody listens in the network."""
+
+    async def open_link(url: str) -> Link:
+        if url.startswith("tcp:"):
+            raise PortNotFoundError(f"{url}: nobody listens")
+        return null_modem(speeds=SPEEDS)[0]
+
+    monkeypatch.setattr(probe, "open_link", open_link)
+
+
+@pytest.mark.usefixtures("silent_ports")
+async def test_many_silent_ports_take_no_longer_than_one() -> None:
+    clock = asyncio.get_running_loop().time
+    began = clock()
+    await probe_all([USB0])
+    alone = clock() - began
+    assert alone > 5.0  # all speeds, first for a robot, then for a laser
+    began = clock()
+    found = await probe_all([SerialPort(path=f"/dev/ttyS{n}", device="") for n in range(8)])
+    assert clock() - began == pytest.approx(alone, abs=0.1)
+    assert {each.verdict for each in found} == {Verdict.SILENT}
+
+
+@pytest.mark.usefixtures("silent_ports")
+async def test_results_keep_the_order_of_the_ports_and_progress_says_who_is_left() -> None:
+    held = SerialPort(path="/dev/ttyS0", device="/dev/ttyS0", holders=(Holder(7, "screen"),))
+    left: list[Sequence[str]] = []
+    found = await probe_all([USB0, held, USB1], ["tcp://localhost:8101"], left.append)
+    assert [(each.url, each.verdict) for each in found] == [
+        (USB0.path, Verdict.SILENT),
+        (held.path, Verdict.BUSY),
+        (USB1.path, Verdict.SILENT),
+        ("tcp://localhost:8101", Verdict.NOBODY),
+    ]
+    assert left[0] == (USB0.path, held.path, USB1.path, "tcp://localhost:8101")
+    assert left[1] == (USB0.path, USB1.path, "tcp://localhost:8101")
+    assert left[2] == (USB0.path, USB1.path)
+    assert left[-1] == ()

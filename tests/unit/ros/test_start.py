@@ -1,3 +1,5 @@
+from collections.abc import Sequence
+
 import pytest
 
 from pioneer3.doctor.ports import SerialPort
@@ -15,11 +17,11 @@ def answering(monkeypatch: pytest.MonkeyPatch, **verdicts: Verdict) -> None:
     async def probe(url: str) -> Probed:
         return Probed(url, verdicts["tcp"], "says why")
 
-    async def probe_port(port: SerialPort) -> Probed:
-        return Probed(port.path, verdicts["serial"], "", port)
+    async def probe_all(ports: Sequence[SerialPort]) -> list[Probed]:
+        return [Probed(port.path, verdicts["serial"], "", port) for port in ports]
 
     monkeypatch.setattr(start, "probe", probe)
-    monkeypatch.setattr(start, "probe_port", probe_port)
+    monkeypatch.setattr(start, "probe_all", probe_all)
     monkeypatch.setattr(start, "list_ports", lambda: (SERIAL,))
 
 

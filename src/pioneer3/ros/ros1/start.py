@@ -10,7 +10,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from pioneer3.doctor.ports import list_ports
-from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_port
+from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
@@ -173,7 +173,7 @@ async def simulator_or_robot(tell: Callable[[str], None]) -> str:
     found = choose([simulated])
     if found is None:
         tell(f"no simulator at {SIMULATOR_URL} ({simulated.detail}); asks the serial ports")
-        found = choose([await probe_port(port) for port in list_ports()])
+        found = choose(await probe_all(list_ports()))
     if found is None:
         raise NoRobotError(
             f"neither a simulator at {SIMULATOR_URL} nor a robot at a serial port: start `pioneer3"
