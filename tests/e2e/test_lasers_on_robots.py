@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pioneer3.arcos import commands
+from pioneer3.behaviors.actions import RatioInput
 from pioneer3.behaviors.modes import wander
+from pioneer3.behaviors.modes.by_hand import teleop
 from pioneer3.geometry import Pose2
 from pioneer3.lasers.client import ScanSettings
 from pioneer3.maps import LineMap
@@ -146,6 +149,28 @@ async def test_people_who_drive_are_not_slowed_down_by_a_lost_laser() -> None:
         unit.unplug()
         await hold(driver, FAST, seconds=4.0)
         assert robot.speed == pytest.approx(FAST, abs=0.02)
+
+
+async def test_with_a_laser_that_looks_ahead_alone_a_robot_only_creeps_back() -> None:
+    stick = RatioInput(full_backwards=0.4)
+    async with (
+        SimulatedRobot(room()) as robot,
+        LaserUnit(robot, "lms-200") as unit,
+        connect_async(robot.open, lasers=[unit.spec()]) as driver,
+    ):
+        await scanning(driver)
+        driver.send(commands.Sonar(on=False))
+        await until(lambda: not driver.snapshot.sonar.enabled if driver.snapshot else False)
+        await asyncio.sleep(1.5)
+        driver.arbiter.start(teleop(stick))
+        stick.push(-1.0, 0.0)
+        await asyncio.sleep(3)
+        assert robot.speed == pytest.approx(-0.04, abs=0.01)
+        assert any("nothing looks behind" in words for words in driver.arbiter.told)
+        driver.send(commands.Sonar(on=True))
+        await asyncio.sleep(2)
+        assert robot.speed == pytest.approx(-0.4, abs=0.02)
+        assert not any("nothing looks behind" in words for words in driver.arbiter.told)
 
 
 async def test_a_laser_scans_on_while_the_robot_is_lost() -> None:

@@ -3,10 +3,11 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from math import asin, atan2, ceil, cos, floor, hypot, inf, isfinite, nan, radians, sin
 from typing import NamedTuple
 
-from pioneer3.behaviors.surroundings import WINDOW, Surroundings
+from pioneer3.behaviors.surroundings import WINDOW, Field, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import RobotModel
 from pioneer3.state import Bumpers, Scan, Snapshot, Sonar
@@ -34,6 +35,8 @@ PASSED = 0.05
 and a pose by odometry is off by as much."""
 SECTOR = radians(1)
 """Of finer scans only the nearest reading of each sector counts."""
+POST = radians(10)
+"""A laser sees around a mask no wider than this [rad]."""
 OWN = 0.03
 """A point so deep within the robot's outline is of the robot itself [m]."""
 
@@ -51,6 +54,7 @@ class LaserMemory:
     def __init__(self, model: RobotModel) -> None:
         self._model = model
         self.current: tuple[StampedPoint, ...] = ()
+        self._fields: tuple[Field, ...] = ()
         self._cells: dict[
             tuple[int, int], StampedPoint
         ] = {}  # oldest first; at most one point in each
@@ -68,6 +72,7 @@ class LaserMemory:
             return
         self._sequence = scan.sequence
         scan = thinned(scan)
+        self._fields = fields_of(scan)
         sensor = scan.sensor_in_odom
         if scan.stamp - self._cleaned >= CLEAN_EVERY:
             self._cleaned = scan.stamp
@@ -88,9 +93,10 @@ class LaserMemory:
             self.current = ()
         self._keep(lambda p: now - p.stamp <= AGE and hypot(p.x - pose.x, p.y - pose.y) <= DISTANCE)
 
-    def sensing(self, now: float) -> bool:
-        """Whether scans come."""
-        return bool(self.current) and now - self.current[0].stamp <= STALE_SCAN
+    def fields(self, now: float) -> tuple[Field, ...]:
+        """Return the directions that it sees at `now` [s]; none while no scans come."""
+        comes = self.current and now - self.current[0].stamp <= STALE_SCAN
+        return self._fields if comes else ()
 
     def _remember(self, new: StampedPoint) -> None:
         i, j = floor(new.x / SPACING), floor(new.y / SPACING)
@@ -159,6 +165,17 @@ def thinned(scan: Scan) -> Scan:
     )
 
 
+def fields_of(scan: Scan) -> tuple[Field, ...]:
+    """Return the directions of readings that are valid, in the robot's frame."""
+    theta, readings = scan.sensor_in_robot.theta, zip(scan.angles, scan.ranges, strict=True)
+    runs = (
+        [angle for angle, _ in run]
+        for valid, run in groupby(readings, key=lambda reading: reading[1] > 0)
+        if valid  # NaN and -inf are not
+    )
+    return tuple(Field(theta + run[0] - POST / 2, theta + run[-1] + POST / 2) for run in runs)
+
+
 def _nearest(readings: Sequence[float]) -> float:
     """Return the nearest that echoed; `inf` if nothing did, NaN if any reading is not valid."""
     echoed = [metres for metres in readings if isfinite(metres)]
@@ -169,6 +186,8 @@ def _nearest(readings: Sequence[float]) -> float:
 
 SILENT = 1.0
 """A sonar that has told nothing new for this long [s] does not work."""
+CONE = radians(15)
+"""So far off its axis a sonar sees."""
 CREEP = 0.02
 """Slower than this [m/s] says nothing of where the robot goes."""
 BUMPER_ARC = radians(135)
@@ -268,13 +287,13 @@ class RangeMemory:
 
     def around(self, now: float) -> Surroundings:
         """Return the surroundings of the robot at its last snapshot, as known at `now` [s]."""
-        sensors, lasers = self._sensors, self._lasers.values()
+        sensors = self._sensors
         return Surroundings(
             self._pose,
             [(p.x, p.y) for sensor in sensors for p in sensor.current],
             [(p.x, p.y) for sensor in sensors for p in sensor.cumulative],
             [(p.x, p.y) for p in self._window(now)],
-            sensing=now - self._heard <= SILENT or any(laser.sensing(now) for laser in lasers),
+            fields=self._fields(now),
         )
 
     @property
@@ -286,6 +305,13 @@ class RangeMemory:
         scan = self._scan
         return scan if scan is not None and now - scan.stamp <= STALE_SCAN else None
 
+    def _fields(self, now: float) -> tuple[Field, ...]:
+        """Return the directions that sonars and lasers see."""
+        axes = (self.model.sonars[n].theta for n, at in self._heard.items() if now - at <= SILENT)
+        sonars = (Field(axis - CONE, axis + CONE) for axis in axes)
+        lasers = (field for laser in self._lasers.values() for field in laser.fields(now))
+        return (*sonars, *lasers)
+
     def _window(self, now: float) -> Iterable[StampedPoint]:
         points = (*self._sonar.current, *self._sonar.cumulative, *self._bumpers.current)
         seen = (point for laser in self._lasers.values() for point in laser.current)
@@ -294,7 +320,8 @@ class RangeMemory:
     def _forget_all(self) -> None:
         self._sonar, self._bumpers = RangeBuffer(SONAR), RangeBuffer(BUMPERS)
         self._lasers: dict[str, LaserMemory] = {}
-        self._heard, self._forwards = -inf, True
+        self._heard: dict[int, float] = {}  # when each transducer was read last [s]
+        self._forwards = True
         self._scan = None
 
     def _listen(self, sonar: Sonar, pose: Pose2, now: float) -> None:
@@ -302,7 +329,7 @@ class RangeMemory:
         for number in sonar.fresh:
             if number >= len(mounts):
                 continue
-            self._heard = now
+            self._heard[number] = now
             metres = sonar.ranges[number]
             if isfinite(metres):
                 mount = mounts[number]

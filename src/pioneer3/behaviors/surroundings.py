@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from enum import Enum
-from math import atan2, cos, hypot, inf, sin
+from math import atan2, cos, hypot, inf, pi, radians, sin
 from typing import NamedTuple
 
 from pioneer3.geometry import TURN, Pose2
@@ -57,6 +57,23 @@ WINDOW = 2.0
 """Six rounds of a ring of sonars that fire in turn [s]."""
 
 
+class Field(NamedTuple):
+    """Directions that a sensor sees, from `first` counter-clockwise to `last` [rad]."""
+
+    first: float
+    last: float
+
+    def holds(self, bearing: float) -> bool:
+        """Whether `bearing` [rad] lies in it."""
+        return (bearing - self.first) % TURN <= self.last - self.first
+
+
+EVERYWHERE = (Field(-pi, pi),)
+BEHIND = (radians(155), radians(165))
+"""Behind is seen where one of these is, and one on the right: no sonar of an AmigoBot looks nearer
+to straight back, and no laser of 270 degrees that looks ahead sees as far round."""
+
+
 class Surroundings:
     """Points around the robot at one instant.
 
@@ -65,8 +82,7 @@ class Surroundings:
         current: The newest points in odometry's frame [m], (x, y) each.
         cumulative: Older ones, too.
         window: Those of the last :data:`WINDOW` seconds; the current ones if `None`.
-        sensing: Whether any range sensor works. Without one, nothing is known of obstacles, and
-            limiters allow no motion.
+        fields: The directions in the robot's frame that range sensors see now.
     """
 
     def __init__(
@@ -76,9 +92,9 @@ class Surroundings:
         cumulative: Sequence[tuple[float, float]] = (),
         window: Sequence[tuple[float, float]] | None = None,
         *,
-        sensing: bool = True,
+        fields: Sequence[Field] = EVERYWHERE,
     ) -> None:
-        self.sensing = sensing
+        self._fields = fields
         self._pose = pose
         self._given = {
             Buffer.CURRENT: current,
@@ -87,6 +103,19 @@ class Surroundings:
         }
         self._points: dict[Buffer, tuple[Point, ...]] = {}
         self._known: dict[tuple[float, float], Point] = {}
+
+    @property
+    def sensing(self) -> bool:
+        """Whether any range sensor works.
+
+        Without one, nothing is known of obstacles, and limiters allow no motion.
+        """
+        return bool(self._fields)
+
+    @property
+    def sees_behind(self) -> bool:
+        """Whether range sensors look behind the robot, on both sides of straight back."""
+        return self._sees_any(BEHIND) and self._sees_any([-bearing for bearing in BEHIND])
 
     def points(self, buffer: Buffer = Buffer.CURRENT) -> tuple[Point, ...]:
         """Return all points."""
@@ -118,6 +147,9 @@ class Surroundings:
                 best = Echo(distance, bearing)
         return best
 
+    def _sees_any(self, bearings: Sequence[float]) -> bool:
+        return any(field.holds(bearing) for field in self._fields for bearing in bearings)
+
 
 def _seen_from(
     pose: Pose2, points: Sequence[tuple[float, float]], known: dict[tuple[float, float], Point]
@@ -132,5 +164,5 @@ def _seen_from(
     return tuple([known[point] for point in points])
 
 
-NOTHING_SENSED = Surroundings(Pose2(), sensing=False)
+NOTHING_SENSED = Surroundings(Pose2(), fields=())
 """Of a robot without range sensors, or before the first snapshot."""

@@ -1,14 +1,15 @@
 """Situations to decide on."""
 
-from math import cos, inf, sin
+from dataclasses import replace
+from math import cos, inf, pi, sin
 
 from pioneer3.behaviors.action import Combined, Desire, Situation, Weighted, as_weighted
 from pioneer3.behaviors.engine import Proposal, combine
-from pioneer3.behaviors.surroundings import Surroundings
+from pioneer3.behaviors.surroundings import Field, Surroundings
 from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel, load_model
-from pioneer3.state import Battery, Bumpers, Inputs, Motors, Odometry, Snapshot
+from pioneer3.state import Battery, Bumpers, Inputs, Motors, Odometry, Snapshot, Sonar
 
 P3AT = load_model("p3at-sh")
 LIMITS = Limits(
@@ -59,6 +60,16 @@ def around(*polar: tuple[float, float], pose: Pose2 = ORIGIN) -> Surroundings:
     """Return surroundings with points at (distance from the centre [m], bearing [rad])."""
     points = [pose @ Pose2(d * cos(b), d * sin(b)) for d, b in polar if d < inf]
     return Surroundings(pose, [(p.x, p.y) for p in points], [(p.x, p.y) for p in points])
+
+
+def looking_ahead(*polar: tuple[float, float], sonar: bool = False) -> Situation:
+    """Return the situation of a robot that senses half a turn ahead, and has seen these points."""
+    place = around(*polar)
+    half = Surroundings(
+        ORIGIN, [(p.x, p.y) for p in place.points()], fields=[Field(-pi / 2, pi / 2)]
+    )
+    situation = seen(around=half)
+    return replace(situation, snapshot=replace(situation.snapshot, sonar=Sonar(enabled=sonar)))
 
 
 def above(desire: Desire) -> Combined:

@@ -1,5 +1,6 @@
 """What is remembered of sonar, bumpers and laser, by the numbers of facts.md 7.2."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, inf, isnan, nan, pi, radians, sin
 
@@ -8,6 +9,7 @@ import pytest
 from pioneer3.behaviors.memory import RangeMemory, thinned
 from pioneer3.behaviors.surroundings import WINDOW, Buffer, Surroundings
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.models import load_model
 from pioneer3.state import Bumpers, LinkQuality, Motors, Scan, Snapshot, Sonar
 from tests.unit.behaviors.support import P3AT, around, seen
 
@@ -95,6 +97,30 @@ def test_nothing_is_known_while_the_sonar_is_silent() -> None:
     assert not memory.around(1.2).sensing
 
 
+@pytest.mark.parametrize(
+    ("model", "numbers", "behind"),
+    [
+        ("p3at-sh", range(16), True),
+        ("p3at-sh", range(8), False),  # the front ring alone
+        ("p3at-sh", (11, 12), True),  # the two next to straight back
+        ("p3at-sh", (12, 13), False),  # both on the left
+        ("p3at-sh", (9, 14), False),
+        ("amigo-sh", range(8), True),
+        ("amigo-sh", range(6), False),
+    ],
+)
+def test_sonars_see_behind_where_they_look_and_are_heard(
+    model: str, numbers: Sequence[int], behind: bool
+) -> None:
+    memory = RangeMemory(load_model(model))
+    memory.update(reading(0.0, dict.fromkeys(numbers, inf)))
+    assert memory.around(0.0).sensing
+    assert memory.around(0.0).sees_behind is behind
+    memory.update(reading(1.1, {AHEAD: inf}))
+    assert memory.around(1.1).sensing
+    assert not memory.around(1.1).sees_behind  # the others are silent
+
+
 def test_a_new_session_knows_nothing_of_the_one_before() -> None:
     memory = remembering(reading(0.0, {AHEAD: 1.0}), reading(0.1, sessions=2))
     assert memory.around(0.1).points() == ()
@@ -170,6 +196,45 @@ def test_a_scan_replaces_the_one_before() -> None:
     assert memory.around(0.0).sensing
     memory.update(reading(0.1), [scan(0.1, {0: 1.9}, 1)])
     assert [p.x for p in memory.around(0.1).points()] == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "heading", "behind"),
+    [
+        (-90, 90, 0, False),
+        (-135, 135, 0, False),
+        (-90, 90, 180, True),
+        (-90, 90, 150, True),
+        (-90, 90, 95, False),  # hardly past straight back
+        (-179, 180, 0, True),
+    ],
+)
+def test_a_laser_sees_behind_if_its_field_reaches_there(
+    first: int, last: int, heading: int, behind: bool
+) -> None:
+    memory = RangeMemory(P3AT)
+    count = last - first + 1
+    looking = replace(
+        scan(0.0, {}),
+        sensor_in_robot=Pose2(theta=radians(heading)),
+        angles=tuple(radians(first + i) for i in range(count)),
+        ranges=(2.0,) * count,
+    )
+    memory.update(reading(0.0), [looking])
+    assert memory.around(0.0).sensing
+    assert memory.around(0.0).sees_behind is behind
+
+
+@pytest.mark.parametrize(("width", "behind"), [(5, True), (75, False), (160, False)])
+@pytest.mark.parametrize("hidden", [nan, -inf])
+def test_a_laser_does_not_see_behind_a_wide_mask(width: int, hidden: float, behind: bool) -> None:
+    masked = dict.fromkeys(range(-(width // 2), width // 2 + 1), hidden)
+    free = dict.fromkeys(range(-90, 91), 2.0)
+    memory = RangeMemory(P3AT)
+    back = replace(scan(0.0, free | masked), sensor_in_robot=Pose2(-0.1, theta=pi))
+    memory.update(reading(0.0), [back])
+    assert memory.around(0.0).sensing
+    assert memory.around(0.0).sees_behind is behind
 
 
 def test_a_beam_that_sees_farther_cleans_what_was_remembered() -> None:

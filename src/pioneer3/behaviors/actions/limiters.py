@@ -5,7 +5,7 @@ from itertools import chain
 from math import atan2, hypot, inf, radians, sqrt
 
 from pioneer3.behaviors.action import Desire, Situation
-from pioneer3.behaviors.actions.sensing import BLIND, ahead, behind, table_seen
+from pioneer3.behaviors.actions.sensing import BLIND, ahead, behind, blind_behind, table_seen
 from pioneer3.behaviors.pings import Ping, PingReader
 from pioneer3.behaviors.surroundings import Buffer, Point
 from pioneer3.geometry import TURN, Pose2, wrap
@@ -65,9 +65,11 @@ class LimiterBackwards:
     name: str = "limiter backwards"
 
     def decide(self, situation: Situation) -> Desire:
-        """Return the limit; without range sensors, no motion."""
+        """Return the limit; where no range sensor looks behind, no motion."""
         if not situation.around.sensing:
             return Desire(back_max=0.0, reason=BLIND)
+        if blind := blind_behind(situation):
+            return Desire(back_max=0.0, reason=blind)
         model = situation.model
         side = model.width / 2 * self.width_ratio
         reach = max(self.stop_distance, self.slow_distance) + max(model.length, model.radius)
@@ -136,7 +138,8 @@ class LimiterSweep:
     Not one of ARIA's, whose limiters look ahead only, at what is seen now: things that sonars have
     lost and corners of a turning robot are what it runs into. Because memory may be wrong, a robot
     may always go on forwards and turn at a creep, at which touching something does no harm. It may
-    not creep backwards too: a corner that turns meanwhile moves nearly twice as fast.
+    not creep backwards too: a corner that turns meanwhile moves nearly twice as fast. Where no
+    sensor looks behind, a creep is the most backwards.
 
     Attributes:
         creep: Speed at which any point of the robot may meet something [m/s].
@@ -170,12 +173,15 @@ class LimiterSweep:
         front, back = front - model.length_front, back - model.length_rear
         top = situation.limits.max_speed
         v_max, back_max = self._fastest(front, top, self.creep), self._fastest(back, top, 0.0)
+        why_back, blind = behind(back), blind_behind(situation)
+        if blind and (back_max is None or back_max > self.creep):
+            why_back, back_max = blind, self.creep
         if v_max is None and back_max is None and left == right == inf:
             return None
         if v_max is not None:
             reason = f"{front:.2f} m ahead"
         else:
-            reason = "a corner is near something" if back_max is None else behind(back)
+            reason = "a corner is near something" if back_max is None else why_back
         return Desire(
             v_max=v_max,
             back_max=back_max,
@@ -317,6 +323,7 @@ class DeceleratingLimiter:
         reaction: From an echo until the robot obeys [s]: a report's cycle and 0.3 s each way, as
             over a bad radio link.
         emergency_decel: When something is nearer than `clearance` [m/s^2]; 0 for the robot's own.
+        creep: The most backwards where no sensor looks [m/s].
     """
 
     backwards: bool = False
@@ -330,6 +337,7 @@ class DeceleratingLimiter:
     preferred_decel: float = 0.6
     reaction: float = 0.7
     emergency_decel: float = 0.0
+    creep: float = 0.04
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -351,6 +359,9 @@ class DeceleratingLimiter:
             return self._too_near(v, situation.limits.deceleration, reason)
         room, reason = self._room(situation, side, padding)
         fastest = self._fastest(max(0.0, room))
+        blind = blind_behind(situation) if self.backwards else None
+        if blind and fastest > self.creep:
+            return self._limit(self.creep, blind)
         if fastest >= situation.limits.max_speed:
             return None
         return self._limit(fastest, reason, self._braking(v, room, inside, situation))

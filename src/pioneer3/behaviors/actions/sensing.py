@@ -37,6 +37,14 @@ def table_seen(situation: Situation) -> Table:
 BLIND = "no range sensor works"
 
 
+def blind_behind(situation: Situation) -> str | None:
+    """Return the words for that no sensor looks behind, or `None` if one does."""
+    if situation.around.sees_behind:
+        return None
+    on = situation.snapshot.sonar.enabled
+    return "nothing looks behind" if on else "nothing looks behind: switch the sonars on"
+
+
 def ahead(distance: float, echo: Echo) -> str:
     """Return where an echo is: `distance` [m] from the robot's edge, in its direction."""
     return f"{distance:.2f} m ahead at {round(degrees(echo.bearing))} deg"

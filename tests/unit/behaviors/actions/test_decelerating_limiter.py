@@ -8,7 +8,7 @@ from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.actions import DeceleratingLimiter
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
-from tests.unit.behaviors.support import around, seen, value
+from tests.unit.behaviors.support import around, looking_ahead, seen, value
 
 
 def ahead(distance: float, v: float = 0.0, bearing: float = 0.0) -> Situation:
@@ -103,3 +103,11 @@ def test_without_range_sensors_there_is_no_motion() -> None:
     assert DeceleratingLimiter().decide(blind) == Desire(v_max=0.0, reason=why)
     backwards = DeceleratingLimiter(backwards=True).decide(blind)
     assert backwards == Desire(back_max=0.0, reason=why)
+
+
+def test_backwards_it_creeps_where_nothing_looks() -> None:
+    back = DeceleratingLimiter(backwards=True)
+    reason = "nothing looks behind: switch the sonars on"
+    assert back.decide(looking_ahead()) == Desire(back_max=0.04, reason=reason)
+    assert value(back.decide(looking_ahead((0.4, pi))), "back_max") == 0.0  # remembered
+    assert DeceleratingLimiter().decide(looking_ahead()) is None

@@ -4,10 +4,11 @@ from math import atan2, hypot, inf, pi, radians, sqrt
 
 import pytest
 
+from pioneer3.behaviors.action import Desire
 from pioneer3.behaviors.actions import LimiterSweep
 from pioneer3.behaviors.surroundings import Surroundings
 from pioneer3.geometry import Twist2
-from tests.unit.behaviors.support import around, seen, value
+from tests.unit.behaviors.support import around, looking_ahead, seen, value
 
 CORNER = atan2(0.2525, 0.313)
 CREEP = 0.035 / hypot(0.313, 0.2525)
@@ -98,3 +99,11 @@ def test_the_creep_is_of_driving_and_turning_together(v: float, least: float) ->
     place = seen(around=around((0.42, CORNER)), twist=Twist2(v))
     desire = LimiterSweep().decide(place)
     assert value(desire, "left_max") == pytest.approx(least / hypot(0.313, 0.2525))
+
+
+def test_backwards_it_creeps_where_nothing_looks() -> None:
+    desire = LimiterSweep().decide(looking_ahead())
+    reason = "nothing looks behind: switch the sonars on"
+    assert desire == Desire(back_max=0.04, reason=reason)
+    assert value(LimiterSweep(creep=0.0).decide(looking_ahead()), "back_max") == 0.0
+    assert value(LimiterSweep().decide(looking_ahead((0.34, pi))), "back_max") == 0.0  # remembered

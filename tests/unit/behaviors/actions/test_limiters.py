@@ -9,7 +9,7 @@ from pioneer3.behaviors.actions import LimiterBackwards, LimiterForwards, Limite
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.models import load_model
 from pioneer3.state import Inputs
-from tests.unit.behaviors.support import around, seen, value
+from tests.unit.behaviors.support import around, looking_ahead, seen, value
 
 
 @pytest.mark.parametrize(
@@ -74,6 +74,19 @@ def test_nobody_moves_without_range_sensors() -> None:
     blind, why = seen(around=NOTHING_SENSED), "no range sensor works"
     assert LimiterForwards().decide(blind) == Desire(v_max=0.0, reason=why)
     assert LimiterBackwards().decide(blind) == Desire(back_max=0.0, reason=why)
+
+
+@pytest.mark.parametrize(
+    ("sonar", "reason"),
+    [
+        (False, "nothing looks behind: switch the sonars on"),
+        (True, "nothing looks behind"),
+    ],
+)
+def test_nobody_backs_up_where_nothing_looks(sonar: bool, reason: str) -> None:
+    place = looking_ahead(sonar=sonar)
+    assert LimiterBackwards().decide(place) == Desire(back_max=0.0, reason=reason)
+    assert LimiterForwards().decide(place) is None
 
 
 @pytest.mark.parametrize(
