@@ -1,10 +1,10 @@
 """However robots are driven, nothing ever stands in anything; with and without numba alike."""
 
-from math import pi
+from math import cos, pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
@@ -105,6 +105,7 @@ def kernels(request: pytest.FixtureRequest) -> Kernels:
 
 
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(0, 3), st.booleans())
+@example(415, 4, 0, False)  # a corner came to rest against the side of another
 @settings(max_examples=40)
 def test_robots_never_drive_into_anything(
     kernels: Kernels, seed: int, count: int, things: int, noisy: bool
@@ -151,6 +152,22 @@ def test_robots_that_turn_beside_each_other_stay_apart(kernels: Kernels, heading
         for _ in range(5):
             kernels.step(NOTHING, robots, drives, 0.1)
             assert not kernels.blocked(NOTHING, robots, robots.poses).any(), gap
+
+
+@pytest.mark.parametrize("depth", np.linspace(0.1, 2.0, 20).tolist())
+def test_a_corner_against_a_side_only_touches_for_both_robots(
+    kernels: Kernels, depth: float
+) -> None:
+    way, size = 0.001, np.array([0.2, 0.2])
+    robots, drives = Robots(size, size, size), drives_of(2, noisy=False)
+    beside = 0.2 + 0.2 * sqrt(2) - depth * 1e-9 + way * cos(pi / 4)
+    robots.poses[:] = [[0.0, beside], [0.0, 0.0], [0.0, 3 * pi / 4]]
+    kernels.place(robots)
+    drives.axes[TOP, LINEAR] = 1.0
+    drives.axes[VELOCITY, LINEAR, 1] = drives.axes[TARGET, LINEAR, 1] = way / 0.02
+    kernels.step(NOTHING, robots, drives, 0.02)
+    assert robots.x[1] < beside
+    assert not kernels.blocked(NOTHING, robots, robots.poses).any()
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.5])

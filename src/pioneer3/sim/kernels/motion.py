@@ -1,5 +1,11 @@
 # ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
-"""Drives, and what stops them."""
+"""Drives, and what stops them.
+
+A robot may rest against a wall or against another, up to `TOUCH` [m] deep, as its own rectangle has
+it. Of a corner that reaches d deep into a side, the other rectangle says up to d times the square
+root of 2: it is made smaller along both axes, across the corner. So a robot that moves stops at
+`BETWEEN`, and then both of them say that they only touch.
+"""
 
 from math import ceil, copysign, cos, isnan, pi, sin, sqrt, tau
 
@@ -53,6 +59,10 @@ from pioneer3.sim.kernels.drives import (
     WAY_NOISE,
 )
 from pioneer3.sim.kernels.robots import Others, Walls, cells, neighbours, outline, place
+
+BETWEEN = TOUCH / 2
+"""How deep robots must reach into each other for one that moves to stop [m]; less than `TOUCH` by
+the square root of 2 and room for rounding."""
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -198,6 +208,7 @@ def _collides(
     py: float,
     theta: float,
     moved_by: float,
+    touch: float,
     state: Float,
     walls: Walls,
     others: Others,
@@ -205,7 +216,8 @@ def _collides(
 ) -> bool:
     """Return whether robot `n` would stand on something at a pose.
 
-    The others may have moved by up to `moved_by` [m] since they were sorted into the table.
+    The others may have moved by up to `moved_by` [m] since they were sorted into the table; they
+    count from a depth of `touch` [m] on, walls of `TOUCH`.
     """
     frame, starts, pieces = walls
     shapes, columns, rows = others[1], int(frame[4]), int(frame[5])
@@ -225,6 +237,7 @@ def _collides(
             bx, by = pieces[k, 2] - px, pieces[k, 3] - py
             hit |= _overlaps(ax, ay, bx, by, c, s, middle, length, width)
     near = 0 if hit or len(shapes) < 2 else neighbours(px, py, reach + moved_by, n, others, found)
+    length, width = (front + rear) / 2 - touch, half - touch
     for i in range(near):
         k = found[i]
         ax, ay = shapes[k, corners - 2] - px, shapes[k, corners - 1] - py
@@ -243,7 +256,7 @@ def blocked(
     found = np.empty(len(others[1]) + 1, np.int32)
     for n in range(first, last):
         x, y, theta = poses[0, n], poses[1, n], poses[2, n]
-        out[n] = _collides(n, x, y, theta, 0.0, state, walls, others, found)
+        out[n] = _collides(n, x, y, theta, 0.0, TOUCH, state, walls, others, found)
 
 
 @kernel
@@ -268,7 +281,7 @@ def _free_share(
             share = begin + part * k
             dx, dy, theta = share * motion[0], share * motion[1], state[2, n] + share * motion[2]
             px, py = x + c * dx - s * dy, y + s * dx + c * dy
-            if _collides(n, px, py, theta, moved_by, state, walls, others, found):
+            if _collides(n, px, py, theta, moved_by, BETWEEN, state, walls, others, found):
                 break
             free = share
     return free
@@ -320,7 +333,8 @@ def step(
         x, y, c, s = state[0, n], state[1, n], cos(state[2, n]), sin(state[2, n])
         px, py = x + c * motion[0] - s * motion[1], y + s * motion[0] + c * motion[1]
         share = 1.0
-        if _collides(n, px, py, state[2, n] + motion[2], moved_by, state, walls, others, found):
+        theta = state[2, n] + motion[2]
+        if _collides(n, px, py, theta, moved_by, BETWEEN, state, walls, others, found):
             share = _free_share(n, motion, moved_by, state, walls, others, found)
             axes[VELOCITY, LINEAR, n] = axes[VELOCITY, ANGULAR, n] = 0.0
         flags[STALLED, n] = flags[TOUCHED, n] = share < 1.0
