@@ -11,6 +11,9 @@ from pioneer3.behaviors.surroundings import Buffer, Point
 from pioneer3.geometry import TURN, Pose2, wrap
 from pioneer3.models import RobotModel
 
+CREEP = 0.035
+"""Touching something at this speed does no harm [m/s]; a robot with a bad view may go on at it."""
+
 
 @dataclass(slots=True)
 class LimiterForwards:
@@ -65,11 +68,11 @@ class LimiterBackwards:
     name: str = "limiter backwards"
 
     def decide(self, situation: Situation) -> Desire:
-        """Return the limit; where no range sensor looks behind, no motion."""
+        """Return the limit; without range sensors no motion, where none looks behind a creep."""
         if not situation.around.sensing:
             return Desire(back_max=0.0, reason=BLIND)
         if blind := blind_behind(situation):
-            return Desire(back_max=0.0, reason=blind)
+            return Desire(back_max=CREEP, reason=blind)
         model = situation.model
         side = model.width / 2 * self.width_ratio
         reach = max(self.stop_distance, self.slow_distance) + max(model.length, model.radius)
@@ -148,7 +151,7 @@ class LimiterSweep:
         turn_time: It takes at least this long to turn until something is met [s].
     """
 
-    creep: float = 0.035
+    creep: float = CREEP
     margin: float = 0.05
     deceleration: float = 0.3
     turn_time: float = 1.2
@@ -337,7 +340,7 @@ class DeceleratingLimiter:
     preferred_decel: float = 0.6
     reaction: float = 0.7
     emergency_decel: float = 0.0
-    creep: float = 0.04
+    creep: float = CREEP
     name: str = ""
 
     def __post_init__(self) -> None:

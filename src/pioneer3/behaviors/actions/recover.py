@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.actions.explore import Explore
+from pioneer3.behaviors.actions.limiters import CREEP
 from pioneer3.behaviors.surroundings import Buffer
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 
@@ -67,7 +68,7 @@ class StallRecover:
     speed: float = 0.15
     turn_amount: float = radians(45)
     turn_rate: float = radians(10)
-    creep: float = 0.035
+    creep: float = CREEP
     clear: float = 0.1
     enabled: bool = True
     name: str = "stall recover"

@@ -108,6 +108,6 @@ def test_without_range_sensors_there_is_no_motion() -> None:
 def test_backwards_it_creeps_where_nothing_looks() -> None:
     back = DeceleratingLimiter(backwards=True)
     reason = "nothing looks behind: switch the sonars on"
-    assert back.decide(looking_ahead()) == Desire(back_max=0.04, reason=reason)
+    assert back.decide(looking_ahead()) == Desire(back_max=0.035, reason=reason)
     assert value(back.decide(looking_ahead((0.4, pi))), "back_max") == 0.0  # remembered
     assert DeceleratingLimiter().decide(looking_ahead()) is None

@@ -104,6 +104,6 @@ def test_the_creep_is_of_driving_and_turning_together(v: float, least: float) ->
 def test_backwards_it_creeps_where_nothing_looks() -> None:
     desire = LimiterSweep().decide(looking_ahead())
     reason = "nothing looks behind: switch the sonars on"
-    assert desire == Desire(back_max=0.04, reason=reason)
+    assert desire == Desire(back_max=0.035, reason=reason)
     assert value(LimiterSweep(creep=0.0).decide(looking_ahead()), "back_max") == 0.0
     assert value(LimiterSweep().decide(looking_ahead((0.34, pi))), "back_max") == 0.0  # remembered

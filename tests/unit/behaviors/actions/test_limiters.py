@@ -6,6 +6,7 @@ import pytest
 
 from pioneer3.behaviors.action import Desire
 from pioneer3.behaviors.actions import LimiterBackwards, LimiterForwards, LimiterTableSensor
+from pioneer3.behaviors.actions.limiters import CREEP
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.models import load_model
 from pioneer3.state import Inputs
@@ -83,9 +84,9 @@ def test_nobody_moves_without_range_sensors() -> None:
         (True, "nothing looks behind"),
     ],
 )
-def test_nobody_backs_up_where_nothing_looks(sonar: bool, reason: str) -> None:
+def test_robots_creep_back_where_nothing_looks(sonar: bool, reason: str) -> None:
     place = looking_ahead(sonar=sonar)
-    assert LimiterBackwards().decide(place) == Desire(back_max=0.0, reason=reason)
+    assert LimiterBackwards().decide(place) == Desire(back_max=CREEP, reason=reason)
     assert LimiterForwards().decide(place) is None
 
 
