@@ -1,0 +1,157 @@
+"""The cost of driving over each place of a map, for one robot."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import fast
+from pioneer3.maps import LineMap
+from pioneer3.maps.line_map import FREE, UNKNOWN, MapObject
+from pioneer3.models import RobotModel
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.fields import nearest_wall
+from pioneer3.nav.raster import Raster
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+Bool = NDArray[np.bool_]
+
+CELL = 0.05
+"""Side of a cell [m]."""
+MARGIN = 0.03
+"""Kept on either side of the robot in the narrowest places [m]: the error of a place, and of
+driving through."""
+COMFORTABLE = 0.35
+"""More room than this beside the robot is worth no detour [m]."""
+NARROW = 3.0
+"""A metre without any room beside the robot costs so many metres in the open, and one more."""
+SQUEEZE = 60.0
+"""A metre where the robot does not fit costs so much: it may get out of there, but not plan there."""
+CORE = 0.08
+"""No place nearer to a wall than this is worth leaving from [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CostMap:
+    """Costs for the centre of one robot.
+
+    Attributes:
+        raster: The cells.
+        clearance: Distance to the nearest wall, forbidden line or obstacle [m], up to `reach`,
+            shape (H, W).
+        closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
+            all that is known, shape (H, W).
+        speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
+        needed: The clearance that the robot needs [m].
+        top_speed: Of the robot [m/s].
+    """
+
+    raster: Raster
+    clearance: Float32
+    closed: Bool
+    speeds: Float32
+    needed: float
+    top_speed: float
+
+    @classmethod
+    def of(cls, line_map: LineMap, model: RobotModel, cell: float = CELL) -> Self:
+        """Return the costs of a map for a robot.
+
+        A robot is as wide as it is: it turns towards its way before a narrow place.
+        """
+        raster = Raster.around(line_map.bounds, cell)
+        needed = min(model.width / 2, model.length_front, model.length_rear) + MARGIN
+        clearance = np.full(raster.shape, needed + COMFORTABLE, dtype=np.float32)
+        lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
+        walls = np.concatenate([line_map.walls, np.array(lines).reshape(-1, 4)])
+        fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, clearance)
+        closed = _unknown(line_map, raster)
+        speeds = np.full(raster.shape, np.inf, dtype=np.float32)
+        for item in line_map.objects:
+            if len(item.outline) > 2 and (item.forbidden or item.solid):
+                closed |= inside(item, raster)
+        return cls(
+            raster=raster,
+            clearance=clearance,
+            closed=closed,
+            speeds=speeds,
+            needed=needed,
+            top_speed=model.max_speed,
+        )
+
+    def with_obstacles(self, points: Float) -> Self:
+        """Return the costs with obstacles that are not on the map, at `points` (N, 2) [m]."""
+        if not len(points):
+            return self
+        clearance = self.clearance.copy()
+        raster, there = self.raster, np.tile(points, 2)
+        # its largest value is the reach: all cells that an obstacle may lower
+        fast(nearest_wall, CACHE)(there, raster.x, raster.y, raster.cell, clearance)
+        return replace(self, clearance=clearance)
+
+    def with_speed(self, area: MapObject, speed: float) -> Self:
+        """Return the costs with a preferred speed [m/s] within an area of the map."""
+        speeds = self.speeds.copy()
+        within = inside(area, self.raster)
+        speeds[within] = np.minimum(speeds[within], np.float32(speed))
+        return replace(self, speeds=speeds)
+
+    def costs(self) -> Float32:
+        """Return the cost of crossing each cell from side to side [m in the open], shape (H, W)."""
+        room = (self.clearance - np.float32(self.needed)) / np.float32(COMFORTABLE)
+        tight = np.clip(1 - room, 0, 1)
+        factors = 1 + np.float32(NARROW) * tight * tight
+        factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds)
+        factors[room < 0] = SQUEEZE
+        factors[self.closed | (self.clearance < CORE)] = np.inf
+        costs: Float32 = factors * np.float32(self.raster.cell)
+        return costs
+
+    def fits(self, x: float, y: float) -> bool:
+        """Whether the robot can be at a place [m], at some heading."""
+        cell = self.raster.cell_of(x, y)
+        if cell is None or self.closed[cell]:
+            return False
+        return bool(self.clearance[cell] >= self.needed)
+
+
+def inside(item: MapObject, raster: Raster) -> Bool:
+    """Return the cells whose middles lie within the outline of an area, shape (H, W)."""
+    corners = raster.in_cells(np.array(item.outline))
+    low = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, (raster.width, raster.height))
+    high = np.clip(np.ceil(corners.max(axis=0)).astype(int), 0, (raster.width, raster.height))
+    x = np.arange(low[0], high[0])[None, :] + 0.5
+    y = np.arange(low[1], high[1])[:, None] + 0.5
+    crossed = np.zeros((y.size, x.size), dtype=np.bool_)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if ay != by:
+            spans = (ay > y) != (by > y)
+            crossed ^= spans & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    out = np.zeros(raster.shape, dtype=np.bool_)
+    out[low[1] : high[1], low[0] : high[0]] = crossed
+    return out
+
+
+def _unknown(line_map: LineMap, raster: Raster) -> Bool:
+    """Return the cells of which no grid knows that they are free, shape (H, W).
+
+    A map that draws walls alone, or grids without free cells, knows nothing of that.
+    """
+    grids = [grid for grid in line_map.grids if (grid.states == FREE).any()]
+    if not grids:
+        return np.zeros(raster.shape, dtype=np.bool_)
+    unknown = np.ones(raster.shape, dtype=np.bool_)
+    columns, rows = np.meshgrid(np.arange(raster.width), np.arange(raster.height))
+    x = raster.x + (columns + 0.5) * raster.cell
+    y = raster.y + (rows + 0.5) * raster.cell
+    for grid in grids:
+        c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
+        dx, dy = x - grid.origin.x, y - grid.origin.y
+        column = np.floor((c * dx + s * dy) / grid.resolution).astype(int)
+        row = np.floor((c * dy - s * dx) / grid.resolution).astype(int)
+        height, width = grid.states.shape
+        within = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        unknown[within] &= grid.states[row[within], column[within]] == UNKNOWN
+    return unknown

@@ -1,0 +1,255 @@
+"""The velocity that takes a robot along its way, around the things that its sensors see."""
+
+from dataclasses import dataclass, field
+from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2, Twist2, wrap
+from pioneer3.jit import fast
+from pioneer3.limits import Limits
+from pioneer3.models import RobotModel
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.arcs import arcs
+from pioneer3.nav.planner import CostToGo
+
+Float = NDArray[np.float64]
+
+HOLD, STEP = 1.0, 0.1
+"""A command is judged as if it were held so long, then braked; in these steps [s]."""
+DELAY = 0.15
+"""From the sensors' readings until the robot obeys [s]."""
+SPEEDS, TURNS = 8, 17
+"""Numbers of speeds and turn rates that are tried."""
+KEEP, KEEP_PER_SPEED = 0.04, 0.1
+"""Distance to obstacles [m], and how much more per speed [s]."""
+NEAR = 0.15
+"""More than this beyond the distance to be kept is worth nothing [m]."""
+HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
+"""Worth of a heading along the way [m/rad], of room [m/m], of not changing the turn [m s/rad]."""
+TURN_FIRST = 1.0
+"""Farther off its way it turns where it stands [rad]."""
+BACK = 0.1
+"""Speed backwards, where nothing else goes on [m/s]."""
+LOOK = 2.5
+"""Obstacles farther than this are not looked at [m]."""
+
+ARRIVING = 0.35
+"""Nearer than this it goes straight for the goal [m]."""
+THERE, ALIGNED = 0.02, radians(1.0)
+"""Near enough [m, rad]."""
+FACING = radians(10)
+"""Farther off the goal it turns first [rad]."""
+SLOWING = 0.15
+"""Deceleration towards the goal [m/s^2]."""
+STANDING, TURNING = 0.01, radians(2)
+SLOWEST, SLOWEST_TURN = 0.02, radians(3)
+"""Wheels stick below these [m/s, rad/s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """The next moment of a way.
+
+    Attributes:
+        v: [m/s].
+        w: [rad/s].
+        reason: In a few words, for people.
+        arrived: Whether the robot stands at the goal.
+        blocked: Whether no motion leads on.
+    """
+
+    v: float
+    w: float
+    reason: str
+    arrived: bool = False
+    blocked: bool = False
+
+
+NO_OBSTACLES: Float = np.empty((0, 4))
+
+
+@dataclass(slots=True)
+class Follower:
+    """Drives one robot along ways.
+
+    At each step it tries many velocities that the robot can reach, holds each for a second in
+    thought, brakes it, and takes the one that ends where the rest of the way is the cheapest, its
+    heading along the way, and room beside it; none that would come too near to an obstacle.
+
+    Attributes:
+        model: Its outline.
+        limits: Bounds on its motion.
+        goal: Point [m] in the map's frame, and heading to end with, or `None`.
+        cost_to_go: To the goal; replaced whenever a better one is known.
+    """
+
+    model: RobotModel
+    limits: Limits
+    goal: tuple[float, float, float | None]
+    cost_to_go: CostToGo
+    _turn: float = field(default=0.0, init=False)
+    _at_place: bool = field(default=False, init=False)
+
+    def step(
+        self,
+        robot_in_map: Pose2,
+        twist: Twist2,
+        obstacles: Float = NO_OBSTACLES,
+        top_speed: float = inf,
+    ) -> Step:
+        """Return the velocity for the next moment.
+
+        Args:
+            robot_in_map: Where the robot is [m, rad].
+            twist: Its measured motion.
+            obstacles: x, y [m] and velocity [m/s] in the map's frame, shape (N, 4).
+            top_speed: No faster than this [m/s].
+        """
+        x, y, _ = self.goal
+        near = obstacles[
+            np.hypot(obstacles[:, 0] - robot_in_map.x, obstacles[:, 1] - robot_in_map.y) < LOOK
+        ]
+        distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
+        if self._at_place or distance < ARRIVING:
+            step = self._arrive(robot_in_map, twist, distance, near)
+            if step is not None:
+                return step
+        return self._drive(robot_in_map, twist, near, top_speed)
+
+    def _drive(
+        self, robot_in_map: Pose2, twist: Twist2, obstacles: Float, top_speed: float
+    ) -> Step:
+        top = min(top_speed, self.limits.max_speed)
+        commands = self._commands(top)
+        judged = self._judge(robot_in_map, twist, commands, obstacles)
+        to_go, off, gap = judged.T
+        gap = np.minimum(gap, NEAR)
+        inside = self._gap_now(robot_in_map, obstacles)
+        possible = np.isfinite(to_go) & (gap >= min(0.0, inside + 1e-3))
+        standing = (commands == 0.0).all(axis=1)
+        possible &= ~standing
+        if not possible.any():
+            self._turn = 0.0
+            return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
+        cost = to_go + HEADING * off + ROOM * (NEAR - gap)
+        cost += CHANGE * np.abs(commands[:, 1] - self._turn)
+        cost[commands[:, 0] < 0] += 1.0
+        if self._off_way(robot_in_map) > TURN_FIRST:
+            cost[commands[:, 0] != 0] += 1.0
+        cost[~possible] = inf
+        best = int(cost.argmin())
+        v, w = commands[best].tolist()
+        self._turn = w
+        left = self.cost_to_go.at(robot_in_map.x, robot_in_map.y)
+        here = judged[standing][0] if standing.any() else None
+        stuck = here is not None and cost[best] >= here[0] + HEADING * here[1] + 2.0
+        return Step(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
+
+    def _commands(self, top: float) -> Float:
+        """Return the velocities to try, shape (C, 2)."""
+        rate = min(self.limits.max_turn_rate, 1.2)
+        shares = np.linspace(-1.0, 1.0, TURNS)
+        turns = rate * shares * np.abs(shares)  # finer where small
+        speeds = np.append(np.linspace(0.0, top, SPEEDS), -min(BACK, top))
+        pairs = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1)
+        commands: Float = pairs.reshape(-1, 2)
+        return commands
+
+    def _judge(
+        self, robot_in_map: Pose2, twist: Twist2, commands: Float, obstacles: Float
+    ) -> Float:
+        """Return cost to go, heading off the way, and gap of each command, shape (C, 3)."""
+        at, limits, model = robot_in_map, self.limits, self.model
+        middle = at.theta + twist.w * DELAY / 2
+        state = np.array(
+            [
+                at.x + twist.v * DELAY * cos(middle),
+                at.y + twist.v * DELAY * sin(middle),
+                at.theta + twist.w * DELAY,
+                twist.v,
+                twist.w,
+            ]
+        )
+        motion = np.array(
+            [
+                limits.acceleration,
+                limits.deceleration,
+                limits.turn_acceleration,
+                limits.turn_deceleration,
+                HOLD,
+                STEP,
+            ]
+        )
+        raster = self.cost_to_go.raster
+        frame = np.array([raster.x, raster.y, raster.cell])
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED])
+        out = np.empty((len(commands), 3))
+        values = self.cost_to_go.values
+        fast(arcs, CACHE)(commands, state, motion, outline, obstacles, values, frame, out)
+        del model
+        return out
+
+    @property
+    def _outline(self) -> tuple[float, float, float]:
+        return self.model.length_front, self.model.length_rear, self.model.width / 2
+
+    def _gap_now(self, at: Pose2, obstacles: Float) -> float:
+        """Return the gap to the nearest obstacle, less the distance to be kept [m]."""
+        if not len(obstacles):
+            return inf
+        front, rear, half = self._outline
+        c, s = cos(at.theta), sin(at.theta)
+        dx, dy = obstacles[:, 0] - at.x, obstacles[:, 1] - at.y
+        x, y = c * dx + s * dy, c * dy - s * dx
+        off_x = np.maximum(np.maximum(x - front, -rear - x), 0.0)
+        off_y = np.maximum(np.abs(y) - half, 0.0)
+        return float(np.hypot(off_x, off_y).min()) - KEEP
+
+    def _off_way(self, at: Pose2) -> float:
+        """Return the angle between the robot's heading and its way [rad], 0 to pi."""
+        ahead = self._ahead(at)
+        return 0.0 if ahead is None else abs(wrap(ahead - at.theta))
+
+    def _ahead(self, at: Pose2) -> float | None:
+        from pioneer3.nav.planner import way_from
+
+        way = way_from(self.cost_to_go, (at.x, at.y))
+        if way is None:
+            return None
+        reach = int(np.searchsorted(way.length - way.to_go, 0.3))
+        x, y = way.points[min(reach, len(way.points) - 1)]
+        return atan2(y - at.y, x - at.x)
+
+    def _arrive(self, at: Pose2, twist: Twist2, distance: float, obstacles: Float) -> Step | None:
+        """Return the last moments: to the point, then to the heading; `None` if it may not."""
+        x, y, heading = self.goal
+        if distance < THERE:
+            self._at_place = True
+        elif distance > 2.5 * THERE:
+            self._at_place = False
+        if self._at_place:
+            off = 0.0 if heading is None else wrap(heading - at.theta)
+            if abs(off) <= ALIGNED:
+                still = abs(twist.v) < STANDING and abs(twist.w) < TURNING
+                return Step(v=0.0, w=0.0, reason="there", arrived=still)
+            return Step(v=0.0, w=self._rate(off), reason="turns to its heading")
+        bearing = wrap(atan2(y - at.y, x - at.x) - at.theta)
+        back = abs(bearing) > pi - FACING and distance < 0.15
+        off = wrap(bearing - pi) if back else bearing
+        if abs(off) > FACING and distance > THERE:
+            command = (0.0, self._rate(off))
+        else:
+            v = max(SLOWEST, min(sqrt(2 * SLOWING * distance), self.limits.max_speed))
+            command = (-v if back else v, 1.5 * off)
+        judged = self._judge(at, twist, np.array([command]), obstacles)
+        if judged[0, 2] + KEEP < 0.02 and judged[0, 2] < self._gap_now(at, obstacles):
+            return None
+        return Step(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
+
+    def _rate(self, off: float) -> float:
+        """Return the turn rate for the rest of a turn [rad/s]."""
+        rate = sqrt(2 * 0.5 * self.limits.turn_deceleration * abs(off) / 2)
+        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, 1.0))
+        return rate if off > 0 else -rate

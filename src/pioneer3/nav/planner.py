@@ -1,0 +1,158 @@
+"""Ways to a goal: the cheapest one from everywhere, and the one from a place as points."""
+
+from dataclasses import dataclass
+from math import hypot, inf, isfinite
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import fast
+from pioneer3.nav.costs import CostMap
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.eikonal import march
+from pioneer3.nav.kernels.ways import descend
+from pioneer3.nav.raster import Raster
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+
+GET_OUT = 0.8
+"""So far from its start a way may lead through places where the robot does not fit [m]."""
+FARTHEST = 5000
+"""Most points of a way."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostToGo:
+    """The cost of the cheapest way to a goal.
+
+    Attributes:
+        raster: The cells.
+        values: [m in the open], shape (H, W); `inf` where no way leads to the goal.
+        x: The goal [m].
+        y: [m].
+    """
+
+    raster: Raster
+    values: Float32
+    x: float
+    y: float
+
+    @classmethod
+    def of(cls, costs: Float32, raster: Raster, x: float, y: float) -> Self | None:
+        """Return the costs to a goal, or `None` if that is outside of the raster."""
+        cell = raster.cell_of(x, y)
+        if cell is None:
+            return None
+        count = raster.height * raster.width
+        values = np.full(raster.shape, np.inf, dtype=np.float32)
+        goals = np.array([cell[0] * raster.width + cell[1]], dtype=np.int32)
+        heap, places = np.empty(count, dtype=np.int32), np.full(count, -1, dtype=np.int32)
+        fast(march, CACHE)(costs, goals, heap, places, values)
+        return cls(raster, values, x, y)
+
+    def at(self, x: float, y: float) -> float:
+        """Return the cost from a place [m]; `inf` without a way."""
+        cell = self.raster.cell_of(x, y)
+        return float(self.values[cell]) if cell else inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """A way to a goal.
+
+    Attributes:
+        points: From start to goal [m] in the map's frame, shape (N, 2), N at least 2.
+        to_go: Way that is left at each point [m], shape (N,).
+        cost_to_go: From every place.
+    """
+
+    points: Float
+    to_go: Float
+    cost_to_go: CostToGo
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return float(self.to_go[0])
+
+
+@dataclass(frozen=True, slots=True)
+class NoWay:
+    """There is none.
+
+    Attributes:
+        why: In words, for people.
+        where: The place that closes the way [m], if it is one.
+    """
+
+    why: str
+    where: tuple[float, float] | None = None
+
+
+def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> Way | NoWay:
+    """Return the cheapest way for the robot of `costs`.
+
+    Args:
+        costs: Of the map, with all that is known besides.
+        start: Where the robot is [m]; it may be where it does not fit, and gets out.
+        goal: [m].
+    """
+    raster = costs.raster
+    if raster.cell_of(*goal) is None:
+        return NoWay("the goal is outside of the map")
+    if raster.cell_of(*start) is None:
+        return NoWay("the robot is outside of the map")
+    if not costs.fits(*goal):
+        return NoWay(_why_not(costs, goal), goal)
+    cost_to_go = CostToGo.of(costs.costs(), raster, *goal)
+    assert cost_to_go is not None
+    if not isfinite(cost_to_go.at(*start)):
+        return NoWay("no way leads to the goal")
+    way = way_from(cost_to_go, start)
+    if way is None:
+        return NoWay("no way leads to the goal")
+    beyond = way.length - way.to_go > GET_OUT
+    tight = beyond & ~_fits(costs, way.points)
+    if tight.any():
+        x, y = way.points[int(tight.argmax())]
+        return NoWay("the way is too narrow for this robot", (float(x), float(y)))
+    return way
+
+
+def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
+    """Return the way down from a place, or `None` if it leads nowhere."""
+    raster = cost_to_go.raster
+    points = np.empty((FARTHEST, 2))
+    begin, goal = raster.in_cells(np.array([start, (cost_to_go.x, cost_to_go.y)]))
+    count = fast(descend, CACHE)(cost_to_go.values, begin, goal, 0.5, points)
+    if count < 2:
+        return None
+    way = points[:count] * raster.cell + (raster.x, raster.y)
+    steps = np.hypot(*np.diff(way, axis=0).T)
+    to_go = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+    return Way(way, to_go, cost_to_go)
+
+
+def _fits(costs: CostMap, points: Float) -> NDArray[np.bool_]:
+    """Return whether the robot fits at each of `points` (N, 2) [m], less half a cell."""
+    raster = costs.raster
+    columns, rows = np.floor(raster.in_cells(points)).astype(int).T
+    columns, rows = columns.clip(0, raster.width - 1), rows.clip(0, raster.height - 1)
+    enough: NDArray[np.bool_] = costs.clearance[rows, columns] >= costs.needed - raster.cell / 2
+    return enough & ~costs.closed[rows, columns]
+
+
+def _why_not(costs: CostMap, goal: tuple[float, float]) -> str:
+    cell = costs.raster.cell_of(*goal)
+    assert cell is not None
+    if costs.closed[cell]:
+        return "the goal is in a forbidden area, or nothing is known of its place"
+    room = float(costs.clearance[cell])
+    return f"the goal is too near something: {room:.2f} m, and the robot needs {costs.needed:.2f} m"
+
+
+def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """Return the distance of two places [m]."""
+    return hypot(one[0] - other[0], one[1] - other[1])
