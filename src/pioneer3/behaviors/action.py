@@ -218,12 +218,14 @@ class Goal:
         y: [m].
         heading: To turn to there [rad], or `None`.
         person: Whether it is the place of a person who is followed.
+        to_go: Way that is left [m], where one is planned; its driver decides when to give up.
     """
 
     x: float
     y: float
     heading: float | None = None
     person: bool = False
+    to_go: float | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,6 +256,12 @@ class Stack:
     def done(self) -> bool:
         """Whether one of its actions is done (its `done`); most never are."""
         return any(getattr(ranked.action, "done", False) for ranked in self.actions)
+
+    @property
+    def failed(self) -> str | None:
+        """The reason that one of its actions gives up for (its `failed`); most never do."""
+        reasons = (getattr(ranked.action, "failed", None) for ranked in self.actions)
+        return next((reason for reason in reasons if reason), None)
 
     @property
     def goal(self) -> Goal | None:
@@ -315,11 +323,11 @@ class ProgressChecker:
     def check(self, goal: Goal | None, x: float, y: float, now: float) -> bool:
         """Return whether a robot at `x`, `y` [m] makes progress.
 
-        A robot without a goal, or one that follows a person, need not.
+        A robot without a goal, with a planned way, or one that follows a person, need not.
         """
         passed = max(0.0, min(now - self._checked_at, LONGEST_GAP))
         self._checked_at = now
-        if goal is None or goal.person:
+        if goal is None or goal.person or goal.to_go is not None:
             self._goal = None
             return True
         distance = hypot(goal.x - x, goal.y - y)

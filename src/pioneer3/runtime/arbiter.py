@@ -300,6 +300,8 @@ class Arbiter:
         if self.mode is not None and self.mode.done:
             self._forget_mode("done", done=True)
             self.decide()
+        elif self.mode is not None and (failed := self.mode.failed):
+            self.end_mode(failed)
         self._check_progress(snapshot)
 
     def _check_progress(self, snapshot: Snapshot) -> None:

@@ -1,0 +1,55 @@
+"""Cells in which things were seen that are not on the map, and cells that were seen to be free."""
+
+from math import floor, hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import kernel
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+
+
+@kernel
+def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
+    """Forget what was seen in the cells that beams pass.
+
+    Args:
+        origin: Where all beams begin [cells], shape (2,).
+        ends: Where they end [cells], shape (N, 2).
+        short: The last part of each, which is not looked at [cells].
+        seen: Time of the last sighting in each cell, 0 for none, shape (H, W).
+    """
+    height, width = seen.shape
+    for i in range(len(ends)):
+        dx, dy = ends[i, 0] - origin[0], ends[i, 1] - origin[1]
+        length = hypot(dx, dy)
+        if length <= short:
+            continue
+        dx, dy = dx / length, dy / length
+        for step in range(floor(2.0 * (length - short))):
+            column, row = floor(origin[0] + dx * step / 2), floor(origin[1] + dy * step / 2)
+            if 0 <= column < width and 0 <= row < height:
+                seen[row, column] = 0.0
+
+
+@kernel
+def mark_echoes(
+    echoes: Float, clearance: Float32, known: float, now: float, seen: Float
+) -> None:
+    """Note the cells of echoes that no wall of the map explains.
+
+    Args:
+        echoes: [cells], shape (N, 2).
+        clearance: Distance of each cell to the nearest wall [m], shape (H, W).
+        known: Echoes nearer to a wall than this are of that wall [m].
+        now: The time to note.
+        seen: Shape (H, W).
+    """
+    height, width = seen.shape
+    for i in range(len(echoes)):
+        column, row = floor(echoes[i, 0]), floor(echoes[i, 1])
+        inside = 0 <= column < width and 0 <= row < height
+        if inside and clearance[row, column] > known:
+            seen[row, column] = now
