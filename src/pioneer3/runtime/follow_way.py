@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.behaviors.action import MODE, Desire, Goal, Ranked, Situation, Stack
-from pioneer3.behaviors.actions.limiters import LimiterSweep, LimiterTableSensor
+from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
@@ -107,7 +107,6 @@ def follow_way(action: FollowWay) -> Stack:
     actions = [
         Ranked(110, StallRecover()),
         Ranked(100, LimiterTableSensor()),
-        Ranked(85, LimiterSweep()),
         Ranked(50, action),
     ]
     return Stack.of("goto", MODE, actions, "drives to a place of the map")
