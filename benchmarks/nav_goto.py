@@ -38,6 +38,9 @@ from tests.wandering import Watch, places_of
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "maps"
 TOP = 0.75
+"""Of both robots, as they are delivered [m/s]."""
+FAR = 3.0
+"""Goals are farther away than this [m]."""
 Float = NDArray[np.float64]
 
 
@@ -118,7 +121,7 @@ class Course:
             there = Pose2(x, y, float(self._rng.uniform(-pi, pi)))
             to_go = CostToGo.of(open_ways, self.costs.raster, x, y)
             shortest = to_go.at(here.x, here.y) if to_go else inf
-            if 2.0 < shortest < inf:
+            if FAR < shortest < inf:
                 yield there, shortest
                 here, count = there, count - 1
 

@@ -28,6 +28,8 @@ NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
 """Worth of a heading along the way [m/rad], of room [m/m], of not changing the turn [m s/rad]."""
+FASTEST_TURN = 1.5
+"""[rad/s]."""
 TURN_FIRST = 1.0
 """Farther off its way it turns where it stands [rad]."""
 BACK = 0.1
@@ -39,9 +41,9 @@ ARRIVING = 0.35
 """Nearer than this it goes straight for the goal [m]."""
 THERE, ALIGNED = 0.02, radians(1.0)
 """Near enough [m, rad]."""
-FACING = radians(10)
+FACING = radians(25)
 """Farther off the goal it turns first [rad]."""
-SLOWING = 0.15
+SLOWING = 0.2
 """Deceleration towards the goal [m/s^2]."""
 STANDING, TURNING = 0.01, radians(2)
 SLOWEST, SLOWEST_TURN = 0.02, radians(3)
@@ -149,7 +151,7 @@ class Follower:
 
     def _commands(self, top: float) -> Float:
         """Return the velocities to try, shape (C, 2)."""
-        rate = min(self.limits.max_turn_rate, 1.2)
+        rate = min(self.limits.max_turn_rate, FASTEST_TURN)
         shares = np.linspace(-1.0, 1.0, TURNS)
         turns = rate * shares * np.abs(shares)  # finer where small
         speeds = np.append(np.linspace(0.0, top, SPEEDS), -min(BACK, top))
@@ -238,11 +240,12 @@ class Follower:
         bearing = wrap(atan2(y - at.y, x - at.x) - at.theta)
         back = abs(bearing) > pi - FACING and distance < 0.15
         off = wrap(bearing - pi) if back else bearing
-        if abs(off) > FACING and distance > THERE:
+        if abs(off) > FACING:
             command = (0.0, self._rate(off))
         else:
-            v = max(SLOWEST, min(sqrt(2 * SLOWING * distance), self.limits.max_speed))
-            command = (-v if back else v, 1.5 * off)
+            v = min(sqrt(2 * SLOWING * distance), self.limits.max_speed)
+            v = max(SLOWEST, v * (1 - abs(off) / FACING))
+            command = (-v if back else v, 2.0 * off)
         judged = self._judge(at, twist, np.array([command]), obstacles)
         if judged[0, 2] + KEEP < 0.02 and judged[0, 2] < self._gap_now(at, obstacles):
             return None
@@ -250,6 +253,6 @@ class Follower:
 
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""
-        rate = sqrt(2 * 0.5 * self.limits.turn_deceleration * abs(off) / 2)
-        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, 1.0))
+        rate = sqrt(self.limits.turn_deceleration * abs(off))
+        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, FASTEST_TURN))
         return rate if off > 0 else -rate
