@@ -34,6 +34,7 @@ class FollowWay:
     Attributes:
         follower: Chooses the velocities.
         odom_in_map: Returns the transform of now.
+        unsure: Returns the reason that nobody knows where the robot is, or `None`.
         sightings: Things that are not on the map.
         walls: Points of the map's walls [m], shape (W, 2).
         top_speed: [m/s].
@@ -44,6 +45,7 @@ class FollowWay:
 
     follower: Follower
     odom_in_map: Callable[[], Pose2]
+    unsure: Callable[[], str | None]
     sightings: Sightings
     walls: Float
     top_speed: float = inf
@@ -71,6 +73,9 @@ class FollowWay:
         """Return the next velocity, or `None` at the goal."""
         if self.done or self.failed:
             return None
+        if unsure := self.unsure():
+            self._wait(situation.now)
+            return Desire(v=0.0, w=0.0, reason=f"not sure where it is: {unsure}")
         robot_in_map = self.odom_in_map() @ situation.pose
         step = self.follower.step(
             robot_in_map, situation.twist, self._obstacles(situation, robot_in_map), self.top_speed
@@ -78,6 +83,14 @@ class FollowWay:
         self.done, self.blocked = step.arrived, step.blocked
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
+
+    def _wait(self, now: float) -> None:
+        """Stand until somebody knows where the robot is; then begin to watch its progress anew."""
+        self._best = inf
+        if self._since is None:
+            self._since = now
+        elif now - self._since > PATIENCE:
+            self.failed = "nobody knows where the robot is"
 
     def _check_progress(self, now: float, robot_in_map: Pose2) -> None:
         left = self.follower.cost_to_go.at(robot_in_map.x, robot_in_map.y)

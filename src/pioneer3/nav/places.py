@@ -1,0 +1,62 @@
+"""The places of a map that people send robots to."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
+from pioneer3.maps.line_map import MapObject
+
+ROLES = ("goal", "dock", "home", "place")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Destination:
+    """A place in the map's frame, to drive to.
+
+    Attributes:
+        x: [m].
+        y: [m].
+        heading: To turn to there [rad], or `None`.
+        name: On the map, or empty.
+    """
+
+    x: float
+    y: float
+    heading: float | None = None
+    name: str = ""
+
+    def __str__(self) -> str:
+        return self.name or f"({self.x:.2f}, {self.y:.2f})"
+
+
+def places(line_map: LineMap) -> Iterator[MapObject]:
+    """Yield the places with a name, in the map's order."""
+    return (item for item in line_map.objects if item.name and item.role in ROLES)
+
+
+def find_place(line_map: LineMap, name: str) -> Destination:
+    """Return the place of a name, in upper or lower case.
+
+    Raises:
+        ConfigError: There is none, or more than one; names those that there are.
+    """
+    found = [item for item in places(line_map) if item.name.casefold() == name.strip().casefold()]
+    if len(found) == 1:
+        item = found[0]
+        return Destination(
+            x=item.pose.x,
+            y=item.pose.y,
+            heading=item.pose.theta if item.heads else None,
+            name=item.name,
+        )
+    names = ", ".join(sorted({item.name for item in places(line_map)})) or "none"
+    if found:
+        raise ConfigError(f"place {name!r}: {len(found)} of the map have this name")
+    raise ConfigError(f"place {name!r}: the map {line_map.name} has none of this name; has {names}")
+
+
+def home(line_map: LineMap) -> Pose2 | None:
+    """Return the pose in which robots begin, or `None`."""
+    return line_map.starts[0] if line_map.starts else None
