@@ -1,0 +1,44 @@
+"""The result of localization: where a robot is on the map, and how sure that is."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+
+Float = NDArray[np.float64]
+
+Stage = Literal["lost", "looking", "sure"]
+"""`lost`: the robot may be anywhere. `looking`: it is at one of some places, or near one that
+somebody has told. `sure`: it is where the estimate says."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate:
+    """Where a robot is on the map.
+
+    Attributes:
+        robot_in_map: Most likely pose [m, rad]; `None` where nothing is known.
+        odom_in_map: The same as the pose of odometry's frame; it changes little while the robot
+            drives.
+        covariance: Of x, y and heading in the map's frame [m, rad], shape (3, 3).
+        sure: Whether the robot may act upon it.
+        agreement: Share of the readings that agree with the map there, 0 to 1.
+        stage: The progress.
+        reason: The same for people, one sentence without a full stop.
+    """
+
+    robot_in_map: Pose2 | None
+    odom_in_map: Pose2 | None
+    covariance: Float
+    sure: bool
+    agreement: float
+    stage: Stage
+    reason: str
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the position in its worst direction [m]."""
+        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:2, :2])[-1]))

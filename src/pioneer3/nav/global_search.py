@@ -1,0 +1,140 @@
+"""Where on a map a robot may be, from one scan alone."""
+
+from dataclasses import dataclass
+from math import ceil, pi, radians
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.jit import fast
+from pioneer3.nav.field import DistanceField
+from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.search import score_places
+from pioneer3.nav.likelihood import ScanLikelihood
+
+Float = NDArray[np.float64]
+Int32 = NDArray[np.int32]
+UInt8 = NDArray[np.uint8]
+
+CELL = 0.1
+"""From one place to the next [m]."""
+HEADINGS = ceil(2 * pi / radians(5))
+BEAMS = 40
+"""That are looked at."""
+SIGMA = 0.15
+"""Standard deviation of a point from a wall, as coarse as places and headings are [m]."""
+FINE = 12_000
+"""Of the places and headings, so many are looked at more closely."""
+NEIGHBORS = 5
+"""Of one that fits, so many of its neighbors among the best."""
+SLICE = 20_000
+"""Places that are scored at once: bounds the memory."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Places:
+    """The places of a map where a robot may be.
+
+    Attributes:
+        x: Left edge of the cells [m].
+        y: Lower edge [m].
+        scores: Of the end of a beam, 255 at a wall, shape (H, W).
+        free: Rows and columns of the places, shape (N, 2).
+    """
+
+    x: float
+    y: float
+    scores: UInt8
+    free: Int32
+
+    @classmethod
+    def of(cls, field: DistanceField, room: float) -> "Places":
+        """Return the places that are farther than `room` [m] from the walls of a fine field."""
+        raster = field.raster
+        step = round(CELL / raster.cell)
+        middles = field.distances[step // 2 :: step, step // 2 :: step]
+        scores = np.rint(255 * np.exp(-0.5 * (middles / SIGMA) ** 2)).astype(np.uint8)
+        free = np.argwhere(middles >= min(room, field.reach)).astype(np.int32)
+        return cls(raster.x, raster.y, scores, free)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """The result of a search.
+
+    Attributes:
+        robot_in_odom: Where the robot was at the scan, by odometry.
+        hypotheses: Where it may have been on the map; `None` if nowhere.
+    """
+
+    robot_in_odom: Pose2
+    hypotheses: Hypotheses | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """A search for a robot's place by one scan. It changes nothing, so any thread may run it.
+
+    Attributes:
+        likelihood: Of the scan.
+        places: Of the map.
+        robot_in_odom: Of the robot at the scan.
+    """
+
+    likelihood: ScanLikelihood
+    places: Places
+    robot_in_odom: Pose2
+
+    def run(self) -> Candidates:
+        """Return where the robot may be; it takes up to a few seconds."""
+        points = self.likelihood.points
+        if not len(points) or not len(self.places.free):
+            return Candidates(self.robot_in_odom, None)
+        chosen = points[np.linspace(0, len(points) - 1, min(BEAMS, len(points))).astype(np.intp)]
+        poses = self._best(chosen)
+        hypotheses = Hypotheses.found(poses, self.likelihood)
+        return Candidates(self.robot_in_odom, hypotheses)
+
+    def _best(self, points: Float) -> Float:
+        """Return places and headings with the highest scores, at most `FINE`, shape (N, 3)."""
+        headings = (np.arange(HEADINGS) + 0.5) * (2 * pi / HEADINGS) - pi
+        c, s = np.cos(headings)[:, None], np.sin(headings)[:, None]
+        x, y = points[:, 0], points[:, 1]
+        offsets = np.rint(np.stack([s * x + c * y, c * x - s * y], axis=2) / CELL).astype(np.int32)
+        places, score = self.places, fast(score_places, CACHE)
+        found: list[Int32] = []
+        for first in range(0, len(places.free), SLICE):
+            some = places.free[first : first + SLICE]
+            out = np.empty((len(some), HEADINGS), dtype=np.uint16)
+            score(places.scores, some, offsets, out)
+            best = _highest(out.ravel(), FINE * NEIGHBORS)
+            row, column = some[best // HEADINGS].T
+            rows = np.stack([row, column, best % HEADINGS, out.ravel()[best]], axis=1)
+            found.append(_first_in_blocks(rows.astype(np.int32)))
+        together = np.concatenate(found)
+        row, column, heading, _ = together[_highest(together[:, 3], FINE)].T
+        x, y = places.x + (column + 0.5) * CELL, places.y + (row + 0.5) * CELL
+        return np.stack([x, y, headings[heading]], axis=1)
+
+
+def _highest(scores: NDArray[Any], count: int) -> NDArray[np.intp]:
+    """Return the indices of the `count` highest of `scores` (N,), in no order."""
+    if count >= len(scores):
+        return np.arange(len(scores))
+    chosen: NDArray[np.intp] = np.argpartition(scores, -count)[-count:]
+    return chosen
+
+
+def _first_in_blocks(found: Int32) -> Int32:
+    """Return the best of those in each block of two rows, two columns and two headings.
+
+    Args:
+        found: Row, column, number of the heading, score, shape (N, 4).
+    """
+    best_first = found[np.argsort(-found[:, 3], kind="stable")]
+    first = np.unique(best_first[:, :3] // 2, axis=0, return_index=True)[1]
+    chosen: Int32 = best_first[first]
+    return chosen

@@ -1,0 +1,129 @@
+"""Poses of which any may be the right one, until the scans of a drive agree with one only.
+
+Each is tracked by itself and none is drawn at random: of two that fit alike none gets lost, so a
+robot in one of two equal rooms stays unsure for as long as it takes.
+"""
+
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.likelihood import ScanLikelihood, Verdict
+from pioneer3.nav.particles import MotionErrors, moved, wrapped
+
+Float = NDArray[np.float64]
+Int = NDArray[np.intp]
+
+APART, APART_TURN = 0.2, 0.15
+"""Hypotheses nearer than this are one [m, rad]."""
+ALIKE, ALIKE_TURN = 0.4, 0.2
+"""Hypotheses nearer than this do not contradict each other [m, rad]."""
+UNLIKELY = 12.0
+"""Hypotheses less likely than the best by this are dropped: the logarithm of the ratio."""
+MOST = 250
+"""Kept at most."""
+PRIOR, PRIOR_TURN = 0.05, 0.03
+"""Standard deviations of a tracked hypothesis before a scan is taken [m, rad]."""
+STEPS = (0.3, 0.2, 0.1, 0.05)
+"""Distances at which points lose their weight, step by step [m]."""
+
+
+class Hypotheses:
+    """Poses on the map with the logarithms of their weights; the best is the first.
+
+    Attributes:
+        poses: [m, rad], shape (H, 3).
+        logs: Logarithms of the weights, shape (H,).
+        verdict: How the latest scan agreed with each.
+    """
+
+    def __init__(self, poses: Float, logs: Float, verdict: Verdict) -> None:
+        self.poses, self.logs, self.verdict = poses, logs, verdict
+
+    @classmethod
+    def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST) -> Self:
+        """Return what is left of `poses` (P, 3) once a scan has been brought into line with each.
+
+        Args:
+            poses: Wrong by some decimeters and degrees at most.
+            likelihood: Of the scan.
+            most: Number of hypotheses.
+        """
+        loose = np.diag([0.15**-2, 0.15**-2, 0.08**-2])
+        best, _ = likelihood.refined(poses, loose)
+        best = best[_first_in_bins(best, likelihood.cost(best))]
+        verdict = likelihood.judged(best)
+        self = cls(best, verdict.log_likelihood, verdict)
+        self._thin(most)
+        return self
+
+    def move(self, motion: Pose2) -> None:
+        """Move all by what odometry tells."""
+        self.poses = moved(self.poses, motion)
+
+    def take(self, likelihood: ScanLikelihood, motion: Pose2, errors: MotionErrors) -> None:
+        """Weigh all by a scan after a `motion` that they were moved by."""
+        way, turn = errors.spread(motion)
+        place, heading = PRIOR**2 + way**2, PRIOR_TURN**2 + turn**2
+        information = np.diag([1 / place, 1 / place, 1 / heading])
+        self.poses, _ = likelihood.refined(self.poses, information, STEPS)
+        self.verdict = likelihood.judged(self.poses)
+        self.logs = self.logs + self.verdict.log_likelihood
+        self._thin(MOST)
+
+    @property
+    def share(self) -> float:
+        """Share of the weight that the best has, together with those that hardly differ."""
+        off = self.poses - self.poses[0]
+        away, turned = np.hypot(off[:, 0], off[:, 1]), abs(wrapped(off[:, 2]))
+        weights = np.exp(self.logs - self.logs[0])
+        alike = (away < ALIKE) & (turned < ALIKE_TURN)
+        return float(weights[alike].sum() / weights.sum())
+
+    @property
+    def agreement(self) -> float:
+        """How well the latest scan agrees with the best, 0 to 1."""
+        return float(self.verdict.agreement[0])
+
+    def covariance(self) -> Float:
+        """Return the spread of all around the best, shape (3, 3)."""
+        off = self.poses - self.poses[0]
+        off[:, 2] = wrapped(off[:, 2])
+        weights = np.exp(self.logs - self.logs[0])
+        weights /= weights.sum()
+        spread: Float = (weights[:, None] * off).T @ off
+        return spread + np.diag([PRIOR**2, PRIOR**2, PRIOR_TURN**2])
+
+    def _thin(self, most: int) -> None:
+        """Keep the best of those that are near each other, and none that is unlikely."""
+        order = np.argsort(-self.logs, kind="stable")
+        order = order[self.logs[order] > self.logs[order[0]] - UNLIKELY]
+        kept: list[int] = []
+        poses = self.poses[order]
+        open_ = np.ones(len(order), dtype=np.bool_)
+        for i in range(len(order)):
+            if open_[i]:
+                kept.append(int(order[i]))
+                off = poses - poses[i]
+                near = np.hypot(off[:, 0], off[:, 1]) < APART
+                open_ &= ~(near & (abs(wrapped(off[:, 2])) < APART_TURN))
+                if len(kept) == most:
+                    break
+        chosen = np.array(kept, dtype=np.intp)
+        self.poses, self.logs = self.poses[chosen], self.logs[chosen]
+        v = self.verdict
+        self.verdict = Verdict(
+            v.agree[chosen], v.short[chosen], v.through[chosen], v.misfit[chosen]
+        )
+
+
+def _first_in_bins(poses: Float, costs: Float) -> Int:
+    """Return the cheapest of the poses (P, 3) in each bin of place and heading."""
+    order = np.argsort(costs, kind="stable")
+    size = APART / 2, APART / 2, APART_TURN / 2
+    bins = np.floor(poses[order] / size).astype(np.int64)
+    first = np.unique(bins, axis=0, return_index=True)[1]
+    chosen: Int = order[np.sort(first)]
+    return chosen

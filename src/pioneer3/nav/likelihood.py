@@ -1,0 +1,195 @@
+"""How well scans fit a map of walls, and the poses at which they fit best."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import fast
+from pioneer3.maps import LineMap
+from pioneer3.maps.materials import GLASS
+from pioneer3.nav.beams import Beams
+from pioneer3.nav.field import DistanceField
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.scans import judge_poses, number_walls, refine_poses, weigh_poses
+
+Float = NDArray[np.float64]
+Int32 = NDArray[np.int32]
+
+CELL, REACH = 0.025, 0.5
+"""Of the distances for lasers [m]."""
+SIGMA = 0.05
+"""Standard deviation of a point of a scan from the walls of the map [m]."""
+FARTHEST = 0.15
+"""Points farther from all walls count as this far [m]: people and things that are not mapped."""
+INDEPENDENT = 15.0
+"""Readings of a scan count as so many: errors of neighbors and of the map are alike."""
+SCALES = (0.5, 0.5, 0.5, 0.3, 0.3, 0.2, 0.2, 0.15, 0.1, 0.1, 0.07, 0.05, 0.05)
+"""At these distances from walls points lose their weight, step by step of a refinement [m]."""
+LAST_SCALES = (0.15, 0.1, 0.07, 0.05, 0.05)
+"""The same where the pose is known within a few centimeters."""
+NEAR, NEAR_SHARE, DEEP = 0.1, 0.015, 0.2
+"""A point agrees with a wall within this [m] or this share of its range; a beam that ends this
+much [m] behind a wall contradicts the map."""
+TRUSTED = 8.0
+"""Beams that met nothing are taken to be free as far as this [m], as far as dark walls are seen."""
+SHORT_COUNTS = 0.5
+"""Share of a beam that meets something nearer than the map: a person agrees with any place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WallField:
+    """Walls, and for each place of the map the nearest one and how far it is.
+
+    Attributes:
+        walls: Segments [m], shape (W, 4).
+        field: Distances to them.
+        numbers: The wall nearest to each cell, -1 beyond the reach of `field`, shape (H, W).
+    """
+
+    walls: Float
+    field: DistanceField
+    numbers: Int32
+
+    @classmethod
+    def of(cls, walls: Float, line_map: LineMap, cell: float, reach: float) -> Self:
+        """Return the field of `walls` (W, 4) [m] over the bounds of a map."""
+        field = DistanceField.of(walls, line_map.bounds, cell, reach)
+        numbers = np.full(field.raster.shape, -1, dtype=np.int32)
+        raster = field.raster
+        number = fast(number_walls, CACHE)
+        number(walls, raster.x, raster.y, cell, field.distances, numbers)
+        return cls(walls, field, numbers)
+
+    @classmethod
+    def for_lasers(cls, line_map: LineMap) -> Self:
+        """Return the field of the walls that stop light."""
+        opaque = line_map.walls[line_map.materials != GLASS]
+        return cls.of(opaque, line_map, CELL, REACH)
+
+    @property
+    def frame(self) -> tuple[float, float, float]:
+        """Left and lower edge of the cells, and the side of one [m]."""
+        raster = self.field.raster
+        return raster.x, raster.y, raster.cell
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """How beams agree with the map at P poses; all of shape (P,).
+
+    Attributes:
+        agree: Number of echoes at walls.
+        short: Of those from something that is not on the map, before its walls.
+        through: Of beams that go on behind a wall.
+        misfit: Mean square of the distances of the echoes at walls, as a share of the limit.
+    """
+
+    agree: Float
+    short: Float
+    through: Float
+    misfit: Float
+
+    @property
+    def agreement(self) -> Float:
+        """Share of beams that agree with the map, 0 to 1; short ones count half."""
+        count = self.agree + self.short + self.through
+        good: Float = (self.agree + SHORT_COUNTS * self.short) / np.maximum(count, 1.0)
+        return good
+
+    @property
+    def log_likelihood(self) -> Float:
+        """Logarithm of the likelihood, as of `INDEPENDENT` beams."""
+        count = self.agree + self.short + self.through
+        cost = 0.5 * self.misfit * self.agree + 1.5 * self.short + 4.0 * self.through
+        likelihood: Float = -cost * INDEPENDENT / np.maximum(count, 1.0)
+        return likelihood
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanLikelihood:
+    """The likelihood of one scan on a map.
+
+    Attributes:
+        walls: Of the map.
+        points: Of the scan, in the robot's frame [m], shape (N, 2).
+        clear: Ends of the free part of beams that met nothing [m], shape (M, 2).
+        origin: Of the beams [m], shape (2,).
+        weighed: A few of the points, shape (K, 2).
+    """
+
+    walls: WallField
+    points: Float
+    clear: Float
+    origin: Float
+    weighed: Float
+
+    @classmethod
+    def of(cls, walls: WallField, beams: Beams, count: int = 60) -> Self:
+        """Return the likelihood of a scan; weigh and judge `count` of its beams."""
+        beyond = beams.clear - beams.origin
+        clear = beams.origin + beyond * (min(TRUSTED, beams.far) / max(beams.far, 1e-3))
+        total = len(beams.points) + len(clear)
+        share = min(1.0, count / max(1, total))
+        return cls(
+            walls,
+            np.ascontiguousarray(beams.points),
+            _some(clear, round(share * len(clear))),
+            np.ascontiguousarray(beams.origin),
+            _some(beams.points, round(share * len(beams.points))),
+        )
+
+    def cost(self, poses: Float) -> Float:
+        """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
+        out = np.empty(len(poses))
+        walls = self.walls
+        weigh = fast(weigh_poses, CACHE)
+        weigh(walls.field.distances, walls.frame, self.weighed, poses, SIGMA, FARTHEST, out)
+        out *= min(1.0, INDEPENDENT / max(1, len(self.weighed)))
+        return out
+
+    def refined(
+        self,
+        poses: Float,
+        information: Float,
+        scales: tuple[float, ...] = SCALES,
+        *,
+        all_points: bool = False,
+    ) -> tuple[Float, Float]:
+        """Return the poses (P, 3) near `poses` at which the scan fits best, and their information.
+
+        Args:
+            poses: Where to begin [m, rad].
+            information: That the beginnings have, shape (3, 3).
+            scales: Distances at which points lose their weight, step by step [m].
+            all_points: Use all points, not a few.
+
+        Returns:
+            Poses, shape (P, 3), and information, shape (P, 3, 3).
+        """
+        best, out = poses.copy(), np.empty((len(poses), 3, 3))
+        walls, points = self.walls, self.points if all_points else self.weighed
+        refine = fast(refine_poses, CACHE)
+        steps = np.array(scales)
+        refine(
+            walls.walls, walls.numbers, walls.frame, points, best, information, SIGMA, steps, out
+        )
+        return best, out
+
+    def judged(self, poses: Float) -> Verdict:
+        """Return how beams agree with the map at `poses` (P, 3)."""
+        out = np.empty((len(poses), 4))
+        walls, limits = self.walls, (NEAR, NEAR_SHARE, DEEP)
+        distances, points = walls.field.distances, self.weighed
+        judge = fast(judge_poses, CACHE)
+        judge(distances, walls.frame, points, self.clear, self.origin, poses, limits, out)
+        return Verdict(*out.T)
+
+
+def _some(points: Float, count: int) -> Float:
+    """Return `count` of `points` (N, 2), evenly among them."""
+    if count >= len(points):
+        return np.ascontiguousarray(points)
+    chosen: Float = points[np.linspace(0, len(points) - 1, max(count, 0)).round().astype(np.intp)]
+    return np.ascontiguousarray(chosen)

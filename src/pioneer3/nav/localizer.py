@@ -1,0 +1,325 @@
+"""Finds a robot on a map of walls, by its laser or by its sonars, and keeps track of it."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import hypot, inf
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
+from pioneer3.models import RobotModel
+from pioneer3.nav.beams import Beams
+from pioneer3.nav.estimate import Estimate, Stage
+from pioneer3.nav.global_search import Candidates, Places, Search
+from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.likelihood import ScanLikelihood, Verdict, WallField
+from pioneer3.nav.likelihood_sonar import Pings, field_for_sonars
+from pioneer3.nav.particles import MotionErrors, array_of, pose_of
+from pioneer3.nav.tracking import SONAR_KNOWN, SONAR_TURN, Fix, LaserTrack, SonarTrack
+
+Float = NDArray[np.float64]
+
+STEP, STEP_TURN = 0.1, 0.1
+"""Readings count once the robot has moved or turned so far [m, rad]."""
+LOOK_AGAIN = 1.0
+"""Whether the map still agrees is looked at as often as this, even if the robot stands [s]."""
+AGREES = 0.9
+"""Share of the beams that agree with the map where a robot becomes sure."""
+CONTRADICTS, TIMES = 0.7, 3
+"""A robot that agrees with the map less than this, so many times in turn, was carried away."""
+SEEN_THROUGH = 0.1
+"""A robot that stands was carried away only if it sees so large a share of beams through walls: it
+may be crowded."""
+CERTAIN = 0.98
+"""Share of the weight that the best hypothesis of a sure robot has."""
+DRIVEN = 1.0
+"""Way that a robot drives after a search before it is sure [m]."""
+SEARCH_AGAIN = 4.0
+"""A search that has led to nothing after this way is repeated [m]."""
+KNOWN_WELL = 0.5
+"""The standard deviation of a sure robot's position is below this [m]."""
+GUESSES = 400
+"""Hypotheses around a start that is known roughly."""
+LOOKED_AT = 40
+"""Beams that hypotheses are compared by."""
+SONAR_AGREES, SONAR_CONTRADICTS = 0.6, 0.35
+"""A robot becomes sure by sonar above this share of echoes that agree with the map, and is not sure
+any more below the other one."""
+
+NOWHERE: Float = np.diag([inf, inf, inf])
+"""The covariance of a robot that may be anywhere."""
+
+
+@dataclass(slots=True, kw_only=True)
+class _Progress:
+    """Everything since the last start or search.
+
+    Attributes:
+        stage: Of the localization.
+        reason: For people.
+        start: Pose that somebody told and its standard deviations, before the first reading.
+        hypotheses: While several places are compared.
+        laser: While scans track the robot.
+        sonar: While pings do.
+        at: Odometry at the last reading that counted.
+        needed: Way to drive before the robot is sure [m].
+        driven: Way [m].
+        low: Readings in turn that contradicted the map.
+        looked: When the map was last looked at [s].
+        fix: The latest pose, if any.
+    """
+
+    stage: Stage
+    reason: str
+    start: tuple[Float, Float] | None = None
+    hypotheses: Hypotheses | None = None
+    laser: LaserTrack | None = None
+    sonar: SonarTrack | None = None
+    at: Pose2 | None = None
+    needed: float = DRIVEN
+    driven: float = 0.0
+    low: int = 0
+    looked: float = -inf
+    fix: Fix = field(default_factory=lambda: Fix(np.zeros(3), NOWHERE, 0.0))
+
+
+class Localizer:
+    """Where a robot is on a map, from scans or pings and odometry.
+
+    Give it all scans, or all pings, with :meth:`take` or :meth:`take_sonar`. While
+    :attr:`wants_search`, run :meth:`search` in a thread and give the result to :meth:`adopt`.
+
+    Args:
+        line_map: The map.
+        model: Of the robot.
+        rng: Draws all that is random.
+        particles: Number of particles that track a robot.
+        errors: Of the odometry.
+
+    Attributes:
+        line_map: The same.
+    """
+
+    def __init__(
+        self,
+        line_map: LineMap,
+        model: RobotModel,
+        rng: Generator,
+        *,
+        particles: int = 500,
+        errors: MotionErrors | None = None,
+    ) -> None:
+        self.line_map = line_map
+        self._model, self._rng, self._count = model, rng, particles
+        self._errors = errors or MotionErrors()
+        self._beams: Beams | None = None
+        self._odom: Pose2 | None = None
+        self._odom_in_map: Pose2 | None = None
+        self._now = _Progress(stage="lost", reason="the robot may be anywhere")
+
+    def start(self, pose: Pose2, spread: float = 0.3, turn_spread: float = 0.15) -> None:
+        """Begin near a pose that somebody tells.
+
+        Args:
+            pose: Of the robot on the map.
+            spread: Standard deviation of its position in each direction [m].
+            turn_spread: The same of its heading [rad].
+        """
+        start = array_of(pose), np.array([spread, spread, turn_spread])
+        self._now = _Progress(
+            stage="looking", reason="has not looked around yet", start=start, needed=0.0
+        )
+        self._now.fix = Fix(start[0], np.diag(start[1] ** 2), 0.0)
+        if self._odom is not None:
+            self._odom_in_map = pose @ self._odom.inverse()
+
+    def start_unknown(self) -> None:
+        """Begin anywhere on the map; a laser is needed."""
+        self._now = _Progress(stage="lost", reason="the robot may be anywhere")
+        self._odom_in_map = None
+
+    def take(self, beams: Beams) -> None:
+        """Take a scan."""
+        now = self._now
+        self._beams, self._odom = beams, beams.robot_in_odom
+        if now.start is not None:
+            self._begin(beams, *now.start)
+        elif now.stage == "lost":
+            return
+        elif self._has_moved():
+            motion = self._motion()
+            now.looked = beams.stamp
+            if now.hypotheses is not None:
+                now.hypotheses.move(motion)
+                likelihood = ScanLikelihood.of(self._walls, beams, LOOKED_AT)
+                now.hypotheses.take(likelihood, motion, self._errors)
+                self._compare(now.hypotheses)
+            elif now.laser is not None:
+                now.laser.move(motion)
+                fix, _ = now.laser.take(ScanLikelihood.of(self._walls, beams))
+                self._place(fix)
+                self._watch(contradicts=fix.agreement < CONTRADICTS)
+        elif now.laser is not None and beams.stamp >= now.looked + LOOK_AGAIN:
+            self._look_again(beams)
+
+    def take_sonar(self, pings: Pings) -> None:
+        """Take pings. The start must have been told: pings alone do not tell rooms apart."""
+        now, self._odom = self._now, pings.robot_in_odom
+        if now.start is not None:
+            pose, deviations = now.start
+            now.sonar = SonarTrack(
+                self._sonar_walls, pose, deviations, self._count, self._rng, self._errors
+            )
+            now.start, now.at, now.needed = None, self._odom, DRIVEN
+            now.reason = "has to drive a little"
+            self._odom_in_map = pose_of(pose) @ self._odom.inverse()
+        if now.sonar is None:
+            return
+        now.sonar.listen(pings)
+        if self._has_moved():
+            motion = self._motion()
+            self._place(now.sonar.take(motion, pings.robot_in_odom))
+            self._watch_sonar()
+
+    @property
+    def estimate(self) -> Estimate:
+        """Where the robot is, as of the latest scan or pings."""
+        now, at, odom = self._now, self._odom_in_map, self._odom
+        estimate = Estimate(
+            robot_in_map=None if at is None or odom is None else at @ odom,
+            odom_in_map=at,
+            covariance=now.fix.covariance,
+            sure=now.stage == "sure",
+            agreement=now.fix.agreement,
+            stage=now.stage,
+            reason=now.reason,
+        )
+        if estimate.sure and estimate.deviation > KNOWN_WELL:
+            words = f"knows its place within {estimate.deviation:.1f} m only"
+            return replace(estimate, sure=False, reason=words)
+        return estimate
+
+    @property
+    def wants_search(self) -> bool:
+        """Whether a search is due."""
+        now = self._now
+        in_vain = now.hypotheses is not None and now.driven > SEARCH_AGAIN
+        return self._beams is not None and (now.stage == "lost" or in_vain)
+
+    def search(self) -> Search | None:
+        """Return a search by the latest scan, for a thread to run; `None` without a scan."""
+        if self._beams is None:
+            return None
+        likelihood = ScanLikelihood.of(self._walls, self._beams)
+        return Search(likelihood, self._places, self._beams.robot_in_odom)
+
+    def adopt(self, found: Candidates) -> None:
+        """Go on with the result of a search; the robot may have driven since its scan."""
+        if found.hypotheses is None:
+            self._now = _Progress(stage="lost", reason="no place of the map looks like this")
+            return
+        self._now = _Progress(
+            stage="looking",
+            reason="compares the places that look like this",
+            hypotheses=found.hypotheses,
+            at=found.robot_in_odom,
+        )
+        best = found.hypotheses.poses[0]
+        self._odom_in_map = pose_of(best) @ found.robot_in_odom.inverse()
+        self._now.fix = Fix(best, found.hypotheses.covariance(), found.hypotheses.agreement)
+
+    @cached_property
+    def _walls(self) -> WallField:
+        return WallField.for_lasers(self.line_map)
+
+    @cached_property
+    def _sonar_walls(self) -> WallField:
+        return field_for_sonars(self.line_map)
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places.of(self._walls.field, self._model.width / 2 - 0.05)
+
+    def _has_moved(self) -> bool:
+        assert self._odom is not None
+        motion = (self._now.at or self._odom).inverse() @ self._odom
+        return hypot(motion.x, motion.y) >= STEP or abs(motion.theta) >= STEP_TURN
+
+    def _motion(self) -> Pose2:
+        """Return the motion since the last reading that counted; the present one does."""
+        assert self._odom is not None
+        motion = (self._now.at or self._odom).inverse() @ self._odom
+        self._now.at = self._odom
+        self._now.driven += hypot(motion.x, motion.y)
+        return motion
+
+    def _begin(self, beams: Beams, pose: Float, deviations: Float) -> None:
+        """Look around a pose that somebody told."""
+        now = self._now
+        guesses = pose + deviations * self._rng.standard_normal((GUESSES, 3))
+        likelihood = ScanLikelihood.of(self._walls, beams)
+        hypotheses = Hypotheses.found(np.vstack([pose, guesses]), likelihood)
+        now.hypotheses, now.start, now.at = hypotheses, None, self._odom
+        self._compare(hypotheses)
+
+    def _compare(self, hypotheses: Hypotheses) -> None:
+        """Become sure of the best hypothesis, give all of them up, or go on."""
+        now, agreement, share = self._now, hypotheses.agreement, hypotheses.share
+        self._place(Fix(hypotheses.poses[0], hypotheses.covariance(), agreement))
+        if share >= CERTAIN and agreement >= AGREES and now.driven >= now.needed:
+            now.laser = LaserTrack(hypotheses.poses[0], self._count, self._rng, self._errors)
+            now.hypotheses, now.stage, now.low = None, "sure", 0
+            now.reason = "sees what the map shows"
+            return
+        if share < CERTAIN:
+            now.reason = "more than one place looks like this"
+        elif agreement < AGREES:
+            now.reason = "sees things that the map does not show"
+        else:
+            now.reason = "has to drive a little"
+        self._watch(contradicts=agreement < CONTRADICTS)
+
+    def _look_again(self, beams: Beams) -> None:
+        """Look whether the map still agrees with a robot that stands."""
+        assert self._odom_in_map is not None
+        now = self._now
+        now.looked = beams.stamp
+        pose = array_of(self._odom_in_map @ beams.robot_in_odom)
+        verdict = ScanLikelihood.of(self._walls, beams).judged(pose[None])
+        now.fix = replace(now.fix, agreement=float(verdict.agreement[0]))
+        crowded = _share_through(verdict) < SEEN_THROUGH
+        self._watch(contradicts=now.fix.agreement < CONTRADICTS and not crowded)
+
+    def _watch(self, *, contradicts: bool) -> None:
+        """Give up a place that has contradicted the readings several times in turn."""
+        now = self._now
+        now.low = now.low + 1 if contradicts else 0
+        if now.low >= TIMES:
+            self._lose("the map does not show what the laser sees")
+
+    def _watch_sonar(self) -> None:
+        now = self._now
+        place, turn = np.sqrt(np.diag(now.fix.covariance))[[0, 2]]
+        known = max(place, now.fix.covariance[1, 1] ** 0.5) < SONAR_KNOWN and turn < SONAR_TURN
+        if now.driven < now.needed:
+            return
+        if now.fix.agreement < SONAR_CONTRADICTS:
+            self._lose("the map does not show what the sonars hear")
+        elif known and now.fix.agreement >= SONAR_AGREES:
+            now.stage, now.reason = "sure", "hears what the map shows"
+
+    def _lose(self, reason: str) -> None:
+        self._now = _Progress(stage="lost", reason=reason)
+
+    def _place(self, fix: Fix) -> None:
+        assert self._odom is not None
+        self._now.fix = fix
+        self._odom_in_map = pose_of(fix.pose) @ self._odom.inverse()
+
+
+def _share_through(verdict: Verdict) -> float:
+    count = verdict.agree + verdict.short + verdict.through
+    return float(verdict.through[0] / max(1.0, float(count[0])))

@@ -1,0 +1,139 @@
+"""Keeps track of a robot whose place is known roughly, by its laser or by its sonars."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict, WallField
+from pioneer3.nav.likelihood_sonar import PingLikelihood, Pings
+from pioneer3.nav.particles import MotionErrors, Particles, array_of
+
+Float = NDArray[np.float64]
+
+FLOOR, FLOOR_TURN = 0.004, 0.002
+"""Standard deviations that no estimate is below: the errors of maps [m, rad]."""
+BEGIN, BEGIN_TURN = 0.05, 0.03
+"""Standard deviations of the particles at the place that a search has found [m, rad]."""
+FRESH = 10
+"""One in so many particles comes from the scan, not from the particles before."""
+SONAR_PARTICLES, SONAR_BEGIN = 2, 6
+"""So many times as many particles are used with sonars, and until the place is known."""
+SONAR_KNOWN, SONAR_TURN = 0.3, 0.15
+"""Standard deviations at which a place counts as known by sonar [m, rad]."""
+MEMORY = 60.0
+"""Echoes that the share of those that agree is averaged over."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fix:
+    """A pose on the map.
+
+    Attributes:
+        pose: [m, rad], shape (3,).
+        covariance: Shape (3, 3).
+        agreement: Share of the readings that agree with the map there, 0 to 1.
+    """
+
+    pose: Float
+    covariance: Float
+    agreement: float
+
+
+class LaserTrack:
+    """Particles that scans weigh; the pose is refined by the walls around it.
+
+    Args:
+        pose: Where the robot is [m, rad], shape (3,).
+        count: Number of particles.
+        rng: Draws all that is random.
+        errors: Of the odometry.
+    """
+
+    def __init__(self, pose: Float, count: int, rng: Generator, errors: MotionErrors) -> None:
+        deviations = np.array([BEGIN, BEGIN, BEGIN_TURN])
+        self._count, self._rng = count, rng
+        self._particles = Particles.around(pose, deviations, count, rng, errors)
+
+    def move(self, motion: Pose2) -> None:
+        """Move by what odometry tells."""
+        self._particles.move(motion)
+
+    def take(self, likelihood: ScanLikelihood) -> tuple[Fix, Verdict]:
+        """Weigh the particles by a scan; return the pose, and how the scan agrees with it."""
+        particles = self._particles
+        particles.weigh(likelihood.cost(particles.poses))
+        mean, covariance = particles.mean()
+        held = np.linalg.inv(covariance + np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2]))
+        refined, information = likelihood.refined(mean[None], held, LAST_SCALES, all_points=True)
+        known = np.linalg.inv(information[0]) + np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2])
+        spread = self._rng.standard_normal((self._count // FRESH, 3))
+        particles.resample(self._count, refined[0] + spread @ np.linalg.cholesky(known).T)
+        verdict = likelihood.judged(refined)
+        return Fix(refined[0], known, float(verdict.agreement[0])), verdict
+
+
+class SonarTrack:
+    """Particles that pings weigh, a few reports at a time.
+
+    Args:
+        walls: Of the map.
+        pose: Where the robot is, roughly [m, rad], shape (3,).
+        deviations: Standard deviations of that [m, rad], shape (3,).
+        count: Number of particles that track a laser.
+        rng: Draws all that is random.
+        errors: Of the odometry.
+    """
+
+    def __init__(
+        self,
+        walls: WallField,
+        pose: Float,
+        deviations: Float,
+        count: int,
+        rng: Generator,
+        errors: MotionErrors,
+    ) -> None:
+        self._walls, self._usual = walls, SONAR_PARTICLES * count
+        self._particles = Particles.around(pose, deviations, SONAR_BEGIN * count, rng, errors)
+        self._pings: list[Float] = []
+        self._agreement = 0.5
+
+    def listen(self, pings: Pings) -> None:
+        """Keep pings until the robot has moved."""
+        if len(pings.ranges):
+            at = moved_by(array_of(pings.robot_in_odom), pings.mounts)
+            self._pings.append(np.column_stack([at, pings.ranges]))
+
+    def take(self, motion: Pose2, robot_in_odom: Pose2) -> Fix:
+        """Move by odometry and weigh the particles by the pings since the last call."""
+        particles = self._particles
+        particles.move(motion)
+        if self._pings:
+            pings = np.concatenate(self._pings)
+            pings[:, :3] = moved_by(array_of(robot_in_odom.inverse()), pings[:, :3])
+            self._pings.clear()
+            likelihood = PingLikelihood(self._walls, np.ascontiguousarray(pings))
+            particles.weigh(likelihood.cost(particles.poses))
+            self._remember(likelihood, particles.mean()[0])
+        mean, covariance = particles.mean()
+        place, turn = np.sqrt(np.trace(covariance[:2, :2])), np.sqrt(covariance[2, 2])
+        known = place < SONAR_KNOWN and turn < SONAR_TURN
+        particles.resample(self._usual if known else len(particles.poses))
+        return Fix(mean, covariance, self._agreement)
+
+    def _remember(self, likelihood: PingLikelihood, pose: Float) -> None:
+        agree, heard = likelihood.agreeing(pose)
+        share = min(1.0, heard / MEMORY)
+        if heard:
+            self._agreement += share * (agree / heard - self._agreement)
+
+
+def moved_by(frame: Float, poses: Float) -> Float:
+    """Return `poses` (N, 3) that are given in `frame` (3,) in the frame around that."""
+    c, s = np.cos(frame[2]), np.sin(frame[2])
+    x = frame[0] + c * poses[:, 0] - s * poses[:, 1]
+    y = frame[1] + s * poses[:, 0] + c * poses[:, 1]
+    return np.stack([x, y, poses[:, 2] + frame[2]], axis=1)
