@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import fast
-from pioneer3.maps import LineMap
+from pioneer3.maps import LineMap, OccupancyGrid
+from pioneer3.maps.line_map import OCCUPIED
 from pioneer3.maps.materials import GLASS
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.field import DistanceField
@@ -44,11 +45,13 @@ class WallField:
 
     Attributes:
         walls: Segments [m], shape (W, 4).
+        facing: Their free sides, of length 1; (0, 0) where both are free; shape (W, 2).
         field: Distances to them.
         numbers: The wall nearest to each cell, -1 beyond the reach of `field`, shape (H, W).
     """
 
     walls: Float
+    facing: Float
     field: DistanceField
     numbers: Int32
 
@@ -60,7 +63,7 @@ class WallField:
         raster = field.raster
         number = fast(number_walls, CACHE)
         number(walls, raster.x, raster.y, cell, field.distances, numbers)
-        return cls(walls, field, numbers)
+        return cls(walls, free_sides(walls, line_map), field, numbers)
 
     @classmethod
     def for_lasers(cls, line_map: LineMap) -> Self:
@@ -173,7 +176,17 @@ class ScanLikelihood:
         refine = fast(refine_poses, CACHE)
         steps = np.array(scales)
         refine(
-            walls.walls, walls.numbers, walls.frame, points, best, information, SIGMA, steps, out
+            walls.walls,
+            walls.facing,
+            walls.numbers,
+            walls.frame,
+            points,
+            self.origin,
+            best,
+            information,
+            SIGMA,
+            steps,
+            out,
         )
         return best, out
 
@@ -193,3 +206,36 @@ def _some(points: Float, count: int) -> Float:
         return np.ascontiguousarray(points)
     chosen: Float = points[np.linspace(0, len(points) - 1, max(count, 0)).round().astype(np.intp)]
     return np.ascontiguousarray(chosen)
+
+
+def free_sides(walls: Float, line_map: LineMap) -> Float:
+    """Return the directions from walls (W, 4) that outline occupied cells to the free sides, (W, 2).
+
+    Other walls have the direction (0, 0).
+    """
+    along = walls[:, 2:] - walls[:, :2]
+    length = np.hypot(along[:, 0], along[:, 1])
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(length, 1e-9)[:, None]
+    middles = (walls[:, :2] + walls[:, 2:]) / 2
+    sides = np.zeros_like(normals)
+    for grid in line_map.grids:
+        half = grid.resolution / 2
+        # the middle of a long side may lie on the edge of a cell
+        middle = middles + 0.1 * half * (along / np.maximum(length, 1e-9)[:, None])
+        left, right = (_occupied(grid, middle + sign * half * normals) for sign in (1, -1))
+        sides[right & ~left] = normals[right & ~left]
+        sides[left & ~right] = -normals[left & ~right]
+    return sides
+
+
+def _occupied(grid: OccupancyGrid, points: Float) -> NDArray[np.bool_]:
+    """Return whether `points` (N, 2) [m] are in occupied cells, shape (N,)."""
+    c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
+    off = points - (grid.origin.x, grid.origin.y)
+    columns = np.floor((c * off[:, 0] + s * off[:, 1]) / grid.resolution).astype(np.intp)
+    rows = np.floor((c * off[:, 1] - s * off[:, 0]) / grid.resolution).astype(np.intp)
+    height, width = grid.states.shape
+    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+    occupied = np.zeros(len(points), dtype=np.bool_)
+    occupied[inside] = grid.states[rows[inside], columns[inside]] == OCCUPIED
+    return occupied

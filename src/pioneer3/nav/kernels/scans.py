@@ -11,8 +11,8 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int32 = NDArray[np.int32]
 
-AGREES, SHORT, THROUGH, MISFIT = range(4)
-"""Columns of :func:`judge_poses`."""
+BACK = 5
+"""Cells before the end of a beam where the face that it met is sought."""
 
 
 @inlined
@@ -116,12 +116,44 @@ def solve3(a: Float, b: Float, out: Float) -> None:
     out[0] = y0 / d0 - l10 * out[1] - l20 * out[2]
 
 
+@inlined
+def facing_wall(
+    numbers: Int32, facing: Float, x: float, y: float, dx: float, dy: float, steps: int
+) -> int:
+    """Return the wall nearest to a point among those that a beam may have met, -1 without any.
+
+    A point behind the face of a thick wall is near to the wall's other face, too. The face that
+    was met is before it.
+
+    Args:
+        numbers: The wall nearest to each cell, -1 where there is none, shape (H, W).
+        facing: The free side of walls, (0, 0) where both are, shape (N, 2).
+        x: Of the point [cells].
+        y: The same.
+        dx: Direction of the beam, of length 1.
+        dy: The same.
+        steps: Cells to go back along the beam.
+    """
+    height, width = numbers.shape
+    for back in range(steps + 1):
+        column, row = floor(x - back * dx), floor(y - back * dy)
+        if 0 <= row < height and 0 <= column < width:
+            wall = numbers[row, column]
+            if wall < 0:
+                return -1
+            if facing[wall, 0] * dx + facing[wall, 1] * dy <= 0.0:
+                return int(wall)
+    return -1
+
+
 @kernel
 def refine_poses(
     walls: Float,
+    facing: Float,
     numbers: Int32,
     frame: tuple[float, float, float],
     points: Float,
+    origin: Float,
     poses: Float,
     information: Float,
     sigma: float,
@@ -135,9 +167,11 @@ def refine_poses(
 
     Args:
         walls: Segments [m], shape (W, 4).
+        facing: Their free sides, (0, 0) where both are, shape (W, 2).
         numbers: The wall nearest to each cell, -1 where there is none, shape (H, W).
         frame: Left and lower edge of the raster, and the side of a cell [m].
         points: In the robot's frame [m], shape (N, 2).
+        origin: Of the beams in the same frame [m], shape (2,).
         poses: Of the robot on the map [m, rad].
         information: Of the poses at the start, shape (3, 3).
         sigma: Standard deviation of a point as it counts here [m].
@@ -145,7 +179,6 @@ def refine_poses(
         out: For the information of the poses at the end, shape (P, 3, 3).
     """
     x0, y0, cell = frame
-    height, width = numbers.shape
     start, b, step = np.empty(3), np.empty(3), np.empty(3)
     a = np.empty((3, 3))
     for p in range(len(poses)):
@@ -164,10 +197,13 @@ def refine_poses(
                 u = c * points[i, 0] - s * points[i, 1]
                 v = s * points[i, 0] + c * points[i, 1]
                 x, y = poses[p, 0] + u, poses[p, 1] + v
-                column, row = floor((x - x0) / cell), floor((y - y0) / cell)
-                if not (0 <= row < height and 0 <= column < width):
+                bx, by = u - c * origin[0] + s * origin[1], v - s * origin[0] - c * origin[1]
+                length = sqrt(bx * bx + by * by)
+                if length <= 0.0:
                     continue
-                wall = numbers[row, column]
+                wall = facing_wall(
+                    numbers, facing, (x - x0) / cell, (y - y0) / cell, bx / length, by / length, BACK
+                )
                 if wall < 0:
                     continue
                 ax, ay = walls[wall, 0], walls[wall, 1]
