@@ -72,9 +72,7 @@ class Hardship:
 
 
 EASY = Hardship()
-HARD = Hardship(
-    people=5, noise=0.02, short=0.01, late=0.05, scan_time=SCAN_TIME, askew=radians(2)
-)
+HARD = Hardship(people=5, noise=0.02, short=0.01, late=0.05, scan_time=SCAN_TIME, askew=radians(2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,31 +7,31 @@ all errors. Prints a line per goal, then the figures beside their bars.
 import argparse
 import asyncio
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import hypot, inf, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.table import Row
+from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.maps import LineMap, read_map, shipped_map
 from pioneer3.maps.grid import samples
 from pioneer3.models import load_model
-from pioneer3.nav.beams import beams_of
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.follower import Follower
-from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
-from pioneer3.nav.sightings import Sightings
+from pioneer3.nav.places import Destination
+from pioneer3.nav.planner import CostToGo
 from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.follow_way import FollowWay, follow_way
-from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.navigator import Navigator
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.obstacles import Box
 from pioneer3.sim.realism import Realism
+from pioneer3.tasks import running
 from tests.conftest import VirtualTimeLoop
 from tests.support import SimulatedRobot
 from tests.wandering import Watch, places_of
@@ -39,6 +39,8 @@ from tests.wandering import Watch, places_of
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "maps"
 TOP = 0.75
 """Of both robots, as they are delivered [m/s]."""
+PATIENCE = 240.0
+"""Longest drive to one goal [s]."""
 FAR = 3.0
 """Goals are farther away than this [m]."""
 Float = NDArray[np.float64]
@@ -97,7 +99,7 @@ class Course:
         while True:
             x, y = self._places.sample(self._rng)
             near = any(hypot(x - box.pose.x, y - box.pose.y) < 1.0 for box in self.boxes_so_far)
-            if self.costs.fits(x, y) and not near:
+            if self.costs.can_turn(x, y) and not near:
                 return x, y
 
     @property
@@ -128,7 +130,14 @@ class Course:
     def with_boxes(self) -> CostMap:
         """Return the costs, boxes included."""
         sides = [np.array(box.sides) for box in self.boxes]
-        return self.costs.with_obstacles(samples(np.concatenate(sides), 0.02)) if sides else self.costs
+        return (
+            self.costs.with_obstacles(samples(np.concatenate(sides), 0.02)) if sides else self.costs
+        )
+
+
+async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call `function` here: in virtual time nothing takes long."""
+    return function(*arguments)
 
 
 async def drive_all(course: Course, count: int, verbose: bool) -> list[Drive]:
@@ -146,78 +155,44 @@ async def drive_all(course: Course, count: int, verbose: bool) -> list[Drive]:
     watch = sim.stepped = Watch(sim)
     drives: list[Drive] = []
     async with sim, connect_async(sim.open) as robot:
-        with robot.laser.wanted():
-            await robot.laser.reading()
+        rng = np.random.default_rng(course.seed)
+        navigator = Navigator(robot, course.map, start=course.home, rng=rng, in_thread=at_once)
+        async with running(navigator.run()):
+            await until_sure(navigator)
             watch.begin()
             for goal, shortest in course.goals(course.home, count):
-                done = await drive(course, sim, robot, watch, goal, shortest)
+                done = await drive(sim, navigator, watch, goal, shortest)
                 drives.append(done)
                 if verbose or not done.arrived or done.contacts:
                     print(f"  {len(drives):>3} {done}", flush=True)
     return drives
 
 
+async def until_sure(navigator: Navigator) -> None:
+    """Wait until the navigator knows where the robot is."""
+    async for state in navigator.state.values():
+        if state.estimate.sure:
+            return
+
+
 async def drive(
-    course: Course, sim: SimulatedRobot, robot: Robot, watch: Watch, goal: Pose2, shortest: float
+    sim: SimulatedRobot, navigator: Navigator, watch: Watch, goal: Pose2, shortest: float
 ) -> Drive:
-    """Drive to one goal, with the true pose in place of a localizer's."""
-    began, contacts = sim.world.time, len(watch.log.impacts)
-    way = 0.0
-    here = sim.body.robot_in_world
-
-    def odom_in_map() -> Pose2:
-        snapshot = robot.snapshot
-        assert snapshot is not None
-        return sim.body.robot_in_world @ snapshot.odometry.robot_in_odom.inverse()
-
-    sightings = Sightings(course.costs)
-    planned = plan(course.costs, (here.x, here.y), (goal.x, goal.y))
-    why, arrived = "", False
-    if isinstance(planned, NoWay):
-        why = planned.why
-    else:
-        follower = Follower(
-            course.model, robot.info.limits, (goal.x, goal.y, goal.theta), planned.cost_to_go
-        )
-        walls = samples(course.map.walls, 0.05)
-        action = FollowWay(
-            follower=follower, odom_in_map=odom_in_map, sightings=sightings, walls=walls
-        )
-        mode = follow_way(action)
-        robot.arbiter.start(mode)
-        replan_at, sequence = sim.world.time + 1.0, -1
-        async for snapshot in robot.snapshots():
-            at = sim.body.robot_in_world
-            way += hypot(at.x - here.x, at.y - here.y)
-            here = at
-            scan = robot.laser.latest
-            if scan is not None and scan.sequence != sequence:
-                sequence = scan.sequence
-                beams = beams_of(scan)
-                sightings.take(beams, odom_in_map() @ beams.robot_in_odom)
-            if robot.arbiter.mode is not mode:
-                ended = robot.arbiter.ended
-                arrived = bool(ended and ended.done)
-                why = "" if arrived or ended is None else ended.why
-                break
-            if sim.world.time >= replan_at:
-                replan_at += 1.0
-                points = sightings.points(robot.arbiter._clock())
-                again = plan(course.costs.with_obstacles(points), (at.x, at.y), (goal.x, goal.y))
-                if isinstance(again, Way):
-                    follower.cost_to_go = again.cost_to_go
-            if sim.world.time - began > 240:
-                why = "took too long"
-                robot.arbiter.end_mode(why)
-                break
-            del snapshot
+    """Drive to one goal."""
+    began, contacts, way = sim.world.time, len(watch.log.impacts), watch.total
+    why, place = "", Destination(x=goal.x, y=goal.y, heading=goal.theta)
+    try:
+        async with asyncio.timeout(PATIENCE):
+            await navigator.goto(place)
+    except (MotionError, TimeoutError) as error:
+        why = str(error) or "took too long"
     impacts = watch.log.impacts[contacts:]
     at = sim.body.robot_in_world
     return Drive(
-        arrived=arrived,
+        arrived=not why,
         why=why,
         shortest=shortest,
-        way=way,
+        way=watch.total - way,
         seconds=sim.world.time - began,
         hardest=max((impact.speed for impact in impacts), default=0.0),
         contacts=len(impacts),

@@ -77,7 +77,12 @@ class Log:
 
 
 class Watch:
-    """Writes the log of a simulated robot, step by step."""
+    """Writes the log of a simulated robot, step by step.
+
+    Attributes:
+        log: The log.
+        total: The way driven so far [m].
+    """
 
     def __init__(self, sim: SimulatedRobot) -> None:
         self.log = Log()
@@ -85,7 +90,7 @@ class Watch:
         self._touched = False
         self._twist = Twist2()
         self._here = sim.body.robot_in_world
-        self._way, self._minute = 0.0, 60.0
+        self._way, self._minute, self.total = 0.0, 60.0, 0.0
 
     def begin(self) -> None:
         """Count way and minutes from now."""
@@ -103,7 +108,9 @@ class Watch:
             speed = _contact_speed(sim, pose, before)
             log.impacts.append(Impact(sim.world.time, speed, pose, before))
         self._touched = touched
-        self._way += hypot(pose.x - self._here.x, pose.y - self._here.y)
+        step = hypot(pose.x - self._here.x, pose.y - self._here.y)
+        self._way += step
+        self.total += step
         self._here = pose
         log.cells.add((int(pose.x // 1), int(pose.y // 1)))
         if sim.world.time >= self._minute:

@@ -28,7 +28,7 @@ COMFORTABLE = 0.35
 NARROW = 3.0
 """A metre without any room beside the robot costs so many metres in the open, and one more."""
 SQUEEZE = 60.0
-"""A metre where the robot does not fit costs so much: it may get out of there, but not plan there."""
+"""A metre where the robot does not fit costs so much: it may get out of there."""
 CORE = 0.08
 """No place nearer to a wall than this is worth leaving from [m]."""
 
@@ -44,7 +44,8 @@ class CostMap:
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
         speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
-        needed: The clearance that the robot needs [m].
+        needed: The clearance that the robot needs to pass [m].
+        turning: The clearance that it needs to turn to any heading [m].
         top_speed: Of the robot [m/s].
     """
 
@@ -53,6 +54,7 @@ class CostMap:
     closed: Bool
     speeds: Float32
     needed: float
+    turning: float
     top_speed: float
 
     @classmethod
@@ -63,7 +65,7 @@ class CostMap:
         """
         raster = Raster.around(line_map.bounds, cell)
         needed = min(model.width / 2, model.length_front, model.length_rear) + MARGIN
-        clearance = np.full(raster.shape, needed + COMFORTABLE, dtype=np.float32)
+        clearance = np.full(raster.shape, max(needed, model.corner) + COMFORTABLE, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
         walls = np.concatenate([line_map.walls, np.array(lines).reshape(-1, 4)])
         fast(nearest_wall, CACHE)(walls, raster.x, raster.y, cell, clearance)
@@ -78,6 +80,7 @@ class CostMap:
             closed=closed,
             speeds=speeds,
             needed=needed,
+            turning=model.corner + MARGIN,
             top_speed=model.max_speed,
         )
 
@@ -109,12 +112,12 @@ class CostMap:
         costs: Float32 = factors * np.float32(self.raster.cell)
         return costs
 
-    def fits(self, x: float, y: float) -> bool:
-        """Whether the robot can be at a place [m], at some heading."""
+    def can_turn(self, x: float, y: float) -> bool:
+        """Whether the robot can turn to any heading at a place [m]."""
         cell = self.raster.cell_of(x, y)
         if cell is None or self.closed[cell]:
             return False
-        return bool(self.clearance[cell] >= self.needed)
+        return bool(self.clearance[cell] >= self.turning)
 
 
 def inside(item: MapObject, raster: Raster) -> Bool:

@@ -1,7 +1,7 @@
 """Ways to a goal: the cheapest one from everywhere, and the one from a place as points."""
 
 from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from math import inf, isfinite
 from typing import Self
 
 import numpy as np
@@ -104,7 +104,7 @@ def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) 
         return NoWay("the goal is outside of the map")
     if raster.cell_of(*start) is None:
         return NoWay("the robot is outside of the map")
-    if not costs.fits(*goal):
+    if not costs.can_turn(*goal):
         return NoWay(_why_not(costs, goal), goal)
     cost_to_go = CostToGo.of(costs.costs(), raster, *goal)
     assert cost_to_go is not None
@@ -140,8 +140,9 @@ def _fits(costs: CostMap, points: Float) -> NDArray[np.bool_]:
     raster = costs.raster
     columns, rows = np.floor(raster.in_cells(points)).astype(int).T
     columns, rows = columns.clip(0, raster.width - 1), rows.clip(0, raster.height - 1)
-    enough: NDArray[np.bool_] = costs.clearance[rows, columns] >= costs.needed - raster.cell / 2
-    return enough & ~costs.closed[rows, columns]
+    enough = costs.clearance[rows, columns] >= costs.needed - raster.cell / 2
+    fits: NDArray[np.bool_] = enough & ~costs.closed[rows, columns]
+    return fits
 
 
 def _why_not(costs: CostMap, goal: tuple[float, float]) -> str:
@@ -150,9 +151,4 @@ def _why_not(costs: CostMap, goal: tuple[float, float]) -> str:
     if costs.closed[cell]:
         return "the goal is in a forbidden area, or nothing is known of its place"
     room = float(costs.clearance[cell])
-    return f"the goal is too near something: {room:.2f} m, and the robot needs {costs.needed:.2f} m"
-
-
-def distance(one: tuple[float, float], other: tuple[float, float]) -> float:
-    """Return the distance of two places [m]."""
-    return hypot(one[0] - other[0], one[1] - other[1])
+    return f"the goal is {room:.2f} m from something, and the robot needs {costs.turning:.2f} m"

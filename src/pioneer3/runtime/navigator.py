@@ -194,6 +194,7 @@ class Navigator:
         here, there = estimate.robot_in_map, (goal.x, goal.y)
         seen = self._sightings.points(self._clock())
         start = here.x, here.y
+        way: Way | NoWay
         way = await self._in_thread(plan, self.costs.with_obstacles(seen), start, there)
         if isinstance(way, Way) or not len(seen):
             return way

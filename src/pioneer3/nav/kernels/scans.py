@@ -202,7 +202,13 @@ def refine_poses(
                 if length <= 0.0:
                     continue
                 wall = facing_wall(
-                    numbers, facing, (x - x0) / cell, (y - y0) / cell, bx / length, by / length, BACK
+                    numbers,
+                    facing,
+                    (x - x0) / cell,
+                    (y - y0) / cell,
+                    bx / length,
+                    by / length,
+                    BACK,
                 )
                 if wall < 0:
                     continue

@@ -35,9 +35,7 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
 
 
 @kernel
-def mark_echoes(
-    echoes: Float, clearance: Float32, known: float, now: float, seen: Float
-) -> None:
+def mark_echoes(echoes: Float, clearance: Float32, known: float, now: float, seen: Float) -> None:
     """Note the cells of echoes that no wall of the map explains.
 
     Args:
