@@ -156,7 +156,9 @@ async def drive_all(course: Course, count: int, verbose: bool) -> list[Drive]:
     drives: list[Drive] = []
     async with sim, connect_async(sim.open) as robot:
         rng = np.random.default_rng(course.seed)
-        navigator = Navigator(robot, course.map, start=course.home, rng=rng, in_thread=at_once)
+        navigator = await Navigator.on(
+            robot, course.map, start=course.home, rng=rng, in_thread=at_once
+        )
         async with running(navigator.run()):
             await until_sure(navigator)
             watch.begin()

@@ -77,6 +77,12 @@ class Way:
         """[m]."""
         return float(self.to_go[0])
 
+    def rest_from(self, x: float, y: float) -> "Way":
+        """Return the rest of the way for a robot at a place [m] on it, or beside it."""
+        nearest = int(np.hypot(self.points[:, 0] - x, self.points[:, 1] - y).argmin())
+        first = min(nearest, len(self.points) - 2)
+        return Way(self.points[first:], self.to_go[first:], self.cost_to_go)
+
 
 @dataclass(frozen=True, slots=True)
 class NoWay:

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from math import hypot
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from pioneer3.nav.costs import CELL, CostMap
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.localizer import Localizer
-from pioneer3.nav.places import Destination, home
-from pioneer3.nav.planner import NoWay, Way, plan, way_from
+from pioneer3.nav.places import Destination
+from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.follow_way import FollowWay, follow_way
@@ -37,8 +37,6 @@ BLOCKED_FOR = 15.0
 """A way that has been closed for so long is given up [s]."""
 SPREAD, TURN_SPREAD = 0.3, 0.15
 """Standard deviations of the start [m, rad]."""
-CRUISE = 0.85
-"""Mean speed over top speed on a free way."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,13 +46,15 @@ class Navigation:
     Attributes:
         estimate: Where the robot is.
         goal: Where it goes, or `None`.
-        way: The rest of its way, or `None`.
+        way: Its way as planned last, or `None`.
+        top_speed: On the way [m/s].
         problem: The reason that it does not come on, or empty.
     """
 
     estimate: Estimate
     goal: Destination | None = None
     way: Way | None = None
+    top_speed: float = 0.0
     problem: str = ""
 
 
@@ -74,38 +74,59 @@ class Navigator:
 
     Args:
         robot: The robot.
-        line_map: The map.
-        start: Where the robot is, if anybody knows; `None` has it found.
-        rng: Draws all that is random.
+        costs: Of the map for it.
+        localizer: On the map.
         in_thread: Runs what takes long.
 
     Attributes:
         line_map: The map.
         state: Published with each snapshot.
-        costs: Of the map, for this robot.
+        costs: The same.
     """
 
     def __init__(
-        self,
+        self, robot: Robot, costs: CostMap, localizer: Localizer, *, in_thread: InThread
+    ) -> None:
+        self.line_map = localizer.line_map
+        self.state: Feed[Navigation] = Feed()
+        self.costs = costs
+        self._robot, self._in_thread = robot, in_thread
+        self._localizer = localizer
+        self._sightings = Sightings(costs)
+        self._walls = samples(self.line_map.walls, CELL)
+        self._clock = asyncio.get_running_loop().time
+        self._sequence = -1
+        self._drive: _Drive | None = None
+
+    @classmethod
+    async def on(
+        cls,
         robot: Robot,
         line_map: LineMap,
         *,
         start: Pose2 | None = None,
         rng: np.random.Generator | None = None,
         in_thread: InThread = asyncio.to_thread,
-    ) -> None:
-        self.line_map = line_map
-        self.state: Feed[Navigation] = Feed()
-        self._robot, self._in_thread = robot, in_thread
+    ) -> Self:
+        """Return the navigator of a robot on a map.
+
+        Args:
+            robot: The robot.
+            line_map: The map.
+            start: Where the robot is, if anybody knows; `None` has it found.
+            rng: Draws all that is random.
+            in_thread: Runs what takes long.
+        """
         model = robot.info.model
-        self.costs = CostMap.of(line_map, model)
-        self._localizer = Localizer(line_map, model, rng or np.random.default_rng())
-        self._sightings = Sightings(self.costs)
-        self._walls = samples(line_map.walls, CELL)
-        self._clock = asyncio.get_running_loop().time
-        self._sequence = -1
-        self._drive: _Drive | None = None
-        self.place(start) if start is not None else self._localizer.start_unknown()
+        localizer = Localizer(line_map, model, rng or np.random.default_rng())
+        costs = await in_thread(CostMap.of, line_map, model)
+        await in_thread(localizer.prepare)
+        navigator = cls(robot, costs, localizer, in_thread=in_thread)
+        if start is None:
+            navigator.lose()
+        else:
+            navigator.place(start)
+        return navigator
 
     @property
     def estimate(self) -> Estimate:
@@ -152,6 +173,7 @@ class Navigator:
                 estimate=self.estimate,
                 goal=drive.goal if drive else None,
                 way=drive.way if drive else None,
+                top_speed=drive.action.top_speed if drive else 0.0,
                 problem=self._problem(drive),
             )
         )
@@ -241,12 +263,3 @@ class Navigator:
             raise MotionError(f"goto {goal}: {way.why}")
         mode = self.mode(goal, way, speed)
         await run_mode(mode, self._robot.arbiter, self._robot.snapshots(), until=float("inf"))
-
-    def rest_of(self, drive_way: Way, robot_in_map: Pose2) -> Way:
-        """Return the rest of a way from where the robot is."""
-        return way_from(drive_way.cost_to_go, (robot_in_map.x, robot_in_map.y)) or drive_way
-
-
-def begin_at(line_map: LineMap) -> Pose2 | None:
-    """Return the pose in which a robot begins on a map; `None` has it found."""
-    return home(line_map)

@@ -115,6 +115,10 @@ class Client:
         """Show `news`; a client that reads too slowly misses the oldest."""
         self._answer(Told(news))
 
+    def show(self, message: Message) -> None:
+        """Send `message` to this client alone."""
+        self._answer(message)
+
     def wake(self) -> None:
         """Look for new texts."""
         if self._queue is not None:
@@ -211,6 +215,9 @@ class Client:
             case requests.WatchDetails() | requests.AskConfig() | requests.WatchLasers():
                 self._subscribe(request)
                 return None
+            case requests.PlanWay():
+                self._page.robot(request.robot).navigation.ask(self, request)
+                return None
             case requests.StartMode() | requests.GotoPlace() | requests.EndMode():
                 refused = self._change_mode(self._page.robot(request.robot), request)
             case requests.RobotRequest():
@@ -255,12 +262,19 @@ class Client:
                 return view.control.start_mode(self, mode)
             case requests.EndMode():
                 return view.control.end_mode(self)
+        if view.navigation.possible:
+            if refused := view.control.take(self):
+                return refused
+            view.navigation.ask(self, request)
+            return None
         found = view.control.goto(self, request)
         if found.warning:
             self.tell(found.warning)
         return found.refusal or None
 
-    def _subscribe(self, request: requests.ViewRequest) -> None:
+    def _subscribe(
+        self, request: requests.WatchDetails | requests.AskConfig | requests.WatchLasers
+    ) -> None:
         """Change the subscriptions of this client."""
         match request:
             case requests.WatchLasers(on):

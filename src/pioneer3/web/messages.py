@@ -65,7 +65,10 @@ class SpeedLimits(Part, frozen=True):
 
 
 class Robot(Part, frozen=True):
-    """A robot. `robot` and `limits` are null until it has been connected to."""
+    """A robot. `robot` and `limits` are null until it has been connected to.
+
+    It `plans` ways where it has a map, a laser, and what navigation needs.
+    """
 
     id: int
     name: str
@@ -75,6 +78,7 @@ class Robot(Part, frozen=True):
     limits: SpeedLimits | None
     laser: bool
     scans: bool
+    plans: bool = False
 
 
 class Model(Part, frozen=True):
@@ -189,6 +193,40 @@ class Snapshot(Part, frozen=True):
     ended: ModeEnd | None
     commanded: Twist2 | None
     target: Target | None
+
+
+class Way(Message, tag="way", frozen=True):
+    """The way to the place x, y, for the client that asked for it; or the reason why there is none.
+
+    `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes.
+    """
+
+    robot: int
+    x: float
+    y: float
+    points: tuple[tuple[float, float], ...] = ()
+    length: float = 0.0
+    seconds: int = 0
+    refusal: str = ""
+
+
+class Navigation(Message, tag="navigation", frozen=True):
+    """A robot's knowledge of its place on the map, and the rest of its way.
+
+    `agreement` is the share of the laser's readings that agree with the map, 0 to 1; `reason` says
+    why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess;
+    `problem` says why the robot does not come on.
+    """
+
+    robot: int
+    sure: bool
+    agreement: float
+    reason: str
+    problem: str
+    place: str
+    way: tuple[tuple[float, float], ...] = ()
+    left: float | None = None
+    seconds: int | None = None
 
 
 class Robots(Message, tag="robots", frozen=True):
@@ -477,6 +515,6 @@ class Config(Message, tag="config", frozen=True):
 
 EVERY = (
     *(Hello, Status, Robots, Scans, Map, World, People),
-    *(Told, Refused, EditRefused, Added, Pong, Details, NoDetails, Config),
+    *(Way, Navigation, Told, Refused, EditRefused, Added, Pong, Details, NoDetails, Config),
 )
 """All messages."""

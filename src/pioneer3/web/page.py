@@ -18,6 +18,7 @@ from pioneer3.web.access.sessions import Role, Session, free_name
 from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.editor import Editor
+from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
 from pioneer3.web.world import WorldChannel, WorldView, map_message
@@ -35,6 +36,9 @@ class PageClient(Operator, Subscriber, Protocol):
 
     def tell(self, news: str) -> None:
         """Show `news`."""
+
+    def show(self, message: messages.Message) -> None:
+        """Send `message` to this client alone."""
 
 
 class Clients:
@@ -150,6 +154,7 @@ class Page:
                 self._watch_status(view),
                 view.publish_snapshots(self.snapshots, self.clients),
                 view.details.run(),
+                view.navigation.run(),
                 view.details.ask(),
                 self.scans.follow(number, robot.lasers, view.sensor_in_map),
             ):
@@ -248,7 +253,23 @@ class Page:
             if client is not None:
                 client.tell(f"{name}: {news}" if len(self.robots) > 1 else news)
 
-        return RobotView(number, name, robot, scene, Control(robot, scene, tell))
+        def show(operator: Operator, message: messages.Message) -> None:
+            client = self.clients.find(operator)
+            if client is not None:
+                client.show(message)
+
+        def publish(state: messages.Navigation | None) -> None:
+            key = f"navigation {number}"
+            if state is None:
+                self.retained.forget(key)
+            elif self.retained.put(key, messages.encode(state)):
+                self._wake()
+
+        control = Control(robot, scene, tell)
+        navigation = RobotNavigation(
+            number, robot, scene, control, tell=tell, show=show, publish=publish
+        )
+        return RobotView(number, name, robot, scene, control, navigation)
 
     def _add(self, view: RobotView, scene: Scene) -> int:
         """Add a robot, with its world if it is the first; return its number."""

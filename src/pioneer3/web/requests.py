@@ -82,7 +82,19 @@ class StartMode(RobotRequest, tag="start_mode"):
 
 
 class GotoPlace(RobotRequest, tag="goto"):
-    """Drive straight to a place of the map, and turn to a heading there if one is given."""
+    """Drive to a place of the map, and turn to a heading there if one is given.
+
+    A robot with a laser drives along a planned way, one without drives straight.
+    """
+
+    x: Metre
+    y: Metre
+    heading: Radian | None = None
+    speed: Speed = 0.3
+
+
+class PlanWay(RobotRequest, tag="plan_way"):
+    """Ask for the way to a place of the map; the answer is a `way`. Nothing drives."""
 
     x: Metre
     y: Metre
@@ -201,9 +213,9 @@ ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
 ModeRequest = StartMode | GotoPlace | EndMode
 """Starts or ends a mode."""
-ViewRequest = WatchDetails | AskConfig | WatchLasers
-"""Changes the subscriptions of this client alone."""
-FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
+ViewRequest = WatchDetails | AskConfig | WatchLasers | PlanWay
+"""Concerns this client alone."""
+FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers, PlanWay)
 """Requests that viewers may make; the others are for drivers."""
 Edit = (
     AddBox

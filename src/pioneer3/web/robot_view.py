@@ -17,6 +17,7 @@ from pioneer3.web import messages
 from pioneer3.web.broadcast import FrameChannel
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import Details
+from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.scene import Scene
 
 SONAR_MAX = 5.0
@@ -43,16 +44,24 @@ class RobotView:
         robot: The driver of the robot.
         control: Decides who drives it.
         scene: The map around it.
+        navigation: Takes it to places of the map.
         details: Told to clients that subscribe to them.
     """
 
     def __init__(
-        self, number: int, name: str, robot: Robot, scene: Scene, control: Control
+        self,
+        number: int,
+        name: str,
+        robot: Robot,
+        scene: Scene,
+        control: Control,
+        navigation: RobotNavigation,
     ) -> None:
         self.number = number
         self.name = name
         self.robot = robot
         self.control = control
+        self.navigation = navigation
         self.scene = scene
         self.details = Details(number, robot, scene)
 
@@ -69,6 +78,7 @@ class RobotView:
             self.robot.supervisor.info,
             laser=bool(laser.presence.there),
             scans=laser is not self.robot.devices.laser,
+            plans=self.navigation.possible,
         )
 
     def status(self) -> messages.Status:
@@ -114,7 +124,13 @@ class RobotView:
 
 
 def robot_part(
-    number: int, name: str, info: RobotInfo | None, *, laser: bool = False, scans: bool = False
+    number: int,
+    name: str,
+    info: RobotInfo | None,
+    *,
+    laser: bool = False,
+    scans: bool = False,
+    plans: bool = False,
 ) -> messages.Robot:
     """Return the part of the hello for a robot; `info` is `None` before the first connection."""
     return messages.Robot(
@@ -126,6 +142,7 @@ def robot_part(
         limits=_limits(info.limits) if info else None,
         laser=laser,
         scans=scans,
+        plans=plans,
     )
 
 

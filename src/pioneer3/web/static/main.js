@@ -104,6 +104,7 @@ function receive(message) {
   else if (message.type === "edit_refused") refusedEdit(message);
   else if (message.type === "refused") refused(message);
   else if (message.type === "people") takePeople(message);
+  else if (message.type === "way") goto.takeWay(message);
   else if (message.type === "told") showNews(message);
   else if (message.type === "pong") stops.acknowledge(message.t);
   else panels.receive(message);

@@ -11,6 +11,8 @@ const SLACK = { mouse: 4, touch: 16 }; // px beside the knob
 const NEAR = 0.15; // m between a target and the place of the map that it means: odometry drifts
 const ROUND = Math.PI / 36; // headings that are dragged are multiples of it
 
+const timeOf = (seconds) => (seconds < 90 ? `${seconds} s` : `${Math.round(seconds / 60)} min`);
+
 export class GotoTool {
   /** The goal that is proposed, {x, y, heading or null, toward, name}, or null. */
   proposal = null;
@@ -122,16 +124,35 @@ export class GotoTool {
     const { x, y, heading, name } = this.proposal;
     const turned = heading === null ? "" : `, heading ${number(degrees(heading), 0)}°`;
     const go = this.#model.several ? `${this.#model.selected.name}: go` : "Go";
-    put(byId("goto-where"), `${go} to ${name || `${x.toFixed(2)}, ${y.toFixed(2)} m`}${turned}?`);
+    const { way, length, seconds, refusal } = this.proposal;
+    const far = way?.length ? ` ${length.toFixed(1)} m, about ${timeOf(seconds)}.` : "";
+    const where = name || `${x.toFixed(2)}, ${y.toFixed(2)} m`;
+    put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : `${go} to ${where}${turned}?${far}`);
+    byId("goto-go").disabled = Boolean(refusal);
     byId("goto-any").hidden = heading === null;
     this.#list();
   }
 
+  /** The server's answer to a proposal: the way there, or the reason why there is none. */
+  takeWay(answer) {
+    const goal = this.proposal;
+    if (goal && goal.x === answer.x && goal.y === answer.y) {
+      const { points, length, seconds, refusal } = answer;
+      Object.assign(goal, { way: points, length, seconds, refusal });
+      this.#changed();
+    }
+  }
+
   /** Where the selected robot is going, in words, or "". */
   get going() {
-    const { live, snapshot } = this.#model;
+    const { live, snapshot, selected } = this.#model;
     const target = live ? snapshot?.target : null;
     if (!target) return "";
+    const planned = selected.navigation;
+    if (planned?.left != null) {
+      const place = planned.place || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
+      return `To ${place}: ${planned.left.toFixed(1)} m, ${timeOf(planned.seconds)} left${planned.problem && `; ${planned.problem}`}`;
+    }
     const left = Math.hypot(target.x - snapshot.pose.x, target.y - snapshot.pose.y).toFixed(1);
     if (target.person) return `Follows somebody ${left} m away`;
     const place = placeAt(this.#scene.places, target, NEAR)?.name || `${target.x.toFixed(2)}, ${target.y.toFixed(2)}`;
@@ -164,6 +185,7 @@ export class GotoTool {
   #set({ x, y }, heading, name) {
     this.proposal = { x, y, heading, toward: heading ?? 0, name };
     this.#aim();
+    if (this.#model.selected.hello.plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, speed: this.#speed() });
     this.#changed();
   }
 

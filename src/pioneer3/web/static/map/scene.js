@@ -155,7 +155,7 @@ export class Scene {
   #paintTargets(placed) {
     for (const [robot, pose] of placed) {
       const target = robot.snapshot?.target;
-      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose);
+      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.navigation?.way);
     }
   }
 

@@ -4,17 +4,20 @@ const SIZE = 9; // px
 const ARM = 46; // px from a place to the knob that turns the heading
 export const KNOB = 8; // px
 
-/** @param target {x, y, heading, person} of a snapshot, `pose` of the robot */
-export function drawTarget(context, view, palette, target, pose) {
+/** @param target {x, y, heading, person} of a snapshot, `pose` of the robot, `way` the points of a planned way */
+export function drawTarget(context, view, palette, target, pose, way = []) {
   const colour = target.person ? palette.person : palette.target;
-  drawWay(context, view, colour, pose, target);
+  drawWay(context, view, colour, [pose, ...(way.length ? way.slice(1).map(pointOf) : [target])]);
   if (target.person) drawSomebody(context, view, palette, target);
   else drawPlace(context, view, palette, target, true);
 }
 
-/** A goal that is proposed, with a knob for the heading. */
+const pointOf = ([x, y]) => ({ x, y });
+
+/** A goal that is proposed, with a knob for the heading, and the way there if it is known. */
 export function drawProposal(context, view, palette, goal, pose) {
-  if (pose) drawWay(context, view, palette.target, pose, goal);
+  if (goal.way?.length) drawWay(context, view, palette.target, goal.way.map(pointOf));
+  else if (pose && !goal.refusal) drawWay(context, view, palette.target, [pose, goal]);
   drawPlace(context, view, palette, goal, false);
   const knob = knobOf(goal, view.scale);
   context.strokeStyle = context.fillStyle = palette.target;
@@ -37,10 +40,9 @@ export function knobOf({ x, y, toward }, scale) {
   return { x: x + (ARM / scale) * Math.cos(toward), y: y + (ARM / scale) * Math.sin(toward) };
 }
 
-function drawWay(context, view, colour, from, to) {
+function drawWay(context, view, colour, points) {
   context.beginPath();
-  context.moveTo(from.x, from.y);
-  context.lineTo(to.x, to.y);
+  for (const { x, y } of points) context.lineTo(x, y);
   context.strokeStyle = colour;
   context.lineWidth = 1.5 / view.scale;
   context.setLineDash([6 / view.scale, 6 / view.scale]);

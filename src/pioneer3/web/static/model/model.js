@@ -24,6 +24,7 @@ export class Model {
     else if (message.type === "status") this.#takeStatus(message);
     else if (message.type === "robots") this.#takeSnapshots(message);
     else if (message.type === "scans") this.#takeScans(message);
+    else if (message.type === "navigation") this.#takeNavigation(message);
     else if (message.type === "world") this.world.receive(message);
   }
 
@@ -117,6 +118,11 @@ export class Model {
   #takeStatus(status) {
     const robot = this.robots.get(status.robot);
     if (robot) robot.status = status;
+  }
+
+  #takeNavigation(navigation) {
+    const robot = this.robots.get(navigation.robot);
+    if (robot) robot.navigation = navigation;
   }
 
   #takeSnapshots({ snapshots }) {

@@ -14,6 +14,8 @@ export class Robot {
   snapshot = null;
   /** @type {import("../messages.d.ts").Status | null} */
   status = null;
+  /** Its place on the map and the rest of its way, as told last. @type {import("../messages.d.ts").Navigation | null} */
+  navigation = null;
   /** Whether the user drags it in the editor: that leaves no trail. */
   lifted = false;
   /** Trail of [x, y] in the map; null separates pieces. */

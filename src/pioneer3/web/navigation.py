@@ -1,0 +1,228 @@
+"""Takes a robot of the page to places of its map, along planned ways.
+
+Planning takes a moment, in a thread. Meanwhile the page goes on: a stop that comes before the way
+is found ends the request.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from contextlib import AsyncExitStack
+from importlib.util import find_spec
+from math import dist
+from typing import TYPE_CHECKING
+
+from pioneer3.errors import PioneerError
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
+from pioneer3.runtime.robot import Robot
+from pioneer3.tasks import running
+from pioneer3.web import messages, requests
+from pioneer3.web.control import GOTO_TIME, Control, Operator
+from pioneer3.web.scene import Scene
+
+if TYPE_CHECKING:
+    from pioneer3.nav.places import Destination
+    from pioneer3.nav.planner import NoWay, Way
+    from pioneer3.runtime.navigator import Navigation as State
+    from pioneer3.runtime.navigator import Navigator
+
+log = logging.getLogger(__name__)
+
+Show = Callable[[Operator, messages.Message], None]
+Publish = Callable[[messages.Navigation | None], None]
+
+PERIOD = 0.5
+"""Clients hear of the way and of the certainty so often [s]."""
+SPARSE = 5
+"""Of a way's points every so many-th is drawn."""
+SAME = 0.005
+"""A goal so near to a place of the map is that place [m]: pages know it in whole millimetres."""
+FIND = 3.0
+"""Longest wait for a robot that knows where it is [s]."""
+CRUISE = 0.7
+"""Mean speed on a way, as a share of the highest."""
+
+
+class RobotNavigation:
+    """Plans ways for one robot, and starts it on them.
+
+    Args:
+        number: Of the robot on the page.
+        robot: The robot.
+        scene: Its map, and where it is if a simulator tells.
+        control: Decides who drives it.
+        tell: Called with an operator and a sentence.
+        show: Called with an operator and a message.
+        publish: Called with the state, and with `None` when there is none.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        robot: Robot,
+        scene: Scene,
+        control: Control,
+        *,
+        tell: Callable[[Operator, str], None],
+        show: Show,
+        publish: Publish,
+    ) -> None:
+        self._number, self._robot = number, robot
+        self._scene, self._control = scene, control
+        self._tell, self._show, self._publish = tell, show, publish
+        self._navigator: Navigator | None = None
+        self._asked: tuple[Operator, requests.GotoPlace | requests.PlanWay, int] | None = None
+        self._news = asyncio.Event()
+
+    @property
+    def possible(self) -> bool:
+        """Whether ways can be planned: there is a map, a laser, and the extra `nav`."""
+        known = self._scene.map_now
+        laser = bool(self._robot.laser.presence.there)
+        return known is not None and len(known.walls) > 0 and laser and _installed()
+
+    def ask(self, operator: Operator, request: requests.GotoPlace | requests.PlanWay) -> None:
+        """Plan a way for `operator`, and drive along it or only show it; the newest counts."""
+        self._asked = operator, request, self._robot.arbiter.last_stop.number
+        self._news.set()
+
+    async def run(self) -> None:
+        """Carry out requests until cancelled."""
+        async with AsyncExitStack() as stack:
+            while True:
+                await self._news.wait()
+                self._news.clear()
+                asked, self._asked = self._asked, None
+                if asked is None:
+                    continue
+                try:
+                    await self._carry_out(*asked, stack)
+                except PioneerError as error:
+                    self._tell(asked[0], str(error))
+                except Exception:
+                    log.exception("planning failed")
+                    self._tell(asked[0], "Planning a way failed; the log has the details.")
+
+    async def _carry_out(
+        self,
+        operator: Operator,
+        request: requests.GotoPlace | requests.PlanWay,
+        after: int,
+        stack: AsyncExitStack,
+    ) -> None:
+        from pioneer3.nav.places import Destination
+        from pioneer3.nav.planner import NoWay
+
+        navigator = await self._ready(stack)
+        goal = Destination(
+            x=request.x, y=request.y, heading=request.heading, name=self._name(request)
+        )
+        way = await navigator.plan(goal)
+        if isinstance(request, requests.PlanWay):
+            self._show(operator, self._shown(goal, way, request.speed))
+        elif isinstance(way, NoWay):
+            self._tell(operator, f"{way.why[0].upper()}{way.why[1:]}.")
+        elif self._robot.arbiter.last_stop.number == after:
+            mode = navigator.mode(goal, way, request.speed)
+            refused = self._control.start(operator, mode, GOTO_TIME)
+            if refused:
+                self._tell(operator, refused)
+
+    def _name(self, request: requests.GotoPlace | requests.PlanWay) -> str:
+        """Return the name of the place that is meant, or nothing."""
+        known = self._scene.map_now
+        named = known.objects if known else ()
+        there = request.x, request.y
+        near = (i.name for i in named if dist(there, (i.pose.x, i.pose.y)) < SAME)
+        return next(near, "")
+
+    def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
+        """Return the answer to a request that only asks for a way."""
+        from pioneer3.nav.planner import NoWay
+
+        if isinstance(way, NoWay):
+            return messages.Way(self._number, goal.x, goal.y, refusal=way.why)
+        return messages.Way(
+            self._number,
+            goal.x,
+            goal.y,
+            points=points_of(way),
+            length=round(way.length, 2),
+            seconds=_seconds(way.length, min(speed, self._robot.info.limits.max_speed)),
+        )
+
+    def _message(self, state: "State") -> messages.Navigation:
+        """Return the message for the state of the navigator."""
+        estimate, way = state.estimate, state.way
+        pose = estimate.robot_in_map
+        rest = None
+        if way is not None and pose is not None:
+            rest = way.rest_from(pose.x, pose.y)
+        return messages.Navigation(
+            self._number,
+            sure=estimate.sure,
+            agreement=round(estimate.agreement, 2),
+            reason=estimate.reason,
+            problem=state.problem,
+            place=state.goal.name if state.goal else "",
+            way=points_of(rest) if rest else (),
+            left=round(rest.length, 1) if rest else None,
+            seconds=_seconds(rest.length, state.top_speed) if rest else None,
+        )
+
+    async def _ready(self, stack: AsyncExitStack) -> "Navigator":
+        """Return the navigator of the present map, and wait until it knows where the robot is."""
+        from pioneer3.runtime.navigator import Navigator
+
+        known = self._scene.map_now
+        assert known is not None
+        if self._navigator is None or self._navigator.line_map is not known:
+            await stack.aclose()
+            self._navigator = await Navigator.on(self._robot, known, start=self._start(known))
+            await stack.enter_async_context(running(self._navigator.run(), self._tell_state()))
+        navigator = self._navigator
+        try:
+            async with asyncio.timeout(FIND):
+                async for state in navigator.state.values(latest_first=True):
+                    if state.estimate.sure:
+                        break
+        except TimeoutError:
+            pass  # planning says why not
+        return navigator
+
+    def _start(self, known: LineMap) -> Pose2 | None:
+        """Return where the robot is now, as far as anybody knows."""
+        snapshot = self._robot.snapshot
+        if snapshot is None:
+            return None
+        return self._scene.robot_in_map(snapshot.odometry.robot_in_odom)
+
+    async def _tell_state(self) -> None:
+        """Publish the state of the navigator now and then."""
+        navigator = self._navigator
+        assert navigator is not None
+        try:
+            while True:
+                state = navigator.state.latest
+                if state is not None:
+                    self._publish(self._message(state))
+                await asyncio.sleep(PERIOD)
+        finally:
+            self._publish(None)
+
+
+def points_of(way: "Way") -> tuple[tuple[float, float], ...]:
+    """Return some of the points of a way [m], the last one among them."""
+    points = [*way.points[:-1:SPARSE].tolist(), way.points[-1].tolist()]
+    return tuple((round(x, 2), round(y, 2)) for x, y in points)
+
+
+def _seconds(length: float, speed: float) -> int:
+    """Return about how long a way [m] takes at a highest speed [m/s], in seconds."""
+    return round(length / (CRUISE * speed))
+
+
+def _installed() -> bool:
+    """Whether the extra `nav` is."""
+    return all(find_spec(name) is not None for name in ("numba", "scipy"))
