@@ -24,6 +24,8 @@ SPEEDS, TURNS = 8, 17
 """Numbers of speeds and turn rates that are tried."""
 KEEP, KEEP_PER_SPEED = 0.04, 0.1
 """Distance to obstacles [m], and how much more per speed [s]."""
+SLOW, SLACK = 0.15, 0.002
+"""At this speed [m/s] a robot may stay as near to something as it is, give or take the latter [m]."""
 NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
@@ -126,10 +128,12 @@ class Follower:
         top = min(top_speed, self.limits.max_speed)
         commands = self._commands(top)
         judged = self._judge(robot_in_map, twist, commands, obstacles)
-        to_go, off, gap = judged.T
+        to_go, off, gap, bare = judged.T
+        # nearer to something than it should be, a robot may go on slowly, but no nearer
+        least = min(KEEP, self._gap_now(robot_in_map, obstacles)) - SLACK
+        slow = (np.abs(commands[:, 0]) <= SLOW) & (bare >= least)
+        possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
         gap = np.minimum(gap, NEAR)
-        inside = self._gap_now(robot_in_map, obstacles)
-        possible = np.isfinite(to_go) & (gap >= min(0.0, inside + 1e-3))
         standing = (commands == 0.0).all(axis=1)
         possible &= ~standing
         if not possible.any():
@@ -162,8 +166,8 @@ class Follower:
     def _judge(
         self, robot_in_map: Pose2, twist: Twist2, commands: Float, obstacles: Float
     ) -> Float:
-        """Return cost to go, heading off the way, and gap of each command, shape (C, 3)."""
-        at, limits, model = robot_in_map, self.limits, self.model
+        """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4)."""
+        at, limits = robot_in_map, self.limits
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [
@@ -187,10 +191,9 @@ class Follower:
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
         outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED])
-        out = np.empty((len(commands), 3))
+        out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
         fast(arcs, CACHE)(commands, state, motion, outline, obstacles, values, frame, out)
-        del model
         return out
 
     @property
@@ -198,7 +201,7 @@ class Follower:
         return self.model.length_front, self.model.length_rear, self.model.width / 2
 
     def _gap_now(self, at: Pose2, obstacles: Float) -> float:
-        """Return the gap to the nearest obstacle, less the distance to be kept [m]."""
+        """Return the gap to the nearest obstacle [m]."""
         if not len(obstacles):
             return inf
         front, rear, half = self._outline
@@ -207,7 +210,7 @@ class Follower:
         x, y = c * dx + s * dy, c * dy - s * dx
         off_x = np.maximum(np.maximum(x - front, -rear - x), 0.0)
         off_y = np.maximum(np.abs(y) - half, 0.0)
-        return float(np.hypot(off_x, off_y).min()) - KEEP
+        return float(np.hypot(off_x, off_y).min())
 
     def _off_way(self, at: Pose2) -> float:
         """Return the angle between the robot's heading and its way [rad], 0 to pi."""
@@ -247,7 +250,7 @@ class Follower:
             v = max(SLOWEST, v * (1 - abs(off) / FACING))
             command = (-v if back else v, 2.0 * off)
         judged = self._judge(at, twist, np.array([command]), obstacles)
-        if judged[0, 2] + KEEP < 0.02 and judged[0, 2] < self._gap_now(at, obstacles):
+        if judged[0, 3] < min(SLACK, self._gap_now(at, obstacles) - SLACK):
             return None
         return Step(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
 

@@ -51,8 +51,8 @@ def arcs(
         obstacles: x, y [m] in the map's frame, their velocity [m/s], shape (N, 4).
         values: Cost to go [m], shape (H, W).
         frame: x, y of the lower left corner and side of a cell [m], shape (3,).
-        out: For each command: cost to go at the end, heading off the way there [rad], and the
-            least gap to an obstacle less the distance to be kept [m]; shape (C, 3).
+        out: For each command: cost to go at the end, heading off the way there [rad], the least
+            gap to an obstacle less the distance to be kept, and the least gap [m]; shape (C, 4).
     """
     acceleration, deceleration = motion[0], motion[1]
     turn_acceleration, turn_deceleration = motion[2], motion[3]
@@ -60,7 +60,7 @@ def arcs(
     front, rear, half = outline[0], outline[1], outline[2]
     for i in range(len(commands)):
         x, y, theta, v, w = state[0], state[1], state[2], state[3], state[4]
-        least, time = inf, 0.0
+        least, bare, time = inf, inf, 0.0
         while True:
             ends = time >= hold
             wanted_v = 0.0 if ends else commands[i, 0]
@@ -79,8 +79,9 @@ def arcs(
             for j in range(len(obstacles)):
                 dx = obstacles[j, 0] + obstacles[j, 2] * time - x
                 dy = obstacles[j, 1] + obstacles[j, 3] * time - y
-                gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) - keep
-                least = min(least, gap)
+                gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half)
+                bare = min(bare, gap)
+                least = min(least, gap - keep)
         u, t = (x - frame[0]) / frame[2], (y - frame[1]) / frame[2]
         out[i, 0] = _value(values, u, t)
         to_x, to_y = direction(values, u, t)
@@ -90,6 +91,7 @@ def arcs(
             dot = cos(theta) * to_x + sin(theta) * to_y
             out[i, 1] = abs(np.arctan2(cross, dot))
         out[i, 2] = least
+        out[i, 3] = bare
 
 
 @inlined

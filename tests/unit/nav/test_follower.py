@@ -1,0 +1,119 @@
+"""Driving along ways: a robot without errors, that obeys at once but for its accelerations."""
+
+from math import cos, hypot, pi, sin
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2, Twist2, arc, wrap
+from pioneer3.limits import Limits
+from pioneer3.maps import LineMap
+from pioneer3.maps.grid import samples
+from pioneer3.nav.follower import KEEP, NO_OBSTACLES, Follower
+from pioneer3.nav.planner import Way, plan
+from tests.unit.nav.rooms import AT, costs, room, two_rooms
+
+Float = NDArray[np.float64]
+LIMITS = Limits(max_speed=0.75, max_turn_rate=1.7)
+DT = 0.1
+
+
+def follower(line_map: LineMap, start: Pose2, goal: tuple[float, float, float | None]) -> Follower:
+    way = plan(costs(line_map), (start.x, start.y), goal[:2])
+    assert isinstance(way, Way), way
+    return Follower(AT, LIMITS, goal, way.cost_to_go)
+
+
+def gap(at: Pose2, points: Float) -> float:
+    """Return the distance of the robot's outline from the nearest of `points` (N, 2)."""
+    c, s = cos(at.theta), sin(at.theta)
+    dx, dy = points[:, 0] - at.x, points[:, 1] - at.y
+    x, y = c * dx + s * dy, c * dy - s * dx
+    off_x = np.maximum(np.maximum(x - AT.length_front, -AT.length_rear - x), 0)
+    return float(np.hypot(off_x, np.maximum(np.abs(y) - AT.width / 2, 0)).min())
+
+
+def towards(now: float, wanted: float, step: float) -> float:
+    return min(wanted, now + step) if wanted > now else max(wanted, now - step)
+
+
+def drive(
+    by: Follower, start: Pose2, walls: Float, seconds: float = 60.0
+) -> tuple[Pose2, float, float]:
+    """Drive; return where it ended, the least gap to walls, and how long it took."""
+    at, v, w, least = start, 0.0, 0.0, 9.0
+    obstacles = np.pad(walls, ((0, 0), (0, 2)))
+    for tick in range(round(seconds / DT)):
+        step = by.step(at, Twist2(v, w), obstacles)
+        if step.arrived:
+            return at, least, tick * DT
+        v = towards(v, step.v, LIMITS.acceleration * DT)
+        w = towards(w, step.w, LIMITS.turn_acceleration * DT)
+        at = at @ arc(v, w, DT)
+        least = min(least, gap(at, walls))
+    return at, least, seconds
+
+
+@settings(deadline=None, max_examples=15)
+@given(
+    st.tuples(st.floats(0.6, 4.2), st.floats(0.6, 5.4), st.floats(-3, 3)),
+    st.tuples(st.floats(5.8, 9.4), st.floats(0.6, 5.4), st.floats(-3, 3)),
+)
+def test_it_goes_through_the_door_and_arrives(
+    start: tuple[float, float, float], goal: tuple[float, float, float]
+) -> None:
+    line_map = two_rooms(0.9)
+    walls = samples(line_map.walls, 0.05)
+    begin = Pose2(*start)
+    at, least, took = drive(follower(line_map, begin, goal), begin, walls)
+    assert hypot(at.x - goal[0], at.y - goal[1]) < 0.03
+    assert abs(wrap(at.theta - goal[2])) < 0.03
+    assert least > 0.01
+    assert took < 45
+
+
+def test_without_a_heading_it_stays_as_it_arrives() -> None:
+    begin = Pose2(1.0, 3.0, 0.0)
+    at, _, _ = drive(follower(room(), begin, (6.0, 3.0, None)), begin, np.array([[0.0, 0.0]]))
+    assert abs(at.theta) < 0.2
+
+
+def test_it_turns_first_where_its_way_is_behind_it() -> None:
+    begin = Pose2(5.0, 3.0, pi)
+    step = follower(room(), begin, (9.0, 3.0, None)).step(begin, Twist2())
+    assert step.v == 0.0
+    assert abs(step.w) > 0.3
+
+
+def test_it_stops_for_a_thing_right_ahead_that_nobody_planned_for() -> None:
+    begin = Pose2(1.0, 3.0, 0.0)
+    by = follower(two_rooms(0.9), begin, (8.0, 3.0, None))
+    plug = np.array([[5.0, y] for y in np.arange(2.5, 3.55, 0.05)])
+    walls = np.concatenate([samples(two_rooms(0.9).walls, 0.05), plug])
+    at, least, _ = drive(by, begin, walls, seconds=25.0)
+    assert at.x < 5.0 - AT.length_front
+    assert least > 0.01
+
+
+def test_a_robot_beside_a_thing_is_not_frozen() -> None:
+    begin = Pose2(3.0, 3.0, 0.0)
+    beside = np.array([[3.0, 3.0 + AT.width / 2 + KEEP / 2, 0.0, 0.0]])
+    step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(), beside)
+    assert step.v > 0.0
+
+
+def test_it_lets_a_person_pass_who_walks_into_its_way() -> None:
+    begin = Pose2(3.0, 3.0, 0.0)
+    by = follower(room(), begin, (8.0, 3.0, None))
+    free = by.step(begin, Twist2(0.7, 0.0), NO_OBSTACLES)
+    walking = np.array([[4.3, 3.9, 0.0, -0.9]])
+    crossed = by.step(begin, Twist2(0.7, 0.0), walking)
+    assert (crossed.v, crossed.w) != (free.v, free.w)
+
+
+def test_no_faster_than_asked() -> None:
+    begin = Pose2(1.0, 3.0, 0.0)
+    step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(0.2, 0), top_speed=0.2)
+    assert 0 < step.v <= 0.2

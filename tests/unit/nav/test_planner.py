@@ -1,0 +1,180 @@
+"""Ways over a map."""
+
+from math import hypot, inf
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps import Bounds, LineMap, OccupancyGrid
+from pioneer3.maps.grid import outline
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
+from pioneer3.nav.costs import CostMap
+from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
+from pioneer3.nav.raster import Raster
+from tests.unit.nav.rooms import AT, area, box, costs, room, two_rooms
+
+Float32 = NDArray[np.float32]
+place = st.tuples(st.floats(0.6, 9.4), st.floats(0.6, 5.4))
+
+
+def way(on: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> Way:
+    found = plan(on, start, goal)
+    assert isinstance(found, Way), found
+    return found
+
+
+def why_not(on: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> NoWay:
+    found = plan(on, start, goal)
+    assert isinstance(found, NoWay)
+    return found
+
+
+def over_graph(costs: Float32, goal: int) -> Float32:
+    """The oracle: ways from cell to cell, also across corners, each half of either cell's cost."""
+    height, width = costs.shape
+    cells = np.arange(height * width).reshape(height, width)
+    parts = []
+    for dr, dc, length in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 2**0.5), (1, -1, 2**0.5)):
+        here = cells[: height - dr, max(0, -dc) : width - max(0, dc)]
+        there = cells[dr:, max(0, dc) : width + min(0, dc)]
+        mean = (costs.ravel()[here] + costs.ravel()[there]) / 2 * length
+        keep = np.isfinite(mean)
+        parts.append((here[keep], there[keep], mean[keep]))
+    rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    graph = coo_array((values, (rows, columns)), shape=(cells.size, cells.size)).tocsr()
+    found: Float32 = dijkstra(graph, directed=False, indices=goal).reshape(costs.shape)
+    return found
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.integers(0, 2**32 - 1))
+def test_costs_to_go_agree_with_a_graph_of_cells(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shape = (30, 40)
+    each = (0.05 * (1 + 2 * rng.random(shape) * (rng.random(shape) < 0.3))).astype(np.float32)
+    each[rng.random(shape) < 0.03] = np.inf
+    row, column = (int(rng.integers(0, size)) for size in shape)
+    each[row, column] = 0.05
+    raster = Raster(x=0.0, y=0.0, cell=0.05, height=30, width=40)
+    found = CostToGo.of(each, raster, (column + 0.5) * 0.05, (row + 0.5) * 0.05)
+    assert found is not None
+    oracle = over_graph(each, row * 40 + column)
+    # the graph goes across corners between two walls, fast marching does not
+    reached = np.isfinite(found.values)
+    assert (np.isfinite(oracle) | ~reached).all()
+    ratio = found.values[reached] / np.maximum(oracle[reached], 0.1)
+    assert 0.9 < np.median(ratio) < 1.1
+
+
+@given(place, place)
+def test_in_the_open_the_way_is_straight(
+    start: tuple[float, float], goal: tuple[float, float]
+) -> None:
+    empty = LineMap(name="", walls=np.array(box(-5.0, -5.0, 15.0, 11.0)))
+    found = way(OPEN, start, goal)
+    straight = hypot(goal[0] - start[0], goal[1] - start[1])
+    assert found.length == pytest.approx(straight, rel=0.02, abs=0.06)
+    assert found.points[0].tolist() == pytest.approx(start)
+    assert found.points[-1].tolist() == pytest.approx(goal)
+    assert found.to_go[-1] == 0.0
+
+
+OPEN = costs(LineMap(name="", walls=np.array(box(-5.0, -5.0, 15.0, 11.0))))
+
+
+def test_it_leads_through_the_door() -> None:
+    found = way(costs(two_rooms(1.0)), (2.0, 1.0), (8.0, 1.0))
+    through = found.points[np.abs(found.points[:, 0] - 5.0).argmin()]
+    assert through[1] == pytest.approx(3.0, abs=0.2)
+    assert found.length == pytest.approx(2 * hypot(3.0, 1.85), rel=0.08)
+
+
+def test_no_way_leads_through_a_door_that_is_too_narrow() -> None:
+    assert "narrow" in why_not(costs(two_rooms(0.5)), (2.0, 1.0), (8.0, 1.0)).why
+    assert why_not(costs(two_rooms(0.0)), (2.0, 1.0), (8.0, 1.0)).why == "no way leads to the goal"
+
+
+def test_a_robot_beside_a_wall_gets_out() -> None:
+    found = way(costs(room()), (0.15, 3.0), (5.0, 3.0))
+    assert found.length == pytest.approx(4.85, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [
+        ((20.0, 3.0), "outside of the map"),
+        ((0.3, 3.0), "m from something"),
+        ((3.0, 3.0), "forbidden"),
+    ],
+)
+def test_goals_that_cannot_be_reached_have_a_reason(goal: tuple[float, float], words: str) -> None:
+    forbidden = area("ForbiddenArea", (2, 2), (4, 2), (4, 4), (2, 4))
+    assert words in why_not(costs(room(objects=(forbidden,))), (7.0, 3.0), goal).why
+
+
+def test_it_goes_around_forbidden_areas_and_lines() -> None:
+    forbidden = area("ForbiddenArea", (4, 2), (6, 2), (6, 6), (4, 6))
+    found = way(costs(room(objects=(forbidden,))), (2.0, 4.0), (8.0, 4.0))
+    inside = (found.points[:, 0] > 4) & (found.points[:, 0] < 6) & (found.points[:, 1] > 2)
+    assert not inside.any()
+    line = area("ForbiddenLine", (5, 1.5), (5, 6))
+    found = way(costs(room(objects=(line,))), (2.0, 4.0), (8.0, 4.0))
+    across = found.points[np.abs(found.points[:, 0] - 5.0).argmin()]
+    assert across[1] < 1.5 - AT.width / 2
+
+
+def test_it_goes_around_things_that_are_seen() -> None:
+    door = costs(two_rooms(2.0))
+    thing = np.array([[5.0, y] for y in np.arange(2.0, 3.0, 0.05)])
+    found = way(door.with_obstacles(thing), (2.0, 3.0), (8.0, 3.0))
+    through = found.points[np.abs(found.points[:, 0] - 5.0).argmin()]
+    assert through[1] > 3.2
+    closed = np.array([[5.0, y] for y in np.arange(2.0, 4.0, 0.05)])
+    assert plan(door.with_obstacles(closed), (2.0, 3.0), (8.0, 3.0)) == NoWay(
+        "no way leads to the goal"
+    )
+
+
+def test_it_prefers_areas_where_it_may_go_faster() -> None:
+    slow = area("Slow", (4, 2.9), (6, 2.9), (6, 6), (4, 6))
+    on = costs(room())
+    assert way(on, (2.0, 3.5), (8.0, 3.5)).points[:, 1].min() > 3.0
+    found = way(on.with_speed(slow, 0.2), (2.0, 3.5), (8.0, 3.5))
+    across = found.points[np.abs(found.points[:, 0] - 5.0).argmin()]
+    assert across[1] < 2.9
+
+
+def test_nothing_is_planned_where_nothing_is_known() -> None:
+    states = np.full((60, 100), FREE, dtype=np.uint8)
+    states[0], states[-1], states[:, 0], states[:, -1] = OCCUPIED, OCCUPIED, OCCUPIED, OCCUPIED
+    states[20:, 40:60] = UNKNOWN
+    grid = OccupancyGrid(states=states, resolution=0.1, origin=Pose2())
+    rows, columns = np.nonzero(states == OCCUPIED)
+    walls = outline((np.stack([columns, rows], axis=1) + 0.5) * 0.1, 0.1)
+    on = costs(LineMap(name="scanned", walls=walls, grids=(grid,)))
+    found = way(on, (2.0, 4.0), (8.0, 4.0))
+    within = (found.points[:, 0] > 4) & (found.points[:, 0] < 6)
+    assert found.points[within, 1].max() < 2.0
+    assert "nothing is known" in why_not(on, (2.0, 4.0), (5.0, 4.0)).why
+
+
+def test_the_rest_of_a_way_begins_where_the_robot_is() -> None:
+    found = way(OPEN, (1.0, 1.0), (5.0, 1.0))
+    rest = found.rest_from(3.0, 1.1)
+    assert rest.length == pytest.approx(2.0, abs=0.05)
+    assert found.rest_from(9.0, 1.0).length < 0.1
+
+
+def test_outside_of_the_raster_no_way_leads_anywhere() -> None:
+    raster = Raster.around(Bounds(0.0, 0.0, 1.0, 1.0), 0.05)
+    each = np.full(raster.shape, 0.05, dtype=np.float32)
+    assert CostToGo.of(each, raster, 5.0, 5.0) is None
+    found = CostToGo.of(each, raster, 0.5, 0.5)
+    assert found is not None
+    assert found.at(9.0, 9.0) == inf
