@@ -18,7 +18,6 @@ from pioneer3.maps import Bounds, LineMap, read_map, shipped_map
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.sensors import SONAR_RANGE
@@ -36,8 +35,8 @@ BOXES = {
 }
 """The insides of maps that are open outside [m]."""
 MAPS = ("shipped", "office", "AMROffice", "columbia")
-STEP = 0.0125
-"""Of the world [s]."""
+STEP, COARSE = 0.0125, 0.05
+"""Of the world where scans take time, and else [s]."""
 PERIOD = 0.1
 """From one scan to the next, and from one report to the next [s]."""
 SPEED, TURN_RATE = 0.5, 1.0
@@ -198,7 +197,8 @@ class Course:
             self.world.add_obstacle(self._person())
         self.body.drive.power(on=True)
         self._goal_map: Int | None = None
-        self._stuck, self._number, self._retreat = 0.0, 0, 0.0
+        self._stuck, self._number, self._retreat = 0.0, 0, (0.0, 0.0, 0.0)
+        self._seen_at = self.body.robot_in_world
         self._poses = [(0.0, self.body.robot_in_odom)]
 
     def random_pose(self) -> Pose2:
@@ -220,16 +220,17 @@ class Course:
         self._steer()
         began = PERIOD - self.hardship.scan_time
         pieces: list[Float] = []
-        steps = round(PERIOD / STEP)
+        step = STEP if self.hardship.scan_time else COARSE
+        steps = round(PERIOD / step)
         first = self.body.robot_in_odom
         cast = 0
         for number in range(1, steps + 1):
-            self.world.step(STEP)
+            self.world.step(step)
             self._poses.append((self.world.time, self.body.robot_in_odom))
-            passed = number * STEP
-            if self.hardship.scan_time and abs(passed - began) < STEP / 2:
+            passed = number * step
+            if self.hardship.scan_time and abs(passed - began) < step / 2:
                 first = self._odom_at(self.world.time - self.hardship.late)
-            if passed >= began + STEP / 2 or number == steps:
+            if passed >= began + step / 2 or number == steps:
                 share = (passed - began) / self.hardship.scan_time if self.hardship.scan_time else 1
                 due = BEAMS if number == steps else round(BEAMS * share)
                 pieces.append(self._look(cast, due))
@@ -284,10 +285,13 @@ class Course:
         """Set the velocities for the next moment."""
         here, drive = self.body.robot_in_world, self.body.drive
         at = self._ways.nearest(here)
-        touched = bool(self.body.drives.flags.item(TOUCHED, self.body.number))
-        self._stuck = self._stuck + PERIOD if touched else 0.0
-        if self._stuck > 0.5:
-            self._retreat, self._goal_map, self._stuck = 1.5, None, 0.0
+        last = self._seen_at
+        if hypot(here.x - last.x, here.y - last.y) + abs(wrap(here.theta - last.theta)) > 0.05:
+            self._seen_at, self._stuck = here, 0.0
+        self._stuck += PERIOD
+        if self._stuck > 1.0:
+            speed, turn = 0.2 * self._rng.choice([-1, 1]), self._rng.uniform(-0.7, 0.7)
+            self._retreat, self._goal_map, self._stuck = (1.5, float(speed), float(turn)), None, 0.0
         if self._goal_map is None:
             goal = int(self._rng.choice(self._ways.centres_of_turns))
             self._goal_map = self._ways.to(goal)
@@ -297,9 +301,9 @@ class Course:
         off = wrap(atan2(y - here.y, x - here.x) - here.theta)
         turn = float(np.clip(2.0 * off, -TURN_RATE, TURN_RATE))
         speed = SPEED * max(0.0, 1 - abs(off) / 0.8)
-        if self._retreat > 0:
-            self._retreat -= PERIOD
-            speed, turn = -0.2, 0.5 * float(np.sign(off))
+        if self._retreat[0] > 0:
+            left, speed, turn = self._retreat
+            self._retreat = left - PERIOD, speed, turn
         drive.linear.go(speed)
         drive.angular.go(turn)
 

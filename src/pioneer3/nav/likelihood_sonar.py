@@ -1,7 +1,8 @@
 """How well the pings of sonars fit a map."""
 
 from dataclasses import dataclass
-from math import cos, radians
+from math import ceil, cos, radians
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,12 @@ from pioneer3.nav.kernels.pings import expected_ranges, weigh_ranges
 from pioneer3.nav.likelihood import WallField
 
 Float = NDArray[np.float64]
+UInt16 = NDArray[np.uint16]
 
 CELL, REACH = 0.05, 1.0
 """Of the distances for sonars [m]."""
+PLACE, SECTORS = 0.1, 72
+"""Expected ranges are computed once for places of this side [m] and so many directions."""
 LONGEST = 5.0
 """Range of the sonars [m]."""
 RAYS = np.radians([-15.0, -7.5, 0.0, 7.5, 15.0])
@@ -50,9 +54,46 @@ class Pings:
     ranges: Float
 
 
-def field_for_sonars(line_map: LineMap) -> WallField:
-    """Return the field of all walls."""
-    return WallField.of(line_map.walls, line_map, CELL, REACH)
+@dataclass(frozen=True, slots=True, eq=False)
+class EchoMap:
+    """The ranges that transducers are expected to have on a map.
+
+    Attributes:
+        walls: Of the map.
+        known: Those that have been computed [mm], 0 for the others, shape (H, W, `SECTORS`).
+    """
+
+    walls: WallField
+    known: UInt16
+
+    @classmethod
+    def of(cls, line_map: LineMap) -> Self:
+        """Return the map of echoes of all walls; nothing is computed yet."""
+        walls = WallField.of(line_map.walls, line_map, CELL, REACH)
+        height, width = (ceil(size * CELL / PLACE) for size in walls.numbers.shape)
+        return cls(walls, np.zeros((height, width, SECTORS), dtype=np.uint16))
+
+    def expected(self, pings: Float, poses: Float) -> Float:
+        """Return the ranges [m] that `pings` (F, 3+) should have at `poses` (P, 3), shape (P, F).
+
+        Those that would echo nothing are longer than `LONGEST`.
+        """
+        out = np.empty((len(poses), len(pings)))
+        w = self.walls
+        fast(expected_ranges, CACHE)(
+            w.walls,
+            w.field.distances,
+            w.numbers,
+            w.frame,
+            self.known,
+            PLACE,
+            RAYS,
+            (LONGEST, STEEP),
+            pings,
+            poses,
+            out,
+        )
+        return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,41 +101,24 @@ class PingLikelihood:
     """The likelihood of pings on a map.
 
     Attributes:
-        walls: Of the map.
+        echoes: Of the map.
         pings: Places, axes and ranges in the robot's frame [m, rad], shape (F, 4).
     """
 
-    walls: WallField
+    echoes: EchoMap
     pings: Float
 
     def cost(self, poses: Float) -> Float:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
         shape = np.array([LONGEST, SIGMA, SIGMA_SHARE, RIGHT, NEARER, OTHER])
-        fast(weigh_ranges, CACHE)(self.pings[:, 3], self.expected(poses), shape, out)
+        fast(weigh_ranges, CACHE)(self.pings[:, 3], self.echoes.expected(self.pings, poses), shape, out)
         out *= INDEPENDENT
-        return out
-
-    def expected(self, poses: Float) -> Float:
-        """Return the ranges that the map tells at `poses` (P, 3) [m], shape (P, F)."""
-        out = np.empty((len(poses), len(self.pings)))
-        w = self.walls
-        fast(expected_ranges, CACHE)(
-            w.walls,
-            w.field.distances,
-            w.numbers,
-            w.frame,
-            self.pings,
-            RAYS,
-            poses,
-            (LONGEST, STEEP),
-            out,
-        )
         return out
 
     def agreeing(self, pose: Float) -> tuple[int, int]:
         """Return the number of echoes that agree with the map at `pose` (3,), and of all."""
         heard = self.pings[:, 3] <= LONGEST
-        off = abs(self.expected(pose[None])[0] - self.pings[:, 3])[heard]
+        off = abs(self.echoes.expected(self.pings, pose[None])[0] - self.pings[:, 3])[heard]
         near = np.maximum(FITS, 2 * SIGMA_SHARE * self.pings[heard, 3])
         return int((off < near).sum()), int(heard.sum())

@@ -16,7 +16,7 @@ from pioneer3.nav.estimate import Estimate, Stage
 from pioneer3.nav.global_search import Candidates, Places, Search
 from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.likelihood import ScanLikelihood, Verdict, WallField
-from pioneer3.nav.likelihood_sonar import Pings, field_for_sonars
+from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
 from pioneer3.nav.tracking import SONAR_KNOWN, SONAR_TURN, Fix, LaserTrack, SonarTrack
 
@@ -175,7 +175,7 @@ class Localizer:
         if now.start is not None:
             pose, deviations = now.start
             now.sonar = SonarTrack(
-                self._sonar_walls, pose, deviations, self._count, self._rng, self._errors
+                self._echoes, pose, deviations, self._count, self._rng, self._errors
             )
             now.start, now.at, now.needed = None, self._odom, DRIVEN
             now.reason = "has to drive a little"
@@ -240,8 +240,8 @@ class Localizer:
         return WallField.for_lasers(self.line_map)
 
     @cached_property
-    def _sonar_walls(self) -> WallField:
-        return field_for_sonars(self.line_map)
+    def _echoes(self) -> EchoMap:
+        return EchoMap.of(self.line_map)
 
     @cached_property
     def _places(self) -> Places:

@@ -7,8 +7,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict, WallField
-from pioneer3.nav.likelihood_sonar import PingLikelihood, Pings
+from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict
+from pioneer3.nav.likelihood_sonar import EchoMap, PingLikelihood, Pings
 from pioneer3.nav.particles import MotionErrors, Particles, array_of
 
 Float = NDArray[np.float64]
@@ -19,7 +19,7 @@ BEGIN, BEGIN_TURN = 0.05, 0.03
 """Standard deviations of the particles at the place that a search has found [m, rad]."""
 FRESH = 10
 """One in so many particles comes from the scan, not from the particles before."""
-SONAR_PARTICLES, SONAR_BEGIN = 2, 6
+SONAR_PARTICLES, SONAR_BEGIN = 1, 4
 """So many times as many particles are used with sonars, and until the place is known."""
 SONAR_KNOWN, SONAR_TURN = 0.3, 0.15
 """Standard deviations at which a place counts as known by sonar [m, rad]."""
@@ -79,7 +79,7 @@ class SonarTrack:
     """Particles that pings weigh, a few reports at a time.
 
     Args:
-        walls: Of the map.
+        echoes: Of the map.
         pose: Where the robot is, roughly [m, rad], shape (3,).
         deviations: Standard deviations of that [m, rad], shape (3,).
         count: Number of particles that track a laser.
@@ -89,14 +89,14 @@ class SonarTrack:
 
     def __init__(
         self,
-        walls: WallField,
+        echoes: EchoMap,
         pose: Float,
         deviations: Float,
         count: int,
         rng: Generator,
         errors: MotionErrors,
     ) -> None:
-        self._walls, self._usual = walls, SONAR_PARTICLES * count
+        self._echoes, self._usual = echoes, SONAR_PARTICLES * count
         self._particles = Particles.around(pose, deviations, SONAR_BEGIN * count, rng, errors)
         self._pings: list[Float] = []
         self._agreement = 0.5
@@ -115,7 +115,7 @@ class SonarTrack:
             pings = np.concatenate(self._pings)
             pings[:, :3] = moved_by(array_of(robot_in_odom.inverse()), pings[:, :3])
             self._pings.clear()
-            likelihood = PingLikelihood(self._walls, np.ascontiguousarray(pings))
+            likelihood = PingLikelihood(self._echoes, np.ascontiguousarray(pings))
             particles.weigh(likelihood.cost(particles.poses))
             self._remember(likelihood, particles.mean()[0])
         mean, covariance = particles.mean()

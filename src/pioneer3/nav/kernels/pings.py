@@ -1,6 +1,6 @@
 """How well the pings of sonars fit the walls of a map."""
 
-from math import cos, exp, floor, log, sin, sqrt
+from math import cos, exp, floor, log, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,63 @@ from pioneer3.nav.kernels.scans import way_to_wall
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int32 = NDArray[np.int32]
+UInt16 = NDArray[np.uint16]
+
+
+@kernel
+def echo_range(
+    walls: Float,
+    distances: Float32,
+    numbers: Int32,
+    frame: tuple[float, float, float],
+    rays: Float,
+    limits: tuple[float, float],
+    x: float,
+    y: float,
+    axis: float,
+) -> float:
+    """Return the range that a transducer is expected to have [m]; twice the longest for no echo.
+
+    The nearest echo among the rays of its beam counts. A wall echoes a ray that meets it nearly at
+    a right angle.
+
+    Args:
+        walls: Segments [m], shape (W, 4).
+        distances: To the nearest wall [m], shape (H, W).
+        numbers: The wall nearest to each cell, shape (H, W).
+        frame: Left and lower edge of the raster, and the side of a cell [m].
+        rays: Angles off the axis [rad], shape (R,).
+        limits: Longest range [m]; least cosine between a ray and a wall's normal.
+        x: Of the transducer on the map [m].
+        y: The same.
+        axis: Its direction [rad].
+    """
+    x0, y0, cell = frame
+    longest, steep = limits
+    height, width = numbers.shape
+    best = 2.0 * longest
+    for ray in range(len(rays)):
+        dx, dy = cos(axis + rays[ray]), sin(axis + rays[ray])
+        u, v = (x - x0) / cell, (y - y0) / cell
+        most = min(best, longest) / cell
+        gone = way_to_wall(distances, u, v, dx, dy, most, 1.0 / cell)
+        column, row = floor(u + gone * dx), floor(v + gone * dy)
+        if gone >= most or not (0 <= row < height and 0 <= column < width):
+            continue
+        wall = numbers[row, column]
+        if wall < 0:
+            continue
+        wx, wy = walls[wall, 2] - walls[wall, 0], walls[wall, 3] - walls[wall, 1]
+        length = sqrt(wx * wx + wy * wy)
+        sine = wx * dy - wy * dx
+        if length <= 0.0 or abs(sine) < steep * length:
+            continue
+        # the search ends up to a cell before the wall
+        exact = (wx * (walls[wall, 1] - y) - wy * (walls[wall, 0] - x)) / sine
+        if abs(exact - gone * cell) > 2.0 * cell:
+            exact = gone * cell
+        best = min(best, exact)
+    return best
 
 
 @kernel
@@ -19,63 +76,65 @@ def expected_ranges(
     distances: Float32,
     numbers: Int32,
     frame: tuple[float, float, float],
-    pings: Float,
+    known: UInt16,
+    place: float,
     rays: Float,
-    poses: Float,
     limits: tuple[float, float],
+    pings: Float,
+    poses: Float,
     out: Float,
 ) -> None:
     """Fill `out` (P, N) with the ranges that pings are expected to have at each of `poses`.
 
-    The nearest echo among the rays of a beam counts. A wall echoes a ray that meets it nearly at a
-    right angle.
+    A range is that of the middle of the transducer's place and of its sector, moved along the axis.
+    It is computed once for each place and sector.
 
     Args:
-        walls: Segments [m], shape (W, 4).
-        distances: To the nearest wall [m], shape (H, W).
-        numbers: The wall nearest to each cell, shape (H, W).
-        frame: Left and lower edge of the raster, and the side of a cell [m].
+        walls: As for :func:`echo_range`, like the next three.
+        distances: The same.
+        numbers: The same.
+        frame: The same.
+        known: Ranges computed so far [mm], 0 for the others, shape (rows, columns, sectors).
+        place: Side of a place, a cell of `known` [m].
+        rays: As for :func:`echo_range`.
+        limits: The same.
         pings: Places of the transducers in the robot's frame, x, y, axis [m, rad], shape (N, 3+).
-        rays: Angles off the axis [rad], shape (R,).
         poses: Of the robot on the map [m, rad], shape (P, 3).
-        limits: Longest range [m]; least cosine between a ray and a wall's normal.
-        out: For the ranges [m]; twice the longest where no echo is expected.
+        out: For the ranges [m]; above the longest where no echo is expected.
     """
-    x0, y0, cell = frame
-    longest, steep = limits
-    height, width = numbers.shape
+    x0, y0, _ = frame
+    longest = limits[0]
+    rows, columns, sectors = known.shape
+    sector = 2.0 * pi / sectors
     for p in range(len(poses)):
         c, s = cos(poses[p, 2]), sin(poses[p, 2])
         for i in range(len(pings)):
             x = poses[p, 0] + c * pings[i, 0] - s * pings[i, 1]
             y = poses[p, 1] + s * pings[i, 0] + c * pings[i, 1]
-            best = 2.0 * longest
-            for ray in range(len(rays)):
-                angle = poses[p, 2] + pings[i, 2] + rays[ray]
-                dx, dy = cos(angle), sin(angle)
-                u, v = (x - x0) / cell, (y - y0) / cell
-                most = min(best, longest) / cell
-                gone = way_to_wall(distances, u, v, dx, dy, most, 1.0 / cell)
-                if gone >= most:
-                    continue
-                row, column = floor(v + gone * dy), floor(u + gone * dx)
-                if not (0 <= row < height and 0 <= column < width):
-                    continue
-                wall = numbers[row, column]
-                if wall < 0:
-                    continue
-                wx, wy = walls[wall, 2] - walls[wall, 0], walls[wall, 3] - walls[wall, 1]
-                length = sqrt(wx * wx + wy * wy)
-                if length <= 0.0 or abs(wx * dy - wy * dx) < steep * length:
-                    continue
-                # to the wall itself: the way along the ray ends up to a cell before it
-                across = (wx * (walls[wall, 1] - y) - wy * (walls[wall, 0] - x)) / (
-                    wx * dy - wy * dx
+            axis = poses[p, 2] + pings[i, 2]
+            column, row = floor((x - x0) / place), floor((y - y0) / place)
+            if not (0 <= row < rows and 0 <= column < columns):
+                out[p, i] = 2.0 * longest
+                continue
+            number = floor(axis / sector) % sectors
+            middle_x, middle_y = x0 + (column + 0.5) * place, y0 + (row + 0.5) * place
+            if known[row, column, number] == 0:
+                expected = echo_range(
+                    walls,
+                    distances,
+                    numbers,
+                    frame,
+                    rays,
+                    limits,
+                    middle_x,
+                    middle_y,
+                    (number + 0.5) * sector,
                 )
-                if abs(across - gone * cell) > 2.0 * cell:
-                    across = gone * cell
-                best = min(best, across)
-            out[p, i] = best
+                known[row, column, number] = max(1, floor(1000.0 * expected))
+            expected = known[row, column, number] / 1000.0
+            if expected < longest:
+                expected -= (x - middle_x) * cos(axis) + (y - middle_y) * sin(axis)
+            out[p, i] = expected
 
 
 @kernel
