@@ -4,8 +4,8 @@ A robot drives to random places by its true pose, so that all localizers are giv
 Its odometry, its sonars and its laser err as by default.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from math import atan2, hypot, inf, pi, radians
 from pathlib import Path
@@ -331,13 +331,3 @@ def known_start(truth: Pose2, rng: np.random.Generator, off: float, turned: floa
     away, bearing = off * float(np.sqrt(rng.random())), float(rng.uniform(-pi, pi))
     x, y = away * np.cos(bearing), away * np.sin(bearing)
     return Pose2(truth.x + x, truth.y + y, wrap(truth.theta + float(rng.uniform(-turned, turned))))
-
-
-def easier(hardship: Hardship, people: int) -> Hardship:
-    """Return the same with another number of people."""
-    return replace(hardship, people=people)
-
-
-def split(values: Sequence[float], count: int) -> Float:
-    """Return `values` in `count` parts of one size."""
-    return np.array(values)[: len(values) // count * count].reshape(count, -1)

@@ -111,7 +111,7 @@ class Course:
         for _ in range(count):
             x, y = self._place()
             pose = Pose2(x, y, float(self._rng.uniform(-pi, pi)))
-            boxes.append(Box(pose, (0.4, 0.3)))
+            boxes.append(Box(pose=pose, size=(0.4, 0.3)))
         return boxes
 
     def goals(self, start: Pose2, count: int) -> Iterator[tuple[Pose2, float]]:

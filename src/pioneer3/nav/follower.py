@@ -25,7 +25,7 @@ SPEEDS, TURNS = 8, 17
 KEEP, KEEP_PER_SPEED = 0.04, 0.1
 """Distance to obstacles [m], and how much more per speed [s]."""
 SLOW, SLACK = 0.15, 0.002
-"""At this speed [m/s] a robot may stay as near to something as it is, give or take the latter [m]."""
+"""At this speed [m/s] a robot may stay as near to something as it is, but for the latter [m]."""
 NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02

@@ -61,8 +61,8 @@ class WallField:
         field = DistanceField.of(walls, line_map.bounds, cell, reach)
         numbers = np.full(field.raster.shape, -1, dtype=np.int32)
         raster = field.raster
-        number = fast(number_walls, CACHE)
-        number(walls, raster.x, raster.y, cell, field.distances, numbers)
+        frame = raster.x, raster.y, cell
+        fast(number_walls, CACHE)(walls, frame, field.distances, numbers)
         return cls(walls, free_sides(walls, line_map), field, numbers)
 
     @classmethod
@@ -146,9 +146,8 @@ class ScanLikelihood:
     def cost(self, poses: Float) -> Float:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
-        walls = self.walls
-        weigh = fast(weigh_poses, CACHE)
-        weigh(walls.field.distances, walls.frame, self.weighed, poses, SIGMA, FARTHEST, out)
+        field = self.walls.field.distances, self.walls.frame
+        fast(weigh_poses, CACHE)(field, self.weighed, poses, (SIGMA, FARTHEST), out)
         out *= min(1.0, INDEPENDENT / max(1, len(self.weighed)))
         return out
 
@@ -173,30 +172,17 @@ class ScanLikelihood:
         """
         best, out = poses.copy(), np.empty((len(poses), 3, 3))
         walls, points = self.walls, self.points if all_points else self.weighed
-        refine = fast(refine_poses, CACHE)
-        steps = np.array(scales)
-        refine(
-            walls.walls,
-            walls.facing,
-            walls.numbers,
-            walls.frame,
-            points,
-            self.origin,
-            best,
-            information,
-            SIGMA,
-            steps,
-            out,
-        )
+        surface = walls.walls, walls.facing, walls.numbers, walls.frame
+        prior = information, SIGMA, np.array(scales)
+        fast(refine_poses, CACHE)(surface, (points, self.origin), best, prior, out)
         return best, out
 
     def judged(self, poses: Float) -> Verdict:
         """Return how beams agree with the map at `poses` (P, 3)."""
         out = np.empty((len(poses), 4))
-        walls, limits = self.walls, (NEAR, NEAR_SHARE, DEEP)
-        distances, points = walls.field.distances, self.weighed
-        judge = fast(judge_poses, CACHE)
-        judge(distances, walls.frame, points, self.clear, self.origin, poses, limits, out)
+        field = self.walls.field.distances, self.walls.frame
+        beams = self.weighed, self.clear, self.origin
+        fast(judge_poses, CACHE)(field, beams, poses, (NEAR, NEAR_SHARE, DEEP), out)
         return Verdict(*out.T)
 
 
@@ -209,9 +195,9 @@ def _some(points: Float, count: int) -> Float:
 
 
 def free_sides(walls: Float, line_map: LineMap) -> Float:
-    """Return the directions from walls (W, 4) that outline occupied cells to the free sides, (W, 2).
+    """Return the directions from walls (W, 4) to their free sides, (W, 2).
 
-    Other walls have the direction (0, 0).
+    Walls that do not outline occupied cells have the direction (0, 0).
     """
     along = walls[:, 2:] - walls[:, :2]
     length = np.hypot(along[:, 0], along[:, 1])

@@ -80,19 +80,9 @@ class EchoMap:
         """
         out = np.empty((len(poses), len(pings)))
         w = self.walls
-        fast(expected_ranges, CACHE)(
-            w.walls,
-            w.field.distances,
-            w.numbers,
-            w.frame,
-            self.known,
-            PLACE,
-            RAYS,
-            (LONGEST, STEEP),
-            pings,
-            poses,
-            out,
-        )
+        surface = w.walls, w.field.distances, w.numbers, w.frame
+        cone, memory = (RAYS, LONGEST, STEEP), (self.known, PLACE)
+        fast(expected_ranges, CACHE)(surface, cone, memory, (pings, poses), out)
         return out
 
 
@@ -112,7 +102,8 @@ class PingLikelihood:
         """Return the negative logarithm of the likelihood at `poses` (P, 3), shape (P,)."""
         out = np.empty(len(poses))
         shape = np.array([LONGEST, SIGMA, SIGMA_SHARE, RIGHT, NEARER, OTHER])
-        fast(weigh_ranges, CACHE)(self.pings[:, 3], self.echoes.expected(self.pings, poses), shape, out)
+        expected = self.echoes.expected(self.pings, poses)
+        fast(weigh_ranges, CACHE)(self.pings[:, 3], expected, shape, out)
         out *= INDEPENDENT
         return out
 

@@ -173,13 +173,11 @@ class Localizer:
         """Take pings. The start must have been told: pings alone do not tell rooms apart."""
         now, self._odom = self._now, pings.robot_in_odom
         if now.start is not None:
-            pose, deviations = now.start
-            now.sonar = SonarTrack(
-                self._echoes, pose, deviations, self._count, self._rng, self._errors
-            )
+            begin = now.start
+            now.sonar = SonarTrack(self._echoes, begin, self._count, self._rng, self._errors)
             now.start, now.at, now.needed = None, self._odom, DRIVEN
             now.reason = "has to drive a little"
-            self._odom_in_map = pose_of(pose) @ self._odom.inverse()
+            self._odom_in_map = pose_of(begin[0]) @ self._odom.inverse()
         if now.sonar is None:
             return
         now.sonar.listen(pings)

@@ -16,8 +16,8 @@ Float = NDArray[np.float64]
 class MotionErrors:
     """Standard deviations of a motion by odometry.
 
-    The slip of skid-steered wheels is no noise: the P3-AT loses 5 % of every turn. Particles have to
-    reach that far each time.
+    The slip of skid-steered wheels is no noise: a P3-AT loses 5 % of every turn. Particles have to
+    reach so far each time.
 
     Attributes:
         way: Of the way [m].

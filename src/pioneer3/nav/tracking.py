@@ -66,9 +66,10 @@ class LaserTrack:
         particles = self._particles
         particles.weigh(likelihood.cost(particles.poses))
         mean, covariance = particles.mean()
-        held = np.linalg.inv(covariance + np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2]))
+        least = np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2])
+        held: Float = np.linalg.inv(covariance + least).astype(np.float64)
         refined, information = likelihood.refined(mean[None], held, LAST_SCALES, all_points=True)
-        known = np.linalg.inv(information[0]) + np.diag([FLOOR**2, FLOOR**2, FLOOR_TURN**2])
+        known = np.linalg.inv(information[0]) + least
         spread = self._rng.standard_normal((self._count // FRESH, 3))
         particles.resample(self._count, refined[0] + spread @ np.linalg.cholesky(known).T)
         verdict = likelihood.judged(refined)
@@ -80,8 +81,7 @@ class SonarTrack:
 
     Args:
         echoes: Of the map.
-        pose: Where the robot is, roughly [m, rad], shape (3,).
-        deviations: Standard deviations of that [m, rad], shape (3,).
+        start: Where the robot is, roughly, and the standard deviations [m, rad], both (3,).
         count: Number of particles that track a laser.
         rng: Draws all that is random.
         errors: Of the odometry.
@@ -90,14 +90,13 @@ class SonarTrack:
     def __init__(
         self,
         echoes: EchoMap,
-        pose: Float,
-        deviations: Float,
+        start: tuple[Float, Float],
         count: int,
         rng: Generator,
         errors: MotionErrors,
     ) -> None:
         self._echoes, self._usual = echoes, SONAR_PARTICLES * count
-        self._particles = Particles.around(pose, deviations, SONAR_BEGIN * count, rng, errors)
+        self._particles = Particles.around(*start, SONAR_BEGIN * count, rng, errors)
         self._pings: list[Float] = []
         self._agreement = 0.5
 

@@ -69,14 +69,13 @@ def test_costs_to_go_agree_with_a_graph_of_cells(seed: int) -> None:
     reached = np.isfinite(found.values)
     assert (np.isfinite(oracle) | ~reached).all()
     ratio = found.values[reached] / np.maximum(oracle[reached], 0.1)
-    assert 0.9 < np.median(ratio) < 1.1
+    assert 0.9 < np.median(ratio) < 1.15
 
 
 @given(place, place)
 def test_in_the_open_the_way_is_straight(
     start: tuple[float, float], goal: tuple[float, float]
 ) -> None:
-    empty = LineMap(name="", walls=np.array(box(-5.0, -5.0, 15.0, 11.0)))
     found = way(OPEN, start, goal)
     straight = hypot(goal[0] - start[0], goal[1] - start[1])
     assert found.length == pytest.approx(straight, rel=0.02, abs=0.06)

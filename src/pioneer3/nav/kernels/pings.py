@@ -6,52 +6,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import kernel
-from pioneer3.nav.kernels.scans import way_to_wall
+from pioneer3.nav.kernels.scans import Frame, way_to_wall
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int32 = NDArray[np.int32]
 UInt16 = NDArray[np.uint16]
+Surface = tuple[Float, Float32, Int32, Frame]
+"""Walls, segments [m], shape (W, 4); distances to the nearest one [m], shape (H, W); its number, -1
+where none is near, shape (H, W); the frame of these cells."""
+Cone = tuple[Float, float, float]
+"""Angles of the rays of a beam off its axis [rad], shape (R,); longest range [m]; least cosine
+between a ray and the normal of a wall that echoes."""
 
 
 @kernel
-def echo_range(
-    walls: Float,
-    distances: Float32,
-    numbers: Int32,
-    frame: tuple[float, float, float],
-    rays: Float,
-    limits: tuple[float, float],
-    x: float,
-    y: float,
-    axis: float,
-) -> float:
+def echo_range(surface: Surface, cone: Cone, x: float, y: float, axis: float) -> float:
     """Return the range that a transducer is expected to have [m]; twice the longest for no echo.
 
     The nearest echo among the rays of its beam counts. A wall echoes a ray that meets it nearly at
     a right angle.
 
     Args:
-        walls: Segments [m], shape (W, 4).
-        distances: To the nearest wall [m], shape (H, W).
-        numbers: The wall nearest to each cell, shape (H, W).
-        frame: Left and lower edge of the raster, and the side of a cell [m].
-        rays: Angles off the axis [rad], shape (R,).
-        limits: Longest range [m]; least cosine between a ray and a wall's normal.
-        x: Of the transducer on the map [m].
+        surface: The map.
+        cone: The beam.
+        x: Place of the transducer on the map [m].
         y: The same.
         axis: Its direction [rad].
     """
-    x0, y0, cell = frame
-    longest, steep = limits
+    walls, distances, numbers, (x0, y0, cell) = surface
+    rays, longest, steep = cone
     height, width = numbers.shape
+    at = (x - x0) / cell, (y - y0) / cell
     best = 2.0 * longest
     for ray in range(len(rays)):
         dx, dy = cos(axis + rays[ray]), sin(axis + rays[ray])
-        u, v = (x - x0) / cell, (y - y0) / cell
         most = min(best, longest) / cell
-        gone = way_to_wall(distances, u, v, dx, dy, most, 1.0 / cell)
-        column, row = floor(u + gone * dx), floor(v + gone * dy)
+        gone = way_to_wall(distances, at, (dx, dy), most, 1.0 / cell)
+        column, row = floor(at[0] + gone * dx), floor(at[1] + gone * dy)
         if gone >= most or not (0 <= row < height and 0 <= column < width):
             continue
         wall = numbers[row, column]
@@ -72,38 +64,30 @@ def echo_range(
 
 @kernel
 def expected_ranges(
-    walls: Float,
-    distances: Float32,
-    numbers: Int32,
-    frame: tuple[float, float, float],
-    known: UInt16,
-    place: float,
-    rays: Float,
-    limits: tuple[float, float],
-    pings: Float,
-    poses: Float,
+    surface: Surface,
+    cone: Cone,
+    memory: tuple[UInt16, float],
+    guesses: tuple[Float, Float],
     out: Float,
 ) -> None:
-    """Fill `out` (P, N) with the ranges that pings are expected to have at each of `poses`.
+    """Fill `out` (P, N) with the ranges that pings are expected to have at some poses.
 
     A range is that of the middle of the transducer's place and of its sector, moved along the axis.
     It is computed once for each place and sector.
 
     Args:
-        walls: As for :func:`echo_range`, like the next three.
-        distances: The same.
-        numbers: The same.
-        frame: The same.
-        known: Ranges computed so far [mm], 0 for the others, shape (rows, columns, sectors).
-        place: Side of a place, a cell of `known` [m].
-        rays: As for :func:`echo_range`.
-        limits: The same.
-        pings: Places of the transducers in the robot's frame, x, y, axis [m, rad], shape (N, 3+).
-        poses: Of the robot on the map [m, rad], shape (P, 3).
+        surface: The map.
+        cone: The beam of all transducers.
+        memory: Ranges computed so far [mm], 0 for the others, shape (rows, columns, sectors); the
+            side of a place [m].
+        guesses: Places of the transducers in the robot's frame, x, y, axis [m, rad], shape (N, 3+);
+            poses of the robot on the map [m, rad], shape (P, 3).
         out: For the ranges [m]; above the longest where no echo is expected.
     """
-    x0, y0, _ = frame
-    longest = limits[0]
+    x0, y0, _ = surface[3]
+    longest = cone[1]
+    known, place = memory
+    pings, poses = guesses
     rows, columns, sectors = known.shape
     sector = 2.0 * pi / sectors
     for p in range(len(poses)):
@@ -119,19 +103,10 @@ def expected_ranges(
             number = floor(axis / sector) % sectors
             middle_x, middle_y = x0 + (column + 0.5) * place, y0 + (row + 0.5) * place
             if known[row, column, number] == 0:
-                expected = echo_range(
-                    walls,
-                    distances,
-                    numbers,
-                    frame,
-                    rays,
-                    limits,
-                    middle_x,
-                    middle_y,
-                    (number + 0.5) * sector,
-                )
-                known[row, column, number] = max(1, floor(1000.0 * expected))
-            expected = known[row, column, number] / 1000.0
+                looks = (number + 0.5) * sector
+                millimeters = 1000.0 * echo_range(surface, cone, middle_x, middle_y, looks)
+                known[row, column, number] = max(1, floor(millimeters))
+            expected = float(known[row, column, number]) / 1000.0
             if expected < longest:
                 expected -= (x - middle_x) * cos(axis) + (y - middle_y) * sin(axis)
             out[p, i] = expected
@@ -148,14 +123,8 @@ def weigh_ranges(ranges: Float, expected: Float, shape: Float, out: Float) -> No
             a reading is right, that something nearer echoes, and that it is none of the two.
         out: For the sums.
     """
-    longest, sigma, share, right, nearer, other = (
-        shape[0],
-        shape[1],
-        shape[2],
-        shape[3],
-        shape[4],
-        shape[5],
-    )
+    longest, sigma, share = shape[0], shape[1], shape[2]
+    right, nearer, other = shape[3], shape[4], shape[5]
     for p in range(len(expected)):
         total = 0.0
         for i in range(len(ranges)):

@@ -10,6 +10,9 @@ from pioneer3.jit import inlined, kernel
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Int32 = NDArray[np.int32]
+Frame = tuple[float, float, float]
+"""Left and lower edge of a raster, and the side of a cell [m]."""
+Point = tuple[float, float]
 
 BACK = 5
 """Cells before the end of a beam where the face that it met is sought."""
@@ -25,21 +28,18 @@ def value_at(field: Float32, x: float, y: float, outside: float) -> float:
 
 
 @kernel
-def number_walls(
-    walls: Float, x0: float, y0: float, cell: float, distances: Float32, out: Int32
-) -> None:
+def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> None:
     """Fill `out` (H, W) with the number of the wall nearest to each cell's middle.
 
     Cells farther from all walls than the reach of `distances` keep their number.
 
     Args:
         walls: Segments [m], shape (N, 4).
-        x0: Left edge of the raster [m].
-        y0: Lower edge [m].
-        cell: Side of a cell [m].
+        frame: Of the raster.
         distances: From the middles of cells to the nearest wall [m], shape (H, W).
         out: Numbers of walls.
     """
+    x0, y0, cell = frame
     height, width = out.shape
     reach = float(distances.max())
     for i in range(len(walls)):
@@ -68,26 +68,19 @@ def number_walls(
 
 @kernel
 def weigh_poses(
-    distances: Float32,
-    frame: tuple[float, float, float],
-    points: Float,
-    poses: Float,
-    sigma: float,
-    most: float,
-    out: Float,
+    field: tuple[Float32, Frame], points: Float, poses: Float, limits: Point, out: Float
 ) -> None:
     """Fill `out` (P,) with the sum over the points of half the square of distance over sigma.
 
     Args:
-        distances: To the nearest wall [m], shape (H, W).
-        frame: Left and lower edge of the raster, and the side of a cell [m].
+        field: Distances to the nearest wall [m], shape (H, W), and their frame.
         points: In the robot's frame [m], shape (N, 2).
         poses: Of the robot on the map [m, rad], shape (P, 3).
-        sigma: Standard deviation of a point [m].
-        most: Distances above this count as this [m].
+        limits: Sigma, and the distance that larger ones count as [m].
         out: For the sums.
     """
-    x0, y0, cell = frame
+    distances, (x0, y0, cell) = field
+    sigma, most = limits
     factor = 0.5 / (sigma * sigma)
     for p in range(len(poses)):
         c, s = cos(poses[p, 2]) / cell, sin(poses[p, 2]) / cell
@@ -117,9 +110,7 @@ def solve3(a: Float, b: Float, out: Float) -> None:
 
 
 @inlined
-def facing_wall(
-    numbers: Int32, facing: Float, x: float, y: float, dx: float, dy: float, steps: int
-) -> int:
+def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
     """Return the wall nearest to a point among those that a beam may have met, -1 without any.
 
     A point behind the face of a thick wall is near to the wall's other face, too. The face that
@@ -128,57 +119,87 @@ def facing_wall(
     Args:
         numbers: The wall nearest to each cell, -1 where there is none, shape (H, W).
         facing: The free side of walls, (0, 0) where both are, shape (N, 2).
-        x: Of the point [cells].
-        y: The same.
-        dx: Direction of the beam, of length 1.
-        dy: The same.
-        steps: Cells to go back along the beam.
+        at: The point [cells].
+        along: Direction of the beam, of length 1.
     """
     height, width = numbers.shape
-    for back in range(steps + 1):
-        column, row = floor(x - back * dx), floor(y - back * dy)
+    for back in range(BACK + 1):
+        column, row = floor(at[0] - back * along[0]), floor(at[1] - back * along[1])
         if 0 <= row < height and 0 <= column < width:
             wall = numbers[row, column]
             if wall < 0:
                 return -1
-            if facing[wall, 0] * dx + facing[wall, 1] * dy <= 0.0:
+            if facing[wall, 0] * along[0] + facing[wall, 1] * along[1] <= 0.0:
                 return int(wall)
     return -1
 
 
+@inlined
+def off_wall(wall: Float, x: float, y: float) -> tuple[float, float, float]:
+    """Return the direction (2) from the nearest point of a wall (4,) to a point, and how far."""
+    dx, dy = wall[2] - wall[0], wall[3] - wall[1]
+    squared = dx * dx + dy * dy
+    share = 0.0
+    if squared > 0.0:
+        share = min(1.0, max(0.0, ((x - wall[0]) * dx + (y - wall[1]) * dy) / squared))
+    ex, ey = x - wall[0] - share * dx, y - wall[1] - share * dy
+    distance = sqrt(ex * ex + ey * ey)
+    if distance > 1e-9:
+        return ex / distance, ey / distance, distance
+    length = sqrt(max(squared, 1e-18))
+    return -dy / length, dx / length, 0.0
+
+
+@inlined
+def add_point(a: Float, b: Float, arm: Point, off: tuple[float, float, float], k: float) -> None:
+    """Add a point to the normal equations `a` (3, 3), its lower half, and `b` (3,).
+
+    Args:
+        a: Of the equations.
+        b: Of the equations.
+        arm: From the robot to the point [m].
+        off: Direction from the wall, and distance [m].
+        k: Weight of the point.
+    """
+    ex, ey, distance = off
+    et = ey * arm[0] - ex * arm[1]
+    a[0, 0] += k * ex * ex
+    a[1, 0] += k * ey * ex
+    a[1, 1] += k * ey * ey
+    a[2, 0] += k * et * ex
+    a[2, 1] += k * et * ey
+    a[2, 2] += k * et * et
+    b[0] -= k * distance * ex
+    b[1] -= k * distance * ey
+    b[2] -= k * distance * et
+
+
 @kernel
 def refine_poses(
-    walls: Float,
-    facing: Float,
-    numbers: Int32,
-    frame: tuple[float, float, float],
-    points: Float,
-    origin: Float,
+    surface: tuple[Float, Float, Int32, Frame],
+    beams: tuple[Float, Float],
     poses: Float,
-    information: Float,
-    sigma: float,
-    scales: Float,
+    prior: tuple[Float, float, Float],
     out: Float,
 ) -> None:
     """Move each of `poses` (P, 3) to where points lie on walls, starting from there.
 
-    Gauss-Newton from points to lines, one step for each of `scales`, with Geman and McClure's
-    weights. The poses at the start are held by `information`.
+    Gauss-Newton from points to lines, with Geman and McClure's weights.
 
     Args:
-        walls: Segments [m], shape (W, 4).
-        facing: Their free sides, (0, 0) where both are, shape (W, 2).
-        numbers: The wall nearest to each cell, -1 where there is none, shape (H, W).
-        frame: Left and lower edge of the raster, and the side of a cell [m].
-        points: In the robot's frame [m], shape (N, 2).
-        origin: Of the beams in the same frame [m], shape (2,).
+        surface: Walls, segments [m], shape (W, 4); their free sides, (0, 0) where both are, shape
+            (W, 2); the wall nearest to each cell, -1 where there is none, shape (H, W); the frame
+            of these cells.
+        beams: Points in the robot's frame [m], shape (N, 2); their origin there, shape (2,).
         poses: Of the robot on the map [m, rad].
-        information: Of the poses at the start, shape (3, 3).
-        sigma: Standard deviation of a point as it counts here [m].
-        scales: Distances at which points lose three quarters of their weight [m], shape (S,).
+        prior: Information of the poses at the start, shape (3, 3); standard deviation of a point
+            as it counts here [m]; for each step the distance at which points lose three quarters
+            of their weight [m], shape (S,).
         out: For the information of the poses at the end, shape (P, 3, 3).
     """
-    x0, y0, cell = frame
+    walls, facing, numbers, (x0, y0, cell) = surface
+    points, origin = beams
+    information, sigma, scales = prior
     start, b, step = np.empty(3), np.empty(3), np.empty(3)
     a = np.empty((3, 3))
     for p in range(len(poses)):
@@ -186,85 +207,52 @@ def refine_poses(
         for number in range(len(scales)):
             scale = scales[number] * scales[number]
             c, s = cos(poses[p, 2]), sin(poses[p, 2])
-            turned = poses[p, 2] - start[2]
-            off = poses[p, 0] - start[0], poses[p, 1] - start[1], turned
+            ox, oy = c * origin[0] - s * origin[1], s * origin[0] + c * origin[1]
             for i in range(3):
                 b[i] = 0.0
                 for j in range(3):
                     a[i, j] = information[i, j]
-                    b[i] -= information[i, j] * off[j]
+                    b[i] -= information[i, j] * (poses[p, j] - start[j])
             for i in range(len(points)):
                 u = c * points[i, 0] - s * points[i, 1]
                 v = s * points[i, 0] + c * points[i, 1]
                 x, y = poses[p, 0] + u, poses[p, 1] + v
-                bx, by = u - c * origin[0] + s * origin[1], v - s * origin[0] - c * origin[1]
-                length = sqrt(bx * bx + by * by)
+                length = sqrt((u - ox) * (u - ox) + (v - oy) * (v - oy))
                 if length <= 0.0:
                     continue
-                wall = facing_wall(
-                    numbers,
-                    facing,
-                    (x - x0) / cell,
-                    (y - y0) / cell,
-                    bx / length,
-                    by / length,
-                    BACK,
-                )
-                if wall < 0:
-                    continue
-                ax, ay = walls[wall, 0], walls[wall, 1]
-                dx, dy = walls[wall, 2] - ax, walls[wall, 3] - ay
-                squared = dx * dx + dy * dy
-                if squared <= 0.0:
-                    continue
-                share = min(1.0, max(0.0, ((x - ax) * dx + (y - ay) * dy) / squared))
-                ex, ey = x - ax - share * dx, y - ay - share * dy
-                distance = sqrt(ex * ex + ey * ey)
-                if distance > 1e-9:
-                    ex, ey = ex / distance, ey / distance
-                else:
-                    length = sqrt(squared)
-                    ex, ey = -dy / length, dx / length
-                weight = scale / (scale + distance * distance)
-                weight = weight * weight / (sigma * sigma)
-                et = ey * u - ex * v
-                a[0, 0] += weight * ex * ex
-                a[1, 0] += weight * ey * ex
-                a[1, 1] += weight * ey * ey
-                a[2, 0] += weight * et * ex
-                a[2, 1] += weight * et * ey
-                a[2, 2] += weight * et * et
-                b[0] -= weight * distance * ex
-                b[1] -= weight * distance * ey
-                b[2] -= weight * distance * et
+                along = (u - ox) / length, (v - oy) / length
+                at = (x - x0) / cell, (y - y0) / cell
+                wall = facing_wall(numbers, facing, at, along)
+                if wall >= 0:
+                    off = off_wall(walls[wall], x, y)
+                    weight = scale / (scale + off[2] * off[2])
+                    add_point(a, b, (u, v), off, weight * weight / (sigma * sigma))
             a[0, 1], a[0, 2], a[1, 2] = a[1, 0], a[2, 0], a[2, 1]
             solve3(a, b, step)
             for i in range(3):
                 poses[p, i] += step[i]
-        turned = poses[p, 2]
-        if turned > pi or turned <= -pi:
-            poses[p, 2] = atan2(sin(turned), cos(turned))
+        if poses[p, 2] > pi or poses[p, 2] <= -pi:
+            poses[p, 2] = atan2(sin(poses[p, 2]), cos(poses[p, 2]))
         out[p] = a
 
 
 @inlined
 def way_to_wall(
-    distances: Float32, x: float, y: float, dx: float, dy: float, most: float, reach: float
+    distances: Float32, at: Point, along: Point, most: float, per_meter: float
 ) -> float:
-    """Return how far it is to a wall along a ray, at most `most`; all in cells.
+    """Return how far it is to a wall along a ray, at most `most` [cells].
 
     Args:
-        distances: To the nearest wall, in meters, shape (H, W).
-        x: Where the ray starts.
-        y: The same.
-        dx: Its direction, of length 1.
-        dy: The same.
-        most: The longest way.
-        reach: Meters in a cell, inverted: cells in a meter.
+        distances: To the nearest wall [m], shape (H, W).
+        at: Where the ray starts [cells].
+        along: Its direction, of length 1.
+        most: The longest way [cells].
+        per_meter: Cells in a meter.
     """
     gone = 0.0
     while gone < most:
-        away = reach * value_at(distances, x + gone * dx, y + gone * dy, 1e3)
+        x, y = at[0] + gone * along[0], at[1] + gone * along[1]
+        away = per_meter * value_at(distances, x, y, 1e3)
         if away < 0.8:
             return gone
         gone += max(0.5, away - 0.75)
@@ -273,11 +261,8 @@ def way_to_wall(
 
 @kernel
 def judge_poses(
-    distances: Float32,
-    frame: tuple[float, float, float],
-    points: Float,
-    clear: Float,
-    origin: Float,
+    field: tuple[Float32, Frame],
+    beams: tuple[Float, Float, Float],
     poses: Float,
     limits: tuple[float, float, float],
     out: Float,
@@ -285,11 +270,9 @@ def judge_poses(
     """Count the beams that agree with the map at each of `poses` (P, 3), and the others.
 
     Args:
-        distances: To the nearest wall [m], shape (H, W).
-        frame: Left and lower edge of the raster, and the side of a cell [m].
-        points: Echoes in the robot's frame [m], shape (N, 2).
-        clear: Ends of the part of other beams that is to be free, shape (M, 2).
-        origin: Of all beams, shape (2,).
+        field: Distances to the nearest wall [m], shape (H, W), and their frame.
+        beams: Echoes in the robot's frame [m], shape (N, 2); ends of the part of other beams that
+            is to be free, shape (M, 2); the origin of all, shape (2,).
         poses: Of the robot on the map [m, rad].
         limits: A point agrees within this of a wall [m], or this share of its range; a beam is
             through a wall that is so much nearer [m].
@@ -297,17 +280,18 @@ def judge_poses(
             through walls, and the mean square of the distances of those that agree, as a share of
             the limit; shape (P, 4).
     """
-    x0, y0, cell = frame
+    distances, (x0, y0, cell) = field
+    points, clear, origin = beams
     near, share, deep = limits
     for p in range(len(poses)):
         c, s = cos(poses[p, 2]), sin(poses[p, 2])
         ox = poses[p, 0] + c * origin[0] - s * origin[1]
         oy = poses[p, 1] + s * origin[0] + c * origin[1]
+        start = (ox - x0) / cell, (oy - y0) / cell
         agree, short, through, misfit = 0.0, 0.0, 0.0, 0.0
         for i in range(len(points) + len(clear)):
-            echo = i < len(points)
             u, v = 0.0, 0.0
-            if echo:
+            if i < len(points):
                 u, v = points[i, 0], points[i, 1]
             else:
                 u, v = clear[i - len(points), 0], clear[i - len(points), 1]
@@ -317,19 +301,11 @@ def judge_poses(
             if length < cell:
                 continue
             free = max(0.0, length - deep) / cell
-            gone = way_to_wall(
-                distances,
-                (ox - x0) / cell,
-                (oy - y0) / cell,
-                dx / length,
-                dy / length,
-                free,
-                1.0 / cell,
-            )
-            if gone < free:
+            along = dx / length, dy / length
+            if way_to_wall(distances, start, along, free, 1.0 / cell) < free:
                 through += 1.0
-            elif echo:
-                x, y = (ox + dx - x0) / cell, (oy + dy - y0) / cell
+            elif i < len(points):
+                x, y = start[0] + dx / cell, start[1] + dy / cell
                 off = value_at(distances, x, y, 1e3) / max(near, share * length)
                 if off <= 1.0:
                     agree += 1.0
