@@ -1,6 +1,7 @@
 """The result of localization: where a robot is on the map, and how sure that is."""
 
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 import numpy as np
@@ -41,4 +42,15 @@ class Estimate:
     @property
     def deviation(self) -> float:
         """Standard deviation of the position in its worst direction [m]."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:2, :2])[-1]))
+        return deviation_of(self.covariance)
+
+
+def deviation_of(covariance: Float) -> float:
+    """Return the standard deviation of a position in its worst direction [m].
+
+    Args:
+        covariance: Of x and y, and of more, shape (2+, 2+).
+    """
+    if not np.isfinite(covariance).all():
+        return inf
+    return float(np.sqrt(np.linalg.eigvalsh(covariance[:2, :2])[-1]))

@@ -7,6 +7,7 @@ robot in one of two equal rooms stays unsure for as long as it takes.
 from typing import Self
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
@@ -86,6 +87,21 @@ class Hypotheses:
     def agreement(self) -> float:
         """How well the latest scan agrees with the best, 0 to 1."""
         return float(self.verdict.agreement[0])
+
+    def near(self, pose: Float, deviations: Float) -> None:
+        """Weigh all by how near they are to a pose (3,) with these standard deviations (3,)."""
+        off = self.poses - pose
+        off[:, 2] = wrapped(off[:, 2])
+        self.logs = self.logs - 0.5 * ((off / deviations) ** 2).sum(axis=1)
+        self._thin(MOST)
+
+    def drawn(self, count: int, rng: Generator) -> Float:
+        """Return `count` poses drawn by the weights, shape (count, 3)."""
+        weights = np.exp(self.logs - self.logs[0])
+        chosen = rng.choice(len(weights), count, p=weights / weights.sum())
+        spread = np.array([PRIOR, PRIOR, PRIOR_TURN]) * rng.standard_normal((count, 3))
+        poses: Float = self.poses[chosen] + spread
+        return poses
 
     def covariance(self) -> Float:
         """Return the spread of all around the best, shape (3, 3)."""

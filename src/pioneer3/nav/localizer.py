@@ -12,7 +12,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.estimate import Estimate, Stage
+from pioneer3.nav.estimate import Estimate, Stage, deviation_of
 from pioneer3.nav.global_search import Candidates, Places, Search
 from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.likelihood import ScanLikelihood, Verdict, WallField
@@ -26,8 +26,9 @@ STEP, STEP_TURN = 0.1, 0.1
 """Readings count once the robot has moved or turned so far [m, rad]."""
 LOOK_AGAIN = 1.0
 """Whether the map still agrees is looked at as often as this, even if the robot stands [s]."""
-AGREES = 0.9
-"""Share of the beams that agree with the map where a robot becomes sure."""
+AGREES, TOLD_AGREES = 0.9, 0.75
+"""Share of the beams that agree with the map where a robot becomes sure of a place that it has
+found, and of one that it was told: there may be things that are not on the map."""
 CONTRADICTS, TIMES = 0.7, 3
 """A robot that agrees with the map less than this, so many times in turn, was carried away."""
 SEEN_THROUGH = 0.1
@@ -41,7 +42,7 @@ SEARCH_AGAIN = 4.0
 """A search that has led to nothing after this way is repeated [m]."""
 KNOWN_WELL = 0.5
 """The standard deviation of a sure robot's position is below this [m]."""
-GUESSES = 400
+GUESSES = 200
 """Hypotheses around a start that is known roughly."""
 LOOKED_AT = 40
 """Beams that hypotheses are compared by."""
@@ -49,7 +50,7 @@ SONAR_AGREES, SONAR_CONTRADICTS = 0.6, 0.35
 """A robot becomes sure by sonar above this share of echoes that agree with the map, and is not sure
 any more below the other one."""
 
-NOWHERE: Float = np.diag([inf, inf, inf])
+NOWHERE: Float = np.full((3, 3), inf)
 """The covariance of a robot that may be anywhere."""
 
 
@@ -65,7 +66,7 @@ class _Progress:
         laser: While scans track the robot.
         sonar: While pings do.
         at: Odometry at the last reading that counted.
-        needed: Way to drive before the robot is sure [m].
+        told: Whether somebody told where the robot is.
         driven: Way [m].
         low: Readings in turn that contradicted the map.
         looked: When the map was last looked at [s].
@@ -79,7 +80,7 @@ class _Progress:
     laser: LaserTrack | None = None
     sonar: SonarTrack | None = None
     at: Pose2 | None = None
-    needed: float = DRIVEN
+    told: bool = False
     driven: float = 0.0
     low: int = 0
     looked: float = -inf
@@ -134,7 +135,7 @@ class Localizer:
         """
         start = array_of(pose), np.array([spread, spread, turn_spread])
         self._now = _Progress(
-            stage="looking", reason="has not looked around yet", start=start, needed=0.0
+            stage="looking", reason="has not looked around yet", start=start, told=True
         )
         self._now.fix = Fix(start[0], np.diag(start[1] ** 2), 0.0)
         if self._odom is not None:
@@ -160,13 +161,13 @@ class Localizer:
                 now.hypotheses.move(motion)
                 likelihood = ScanLikelihood.of(self._walls, beams, LOOKED_AT)
                 now.hypotheses.take(likelihood, motion, self._errors)
-                self._compare(now.hypotheses)
+                self._compare(now.hypotheses, now.hypotheses.agreement)
             elif now.laser is not None:
                 now.laser.move(motion)
                 fix, _ = now.laser.take(ScanLikelihood.of(self._walls, beams))
                 self._place(fix)
                 self._watch(contradicts=fix.agreement < CONTRADICTS)
-        elif now.laser is not None and beams.stamp >= now.looked + LOOK_AGAIN:
+        elif beams.stamp >= now.looked + LOOK_AGAIN:
             self._look_again(beams)
 
     def take_sonar(self, pings: Pings) -> None:
@@ -175,7 +176,7 @@ class Localizer:
         if now.start is not None:
             begin = now.start
             now.sonar = SonarTrack(self._echoes, begin, self._count, self._rng, self._errors)
-            now.start, now.at, now.needed = None, self._odom, DRIVEN
+            now.start, now.at = None, self._odom
             now.reason = "has to drive a little"
             self._odom_in_map = pose_of(begin[0]) @ self._odom.inverse()
         if now.sonar is None:
@@ -264,21 +265,26 @@ class Localizer:
         guesses = pose + deviations * self._rng.standard_normal((GUESSES, 3))
         likelihood = ScanLikelihood.of(self._walls, beams)
         hypotheses = Hypotheses.found(np.vstack([pose, guesses]), likelihood)
-        now.hypotheses, now.start, now.at = hypotheses, None, self._odom
-        self._compare(hypotheses)
+        hypotheses.near(pose, deviations)
+        now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
+        self._compare(hypotheses, hypotheses.agreement)
 
-    def _compare(self, hypotheses: Hypotheses) -> None:
+    def _compare(self, hypotheses: Hypotheses, agreement: float) -> None:
         """Become sure of the best hypothesis, give all of them up, or go on."""
-        now, agreement, share = self._now, hypotheses.agreement, hypotheses.share
+        now = self._now
         self._place(Fix(hypotheses.poses[0], hypotheses.covariance(), agreement))
-        if share >= CERTAIN and agreement >= AGREES and now.driven >= now.needed:
-            now.laser = LaserTrack(hypotheses.poses[0], self._count, self._rng, self._errors)
-            now.hypotheses, now.stage, now.low = None, "sure", 0
-            now.reason = "sees what the map shows"
+        certain = hypotheses.share >= CERTAIN or (
+            now.told and deviation_of(now.fix.covariance) < KNOWN_WELL
+        )
+        agrees = agreement >= (TOLD_AGREES if now.told else AGREES)
+        if certain and agrees and (now.told or now.driven >= DRIVEN):
+            poses = hypotheses.drawn(self._count, self._rng)
+            now.laser, now.hypotheses = LaserTrack(poses, self._rng, self._errors), None
+            now.stage, now.reason, now.low = "sure", "sees what the map shows", 0
             return
-        if share < CERTAIN:
+        if not certain:
             now.reason = "more than one place looks like this"
-        elif agreement < AGREES:
+        elif not agrees:
             now.reason = "sees things that the map does not show"
         else:
             now.reason = "has to drive a little"
@@ -291,9 +297,13 @@ class Localizer:
         now.looked = beams.stamp
         pose = array_of(self._odom_in_map @ beams.robot_in_odom)
         verdict = ScanLikelihood.of(self._walls, beams).judged(pose[None])
-        now.fix = replace(now.fix, agreement=float(verdict.agreement[0]))
-        crowded = _share_through(verdict) < SEEN_THROUGH
-        self._watch(contradicts=now.fix.agreement < CONTRADICTS and not crowded)
+        agreement = float(verdict.agreement[0])
+        if now.hypotheses is not None and now.told:
+            self._compare(now.hypotheses, agreement)
+        elif now.laser is not None:
+            now.fix = replace(now.fix, agreement=agreement)
+            crowded = _share_through(verdict) < SEEN_THROUGH
+            self._watch(contradicts=agreement < CONTRADICTS and not crowded)
 
     def _watch(self, *, contradicts: bool) -> None:
         """Give up a place that has contradicted the readings several times in turn."""
@@ -304,9 +314,9 @@ class Localizer:
 
     def _watch_sonar(self) -> None:
         now = self._now
-        place, turn = np.sqrt(np.diag(now.fix.covariance))[[0, 2]]
-        known = max(place, now.fix.covariance[1, 1] ** 0.5) < SONAR_KNOWN and turn < SONAR_TURN
-        if now.driven < now.needed:
+        turn = float(now.fix.covariance[2, 2]) ** 0.5
+        known = deviation_of(now.fix.covariance) < SONAR_KNOWN and turn < SONAR_TURN
+        if now.driven < DRIVEN:
             return
         if now.fix.agreement < SONAR_CONTRADICTS:
             self._lose("the map does not show what the sonars hear")

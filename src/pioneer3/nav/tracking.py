@@ -15,8 +15,6 @@ Float = NDArray[np.float64]
 
 FLOOR, FLOOR_TURN = 0.004, 0.002
 """Standard deviations that no estimate is below: the errors of maps [m, rad]."""
-BEGIN, BEGIN_TURN = 0.05, 0.03
-"""Standard deviations of the particles at the place that a search has found [m, rad]."""
 FRESH = 10
 """One in so many particles comes from the scan, not from the particles before."""
 SONAR_PARTICLES, SONAR_BEGIN = 1, 4
@@ -46,16 +44,14 @@ class LaserTrack:
     """Particles that scans weigh; the pose is refined by the walls around it.
 
     Args:
-        pose: Where the robot is [m, rad], shape (3,).
-        count: Number of particles.
+        poses: Where the robot may be [m, rad], one for each particle, shape (N, 3).
         rng: Draws all that is random.
         errors: Of the odometry.
     """
 
-    def __init__(self, pose: Float, count: int, rng: Generator, errors: MotionErrors) -> None:
-        deviations = np.array([BEGIN, BEGIN, BEGIN_TURN])
-        self._count, self._rng = count, rng
-        self._particles = Particles.around(pose, deviations, count, rng, errors)
+    def __init__(self, poses: Float, rng: Generator, errors: MotionErrors) -> None:
+        self._count, self._rng = len(poses), rng
+        self._particles = Particles(poses, rng, errors)
 
     def move(self, motion: Pose2) -> None:
         """Move by what odometry tells."""

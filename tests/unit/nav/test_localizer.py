@@ -1,0 +1,241 @@
+"""Where a robot is on a map."""
+
+from math import hypot, pi
+
+import numpy as np
+import pytest
+
+from pioneer3.geometry import ORIGIN, Pose2, arc
+from pioneer3.maps import LineMap
+from pioneer3.models import load_model
+from pioneer3.nav.hypotheses import Hypotheses
+from pioneer3.nav.localizer import Localizer
+from pioneer3.nav.particles import MotionErrors, Particles, array_of, pose_of
+from tests.unit.nav.rooms import FLAT, SYMMETRICAL, beams, pings
+
+MODEL = load_model("p3dx-sh")
+BEGIN = Pose2(2.0, 1.5, 0.4)
+
+
+class Drive:
+    """A robot that drives as told, and its localizer."""
+
+    def __init__(
+        self, line_map: LineMap = FLAT, truth: Pose2 = BEGIN, *, slip: float = 0.0
+    ) -> None:
+        self.localizer = Localizer(line_map, MODEL, np.random.default_rng(3))
+        self.truth, self.odom, self.slip = truth, Pose2(5.0, -3.0, 1.0), slip
+        self.near, self.time = np.inf, 0.0
+
+    def look(self) -> None:
+        """Take a scan."""
+        self.time += 0.1
+        seen = beams(
+            self.localizer.line_map, self.truth, self.odom, stamp=self.time, near=self.near
+        )
+        self.localizer.take(seen)
+
+    def listen(self) -> None:
+        """Take pings."""
+        self.localizer.take_sonar(pings(self.localizer.line_map, self.truth, self.odom))
+
+    def go(self, way: float, turn: float = 0.0, *, sonar: bool = False) -> None:
+        """Drive on an arc, and take a scan every 0.12 m or 0.12 rad."""
+        steps = round(max(abs(way), abs(turn)) / 0.12)
+        for _ in range(steps):
+            self.odom = self.odom @ arc(way / steps, turn / steps, 1.0)
+            self.truth = self.truth @ arc(way / steps, turn * (1 - self.slip) / steps, 1.0)
+            if sonar:
+                self.listen()
+            else:
+                self.look()
+
+    def search(self) -> None:
+        """Search, and adopt the result."""
+        search = self.localizer.search()
+        assert search is not None
+        self.localizer.adopt(search.run())
+
+    @property
+    def off(self) -> float:
+        """Distance of the estimate from the truth [m]."""
+        estimate = self.localizer.estimate
+        assert estimate.robot_in_map is not None
+        off = self.truth.inverse() @ estimate.robot_in_map
+        return hypot(off.x, off.y)
+
+
+def test_a_start_known_roughly_becomes_a_place_known_exactly() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN @ Pose2(0.25, -0.2, 0.1))
+    assert not drive.localizer.estimate.sure
+    drive.look()
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.01
+    drive.go(1.0)
+    assert drive.off < 0.01
+    assert drive.localizer.estimate.agreement > 0.95
+    assert drive.localizer.estimate.deviation < 0.05
+
+
+def test_the_transform_of_odometry_goes_on_between_scans_that_count() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN)
+    drive.look()
+    before = drive.localizer.estimate.odom_in_map
+    drive.odom, drive.truth = drive.odom @ Pose2(0.05), drive.truth @ Pose2(0.05)
+    drive.look()
+    assert drive.localizer.estimate.odom_in_map == before
+    assert drive.off < 0.01
+
+
+def test_an_unknown_start_is_found_by_a_search_and_a_little_driving() -> None:
+    drive = Drive()
+    assert drive.localizer.search() is None
+    drive.look()
+    assert drive.localizer.wants_search
+    assert drive.localizer.estimate.robot_in_map is None
+    drive.search()
+    assert drive.localizer.estimate.stage == "looking"
+    drive.go(0.5)
+    assert not drive.localizer.estimate.sure
+    drive.go(0.8, 0.3)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_a_robot_may_drive_during_a_search() -> None:
+    drive = Drive()
+    drive.look()
+    search = drive.localizer.search()
+    assert search is not None
+    drive.go(0.4, 0.3)
+    drive.localizer.adopt(search.run())
+    assert drive.off < 0.3
+    drive.go(0.8)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_a_robot_in_a_symmetrical_room_never_becomes_sure() -> None:
+    drive = Drive(SYMMETRICAL, Pose2(2.0, 1.2, 0.3))
+    drive.look()
+    drive.search()
+    for _ in range(3):
+        drive.go(1.5, 1.0)
+        drive.go(-1.5, 0.8)
+        estimate = drive.localizer.estimate
+        assert not estimate.sure
+        assert estimate.reason == "more than one place looks like this"
+
+
+def test_a_robot_that_was_told_which_end_of_a_symmetrical_room_knows_it() -> None:
+    drive = Drive(SYMMETRICAL, Pose2(2.0, 1.2, 0.3))
+    drive.localizer.start(Pose2(2.2, 1.3, 0.2))
+    drive.look()
+    assert drive.localizer.estimate.sure
+    drive.go(1.0, 0.5)
+    assert drive.off < 0.01
+
+
+def test_a_robot_that_was_carried_away_notices_and_finds_itself() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.truth = Pose2(5.5, 3.0, -2.0)
+    drive.go(0.6)
+    estimate = drive.localizer.estimate
+    assert (estimate.stage, estimate.sure) == ("lost", False)
+    assert estimate.reason == "the map does not show what the laser sees"
+    drive.search()
+    drive.go(1.2, 0.5)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_a_robot_that_stands_notices_too_within_seconds() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.truth = Pose2(5.5, 3.0, -2.0)
+    for _ in range(31):
+        drive.look()
+    assert drive.localizer.estimate.stage == "lost"
+
+
+def test_a_crowd_is_no_reason_to_be_lost() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.near = 0.4  # half of all beams
+    drive.go(1.0)
+    for _ in range(40):
+        drive.look()
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_slip_of_every_turn_is_followed() -> None:
+    drive = Drive(slip=0.05)
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.go(0.0, 6 * pi)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
+def test_a_search_without_a_place_leaves_the_robot_lost() -> None:
+    empty = LineMap(name="empty", walls=np.array([[0.0, 0.0, 0.1, 0.0]]))
+    drive = Drive(empty)
+    drive.localizer.take(beams(FLAT, BEGIN, drive.odom))
+    drive.search()
+    drive.localizer.take(beams(FLAT, BEGIN, drive.odom))
+    assert drive.localizer.estimate.stage != "sure"
+
+
+def test_sonars_follow_a_start_known_roughly() -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN @ Pose2(0.3, -0.2, 0.1), 0.3, 0.15)
+    drive.listen()
+    assert not drive.localizer.estimate.sure
+    drive.go(0.8, sonar=True)
+    drive.go(-1.0, 0.6, sonar=True)
+    drive.go(1.2, -0.6, sonar=True)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.1
+
+
+def test_sonars_do_not_find_an_unknown_start() -> None:
+    drive = Drive()
+    drive.go(1.0, sonar=True)
+    assert drive.localizer.estimate.stage == "lost"
+    assert not drive.localizer.wants_search
+
+
+def test_hypotheses_that_are_one_place_count_once() -> None:
+    from pioneer3.nav.likelihood import ScanLikelihood, WallField
+
+    likelihood = ScanLikelihood.of(WallField.for_lasers(FLAT), beams(FLAT, BEGIN, ORIGIN))
+    around = array_of(BEGIN) + 0.05 * np.random.default_rng(0).standard_normal((50, 3))
+    found = Hypotheses.found(around, likelihood)
+    assert len(found.poses) == 1
+    assert found.share == 1.0
+    assert found.poses[0] == pytest.approx(array_of(BEGIN), abs=0.01)
+    drawn = found.drawn(300, np.random.default_rng(1))
+    assert drawn.mean(axis=0) == pytest.approx(array_of(BEGIN), abs=0.02)
+
+
+def test_particles_move_weigh_and_are_drawn_again() -> None:
+    rng, errors = np.random.default_rng(4), MotionErrors()
+    particles = Particles.around(np.zeros(3), np.full(3, 0.1), 2000, rng, errors)
+    particles.move(Pose2(1.0, 0.0, 0.5))
+    mean, covariance = particles.mean()
+    off = pose_of(mean)
+    assert (off.x, off.y, off.theta) == pytest.approx((1.0, 0.0, 0.5), abs=0.03)
+    assert covariance[1, 1] > covariance[0, 0]  # the heading's error leads aside
+    particles.weigh(50 * (particles.poses[:, 1] - 0.1) ** 2)
+    assert particles.mean()[0][1] > 0.04
+    particles.resample(500)
+    assert len(particles.poses) == 500
+    assert particles.weights == pytest.approx(np.full(500, 1 / 500))
+    assert particles.mean()[0][1] > 0.04
