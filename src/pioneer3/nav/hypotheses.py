@@ -4,6 +4,7 @@ Each is tracked by itself and none is drawn at random: of two that fit alike non
 robot in one of two equal rooms stays unsure for as long as it takes.
 """
 
+from math import hypot
 from typing import Self
 
 import numpy as np
@@ -25,9 +26,14 @@ UNLIKELY = 12.0
 """Hypotheses less likely than the best by this are dropped: the logarithm of the ratio."""
 MOST = 250
 """Kept at most."""
-PRIOR, PRIOR_TURN = 0.05, 0.03
+PRIOR, PRIOR_TURN = 0.15, 0.04
 """Standard deviations of a tracked hypothesis before a scan is taken [m, rad]."""
-STEPS = (0.3, 0.2, 0.1, 0.05)
+AFTER, AFTER_TURN = 0.05, 0.03
+"""And after that [m, rad]."""
+NEW_WAY, NEW_TURN = 0.5, 0.5
+"""A scan after this way or turn tells as much as the first one; scans before tell the same again
+[m, rad]."""
+STEPS = (0.4, 0.3, 0.2, 0.1, 0.05)
 """Distances at which points lose their weight, step by step [m]."""
 
 
@@ -71,7 +77,8 @@ class Hypotheses:
         information = np.diag([1 / place, 1 / place, 1 / heading])
         self.poses, _ = likelihood.refined(self.poses, information, STEPS)
         self.verdict = likelihood.judged(self.poses)
-        self.logs = self.logs + self.verdict.log_likelihood
+        new = hypot(motion.x, motion.y) / NEW_WAY + abs(motion.theta) / NEW_TURN
+        self.logs = self.logs + min(1.0, new) * self.verdict.log_likelihood
         self._thin(MOST)
 
     @property
@@ -99,7 +106,7 @@ class Hypotheses:
         """Return `count` poses drawn by the weights, shape (count, 3)."""
         weights = np.exp(self.logs - self.logs[0])
         chosen = rng.choice(len(weights), count, p=weights / weights.sum())
-        spread = np.array([PRIOR, PRIOR, PRIOR_TURN]) * rng.standard_normal((count, 3))
+        spread = np.array([AFTER, AFTER, AFTER_TURN]) * rng.standard_normal((count, 3))
         poses: Float = self.poses[chosen] + spread
         return poses
 
@@ -110,7 +117,7 @@ class Hypotheses:
         weights = np.exp(self.logs - self.logs[0])
         weights /= weights.sum()
         spread: Float = (weights[:, None] * off).T @ off
-        return spread + np.diag([PRIOR**2, PRIOR**2, PRIOR_TURN**2])
+        return spread + np.diag([AFTER**2, AFTER**2, AFTER_TURN**2])
 
     def _thin(self, most: int) -> None:
         """Keep the best of those that are near each other, and none that is unlikely."""

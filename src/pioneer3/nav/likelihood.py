@@ -180,9 +180,10 @@ class ScanLikelihood:
     def judged(self, poses: Float) -> Verdict:
         """Return how beams agree with the map at `poses` (P, 3)."""
         out = np.empty((len(poses), 4))
-        field = self.walls.field.distances, self.walls.frame
+        w = self.walls
+        surface = w.walls, w.field.distances, w.numbers, w.frame
         beams = self.weighed, self.clear, self.origin
-        fast(judge_poses, CACHE)(field, beams, poses, (NEAR, NEAR_SHARE, DEEP), out)
+        fast(judge_poses, CACHE)(surface, beams, poses, (NEAR, NEAR_SHARE, DEEP), out)
         return Verdict(*out.T)
 
 

@@ -128,6 +128,7 @@ def test_compiled_kernels_of_scans_compute_what_python_does() -> None:
     poses = array_of(HERE) + 0.1 * np.random.default_rng(1).standard_normal((3, 3))
     field = WALLS.field.distances, WALLS.frame
     surface = WALLS.walls, WALLS.facing, WALLS.numbers, WALLS.frame
+    map_ = WALLS.walls, WALLS.field.distances, WALLS.numbers, WALLS.frame
     prior = LOOSE, SIGMA, np.array([0.3, 0.1])
     results = []
     for run in (partial(fast, kept=CACHE), plain):
@@ -135,7 +136,7 @@ def test_compiled_kernels_of_scans_compute_what_python_does() -> None:
         moved = poses.copy()
         run(weigh_poses)(field, scan.weighed, poses, (SIGMA, FARTHEST), costs)
         seen = scan.weighed, scan.clear, scan.origin
-        run(judge_poses)(field, seen, poses, (0.1, 0.015, 0.2), verdicts)
+        run(judge_poses)(map_, seen, poses, (0.1, 0.015, 0.2), verdicts)
         run(refine_poses)(surface, (scan.weighed, scan.origin), moved, prior, information)
         arrays = costs, verdicts, moved, information
         results.append(np.concatenate([each.ravel() for each in arrays]))

@@ -6,15 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import kernel
-from pioneer3.nav.kernels.scans import Frame, way_to_wall
+from pioneer3.nav.kernels.scans import Surface, way_to_wall
 
 Float = NDArray[np.float64]
-Float32 = NDArray[np.float32]
-Int32 = NDArray[np.int32]
 UInt16 = NDArray[np.uint16]
-Surface = tuple[Float, Float32, Int32, Frame]
-"""Walls, segments [m], shape (W, 4); distances to the nearest one [m], shape (H, W); its number, -1
-where none is near, shape (H, W); the frame of these cells."""
 Cone = tuple[Float, float, float]
 """Angles of the rays of a beam off its axis [rad], shape (R,); longest range [m]; least cosine
 between a ray and the normal of a wall that echoes."""

@@ -13,6 +13,9 @@ Int32 = NDArray[np.int32]
 Frame = tuple[float, float, float]
 """Left and lower edge of a raster, and the side of a cell [m]."""
 Point = tuple[float, float]
+Surface = tuple[Float, Float32, Int32, Frame]
+"""Walls, segments [m], shape (W, 4); distances to the nearest one [m], shape (H, W); its number, -1
+where none is near, shape (H, W); the frame of these cells."""
 
 BACK = 5
 """Cells before the end of a beam where the face that it met is sought."""
@@ -259,9 +262,44 @@ def way_to_wall(
     return most
 
 
+@inlined
+def crossing(wall: Float, x: float, y: float, along: Point) -> float:
+    """Return how far a wall (4,) is along a ray from (x, y); -1e9 where the ray passes its ends."""
+    wx, wy = wall[2] - wall[0], wall[3] - wall[1]
+    sine = along[0] * wy - along[1] * wx
+    if sine == 0.0:
+        return -1e9
+    ax, ay = wall[0] - x, wall[1] - y
+    share = (ax * along[1] - ay * along[0]) / sine
+    if share < 0.0 or share > 1.0:
+        return -1e9
+    return float((ax * wy - ay * wx) / sine)
+
+
+@inlined
+def is_free(surface: Surface, x: float, y: float, along: Point, most: float) -> bool:
+    """Return whether a ray from (x, y) crosses no wall on a way of `most` [m].
+
+    A wall that the ray passes closely is none that it crosses.
+    """
+    walls, distances, numbers, (x0, y0, cell) = surface
+    gone = 0.0
+    while gone < most:
+        u, v = (x + gone * along[0] - x0) / cell, (y + gone * along[1] - y0) / cell
+        away = value_at(distances, u, v, 1e3)
+        if away < 0.8 * cell:
+            number = numbers[floor(v), floor(u)]
+            if number >= 0:
+                at = crossing(walls[number], x, y, along)
+                if max(0.0, gone - 2.0 * cell) < at < min(most, gone + 2.0 * cell):
+                    return False
+        gone += max(0.5 * cell, away - 0.75 * cell)
+    return True
+
+
 @kernel
 def judge_poses(
-    field: tuple[Float32, Frame],
+    surface: Surface,
     beams: tuple[Float, Float, Float],
     poses: Float,
     limits: tuple[float, float, float],
@@ -270,7 +308,7 @@ def judge_poses(
     """Count the beams that agree with the map at each of `poses` (P, 3), and the others.
 
     Args:
-        field: Distances to the nearest wall [m], shape (H, W), and their frame.
+        surface: The map.
         beams: Echoes in the robot's frame [m], shape (N, 2); ends of the part of other beams that
             is to be free, shape (M, 2); the origin of all, shape (2,).
         poses: Of the robot on the map [m, rad].
@@ -280,14 +318,13 @@ def judge_poses(
             through walls, and the mean square of the distances of those that agree, as a share of
             the limit; shape (P, 4).
     """
-    distances, (x0, y0, cell) = field
+    _, distances, _, (x0, y0, cell) = surface
     points, clear, origin = beams
     near, share, deep = limits
     for p in range(len(poses)):
         c, s = cos(poses[p, 2]), sin(poses[p, 2])
         ox = poses[p, 0] + c * origin[0] - s * origin[1]
         oy = poses[p, 1] + s * origin[0] + c * origin[1]
-        start = (ox - x0) / cell, (oy - y0) / cell
         agree, short, through, misfit = 0.0, 0.0, 0.0, 0.0
         for i in range(len(points) + len(clear)):
             u, v = 0.0, 0.0
@@ -300,12 +337,10 @@ def judge_poses(
             length = sqrt(dx * dx + dy * dy)
             if length < cell:
                 continue
-            free = max(0.0, length - deep) / cell
-            along = dx / length, dy / length
-            if way_to_wall(distances, start, along, free, 1.0 / cell) < free:
+            if not is_free(surface, ox, oy, (dx / length, dy / length), length - deep):
                 through += 1.0
             elif i < len(points):
-                x, y = start[0] + dx / cell, start[1] + dy / cell
+                x, y = (ox + dx - x0) / cell, (oy + dy - y0) / cell
                 off = value_at(distances, x, y, 1e3) / max(near, share * length)
                 if off <= 1.0:
                     agree += 1.0
