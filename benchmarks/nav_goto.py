@@ -92,27 +92,21 @@ class Course:
         self.costs = CostMap.of(self.map, self.model)
         self._rng = np.random.default_rng(seed)
         self._places = places_of(self.map, model)
-        self.boxes = self._boxes(boxes)
+        self.boxes: list[Box] = []
+        self._add_boxes(boxes)
         self.home = Pose2(*self._place(), float(self._rng.uniform(-pi, pi)))
 
     def _place(self) -> tuple[float, float]:
         while True:
             x, y = self._places.sample(self._rng)
-            near = any(hypot(x - box.pose.x, y - box.pose.y) < 1.0 for box in self.boxes_so_far)
+            near = any(hypot(x - box.pose.x, y - box.pose.y) < 1.0 for box in self.boxes)
             if self.costs.can_turn(x, y) and not near:
                 return x, y
 
-    @property
-    def boxes_so_far(self) -> Sequence[Box]:
-        return getattr(self, "boxes", ())
-
-    def _boxes(self, count: int) -> list[Box]:
-        boxes = []
+    def _add_boxes(self, count: int) -> None:
         for _ in range(count):
-            x, y = self._place()
-            pose = Pose2(x, y, float(self._rng.uniform(-pi, pi)))
-            boxes.append(Box(pose=pose, size=(0.4, 0.3)))
-        return boxes
+            pose = Pose2(*self._place(), float(self._rng.uniform(-pi, pi)))
+            self.boxes.append(Box(pose=pose, size=(0.4, 0.3), name=f"box {len(self.boxes)}"))
 
     def goals(self, start: Pose2, count: int) -> Iterator[tuple[Pose2, float]]:
         """Yield goals that can be reached, with the length of the shortest way."""
@@ -129,7 +123,7 @@ class Course:
 
     def with_boxes(self) -> CostMap:
         """Return the costs, boxes included."""
-        sides = [np.array(box.sides) for box in self.boxes]
+        sides = [box.outline for box in self.boxes]
         return (
             self.costs.with_obstacles(samples(np.concatenate(sides), 0.02)) if sides else self.costs
         )

@@ -114,9 +114,7 @@ def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) 
         return NoWay(_why_not(costs, goal), goal)
     cost_to_go = CostToGo.of(costs.costs(), raster, *goal)
     assert cost_to_go is not None
-    if not isfinite(cost_to_go.at(*start)):
-        return NoWay("no way leads to the goal")
-    way = way_from(cost_to_go, start)
+    way = way_from(cost_to_go, start) if isfinite(cost_to_go.at(*start)) else None
     if way is None:
         return NoWay("no way leads to the goal")
     beyond = way.length - way.to_go > GET_OUT

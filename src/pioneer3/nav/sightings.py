@@ -56,7 +56,8 @@ class Sightings:
         rows, columns = np.nonzero((self._seen > 0) & (self._seen >= now - age))
         raster = self._raster
         middles: Float = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell
-        return middles + (raster.x, raster.y)
+        middles += raster.x, raster.y
+        return middles
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
@@ -77,7 +78,8 @@ def in_map(robot_in_map: Pose2, points: Float) -> Float:
     """Return points of the robot's frame (N, 2) in the map's [m]."""
     c, s = np.cos(robot_in_map.theta), np.sin(robot_in_map.theta)
     turned: Float = points @ np.array([[c, s], [-s, c]])
-    return turned + (robot_in_map.x, robot_in_map.y)
+    turned += robot_in_map.x, robot_in_map.y
+    return turned
 
 
 def _shortened(beams: Beams) -> Float:

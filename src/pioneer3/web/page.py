@@ -269,7 +269,7 @@ class Page:
         navigation = RobotNavigation(
             number, robot, scene, control, tell=tell, show=show, publish=publish
         )
-        return RobotView(number, name, robot, scene, control, navigation)
+        return RobotView(number, name, robot, scene=scene, control=control, navigation=navigation)
 
     def _add(self, view: RobotView, scene: Scene) -> int:
         """Add a robot, with its world if it is the first; return its number."""

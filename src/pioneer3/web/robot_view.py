@@ -53,6 +53,7 @@ class RobotView:
         number: int,
         name: str,
         robot: Robot,
+        *,
         scene: Scene,
         control: Control,
         navigation: RobotNavigation,

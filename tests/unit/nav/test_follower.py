@@ -13,7 +13,7 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav.follower import KEEP, NO_OBSTACLES, Follower
 from pioneer3.nav.planner import Way, plan
-from tests.unit.nav.rooms import AT, costs, room, two_rooms
+from tests.unit.nav.offices import AT, costs, room, two_rooms
 
 Float = NDArray[np.float64]
 LIMITS = Limits(max_speed=0.75, max_turn_rate=1.7)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.sightings import AGE, Sightings
-from tests.unit.nav.rooms import costs, room
+from tests.unit.nav.offices import costs, room
 
 Float = NDArray[np.float64]
 HERE = Pose2(2.0, 3.0, 0.0)
