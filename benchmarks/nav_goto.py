@@ -29,8 +29,8 @@ from pioneer3.nav.planner import CostToGo
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.navigator import Navigator
 from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.obstacles import Box
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import Box
 from pioneer3.tasks import running
 from tests.conftest import VirtualTimeLoop
 from tests.support import SimulatedRobot
