@@ -43,6 +43,7 @@ class CostMap:
             shape (H, W).
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
+        forbidden: Areas of the map that robots must not enter.
         speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
         needed: The clearance that the robot needs to pass [m].
         turning: The clearance that it needs to turn to any heading [m].
@@ -52,6 +53,7 @@ class CostMap:
     raster: Raster
     clearance: Float32
     closed: Bool
+    forbidden: tuple[MapObject, ...]
     speeds: Float32
     needed: float
     turning: float
@@ -78,6 +80,7 @@ class CostMap:
             raster=raster,
             clearance=clearance,
             closed=closed,
+            forbidden=tuple(o for o in line_map.objects if o.forbidden and len(o.outline) > 2),
             speeds=speeds,
             needed=needed,
             turning=model.corner + MARGIN,

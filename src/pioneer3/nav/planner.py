@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import fast
-from pioneer3.nav.costs import CostMap
+from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.eikonal import march
 from pioneer3.nav.kernels.ways import descend
@@ -152,7 +152,10 @@ def _fits(costs: CostMap, points: Float) -> NDArray[np.bool_]:
 def _why_not(costs: CostMap, goal: tuple[float, float]) -> str:
     cell = costs.raster.cell_of(*goal)
     assert cell is not None
+    area = next((item for item in costs.forbidden if inside(item, costs.raster)[cell]), None)
+    if area is not None:
+        return f"the goal is in a forbidden area{f', {area.name}' if area.name else ''}"
     if costs.closed[cell]:
-        return "the goal is in a forbidden area, or nothing is known of its place"
+        return "nothing is known of the place of the goal"
     room = float(costs.clearance[cell])
     return f"the goal is {room:.2f} m from something, and the robot needs {costs.turning:.2f} m"

@@ -6,15 +6,14 @@ is found ends the request.
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
 from importlib.util import find_spec
 from math import dist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pioneer3.errors import PioneerError
 from pioneer3.geometry import Pose2
-from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
@@ -55,6 +54,9 @@ class RobotNavigation:
         tell: Called with an operator and a sentence.
         show: Called with an operator and a message.
         publish: Called with the state, and with `None` when there is none.
+
+    Attributes:
+        in_thread: Runs what takes long.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class RobotNavigation:
         self._number, self._robot = number, robot
         self._scene, self._control = scene, control
         self._tell, self._show, self._publish = tell, show, publish
+        self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
         self._navigator: Navigator | None = None
         self._asked: tuple[Operator, requests.GotoPlace | requests.PlanWay, int] | None = None
         self._news = asyncio.Event()
@@ -179,7 +182,10 @@ class RobotNavigation:
         assert known is not None
         if self._navigator is None or self._navigator.line_map is not known:
             await stack.aclose()
-            self._navigator = await Navigator.on(self._robot, known, start=self._start(known))
+            start = self._start()
+            self._navigator = await Navigator.on(
+                self._robot, known, start=start, in_thread=self.in_thread
+            )
             await stack.enter_async_context(running(self._navigator.run(), self._tell_state()))
         navigator = self._navigator
         try:
@@ -191,7 +197,7 @@ class RobotNavigation:
             pass  # planning says why not
         return navigator
 
-    def _start(self, known: LineMap) -> Pose2 | None:
+    def _start(self) -> Pose2 | None:
         """Return where the robot is now, as far as anybody knows."""
         snapshot = self._robot.snapshot
         if snapshot is None:

@@ -22,6 +22,12 @@ ROOM = LineMap(name="room", walls=WALLS.astype(float), objects=(AREA,))
 SOON = 0.25
 
 
+@pytest.fixture(autouse=True)
+def _straight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the extra nav, robots drive straight."""
+    monkeypatch.setattr("pioneer3.web.navigation._installed", lambda: False)
+
+
 def newest(page: Browser) -> dict[str, Any]:
     """Return the newest snapshot."""
     return page.snapshot

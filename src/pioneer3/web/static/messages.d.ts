@@ -9,7 +9,7 @@ export interface Hello {
   gamepad: Scheme;
 }
 
-/** A robot. `robot` and `limits` are null until it has been connected to. */
+/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser, and what navigation needs. */
 export interface Robot {
   id: number;
   name: string;
@@ -19,6 +19,7 @@ export interface Robot {
   limits: SpeedLimits | null;
   laser: boolean;
   scans: boolean;
+  plans: boolean;
 }
 
 /** A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]. */
@@ -324,6 +325,32 @@ export interface Client {
   role: Role;
 }
 
+/** The way to the place x, y, for the client that asked for it; or the reason why there is none. `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. */
+export interface Way {
+  type: "way";
+  robot: number;
+  x: number;
+  y: number;
+  points: [number, number][];
+  length: number;
+  seconds: number;
+  refusal: string;
+}
+
+/** A robot's knowledge of its place on the map, and the rest of its way. `agreement` is the share of the laser's readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */
+export interface Navigation {
+  type: "navigation";
+  robot: number;
+  sure: boolean;
+  agreement: number;
+  reason: string;
+  problem: string;
+  place: string;
+  way: [number, number][];
+  left: number | null;
+  seconds: number | null;
+}
+
 /** News for this client alone. */
 export interface Told {
   type: "told";
@@ -563,7 +590,7 @@ export interface Turn {
   seconds?: number;
 }
 
-/** Drive straight to a place of the map, and turn to a heading there if one is given. */
+/** Drive to a place of the map, and turn to a heading there if one is given. A robot with a laser drives along a planned way, one without drives straight. */
 export interface GotoPlace {
   type: "goto";
   x: number;
@@ -596,6 +623,16 @@ export interface AskConfig {
 export interface WatchLasers {
   type: "watch_lasers";
   on: boolean;
+}
+
+/** Ask for the way to a place of the map; the answer is a `way`. Nothing drives. */
+export interface PlanWay {
+  type: "plan_way";
+  x: number;
+  y: number;
+  heading?: number | null;
+  speed?: number;
+  robot?: number | null;
 }
 
 /** Ask for a pong with the same `t`. */
@@ -683,6 +720,6 @@ export interface SetSpeed {
   speed: number;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Way | Navigation | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;

@@ -1,0 +1,133 @@
+"""Planned ways on the page. Virtual time."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from math import hypot
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, MapObject
+from pioneer3.sim.worldfile import Box
+from tests.unit.web.browser import Browser, Playground, playground
+
+KITCHEN = MapObject(kind="Goal", name="Kitchen", pose=Pose2(2.5, 0.0))
+SIDES = [[-4, -3, 4, -3], [4, -3, 4, 3], [4, 3, -4, 3], [-4, 3, -4, -3]]
+BETWEEN = [[0, -3, 0, 1], [0, 2, 0, 3]]
+"""A wall with a door at (0, 1.5)."""
+ROOMS = LineMap(
+    name="rooms", walls=np.array([*SIDES, *BETWEEN], dtype=np.float64), objects=(KITCHEN,)
+)
+BEGIN = Pose2(-2.5, -1.0, 0.0)
+
+
+async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
+    return function(*arguments)
+
+
+@asynccontextmanager
+async def rooms() -> AsyncIterator[tuple[Playground, Browser]]:
+    async with playground(BEGIN, line_map=ROOMS) as the, Browser(the.app) as ann:
+        for view in the.page.robots.values():
+            view.navigation.in_thread = at_once
+        await asyncio.sleep(1.0)
+        yield the, ann
+
+
+def where(the: Playground) -> Pose2:
+    return the.simulation.robots[0].body.robot_in_world
+
+
+async def test_the_page_is_told_that_ways_are_planned() -> None:
+    async with rooms() as (_, ann):
+        assert ann.latest("hello")["robots"][0]["plans"]
+
+
+async def test_a_way_is_shown_before_anything_drives() -> None:
+    async with rooms() as (the, ann):
+        ann.say("plan_way", x=2.5, y=0.0)
+        await asyncio.sleep(2.0)
+        way = ann.latest("way")
+        assert way["points"][0] == pytest.approx([-2.5, -1.0], abs=0.1)
+        assert way["points"][-1] == pytest.approx([2.5, 0.0], abs=0.01)
+        assert way["length"] == pytest.approx(6.5, rel=0.1)
+        assert way["seconds"] > way["length"] / 0.3
+        assert where(the) == pytest.approx(BEGIN)
+        assert ann.snapshot["mode"] is None
+
+
+async def test_the_robot_goes_through_the_door_and_tells_its_way() -> None:
+    async with rooms() as (the, ann):
+        ann.say("goto", x=2.5, y=0.0, heading=0.0, speed=0.6)
+        await ann.stay(5.0)
+        told = ann.latest("navigation")
+        assert told["sure"]
+        assert told["place"] == "Kitchen"
+        assert told["left"] < 6.5
+        await ann.stay(25.0)
+        assert hypot(where(the).x - 2.5, where(the).y) < 0.05
+        assert abs(where(the).theta) < 0.05
+        assert ann.snapshot["mode"] is None
+        assert ann.latest("navigation")["way"] == []
+
+
+async def test_places_without_a_way_are_refused_with_the_reason() -> None:
+    async with rooms() as (the, ann):
+        ann.say("plan_way", x=3.9, y=0.0)
+        await asyncio.sleep(2.0)
+        assert "m from something" in ann.latest("way")["refusal"]
+        ann.say("goto", x=30.0, y=0.0)
+        await asyncio.sleep(1.0)
+        assert ann.latest("told")["message"] == "The goal is outside of the map."
+        assert where(the) == pytest.approx(BEGIN)
+
+
+async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> None:
+    async with rooms() as (the, ann):
+        ann.say("plan_way", x=2.5, y=0.0)
+        await asyncio.sleep(2.0)
+
+        async def slowly(function: Callable[..., Any], *arguments: Any) -> Any:
+            await asyncio.sleep(1.0)
+            return function(*arguments)
+
+        view = the.page.robots[1]
+        navigator = view.navigation._navigator
+        assert navigator is not None
+        navigator._in_thread = slowly
+        ann.say("goto", x=2.5, y=0.0)
+        await asyncio.sleep(0.5)
+        ann.say("stop")
+        await asyncio.sleep(3.0)
+        assert ann.snapshot["mode"] is None
+        assert where(the) == pytest.approx(BEGIN)
+
+
+def close_the_door(the: Playground) -> None:
+    the.simulation.world.add_obstacle(Box(pose=Pose2(0.0, 1.5), size=(0.2, 1.0)))
+
+
+async def test_a_door_that_is_closed_is_named_with_its_age() -> None:
+    async with rooms() as (the, ann):
+        close_the_door(the)
+        ann.say("goto", x=2.5, y=0.0)
+        await ann.stay(3.0)
+        told = ann.latest("told")["message"]
+        assert told.startswith("The way to Kitchen is closed")
+        assert "seen 0 s ago" in told
+        assert where(the) == pytest.approx(BEGIN)
+
+
+async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
+    async with rooms() as (the, ann):
+        ann.say("goto", x=2.5, y=0.0, speed=0.5)
+        await ann.stay(4.0)
+        close_the_door(the)
+        await ann.stay(40.0)
+        assert ann.snapshot["mode"] is None
+        assert ann.snapshot["ended"]["why"].startswith("the way to Kitchen is closed")
+        assert where(the).x < 0.0
+        assert not the.simulation.robots[0].body.drive.linear.velocity
