@@ -93,6 +93,7 @@ class Listener:
         self.rng = np.random.default_rng((run.seed, 9))
         model = load_model(run.model)
         self.localizer = Localizer(map_of(run.where), model, self.rng)
+        self.localizer.prepare()
         self._mounts = np.array([(mount.x, mount.y, mount.theta) for mount in model.sonars])
         self._pending: tuple[float, Candidates] | None = None
 

@@ -121,9 +121,18 @@ class Localizer:
         self._odom_in_map: Pose2 | None = None
         self._now = _Progress(stage="lost", reason="the robot may be anywhere")
 
-    def prepare(self) -> None:
-        """Work out all that depends on the map alone; else the first readings take long."""
-        _ = self._walls, self._places
+    def prepare(self, *, sonar: bool = False) -> None:
+        """Compute all that takes long, up to some seconds: call it in a thread before anything else.
+
+        What it does not, the first readings do.
+
+        Args:
+            sonar: For pings rather than for scans.
+        """
+        if sonar:
+            _ = self._echoes
+        else:
+            _ = self._places
 
     def start(self, pose: Pose2, spread: float = 0.3, turn_spread: float = 0.15) -> None:
         """Begin near a pose that somebody tells.

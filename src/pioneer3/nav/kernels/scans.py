@@ -96,23 +96,28 @@ def weigh_poses(
         out[p] = factor * total
 
 
-@inlined
-def solve3(a: Float, b: Float, out: Float) -> None:
-    """Fill `out` (3,) with the solution of `a` (3, 3), symmetric and positive definite, and `b`."""
-    d0 = a[0, 0]
-    l10, l20 = a[1, 0] / d0, a[2, 0] / d0
-    d1 = a[1, 1] - l10 * l10 * d0
-    l21 = (a[2, 1] - l20 * l10 * d0) / d1
-    d2 = a[2, 2] - l20 * l20 * d0 - l21 * l21 * d1
-    y0 = b[0]
-    y1 = b[1] - l10 * y0
-    y2 = b[2] - l20 * y0 - l21 * y1
+@kernel
+def step_of(sums: Float, out: Float) -> None:
+    """Fill `out` (3,) with the step that normal equations ask for.
+
+    Args:
+        sums: The lower half of their matrix, row by row, and their right side, shape (9,).
+        out: For the step [m, rad].
+    """
+    d0 = sums[0]
+    l10, l20 = sums[1] / d0, sums[3] / d0
+    d1 = sums[2] - l10 * l10 * d0
+    l21 = (sums[4] - l20 * l10 * d0) / d1
+    d2 = sums[5] - l20 * l20 * d0 - l21 * l21 * d1
+    y0 = sums[6]
+    y1 = sums[7] - l10 * y0
+    y2 = sums[8] - l20 * y0 - l21 * y1
     out[2] = y2 / d2
     out[1] = y1 / d1 - l21 * out[2]
     out[0] = y0 / d0 - l10 * out[1] - l20 * out[2]
 
 
-@inlined
+@kernel
 def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
     """Return the wall nearest to a point among those that a beam may have met, -1 without any.
 
@@ -129,52 +134,74 @@ def facing_wall(numbers: Int32, facing: Float, at: Point, along: Point) -> int:
     for back in range(BACK + 1):
         column, row = floor(at[0] - back * along[0]), floor(at[1] - back * along[1])
         if 0 <= row < height and 0 <= column < width:
-            wall = numbers[row, column]
+            wall = int(numbers[row, column])
             if wall < 0:
                 return -1
             if facing[wall, 0] * along[0] + facing[wall, 1] * along[1] <= 0.0:
-                return int(wall)
+                return wall
     return -1
 
 
-@inlined
-def off_wall(wall: Float, x: float, y: float) -> tuple[float, float, float]:
-    """Return the direction (2) from the nearest point of a wall (4,) to a point, and how far."""
-    dx, dy = wall[2] - wall[0], wall[3] - wall[1]
-    squared = dx * dx + dy * dy
-    share = 0.0
-    if squared > 0.0:
-        share = min(1.0, max(0.0, ((x - wall[0]) * dx + (y - wall[1]) * dy) / squared))
-    ex, ey = x - wall[0] - share * dx, y - wall[1] - share * dy
+@kernel
+def off_wall(walls: Float, wall: int, x: float, y: float) -> tuple[float, float, float]:
+    """Return the direction (2) from the nearest point of a wall to a point, and how far it is."""
+    ax, ay = walls[wall, 0], walls[wall, 1]
+    dx, dy = walls[wall, 2] - ax, walls[wall, 3] - ay
+    squared = max(1e-18, dx * dx + dy * dy)
+    share = min(1.0, max(0.0, ((x - ax) * dx + (y - ay) * dy) / squared))
+    ex, ey = x - ax - share * dx, y - ay - share * dy
     distance = sqrt(ex * ex + ey * ey)
     if distance > 1e-9:
         return ex / distance, ey / distance, distance
-    length = sqrt(max(squared, 1e-18))
+    length = sqrt(squared)
     return -dy / length, dx / length, 0.0
 
 
-@inlined
-def add_point(a: Float, b: Float, arm: Point, off: tuple[float, float, float], k: float) -> None:
-    """Add a point to the normal equations `a` (3, 3), its lower half, and `b` (3,).
+@kernel
+def add_points(
+    surface: tuple[Float, Float, Int32, Frame],
+    beams: tuple[Float, Float],
+    pose: tuple[float, float, float],
+    spread: Point,
+    sums: Float,
+) -> None:
+    """Add the points of a scan to normal equations.
 
     Args:
-        a: Of the equations.
-        b: Of the equations.
-        arm: From the robot to the point [m].
-        off: Direction from the wall, and distance [m].
-        k: Weight of the point.
+        surface: As for :func:`refine_poses`.
+        beams: The same.
+        pose: Of the robot on the map [m, rad].
+        spread: Standard deviation of a point, and distance where it loses its weight [m].
+        sums: As for :func:`step_of`.
     """
-    ex, ey, distance = off
-    et = ey * arm[0] - ex * arm[1]
-    a[0, 0] += k * ex * ex
-    a[1, 0] += k * ey * ex
-    a[1, 1] += k * ey * ey
-    a[2, 0] += k * et * ex
-    a[2, 1] += k * et * ey
-    a[2, 2] += k * et * et
-    b[0] -= k * distance * ex
-    b[1] -= k * distance * ey
-    b[2] -= k * distance * et
+    walls, facing, numbers, (x0, y0, cell) = surface
+    points, origin = beams
+    variance, scale = spread[0] * spread[0], spread[1] * spread[1]
+    c, s = cos(pose[2]), sin(pose[2])
+    ox, oy = c * origin[0] - s * origin[1], s * origin[0] + c * origin[1]
+    a0, a1, a2, a3, a4, a5, b0, b1, b2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(len(points)):
+        u = c * points[i, 0] - s * points[i, 1]
+        v = s * points[i, 0] + c * points[i, 1]
+        length = sqrt((u - ox) * (u - ox) + (v - oy) * (v - oy))
+        if length <= 0.0:
+            continue
+        x, y = pose[0] + u, pose[1] + v
+        at, along = ((x - x0) / cell, (y - y0) / cell), ((u - ox) / length, (v - oy) / length)
+        wall = facing_wall(numbers, facing, at, along)
+        if wall < 0:
+            continue
+        ex, ey, off = off_wall(walls, wall, x, y)
+        et = ey * u - ex * v
+        weight = scale / (scale + off * off)
+        weight = weight * weight / variance
+        a0, a1, a2 = a0 + weight * ex * ex, a1 + weight * ey * ex, a2 + weight * ey * ey
+        a3, a4, a5 = a3 + weight * et * ex, a4 + weight * et * ey, a5 + weight * et * et
+        weight *= off
+        b0, b1, b2 = b0 - weight * ex, b1 - weight * ey, b2 - weight * et
+    sums[0], sums[1], sums[2] = sums[0] + a0, sums[1] + a1, sums[2] + a2
+    sums[3], sums[4], sums[5] = sums[3] + a3, sums[4] + a4, sums[5] + a5
+    sums[6], sums[7], sums[8] = sums[6] + b0, sums[7] + b1, sums[8] + b2
 
 
 @kernel
@@ -200,43 +227,33 @@ def refine_poses(
             of their weight [m], shape (S,).
         out: For the information of the poses at the end, shape (P, 3, 3).
     """
-    walls, facing, numbers, (x0, y0, cell) = surface
-    points, origin = beams
     information, sigma, scales = prior
-    start, b, step = np.empty(3), np.empty(3), np.empty(3)
-    a = np.empty((3, 3))
+    step, sums = np.empty(3), np.empty(9)
     for p in range(len(poses)):
-        start[:] = poses[p]
+        x, y, theta = poses[p, 0], poses[p, 1], poses[p, 2]
         for number in range(len(scales)):
-            scale = scales[number] * scales[number]
-            c, s = cos(poses[p, 2]), sin(poses[p, 2])
-            ox, oy = c * origin[0] - s * origin[1], s * origin[0] + c * origin[1]
+            dx, dy, turn = poses[p, 0] - x, poses[p, 1] - y, poses[p, 2] - theta
+            at = 0
             for i in range(3):
-                b[i] = 0.0
-                for j in range(3):
-                    a[i, j] = information[i, j]
-                    b[i] -= information[i, j] * (poses[p, j] - start[j])
-            for i in range(len(points)):
-                u = c * points[i, 0] - s * points[i, 1]
-                v = s * points[i, 0] + c * points[i, 1]
-                x, y = poses[p, 0] + u, poses[p, 1] + v
-                length = sqrt((u - ox) * (u - ox) + (v - oy) * (v - oy))
-                if length <= 0.0:
-                    continue
-                along = (u - ox) / length, (v - oy) / length
-                at = (x - x0) / cell, (y - y0) / cell
-                wall = facing_wall(numbers, facing, at, along)
-                if wall >= 0:
-                    off = off_wall(walls[wall], x, y)
-                    weight = scale / (scale + off[2] * off[2])
-                    add_point(a, b, (u, v), off, weight * weight / (sigma * sigma))
-            a[0, 1], a[0, 2], a[1, 2] = a[1, 0], a[2, 0], a[2, 1]
-            solve3(a, b, step)
+                for j in range(i + 1):
+                    sums[at] = information[i, j]
+                    at += 1
+                sums[6 + i] = -(
+                    information[i, 0] * dx + information[i, 1] * dy + information[i, 2] * turn
+                )
+            pose = poses[p, 0], poses[p, 1], poses[p, 2]
+            add_points(surface, beams, pose, (sigma, scales[number]), sums)
+            step_of(sums, step)
             for i in range(3):
                 poses[p, i] += step[i]
         if poses[p, 2] > pi or poses[p, 2] <= -pi:
             poses[p, 2] = atan2(sin(poses[p, 2]), cos(poses[p, 2]))
-        out[p] = a
+        at = 0
+        for i in range(3):
+            for j in range(i + 1):
+                out[p, i, j] = sums[at]
+                out[p, j, i] = sums[at]
+                at += 1
 
 
 @inlined
