@@ -11,6 +11,9 @@ from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line
 from pioneer3.units import SPEED, TURN_RATE
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pioneer3.geometry import Pose2
     from pioneer3.limits import Limits
     from pioneer3.runtime.driven import Driven
     from pioneer3.runtime.robot import Robot
@@ -33,6 +36,8 @@ def carry_out(
     speed: float | None = None,
     turn_rate: float | None = None,
     max_speed: float | None = None,
+    line_map: "str | Path | None" = None,
+    start: "Pose2 | str | None" = None,
 ) -> int:
     """Connect, run `motion` and show it, until it ends or Ctrl-C; then stop. Return the exit code.
 
@@ -44,10 +49,13 @@ def carry_out(
         speed: Asked for [m/s].
         turn_rate: Asked for [rad/s].
         max_speed: Bound of the connection [m/s].
+        line_map: To navigate on.
+        start: Where the robot is on it.
     """
 
     async def command() -> None:
-        async with link.connect(max_speed=max_speed) as robot:
+        connection = link.connect(max_speed=max_speed, line_map=line_map, start=start)
+        async with connection as robot:
             tell_cuts(robot.info.limits, speed, turn_rate)
             announce(robot, f"{words}; {how_to_stop()}", json=options.json)
             await show_while(robot, motion(robot), json=options.json)

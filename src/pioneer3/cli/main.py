@@ -12,6 +12,7 @@ from pioneer3.cli.access import access_app
 from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.drive import drive
+from pioneer3.cli.goto import goto
 from pioneer3.cli.laser import laser_app
 from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
@@ -63,7 +64,7 @@ app.register_install_completion_command(help="Let the Tab key complete commands 
 GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim),
     "Drive with your hands": (drive, demo),
-    "Let the robot drive": (*MODE_COMMANDS, move, turn),
+    "Let the robot drive": (*MODE_COMMANDS, goto, move, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),

@@ -180,5 +180,6 @@ def _annotation(parameter: ModeParameter) -> Any:
     return Annotated[kind, read, Parameter(help=parameter.help)]
 
 
-MODE_COMMANDS = tuple(mode_command(mode) for mode in MODES if mode.name() != turn.__name__)
-"""`turn` is a motion here, as `move` is: it fails where it gets stuck."""
+OWN = {"goto", "turn"}
+"""Modes with commands of their own: `turn` is a motion, as `move` is: it fails where it sticks."""
+MODE_COMMANDS = tuple(mode_command(mode) for mode in MODES if mode.name() not in OWN)

@@ -16,6 +16,7 @@ from cyclopts.validators import Number
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
+    from pioneer3.geometry import Pose2
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile.arguments import WorldOverrides
@@ -166,7 +167,12 @@ class LinkOptions:
 
     @asynccontextmanager
     async def connect(
-        self, *, max_speed: float | None = None, auto_enable: bool = True
+        self,
+        *,
+        max_speed: float | None = None,
+        auto_enable: bool = True,
+        line_map: str | Path | None = None,
+        start: "Pose2 | str | None" = None,
     ) -> "AsyncIterator[Robot]":
         """Connect during the block; after it the connection is closed and the robot stands."""
         from pioneer3.runtime.connect import connect_async
@@ -178,6 +184,8 @@ class LinkOptions:
             auto_enable=auto_enable,
             record=self.record,
             lasers=await self.lasers.specs(self.record, [self.port]),
+            line_map=line_map,
+            start=start,
         )
         async with connection as robot:
             yield robot

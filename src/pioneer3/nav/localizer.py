@@ -122,17 +122,14 @@ class Localizer:
         self._now = _Progress(stage="lost", reason="the robot may be anywhere")
 
     def prepare(self, *, sonar: bool = False) -> None:
-        """Compute all that takes long, up to some seconds: call it in a thread before anything else.
+        """Compute all that takes long, up to some seconds; call it first, in a thread.
 
         What it does not, the first readings do.
 
         Args:
             sonar: For pings rather than for scans.
         """
-        if sonar:
-            _ = self._echoes
-        else:
-            _ = self._places
+        _ = self._echoes if sonar else self._places
 
     def start(self, pose: Pose2, spread: float = 0.3, turn_spread: float = 0.15) -> None:
         """Begin near a pose that somebody tells.

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, cast
 
+from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_async, connect_laser_async
@@ -17,6 +18,7 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.state import Scan, Snapshot
 
 if TYPE_CHECKING:
+    from pioneer3.maps import LineMap
     from pioneer3.robot.lasers.spec import LaserSpec
 
 
@@ -30,6 +32,8 @@ def connect(
     auto_enable: bool = True,
     record: Path | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
+    line_map: "LineMap | str | Path | None" = None,
+    start: Pose2 | str | None = None,
 ) -> "BlockingRobot":
     """Connect to a robot or simulator, and wait until it says something.
 
@@ -47,6 +51,8 @@ def connect(
             auto_enable=auto_enable,
             record=record,
             lasers=lasers,
+            line_map=line_map,
+            start=start,
         )
     )
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.geometry import Pose2
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
@@ -20,11 +22,15 @@ from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.tasks import running
 
 if TYPE_CHECKING:
+    from pioneer3.maps import LineMap
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.robot.lasers.mounting import Mounting
     from pioneer3.robot.lasers.spec import LaserSpec
+    from pioneer3.runtime.navigator import Navigator
 
 USUAL = "p3at-sh"
+ANY_HEADING = 2.0
+"""Standard deviation of a heading that nobody has told [rad]."""
 
 
 @asynccontextmanager
@@ -39,6 +45,8 @@ async def connect_async(
     record: Path | None = None,
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
+    line_map: "LineMap | str | Path | None" = None,
+    start: Pose2 | str | None = None,
 ) -> AsyncIterator[Robot]:
     """Connect to a robot or simulator; stop it and close the session on every way out.
 
@@ -56,16 +64,21 @@ async def connect_async(
         timing: How patient to be.
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
+        line_map: The map to navigate on, its file, or the name of one that ships; needs a laser.
+        start: Where the robot is on the map: a pose, the name of a place, or `None` for the map's
+            home; without a home the robot has to be found.
 
     Raises:
         LinkError: the port does not open.
         NoRobotError: nothing that answers is a robot.
-        ConfigError: the URL or an option is wrong.
+        ConfigError: the URL or an option is wrong, or the extra `nav` is missing.
     """
 
     def restrict(limits: Limits) -> Limits:
         return limits.lowered_to(max_speed, max_turn_rate)
 
+    if line_map is not None:
+        await _prepare_navigation()
     remark: Callable[[str], None] | None = None
     open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
@@ -82,7 +95,13 @@ async def connect_async(
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
         async with running(supervisor.run(), *(driver.run() for driver in drivers)):
             await _first_snapshot(supervisor)
-            yield Robot(supervisor, arbiter, drivers)
+            robot = Robot(supervisor, arbiter, drivers)
+            if line_map is None:
+                yield robot
+                return
+            navigator = robot.navigator = await _navigator(robot, line_map, start)
+            async with running(navigator.run()):
+                yield robot
 
 
 @asynccontextmanager
@@ -110,6 +129,41 @@ async def connect_laser_async(
         async with running(driver.run()):
             await driver.reading(patience)
             yield driver
+
+
+async def _prepare_navigation() -> None:
+    """Load the kernels of navigation before there is a robot that waits.
+
+    Raises:
+        ConfigError: The extra `nav` is missing.
+    """
+    try:
+        from pioneer3.nav.warm_up import warm_up
+        from pioneer3.runtime.navigator import compile_kernels
+    except ImportError as error:
+        raise ConfigError(f"navigation on a map: {error}: {how_to_get('nav')}") from None
+    await compile_kernels()
+    warm_up()
+
+
+async def _navigator(
+    robot: Robot, line_map: "LineMap | str | Path", start: Pose2 | str | None
+) -> "Navigator":
+    """Return the navigator of a robot that begins at `start`, or at home."""
+    from pioneer3.maps import LineMap
+    from pioneer3.nav.places import find_place, home
+    from pioneer3.runtime.navigator import Navigator
+    from pioneer3.sim.worldfile import load_map
+
+    known = line_map if isinstance(line_map, LineMap) else load_map(line_map)
+    if not isinstance(start, str):
+        return await Navigator.on(robot, known, start=start or home(known))
+    place = find_place(known, start)
+    here = Pose2(place.x, place.y, place.heading or 0.0)
+    navigator = await Navigator.on(robot, known, start=here)
+    if place.heading is None:
+        navigator.place(here, turn_spread=ANY_HEADING)
+    return navigator
 
 
 def _laser(

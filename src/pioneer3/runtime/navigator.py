@@ -1,7 +1,10 @@
 """Finds a robot on a map, and takes it to places of the map."""
 
 import asyncio
+import logging
+import sys
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import hypot
 from typing import Any, Self
@@ -11,16 +14,19 @@ import numpy as np
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.jit import numba_version
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.costs import CELL, CostMap
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
+from pioneer3.nav.warm_up import warm_up
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.follow_way import FollowWay, follow_way
 from pioneer3.runtime.motions import run_mode
@@ -28,9 +34,13 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
+log = logging.getLogger(__name__)
+
 InThread = Callable[..., Awaitable[Any]]
 """Calls a function elsewhere, so that the event loop goes on."""
 
+PATIENCE = 3.0
+"""Longest wait for a robot that knows where it is [s]."""
 REPLAN_EVERY = 1.0
 """[s]."""
 BLOCKED_FOR = 15.0
@@ -67,6 +77,17 @@ class _Drive:
     mode: Stack
     way: Way
     closed_since: float | None = field(default=None)
+
+
+async def compile_kernels() -> None:
+    """Compile navigation in a process of its own, once after each installation: half a minute.
+
+    Else this program would stand still meanwhile, and its robot stop.
+    """
+    if numba_version() and not CACHE.is_complete:
+        log.warning("compiling navigation, once: half a minute")
+        process = await asyncio.create_subprocess_exec(sys.executable, "-m", "pioneer3.nav")
+        await process.wait()
 
 
 class Navigator:
@@ -117,6 +138,7 @@ class Navigator:
             rng: Draws all that is random.
             in_thread: Runs what takes long.
         """
+        await in_thread(warm_up)
         model = robot.info.model
         localizer = Localizer(line_map, model, rng or np.random.default_rng())
         costs = await in_thread(CostMap.of, line_map, model)
@@ -138,9 +160,11 @@ class Navigator:
         """The pose of odometry's frame on the map [m, rad]; the origin while it is not known."""
         return self.estimate.odom_in_map or ORIGIN
 
-    def place(self, robot_in_map: Pose2, spread: float = SPREAD) -> None:
-        """Tell where the robot is, to `spread` [m]."""
-        self._localizer.start(robot_in_map, spread, TURN_SPREAD)
+    def place(
+        self, robot_in_map: Pose2, spread: float = SPREAD, turn_spread: float = TURN_SPREAD
+    ) -> None:
+        """Tell where the robot is, with the standard deviations of that [m, rad]."""
+        self._localizer.start(robot_in_map, spread, turn_spread)
         self._sightings.forget()
 
     def lose(self) -> None:
@@ -234,6 +258,15 @@ class Navigator:
                 return NoWay(f"{words}: seen {max(0.0, now - seen):.0f} s ago", (x, y))
         return NoWay(f"things in the way leave none to {goal}")
 
+    async def find(self, patience: float) -> bool:
+        """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(patience):
+                async for state in self.state.values(latest_first=True):
+                    if state.estimate.sure:
+                        return True
+        return self.estimate.sure
+
     def mode(self, goal: Destination, way: Way, speed: float | None = None) -> Stack:
         """Return the mode that drives along `way`, at `speed` [m/s] at most."""
         limits = self._robot.info.limits
@@ -258,6 +291,7 @@ class Navigator:
         Raises:
             MotionError: There is no way, or the robot did not get there; see the message.
         """
+        await self.find(PATIENCE)
         way = await self.plan(goal)
         if isinstance(way, NoWay):
             raise MotionError(f"goto {goal}: {way.why}")

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Sequence
 from math import inf
+from typing import TYPE_CHECKING
 
 from pioneer3.arcos.commands import Command
 from pioneer3.behaviors.action import Stack
@@ -18,6 +19,9 @@ from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
 from pioneer3.runtime.motions import carry_out, lost_as_motion_error, run_mode
 from pioneer3.state import Snapshot
 
+if TYPE_CHECKING:
+    from pioneer3.runtime.navigator import Navigator
+
 MOTOR_PATIENCE = 4.0
 """Longest wait for the motors to come on [s]."""
 
@@ -31,6 +35,7 @@ class Robot:
     Attributes:
         lasers: The laser range finders at the computer, each on a link of its own; without any,
             that of a simulator, in the robot's own stream.
+        navigator: Knows where it is on a map; `None` without a map.
     """
 
     def __init__(
@@ -40,6 +45,7 @@ class Robot:
         self.arbiter = arbiter
         self.devices = Devices(supervisor)
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
+        self.navigator: Navigator | None = None
         self._hold = Hold("program")
         arbiter.add(self._hold, PROGRAM)
         arbiter.lasers = self.lasers
@@ -147,21 +153,43 @@ class Robot:
         )
 
     async def goto(
-        self, x: float, y: float, heading: float | None = None, *, speed: float | None = None
+        self,
+        x: float | str,
+        y: float | None = None,
+        heading: float | None = None,
+        *,
+        speed: float | None = None,
     ) -> None:
-        """Drive to a point of odometry's frame [m], and turn to `heading` [rad] if that is given.
+        """Drive to a point of odometry's frame [m], or to a place of the map by its name.
 
-        At `speed` [m/s] at most, slower near obstacles, and around those that are small.
+        At `speed` [m/s] at most. To a point it drives straight, slower near obstacles and around
+        those that are small, and turns to `heading` [rad] if that is given. To a place it drives
+        along a planned way.
 
         Raises:
-            CommandError: not finite numbers.
+            CommandError: not finite numbers, or a name without a map.
+            ConfigError: the map has no such place.
             MotionError: it did not get there, or the link was lost; see the message.
         """
         limits = self.info.limits
-        top = limits.max_speed if speed is None else _positive("speed", speed)
+        top = (
+            limits.max_speed if speed is None else min(_positive("speed", speed), limits.max_speed)
+        )
+        if isinstance(x, str):
+            await self._goto_place(x, top)
+            return
+        if y is None:
+            raise CommandError("goto: give x and y, or the name of a place of the map")
         end = None if heading is None else finite("heading", heading)
-        mode = goto(finite("x", x), finite("y", y), end, speed=min(top, limits.max_speed))
+        mode = goto(finite("x", x), finite("y", y), end, speed=top)
         await run_mode(mode, self.arbiter, self.snapshots(), until=inf)
+
+    async def _goto_place(self, name: str, speed: float) -> None:
+        if self.navigator is None:
+            raise CommandError(f"goto {name}: there is no map: connect with line_map=...")
+        from pioneer3.nav.places import find_place
+
+        await self.navigator.goto(find_place(self.navigator.line_map, name), speed)
 
     async def run(self, mode: Stack, seconds: float = inf) -> None:
         """Let `mode` drive for `seconds`, or until it has reached its aim.

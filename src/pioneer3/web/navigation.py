@@ -37,7 +37,7 @@ SPARSE = 5
 """Of a way's points every so many-th is drawn."""
 SAME = 0.005
 """A goal so near to a place of the map is that place [m]: pages know it in whole millimetres."""
-FIND = 3.0
+PATIENCE = 3.0
 """Longest wait for a robot that knows where it is [s]."""
 CRUISE = 0.7
 """Mean speed on a way, as a share of the highest."""
@@ -176,26 +176,20 @@ class RobotNavigation:
 
     async def _ready(self, stack: AsyncExitStack) -> "Navigator":
         """Return the navigator of the present map, and wait until it knows where the robot is."""
-        from pioneer3.runtime.navigator import Navigator
+        from pioneer3.runtime.navigator import Navigator, compile_kernels
 
         known = self._scene.map_now
         assert known is not None
         if self._navigator is None or self._navigator.line_map is not known:
             await stack.aclose()
+            await compile_kernels()
             start = self._start()
             self._navigator = await Navigator.on(
                 self._robot, known, start=start, in_thread=self.in_thread
             )
             await stack.enter_async_context(running(self._navigator.run(), self._tell_state()))
-        navigator = self._navigator
-        try:
-            async with asyncio.timeout(FIND):
-                async for state in navigator.state.values(latest_first=True):
-                    if state.estimate.sure:
-                        break
-        except TimeoutError:
-            pass  # planning says why not
-        return navigator
+        await self._navigator.find(PATIENCE)  # planning says why not
+        return self._navigator
 
     def _start(self) -> Pose2 | None:
         """Return where the robot is now, as far as anybody knows."""

@@ -1,0 +1,71 @@
+"""Compiles or loads all kernels, by navigating in a small room.
+
+Compiling takes half a minute and loading a second, in which nothing else of the program goes on.
+"""
+
+from math import cos, hypot, pi, sin
+
+import numpy as np
+
+from pioneer3.geometry import ORIGIN, Pose2, Twist2
+from pioneer3.limits import Limits
+from pioneer3.maps import LineMap
+from pioneer3.models import load_model
+from pioneer3.nav.beams import Beams
+from pioneer3.nav.costs import CostMap
+from pioneer3.nav.follower import Follower
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.localizer import Localizer
+from pioneer3.nav.planner import Way, plan
+from pioneer3.nav.sightings import Sightings
+
+SIDE = 4.0
+"""Of the room [m]."""
+THING = 0.8, 0.3
+"""Something in it that is not on the map [m]."""
+
+
+def warm_up() -> None:
+    """Call every kernel once."""
+    model, rng = load_model("p3at-sh"), np.random.default_rng(0)
+    half = SIDE / 2
+    corners = [(-half, -half), (half, -half), (half, half), (-half, half)]
+    walls = [[*a, *b] for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    room = LineMap(name="room", walls=np.array(walls))
+    costs = CostMap.of(room, model)
+    sightings, localizer = Sightings(costs), Localizer(room, model, rng)
+    localizer.prepare()
+    localizer.start(ORIGIN)
+    for step in range(12):
+        beams = _beams(Pose2(0.05 * step, 0.0), float(step))
+        localizer.take(beams)
+        sightings.take(beams, beams.robot_in_odom)
+    localizer.start_unknown()
+    localizer.take(_beams(ORIGIN, 20.0))
+    if (search := localizer.search()) is not None:
+        localizer.adopt(search.run())
+    seen = sightings.points(20.0)
+    way = plan(costs.with_obstacles(seen), (0.0, 0.0), (-1.2, 0.0))
+    assert isinstance(way, Way)
+    limits = Limits(max_speed=0.5, max_turn_rate=1.0)
+    follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
+    follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 2))))
+    CACHE.complete()
+
+
+def _beams(robot_in_room: Pose2, stamp: float) -> Beams:
+    """Return a scan of the room, with a thing in it, and a beam that meets nothing."""
+    points = [THING]
+    for angle in np.linspace(-pi / 2, pi / 2, 60).tolist():
+        c, s = cos(angle), sin(angle)
+        reach = min(SIDE / 2 / max(abs(c), 1e-9), SIDE / 2 / max(abs(s), 1e-9))
+        points.append((reach * c - robot_in_room.x, reach * s))
+    far = max(hypot(*point) for point in points)
+    return Beams(
+        stamp=stamp,
+        robot_in_odom=robot_in_room,
+        points=np.array(points),
+        clear=np.array([[0.0, far]]),
+        origin=np.zeros(2),
+        far=far,
+    )
