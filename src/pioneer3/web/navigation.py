@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pioneer3.errors import PioneerError
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
@@ -183,20 +184,31 @@ class RobotNavigation:
         if self._navigator is None or self._navigator.line_map is not known:
             await stack.aclose()
             await compile_kernels()
-            start = self._start()
+            start = self._start(known)
             self._navigator = await Navigator.on(
                 self._robot, known, start=start, in_thread=self.in_thread
             )
-            await stack.enter_async_context(running(self._navigator.run(), self._tell_state()))
+            navigator = self._navigator
+            self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
+            await stack.enter_async_context(running(navigator.run(), self._tell_state()))
         await self._navigator.find(PATIENCE)  # planning says why not
         return self._navigator
 
-    def _start(self) -> Pose2 | None:
-        """Return where the robot is now, as far as anybody knows."""
+    def _start(self, known: LineMap) -> Pose2 | None:
+        """Return where the robot is now: as a simulator tells, or if it began at the map's home.
+
+        `None` has it found.
+        """
+        from pioneer3.nav.places import home
+
         snapshot = self._robot.snapshot
         if snapshot is None:
             return None
-        return self._scene.robot_in_map(snapshot.odometry.robot_in_odom)
+        odom = snapshot.odometry.robot_in_odom
+        if self._scene.tells_truth:
+            return self._scene.robot_in_map(odom)
+        begun = home(known)
+        return begun @ odom if begun else None
 
     async def _tell_state(self) -> None:
         """Publish the state of the navigator now and then."""

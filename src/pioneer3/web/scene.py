@@ -8,7 +8,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import radians
 from pathlib import Path
 from typing import Self
@@ -108,6 +108,17 @@ def known_map(name: str) -> LineMap:
     return load_world(path).line_map()
 
 
+@dataclass(slots=True)
+class Located:
+    """A robot's place on the map, found by navigation.
+
+    Attributes:
+        odom_in_map: Returns the pose of odometry's frame [m, rad], or `None` while it is not known.
+    """
+
+    odom_in_map: Callable[[], Pose2 | None] = lambda: None
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
     """The surroundings of a robot.
@@ -118,6 +129,7 @@ class Scene:
         truth: Returns the true pose in the map, where a simulator knows it.
         simulated: A simulation in this program and the robot in it, or `None`.
         remote: The world of a simulator in another program, if the robot is of one.
+        located: The robot's place as far as navigation knows.
     """
 
     map: LineMap | None = None
@@ -125,6 +137,12 @@ class Scene:
     truth: Callable[[], Pose2] | None = None
     simulated: tuple[RunningSimulation, SimulatedRobot] | None = None
     remote: RemoteWorld | None = None
+    located: Located = field(default_factory=Located)
+
+    @property
+    def tells_truth(self) -> bool:
+        """Whether a simulator tells where the robot is."""
+        return self.truth is not None or bool(self.remote and self.remote.pose)
 
     @classmethod
     def of(cls, running: RunningSimulation, robot: SimulatedRobot) -> Self:
@@ -138,9 +156,10 @@ class Scene:
         )
 
     def robot_in_map(self, robot_in_odom: Pose2) -> Pose2:
-        """Return the pose to draw [m, rad]: the true one if it is known."""
+        """Return the pose to draw [m, rad]: the true one if it is known, else the one found."""
         reported = self.remote.pose if self.remote else None
-        return reported or (self.truth() if self.truth else self.odom_in_map @ robot_in_odom)
+        true = reported or (self.truth() if self.truth else None)
+        return true or (self.located.odom_in_map() or self.odom_in_map) @ robot_in_odom
 
     @property
     def map_now(self) -> LineMap | None:

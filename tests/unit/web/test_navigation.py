@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from math import hypot
 from typing import Any
 
@@ -11,7 +12,13 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
+from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.worldfile import Box
+from pioneer3.tasks import running
+from pioneer3.web.app import make_app
+from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
+from tests.support import SimulatedRobot
 from tests.unit.web.browser import Browser, Playground, playground
 
 KITCHEN = MapObject(kind="Goal", name="Kitchen", pose=Pose2(2.5, 0.0))
@@ -131,3 +138,21 @@ async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
         assert ann.snapshot["ended"]["why"].startswith("the way to Kitchen is closed")
         assert where(the).x < 0.0
         assert not the.simulation.robots[0].body.drive.linear.velocity
+
+
+async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself() -> None:
+    known = replace(ROOMS, homes=(BEGIN,))
+    begun = BEGIN @ Pose2(0.15, -0.1, 0.05)  # nobody puts it there exactly
+    async with SimulatedRobot(ROOMS, home=begun) as sim, connect_async(sim.open) as robot:
+        page = Page()
+        async with page.hosting(robot, Scene(known)) as view, running(page.run()):
+            view.navigation.in_thread = at_once
+            async with Browser(make_app(page)) as ann:
+                await asyncio.sleep(1.0)
+                ann.say("goto", x=2.5, y=0.0, speed=0.6)
+                await ann.stay(30.0)
+                there = sim.body.robot_in_world
+                assert hypot(there.x - 2.5, there.y) < 0.05
+                drawn = ann.snapshot["pose"]
+                assert (drawn["x"], drawn["y"]) == pytest.approx((there.x, there.y), abs=0.05)
+                assert drawn["theta"] == pytest.approx(there.theta, abs=0.03)
