@@ -1,0 +1,278 @@
+"""Points of a scan against the points of others."""
+
+from math import cos, floor, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import inlined, kernel
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
+
+@kernel
+def sort_into(cells: Int, starts: Int, order: Int) -> None:
+    """Fill `order` (N,) with the numbers of points by cell, and `starts` (C + 1,) with the firsts.
+
+    Args:
+        cells: The cell of each point, shape (N,).
+        starts: The points of cell `c` are `order[starts[c]:starts[c + 1]]`; zeros before.
+        order: See above.
+    """
+    for i in range(len(cells)):
+        starts[cells[i] + 1] += 1
+    for c in range(1, len(starts)):
+        starts[c] += starts[c - 1]
+    for i in range(len(cells) - 1, -1, -1):
+        order[starts[cells[i] + 1] - 1] = i
+        starts[cells[i] + 1] -= 1
+    # each start has moved to that of the cell before
+    for c in range(len(starts) - 1):
+        starts[c] = starts[c + 1]
+    starts[len(starts) - 1] = len(cells)
+
+
+@inlined
+def nearest(
+    starts: Int, targets: Float, grid: Float, shape: Int, x: float, y: float, reach: float
+) -> int:
+    """Return the number of the nearest target within `reach` [m], -1 if there is none.
+
+    Args:
+        starts: Of the targets by cell, as of :func:`sort_into`.
+        targets: x, y and normal, sorted by cell, shape (N, 4).
+        grid: Left and lower edge, and side of a cell [m].
+        shape: Rows and columns.
+        x: Of the place [m].
+        y: Of the place [m].
+        reach: [m].
+    """
+    cell, found, best = grid[2], -1, reach * reach
+    u, v = (x - grid[0]) / cell, (y - grid[1]) / cell
+    column, row, ring = floor(u), floor(v), 0
+    # to the nearest edge of the cell
+    inner = min(min(u - column, column + 1 - u), min(v - row, row + 1 - v)) * cell
+    while True:
+        for r in range(max(0, row - ring), min(shape[0], row + ring + 1)):
+            edge = abs(r - row) == ring
+            c = column - ring
+            while c <= column + ring:
+                if 0 <= c < shape[1]:
+                    at = r * shape[1] + c
+                    for k in range(starts[at], starts[at + 1]):
+                        dx, dy = targets[k, 0] - x, targets[k, 1] - y
+                        off = dx * dx + dy * dy
+                        if off < best:
+                            best = off
+                            found = k
+                c += 1 if edge or ring == 0 else 2 * ring
+        beyond = inner + ring * cell
+        if beyond * beyond >= best:
+            return found
+        ring += 1
+
+
+@inlined
+def solve3(a: Float, b: Float, out: Float) -> bool:
+    """Fill `out` with the solution of a symmetric system of three by Cholesky's method."""
+    l00 = a[0, 0]
+    if l00 <= 0.0:
+        return False
+    l00 = sqrt(l00)
+    l10, l20 = a[1, 0] / l00, a[2, 0] / l00
+    l11 = a[1, 1] - l10 * l10
+    if l11 <= 0.0:
+        return False
+    l11 = sqrt(l11)
+    l21 = (a[2, 1] - l20 * l10) / l11
+    l22 = a[2, 2] - l20 * l20 - l21 * l21
+    if l22 <= 0.0:
+        return False
+    l22 = sqrt(l22)
+    y0 = b[0] / l00
+    y1 = (b[1] - l10 * y0) / l11
+    y2 = (b[2] - l20 * y0 - l21 * y1) / l22
+    out[2] = y2 / l22
+    out[1] = (y1 - l21 * out[2]) / l11
+    out[0] = (y0 - l10 * out[1] - l20 * out[2]) / l00
+    return True
+
+
+@kernel
+def align(
+    starts: Int,
+    targets: Float,
+    grid: Float,
+    shape: Int,
+    points: Float,
+    pose: Float,
+    expected: Float,
+    prior: Float,
+    widths: Float,
+    reach: float,
+    sigma: float,
+    information: Float,
+) -> float:
+    """Move `pose` to where points lie on the lines through their nearest targets.
+
+    Gauss-Newton's method with Tukey's weights, which get narrower.
+
+    Args:
+        starts: Of the targets by cell.
+        targets: See :func:`nearest`.
+        grid: See :func:`nearest`.
+        shape: See :func:`nearest`.
+        points: Of the scan [m], in the robot's frame, shape (M, 2).
+        pose: Of the robot [m, m, rad], shape (3,); the guess before, the result after.
+        expected: The pose by odometry.
+        prior: Information of that.
+        widths: Of the weights [m], one after the other.
+        reach: The nearest target is looked for as far as this [m], and as the width.
+        sigma: Standard deviation of a point from its line [m].
+        information: Is filled with that of the result, without the prior, shape (3, 3).
+
+    Returns:
+        The share of points nearer to a target's line than the last width.
+    """
+    gradient, step, system = np.zeros(3), np.zeros(3), np.zeros((3, 3))
+    inliers, rounds = 0, 0
+    for level in range(len(widths)):
+        width = widths[level]
+        radius = max(width, reach)
+        last = level == len(widths) - 1
+        for _ in range(20 if last else 6):
+            rounds += 1
+            information[:] = 0.0
+            gradient[:] = 0.0
+            inliers = 0
+            c, s = cos(pose[2]), sin(pose[2])
+            for i in range(len(points)):
+                px = c * points[i, 0] - s * points[i, 1]
+                py = s * points[i, 0] + c * points[i, 1]
+                x, y = px + pose[0], py + pose[1]
+                k = nearest(starts, targets, grid, shape, x, y, radius)
+                if k < 0:
+                    continue
+                nx, ny = targets[k, 2], targets[k, 3]
+                off = (x - targets[k, 0]) * nx + (y - targets[k, 1]) * ny
+                if abs(off) >= width:
+                    continue
+                inliers += 1
+                weight = 1.0 - (off / width) * (off / width)
+                weight *= weight / (sigma * sigma)
+                lever = px * ny - py * nx
+                information[0, 0] += weight * nx * nx
+                information[1, 0] += weight * nx * ny
+                information[1, 1] += weight * ny * ny
+                information[2, 0] += weight * nx * lever
+                information[2, 1] += weight * ny * lever
+                information[2, 2] += weight * lever * lever
+                gradient[0] -= weight * off * nx
+                gradient[1] -= weight * off * ny
+                gradient[2] -= weight * off * lever
+            information[0, 1] = information[1, 0]
+            information[0, 2] = information[2, 0]
+            information[1, 2] = information[2, 1]
+            for a in range(3):
+                for b in range(3):
+                    system[a, b] = information[a, b] + prior[a, b]
+                    gradient[a] += prior[a, b] * (expected[b] - pose[b])
+            if not solve3(system, gradient, step):
+                break
+            for a in range(3):
+                pose[a] += step[a]
+            if abs(step[0]) + abs(step[1]) + 5.0 * abs(step[2]) < (1e-4 if last else 1e-3):
+                break
+    return inliers / max(1, len(points))
+
+
+@kernel
+def smear(points: Float, grid: Float, profile: Bytes, out: Bytes) -> None:
+    """Raise the cells of `out` (H, W) around points (N, 2) to `profile`.
+
+    Args:
+        points: [m].
+        grid: Left and lower edge, and side of a cell [m].
+        profile: Values around a point, a square of odd size.
+        out: Lower values are raised.
+    """
+    height, width = out.shape
+    half = len(profile) // 2
+    for i in range(len(points)):
+        column = floor((points[i, 0] - grid[0]) / grid[2]) - half
+        row = floor((points[i, 1] - grid[1]) / grid[2]) - half
+        if column < 0 or row < 0 or column + 2 * half >= width or row + 2 * half >= height:
+            continue
+        for r in range(len(profile)):
+            for c in range(len(profile)):
+                if profile[r, c] > out[row + r, column + c]:
+                    out[row + r, column + c] = profile[r, c]
+
+
+@inlined
+def penalty(rows: float, columns: float, off: float, limits: Float) -> float:
+    """Return how much less a shift [cells] and a turn [rad] are worth than none."""
+    u, v, w = rows / limits[0], columns / limits[0], off / limits[1]
+    return limits[2] * (u * u + v * v + w * w)
+
+
+@kernel
+def search(
+    raster: Bytes, pooled: Bytes, cells: Int, turns: Float, size: int, limits: Float, out: Int
+) -> float:
+    """Find the turn and shift of points with the highest sum of `raster` below them.
+
+    Shifts are first tried in blocks, whose sums are bounded by those of `pooled`; the best blocks
+    are then tried shift by shift.
+
+    Args:
+        raster: Shape (H, W).
+        pooled: Of each cell, the highest of the `size` x `size` cells from it on.
+        cells: Row and column of the points, by turn, shape (A, N, 2).
+        turns: [rad], shape (A,).
+        size: Of a block [cells].
+        limits: Largest shift [cells], largest turn [rad], and what each of them costs [sum].
+        out: Is filled with the number of the turn and the shift in rows and columns.
+
+    Returns:
+        The sum, less the cost.
+    """
+    height, width = raster.shape
+    count, half = cells.shape[1], int(limits[0])
+    blocks = (2 * half + size) // size
+    bounds = np.empty(len(turns) * blocks * blocks)
+    for a in range(len(turns)):
+        for br in range(blocks):
+            low = br * size - half
+            near_r = max(0, max(low, -low - size + 1))
+            for bc in range(blocks):
+                left = bc * size - half
+                near_c = max(0, max(left, -left - size + 1))
+                total = 0
+                for i in range(count):
+                    row, column = cells[a, i, 0] + low, cells[a, i, 1] + left
+                    if 0 <= row < height and 0 <= column < width:
+                        total += pooled[row, column]
+                bounds[(a * blocks + br) * blocks + bc] = total - penalty(
+                    near_r, near_c, turns[a], limits
+                )
+    best = -1e18
+    while True:
+        block = int(np.argmax(bounds))
+        if bounds[block] <= best:
+            return best
+        bounds[block] = -1e18
+        a, br, bc = block // (blocks * blocks), block // blocks % blocks, block % blocks
+        for dr in range(br * size - half, min(half + 1, (br + 1) * size - half)):
+            for dc in range(bc * size - half, min(half + 1, (bc + 1) * size - half)):
+                total = 0
+                for i in range(count):
+                    row, column = cells[a, i, 0] + dr, cells[a, i, 1] + dc
+                    if 0 <= row < height and 0 <= column < width:
+                        total += raster[row, column]
+                worth = total - penalty(dr, dc, turns[a], limits)
+                if worth > best:
+                    best = worth
+                    out[0], out[1], out[2] = a, dr, dc

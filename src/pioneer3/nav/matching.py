@@ -1,0 +1,234 @@
+"""Finds the pose from which a scan fits the scans before it: point to line, odometry as a prior."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, cos, sin
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.jit import fast
+from pioneer3.nav.beams import Beams
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.matching import align, search, smear, sort_into
+from pioneer3.nav.kernels.normals import normals_of, thinned
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
+FARTHEST = 30.0
+"""Points farther away are too sparse to show walls [m]."""
+APART = 0.03
+"""Neighbouring points of a scan that are nearer than this say nothing new [m]."""
+MOST_POINTS = 360
+"""Of a scan that are matched."""
+NEIGHBOURS, REACH, ROUGH = 4, 0.15, 0.03
+"""A line is fitted over four neighbours on each side at least, and all within 0.15 m; the points
+of a wall lie 0.03 m from it [RMS]: noise, and the steps of a wall that was drawn in pixels."""
+WIDTHS = np.array([0.3, 0.15, 0.07])
+"""Of the robust weights [m]: from the error of a search to three times the noise of a laser."""
+TARGET_REACH = 0.2
+"""A target is looked for as far away as this [m]: about the distance of points 10 m away."""
+SIGMA = 0.03
+"""Of a point from a wall [m]: noise, furniture, and errors that neighbouring points share."""
+CELL = 0.15
+"""Side of the cells in which targets are looked for [m]."""
+FINE, TURN, BLOCK = 0.05, 0.0087, 8
+"""Cells [m], turns [rad] and blocks [cells] of a search."""
+BLUR = 0.06
+"""A point counts for a search as far from a wall as this [m, sigma]."""
+COST = 0.15
+"""What the largest shift or turn of a search costs, as a share of a perfect fit."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """The points of a scan, with the walls that they lie on.
+
+    Attributes:
+        points: [m] in the robot's frame, shape (N, 2).
+        normals: Of the walls; zeros where none was found, shape (N, 2).
+    """
+
+    points: Float
+    normals: Float
+
+    @classmethod
+    def of(cls, beams: Beams) -> Self:
+        """Return the points of a scan, thinned out."""
+        points = np.ascontiguousarray(beams.points)
+        points = points[np.hypot(*(points - beams.origin).T) < FARTHEST]
+        kept = np.zeros(len(points), dtype=np.bool_)
+        fast(thinned, CACHE)(points, APART, kept)
+        points = points[kept]
+        normals = np.empty_like(points)
+        fast(normals_of, CACHE)(points, beams.origin, NEIGHBOURS, REACH, ROUGH, normals)
+        every = ceil(len(points) / MOST_POINTS) or 1
+        return cls(
+            np.ascontiguousarray(points[::every]), np.ascontiguousarray(normals[::every])
+        )
+
+    def moved(self, pose: Pose2) -> Self:
+        """Return the points in the frame of which `pose` is the robot's."""
+        turn = rotation(pose.theta)
+        return type(self)(self.points @ turn.T + (pose.x, pose.y), self.normals @ turn.T)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Match:
+    """Where a scan fits.
+
+    Attributes:
+        pose: Of the robot in the frame of the submap.
+        information: Of `pose`, by the points alone, shape (3, 3): x, y, theta.
+        inliers: Share of the points that lie on a wall of the submap.
+    """
+
+    pose: Pose2
+    information: Float
+    inliers: float
+
+    @property
+    def ratio(self) -> float:
+        """The smaller over the larger eigenvalue of the position's information: 0 in corridors."""
+        turning = self.information[2, 2]
+        if turning <= 0:
+            return 0.0
+        cross = self.information[:2, 2]
+        low, high = np.linalg.eigvalsh(self.information[:2, :2] - np.outer(cross, cross) / turning)
+        return float(max(0.0, low) / high) if high > 0 else 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prior:
+    """A pose that is expected, and how surely.
+
+    Attributes:
+        pose: In the frame of the submap.
+        information: Shape (3, 3).
+    """
+
+    pose: Pose2
+    information: Float
+
+    @classmethod
+    def around(cls, pose: Pose2, sigma: float, sigma_theta: float) -> Self:
+        """Return a prior with standard deviations [m, rad]."""
+        return cls(pose, np.diag([sigma**-2, sigma**-2, sigma_theta**-2]))
+
+
+class Submap:
+    """The points of some scans, to match others against.
+
+    Args:
+        clouds: Of the scans.
+        poses: Of the robot at each.
+    """
+
+    def __init__(self, clouds: Sequence[Cloud], poses: Sequence[Pose2]) -> None:
+        moved = [cloud.moved(pose) for cloud, pose in zip(clouds, poses, strict=True)]
+        self._points = np.concatenate([cloud.points for cloud in moved] or [np.empty((0, 2))])
+        normals = np.concatenate([cloud.normals for cloud in moved] or [np.empty((0, 2))])
+        straight = (normals != 0).any(axis=1)
+        points = self._points[straight]
+        low, self._shape, cells = _cells(points, CELL)
+        self._grid = np.array([*low, CELL])
+        self._starts = np.zeros(int(self._shape.prod()) + 1, dtype=np.int64)
+        order = np.empty(len(points), dtype=np.int64)
+        fast(sort_into, CACHE)(cells, self._starts, order)
+        self._targets = np.concatenate([points, normals[straight]], axis=1)[order]
+        self._rasters: tuple[Float, Bytes, Bytes] | None = None
+
+    def match(self, points: Float, guess: Pose2, prior: Prior) -> Match:
+        """Return where a scan fits near `guess`."""
+        pose = np.array([guess.x, guess.y, guess.theta])
+        mean = prior.pose
+        # the same turn, written so that the difference to the guess is the short way
+        theta = guess.theta + wrap(mean.theta - guess.theta)
+        information = np.zeros((3, 3))
+        inliers = fast(align, CACHE)(
+            self._starts,
+            self._targets,
+            self._grid,
+            self._shape,
+            points,
+            pose,
+            np.array([mean.x, mean.y, theta]),
+            prior.information,
+            WIDTHS,
+            TARGET_REACH,
+            SIGMA,
+            information,
+        )
+        x, y, theta = pose.tolist()
+        return Match(
+            pose=Pose2(x, y, wrap(theta)), information=information, inliers=float(inliers)
+        )
+
+    def search(self, points: Float, guess: Pose2, way: float, turn: float) -> tuple[Pose2, float]:
+        """Return the best pose within `way` [m] and `turn` [rad] of `guess`, and its worth.
+
+        The worth is 1 where all points lie on walls, less up to `COST` for shift and turn.
+        """
+        if self._rasters is None:
+            self._rasters = self._smeared()
+        grid, raster, pooled = self._rasters
+        half = max(1, ceil(turn / TURN))
+        turns = TURN * np.arange(-half, half + 1)
+        c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
+        x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
+        y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
+        cells = np.floor(np.stack([y - grid[1], x - grid[0]], axis=2) / FINE).astype(np.int64)
+        full = 255.0 * len(points)
+        limits = np.array([float(max(1, ceil(way / FINE))), half * TURN, COST * full])
+        best = np.zeros(3, dtype=np.int64)
+        worth = fast(search, CACHE)(raster, pooled, cells, turns, BLOCK, limits, best)
+        a, row, column = best.tolist()
+        found = Pose2(
+            guess.x + FINE * column, guess.y + FINE * row, wrap(guess.theta + float(turns[a]))
+        )
+        return found, float(worth) / max(1.0, full)
+
+    def _smeared(self) -> tuple[Float, Bytes, Bytes]:
+        """Return the grid of the rasters of a search, and the rasters."""
+        profile = _profile()
+        margin = FINE * len(profile)
+        low, shape, _ = _cells(self._points, FINE, margin)
+        grid = np.array([*low, FINE])
+        raster = np.zeros((int(shape[0]), int(shape[1])), dtype=np.uint8)
+        fast(smear, CACHE)(self._points, grid, profile, raster)
+        pooled, step = raster.copy(), 1
+        while step < BLOCK:
+            pooled[:-step] = np.maximum(pooled[:-step], pooled[step:])
+            pooled[:, :-step] = np.maximum(pooled[:, :-step], pooled[:, step:])
+            step *= 2
+        return grid, raster, pooled
+
+
+def rotation(theta: float) -> Float:
+    """Return the matrix, shape (2, 2)."""
+    c, s = cos(theta), sin(theta)
+    return np.array([[c, -s], [s, c]])
+
+
+def _cells(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int, Int]:
+    """Return lower left corner [m], rows and columns of cells around points, and each one's cell."""
+    if not len(points):
+        return np.zeros(2), np.ones(2, dtype=np.int64), np.empty(0, dtype=np.int64)
+    low = points.min(axis=0) - margin
+    places = np.floor((points - low) / cell).astype(np.int64)
+    columns, rows = np.floor((points.max(axis=0) + margin - low) / cell).astype(np.int64) + 1
+    return low, np.array([rows, columns]), places[:, 1] * columns + places[:, 0]
+
+
+@lru_cache
+def _profile() -> Bytes:
+    """Return the likelihood around a point, 255 at most."""
+    half = ceil(2.5 * BLUR / FINE)
+    off = FINE * np.arange(-half, half + 1)
+    squared = off[:, None] ** 2 + off**2
+    return np.rint(255 * np.exp(-squared / (2 * BLUR**2))).astype(np.uint8)
