@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, pi
 
-from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.state import Scan
 
 NOTHING = 50.0
@@ -23,6 +23,8 @@ NOTHING = 50.0
 CODES = (8.18, 8.2), (16.36, 16.4), (32.74, 32.8)
 """Readings that mean the same where a SICK's 13 bits count in 1, 2 or 4 mm [m]."""
 OFFSET, FARTHEST = "robot_frontlaser_offset", "robot_front_laser_max"
+NEAR = 1e-3
+"""Poses that differ by less are the same [m, rad]."""
 LATE = 1.0
 """Stamps of neighbouring lines differ by less than this [s], unless one of them means nothing."""
 
@@ -46,8 +48,8 @@ class LoggedScan:
 
     Attributes:
         scan: The readings, with the raw odometry.
-        corrected: Pose of the robot in the map that the log was corrected with [m, rad], or `None`
-            in a raw log.
+        corrected: Its pose in the map that the log was corrected with [m, rad], or `None` in a raw
+            log.
     """
 
     scan: Scan
@@ -86,22 +88,22 @@ class _Reader:
             self._anchor = sweep.robot
         else:
             self.move(sweep.robot, sweep.stamp)
-        apart = hypot(sweep.laser.x - sweep.robot.x, sweep.laser.y - sweep.robot.y)
-        turned = abs(wrap(sweep.laser.theta - sweep.robot.theta))
-        # a laser's pose is beside the robot's; a corrected one is somewhere else
-        differs = apart > abs(self.offset) + 1e-3 or turned > 1e-3
+        mount = sweep.robot.inverse() @ sweep.laser
+        # a laser's pose is as far from the robot's as the laser; a corrected one is anywhere
+        differs = hypot(mount.x - self.offset, mount.y) > NEAR or abs(mount.theta) > NEAR
+        differs = differs and hypot(mount.x, mount.y) + abs(mount.theta) > 0
         self._number += 1
         return LoggedScan(
             Scan(
                 stamp=sweep.stamp,
                 sequence=self._number,
                 robot_in_odom=self._raw,
-                sensor_in_robot=Pose2(self.offset),
+                sensor_in_robot=ORIGIN if differs else mount,
                 angles=_angles(len(sweep.ranges)),
                 ranges=tuple(self._range(value) for value in sweep.ranges),
                 far=self.far,
             ),
-            sweep.robot if anchored else sweep.laser if differs else None,
+            sweep.laser if anchored or differs else None,
         )
 
     def _range(self, metres: float) -> float:

@@ -1,6 +1,7 @@
 """What a map is made of: scans at poses, and what is known of the ways between them."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,9 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.matching import Cloud
 
 Float = NDArray[np.float64]
+
+VIEW = 5.0
+"""What is farther away counts as if it were here [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,12 +25,23 @@ class KeyFrame:
         cloud: Its points, for matching.
         way: How far the robot had driven [m].
         turn: How far it had turned, either way [rad].
+        view: The middle of what is near [m], in the robot's frame, shape (2,).
     """
 
     beams: Beams
     cloud: Cloud
     way: float
     turn: float
+    view: Float
+
+    @classmethod
+    def of(cls, beams: Beams, cloud: Cloud, way: float, turn: float) -> Self:
+        """Return the key frame of a scan."""
+        away = np.hypot(*cloud.points.T)
+        scale = np.minimum(1.0, VIEW / np.maximum(away, 1e-9))
+        seen = cloud.points * scale[:, None]
+        view = seen.mean(axis=0) if len(seen) else np.zeros(2)
+        return cls(beams, cloud, way, turn, view)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

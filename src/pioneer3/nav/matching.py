@@ -33,8 +33,8 @@ WIDTHS = np.array([0.3, 0.15, 0.07])
 """Of the robust weights [m]: from the error of a search to three times the noise of a laser."""
 TARGET_REACH = 0.2
 """A target is looked for as far away as this [m]: about the distance of points 10 m away."""
-SIGMA = 0.03
-"""Of a point from a wall [m]: noise, furniture, and errors that neighbouring points share."""
+SIGMA = 0.02
+"""Of a point from a wall [m]: the noise of a laser, and the roughness of walls."""
 CELL = 0.15
 """Side of the cells in which targets are looked for [m]."""
 FINE, TURN, BLOCK = 0.05, 0.0087, 8

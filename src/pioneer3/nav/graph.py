@@ -1,0 +1,130 @@
+"""Poses from the ways that were measured between them: Gauss-Newton's method, wrong loops apart."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import splu
+
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.nav.frames import Edge
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+PHI = 10.0
+"""A loop with a larger squared error than this is taken for partly wrong [squared sigmas]."""
+ROUNDS = 10
+SMALL = 1e-4
+"""Steps below this end the search [m, rad]."""
+PLAIN = 2
+"""Rounds in which all loops count in full, as far ends of a long way are far from each other."""
+
+
+class _Graph:
+    """The edges as arrays."""
+
+    def __init__(self, edges: Sequence[Edge]) -> None:
+        self.first = np.array([edge.first for edge in edges], dtype=np.int64)
+        self.second = np.array([edge.second for edge in edges], dtype=np.int64)
+        ways = [edge.second_in_first for edge in edges]
+        self.way = np.array([(way.x, way.y, way.theta) for way in ways]).reshape(-1, 3)
+        self.information = np.array([edge.information for edge in edges]).reshape(-1, 3, 3)
+        self.loop = np.array([edge.loop for edge in edges], dtype=np.bool_)
+
+    def errors(self, poses: Float) -> Float:
+        """Return the errors in the frames of the seconds, shape (E, 3)."""
+        a, b = poses[self.first], poses[self.second]
+        apart = _turned(b[:, :2] - a[:, :2], -a[:, 2]) - self.way[:, :2]
+        errors = np.empty((len(a), 3))
+        errors[:, :2] = _turned(apart, -self.way[:, 2])
+        errors[:, 2] = _wrapped(b[:, 2] - a[:, 2] - self.way[:, 2])
+        return errors
+
+    def jacobians(self, poses: Float) -> tuple[Float, Float]:
+        """Return the derivatives of the errors by both poses, shape (E, 3, 3) each."""
+        a, b = poses[self.first], poses[self.second]
+        turn = -a[:, 2] - self.way[:, 2]
+        c, s, apart = np.cos(turn), np.sin(turn), b[:, :2] - a[:, :2]
+        second = np.zeros((len(a), 3, 3))
+        second[:, 0, 0] = second[:, 1, 1] = c
+        second[:, 0, 1], second[:, 1, 0] = -s, s
+        second[:, 2, 2] = 1.0
+        first = -second
+        first[:, 0, 2] = s * apart[:, 0] + c * apart[:, 1]
+        first[:, 1, 2] = -c * apart[:, 0] + s * apart[:, 1]
+        return first, second
+
+
+def squared_errors(poses: Sequence[Pose2], edges: Sequence[Edge]) -> Float:
+    """Return how far poses are from what the edges say [squared sigmas], shape (E,)."""
+    graph = _Graph(edges)
+    errors = graph.errors(_array(poses))
+    squared: Float = np.einsum("ei,eij,ej->e", errors, graph.information, errors)
+    return squared
+
+
+def optimized(poses: Sequence[Pose2], edges: Sequence[Edge]) -> tuple[Pose2, ...]:
+    """Return the likeliest poses; the first stays where it is.
+
+    Loops are weighted by dynamic covariance scaling (Agarwal et al., 2013), so that a wrong one
+    does little harm.
+
+    Args:
+        poses: Guesses; an unbroken chain of edges that are no loops leads to each from the first.
+        edges: Ways between them.
+    """
+    graph, result = _Graph(edges), _array(poses)
+    if len(result) < 2:
+        return tuple(poses)
+    for number in range(ROUNDS):
+        step = _step(graph, result, robust=number >= PLAIN or not graph.loop.any())
+        result[1:] += step
+        if number >= PLAIN and np.abs(step).max() < SMALL:
+            break
+    return tuple(Pose2(x, y, wrap(theta)) for x, y, theta in result.tolist())
+
+
+def _step(graph: _Graph, poses: Float, *, robust: bool) -> Float:
+    """Return a step of Gauss-Newton's method for all poses but the first, shape (N - 1, 3)."""
+    errors, information = graph.errors(poses), graph.information
+    if robust:
+        squared = np.einsum("ei,eij,ej->e", errors, information, errors)
+        scale = np.where(graph.loop, np.minimum(1.0, 2 * PHI / (PHI + squared)), 1.0)
+        information = information * (scale**2)[:, None, None]
+    size = 3 * len(poses)
+    gradient = np.zeros((len(poses), 3))
+    rows, columns, values = [], [], []
+    by_pose = tuple(zip((graph.first, graph.second), graph.jacobians(poses), strict=True))
+    for index, jacobian in by_pose:
+        weighted = np.swapaxes(jacobian, 1, 2) @ information
+        np.add.at(gradient, index, -(weighted @ errors[:, :, None])[:, :, 0])
+        for other, derivative in by_pose:
+            values.append((weighted @ derivative).ravel())
+            rows.append(np.repeat(_numbers(index), 3, axis=1).ravel())
+            columns.append(np.tile(_numbers(other), (1, 3)).ravel())
+    place = np.concatenate(rows), np.concatenate(columns)
+    matrix = coo_array((np.concatenate(values), place), shape=(size, size)).tocsc()[3:, 3:]
+    solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    step: Float = solver.solve(gradient.ravel()[3:]).reshape(-1, 3)
+    return step
+
+
+def _numbers(index: Int) -> Int:
+    """Return the numbers of the three unknowns of each pose, shape (E, 3)."""
+    return 3 * index[:, None] + np.arange(3)
+
+
+def _array(poses: Sequence[Pose2]) -> Float:
+    return np.array([(pose.x, pose.y, pose.theta) for pose in poses]).reshape(-1, 3)
+
+
+def _turned(vectors: Float, angles: Float) -> Float:
+    c, s = np.cos(angles), np.sin(angles)
+    x, y = vectors[:, 0], vectors[:, 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=1)
+
+
+def _wrapped(angles: Float) -> Float:
+    return np.arctan2(np.sin(angles), np.cos(angles))

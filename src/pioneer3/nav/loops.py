@@ -1,0 +1,225 @@
+"""Finds places again: loops in the way of a robot, and the poses that follow from them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.frames import Edge, KeyFrame
+from pioneer3.nav.graph import optimized
+from pioneer3.nav.matching import Match, Prior, Submap, rotation
+
+Float = NDArray[np.float64]
+
+RECENT = 30
+"""Scans are matched live against so many key frames; older ones make loops."""
+POOLED = 4
+"""A place is looked for with the points of so many key frames."""
+AROUND = 10
+"""It is looked for among the points of so many key frames before and after an old one."""
+ASKED = 2
+"""Of so many passes of the same place."""
+EVERY = 0.5
+"""The way from one attempt to the next [m]."""
+DRIFT, START = 0.02, 0.3
+"""A robot may be so far from where it is thought to be: a share of the way since the last loop, and
+from the beginning [m]."""
+MOST_DRIFT = 6.0
+"""Farther is not searched [m]."""
+TURN_DRIFT, TURN_START, MOST_TURN = 0.002, 0.06, 0.35
+"""The same of its heading [rad/m, rad, rad]."""
+SEEN = 3.0
+"""Places are the same if what is seen from them lies so close together [m]."""
+WORTH = 0.4
+"""A search that finds less than this is not worth a match."""
+INLIERS, RATIO = 0.65, 0.05
+"""A match closes a loop from this share of points on walls on, and where the walls fix the position
+in all directions: see `Match.ratio`."""
+WITNESSED = 0.3
+"""A loop that moves the robot farther than this [m] needs another that agrees with it."""
+AGREE, AGREE_TURN, FORGET = 0.2, 0.05, 20.0
+"""Two agree if they differ by less than this [m, rad] within this way [m]."""
+MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
+"""Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
+FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
+"""Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Improvement:
+    """What was found out about a map.
+
+    Attributes:
+        poses: Of the key frames that were there.
+        edges: All of them, with the loops found.
+        looked: Number of the key frame to look for next.
+        waiting: Loops that nothing else agrees with so far.
+        loops: How many were found.
+    """
+
+    poses: tuple[Pose2, ...]
+    edges: tuple[Edge, ...]
+    looked: int
+    waiting: tuple[Edge, ...]
+    loops: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Snapshot:
+    """A map at one instant, for a thread of its own.
+
+    Attributes:
+        frames: The key frames.
+        poses: Of the robot at each, in the map.
+        edges: Ways between them.
+        looked: Number of the first key frame that has not been looked for.
+        waiting: Loops that nothing else agrees with so far.
+    """
+
+    frames: tuple[KeyFrame, ...]
+    poses: tuple[Pose2, ...]
+    edges: tuple[Edge, ...]
+    looked: int
+    waiting: tuple[Edge, ...]
+
+    def improve(self) -> Improvement:
+        """Look for places that the robot has been at before."""
+        search = _Search(self)
+        for number in range(self.looked, len(self.frames)):
+            search.look_for(number)
+        return search.finish()
+
+
+class _Search:
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._frames, self.poses = snapshot.frames, snapshot.poses
+        self.edges, self._waiting = [*snapshot.edges], [*snapshot.waiting]
+        self._views = np.array([_view(f, p) for f, p in zip(self._frames, self.poses, strict=True)])
+        self._ways = np.array([frame.way for frame in self._frames])
+        self._closed = max((self._ways[e.second] for e in self.edges if e.loop), default=0.0)
+        self._tried = max(
+            [self._closed, *(self._ways[e.second] for e in self._waiting)], default=0.0
+        )
+        self._found, self._fresh = 0, 0
+
+    def look_for(self, number: int) -> None:
+        """Look for the place of a key frame among older ones, and close the loops found."""
+        way = self._ways[number]
+        if number < RECENT + AROUND or way - self._tried < EVERY:
+            return
+        drift = min(MOST_DRIFT, START + DRIFT * (way - self._closed))
+        query = self._query(number)
+        for old in self._candidates(number, SEEN + drift):
+            self._tried = way
+            edge = self._close(old, number, query, drift)
+            if edge is not None:
+                self._take(edge)
+
+    def finish(self) -> Improvement:
+        """Return what was found."""
+        return Improvement(
+            poses=self.poses,
+            edges=(*self.edges,),
+            looked=len(self._frames),
+            waiting=(*self._waiting,),
+            loops=self._found,
+        )
+
+    def _candidates(self, number: int, near: float) -> Iterator[int]:
+        """Yield the key frame of each old pass that saw most of the same."""
+        views = self._views[: number - RECENT]
+        off = np.hypot(*(views - self._views[number]).T)
+        close = np.flatnonzero(off < near)
+        if not len(close):
+            return
+        passes = np.split(close, np.flatnonzero(np.diff(close) > AROUND) + 1)
+        best = sorted((float(off[part].min()), int(part[off[part].argmin()])) for part in passes)
+        yield from (old for _, old in best[:ASKED])
+
+    def _query(self, number: int) -> Float:
+        """Return the points of the last key frames in the frame of the robot at one."""
+        here = self.poses[number].inverse()
+        numbers = range(number - POOLED + 1, number + 1)
+        clouds = [self._frames[k].cloud.moved(here @ self.poses[k]) for k in numbers]
+        return np.concatenate([cloud.points for cloud in clouds])
+
+    def _close(self, old: int, number: int, query: Float, drift: float) -> Edge | None:
+        """Return the loop from an old key frame to a new one, if there is one."""
+        here = self.poses[old].inverse()
+        numbers = range(max(0, old - AROUND), min(number - RECENT, old + AROUND) + 1)
+        submap = Submap(
+            [self._frames[k].cloud for k in numbers], [here @ self.poses[k] for k in numbers]
+        )
+        guess = here @ self.poses[number]
+        since = self._ways[number] - self._closed
+        turn = min(MOST_TURN, TURN_START + TURN_DRIFT * since)
+        sparse = np.ascontiguousarray(query[:: max(1, len(query) // 180)])
+        found, worth = submap.search(sparse, guess, drift, turn)
+        if worth < WORTH:
+            return None
+        match = submap.match(query, found, Prior.around(found, 0.5, 0.2))
+        if match.inliers < INLIERS or match.ratio < RATIO:
+            return None
+        moved = guess.inverse() @ match.pose
+        if hypot(moved.x, moved.y) > drift + 0.1:
+            return None
+        return Edge(old, number, match.pose, certainty(match), loop=True)
+
+    def _take(self, edge: Edge) -> None:
+        """Close a loop, or wait for another that agrees."""
+        moved = self._error(edge)
+        if hypot(moved.x, moved.y) < WITNESSED:
+            self._accept(edge, moved)
+            return
+        way = self._ways[edge.second]
+        self._waiting = [e for e in self._waiting if way - self._ways[e.second] < FORGET]
+        for other in self._waiting:
+            if edge.second - other.second >= POOLED and self._agree(other, edge):
+                self._waiting.remove(other)
+                self.edges.append(other)
+                self._accept(edge, moved)
+                return
+        self._waiting.append(edge)
+
+    def _error(self, edge: Edge) -> Pose2:
+        """Return how far the second robot is from where the edge has it, in its own frame."""
+        between = self.poses[edge.first].inverse() @ self.poses[edge.second]
+        return between.inverse() @ edge.second_in_first
+
+    def _agree(self, a: Edge, b: Edge) -> bool:
+        """Whether two loops say the same."""
+        olds = self.poses[a.first].inverse() @ self.poses[b.first]
+        news = self.poses[a.second].inverse() @ self.poses[b.second]
+        off = (a.second_in_first @ news).inverse() @ (olds @ b.second_in_first)
+        return hypot(off.x, off.y) < AGREE and abs(off.theta) < AGREE_TURN
+
+    def _accept(self, edge: Edge, moved: Pose2) -> None:
+        self.edges.append(edge)
+        self._found += 1
+        self._fresh += 1
+        self._closed = self._ways[edge.second]
+        far = hypot(moved.x, moved.y) > MOVED or abs(moved.theta) > MOVED_TURN
+        if far or self._fresh >= PATIENCE:
+            self._fresh = 0
+            self.poses = optimized(self.poses, self.edges)
+            self._views = np.array(
+                [_view(f, p) for f, p in zip(self._frames, self.poses, strict=True)]
+            )
+
+
+def certainty(match: Match, prior: Prior | None = None) -> Float:
+    """Return the information of an edge that a match gives, in the frame of the second robot."""
+    information = match.information + (np.diag([1.0, 1.0, 10.0]) if prior is None else prior.information)
+    turn = np.eye(3)
+    turn[:2, :2] = rotation(match.pose.theta)
+    covariance = turn.T @ np.linalg.inv(information) @ turn
+    result: Float = np.linalg.inv(covariance + FLOOR)
+    return result
+
+
+def _view(frame: KeyFrame, pose: Pose2) -> Float:
+    """Return the middle of what is seen near the robot [m]."""
+    return frame.view @ rotation(pose.theta).T + (pose.x, pose.y)
