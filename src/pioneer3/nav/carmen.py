@@ -158,8 +158,9 @@ def _sweep(numbers: list[float]) -> _Sweep | None:
 def _anchors(words: list[str], numbers: list[float], sweep: _Sweep) -> bool:
     """Whether the line after a scan says that odometry goes on from the scan's pose."""
     robot = sweep.robot
-    same = words[0] == "ODOM" and numbers[:3] == [robot.x, robot.y, robot.theta]
-    return same and len(numbers) >= 8 and not (0 < abs(numbers[6]) and abs(numbers[6] - sweep.stamp) < LATE)
+    if words[0] != "ODOM" or len(numbers) < 8 or numbers[:3] != [robot.x, robot.y, robot.theta]:
+        return False
+    return numbers[6] == 0 or abs(numbers[6] - sweep.stamp) > LATE
 
 
 def _angles(count: int) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What a map is made of: scans at poses, and what is known of the ways between them."""
+"""What a map is made of: scans at poses, and the ways that were measured between them."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -24,7 +24,7 @@ class KeyFrame:
         beams: The scan.
         cloud: Its points, for matching.
         way: How far the robot had driven [m].
-        turn: How far it had turned, either way [rad].
+        turn: How far it had turned, left and right added [rad].
         view: The middle of what is near [m], in the robot's frame, shape (2,).
     """
 
@@ -38,8 +38,7 @@ class KeyFrame:
     def of(cls, beams: Beams, cloud: Cloud, way: float, turn: float) -> Self:
         """Return the key frame of a scan."""
         away = np.hypot(*cloud.points.T)
-        scale = np.minimum(1.0, VIEW / np.maximum(away, 1e-9))
-        seen = cloud.points * scale[:, None]
+        seen = cloud.points * np.minimum(1.0, VIEW / np.maximum(away, 1e-9))[:, None]
         view = seen.mean(axis=0) if len(seen) else np.zeros(2)
         return cls(beams, cloud, way, turn, view)
 
@@ -61,3 +60,18 @@ class Edge:
     second_in_first: Pose2
     information: Float
     loop: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Survey:
+    """All that a map is made of.
+
+    Attributes:
+        frames: The key frames.
+        poses: Of the robot at each, in the map [m, rad].
+        edges: Ways between them; those that are no loops connect them all.
+    """
+
+    frames: tuple[KeyFrame, ...]
+    poses: tuple[Pose2, ...]
+    edges: tuple[Edge, ...]

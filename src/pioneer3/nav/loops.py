@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
-from pioneer3.nav.frames import Edge, KeyFrame
+from pioneer3.nav.frames import Edge, Survey
 from pioneer3.nav.graph import optimized
 from pioneer3.nav.matching import Match, Prior, Submap, rotation
 
@@ -44,6 +44,8 @@ AGREE, AGREE_TURN, FORGET = 0.2, 0.05, 20.0
 """Two agree if they differ by less than this [m, rad] within this way [m]."""
 MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
 """Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
+NOTHING = np.diag([1.0, 1.0, 10.0])
+"""Information of a loop besides its points."""
 FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 """Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""
 
@@ -72,38 +74,37 @@ class Snapshot:
     """A map at one instant, for a thread of its own.
 
     Attributes:
-        frames: The key frames.
-        poses: Of the robot at each, in the map.
-        edges: Ways between them.
+        survey: The map.
         looked: Number of the first key frame that has not been looked for.
         waiting: Loops that nothing else agrees with so far.
     """
 
-    frames: tuple[KeyFrame, ...]
-    poses: tuple[Pose2, ...]
-    edges: tuple[Edge, ...]
+    survey: Survey
     looked: int
     waiting: tuple[Edge, ...]
 
     def improve(self) -> Improvement:
         """Look for places that the robot has been at before."""
         search = _Search(self)
-        for number in range(self.looked, len(self.frames)):
+        for number in range(self.looked, len(self.survey.frames)):
             search.look_for(number)
         return search.finish()
 
 
 class _Search:
+    """Looks for loops, one key frame after the other."""
+
     def __init__(self, snapshot: Snapshot) -> None:
-        self._frames, self.poses = snapshot.frames, snapshot.poses
-        self.edges, self._waiting = [*snapshot.edges], [*snapshot.waiting]
-        self._views = np.array([_view(f, p) for f, p in zip(self._frames, self.poses, strict=True)])
+        survey = snapshot.survey
+        self._frames, self._poses = survey.frames, survey.poses
+        self._edges, self._waiting = [*survey.edges], [*snapshot.waiting]
+        self._views = self._seen_from_all()
         self._ways = np.array([frame.way for frame in self._frames])
-        self._closed = max((self._ways[e.second] for e in self.edges if e.loop), default=0.0)
-        self._tried = max(
-            [self._closed, *(self._ways[e.second] for e in self._waiting)], default=0.0
-        )
-        self._found, self._fresh = 0, 0
+        loops = [edge.second for edge in self._edges if edge.loop]
+        self._closed = max((self._frames[k].way for k in loops), default=0.0)
+        asked = [self._frames[edge.second].way for edge in self._waiting]
+        self._tried = max((self._closed, *asked))
+        self._found = self._fresh = 0
 
     def look_for(self, number: int) -> None:
         """Look for the place of a key frame among older ones, and close the loops found."""
@@ -121,8 +122,8 @@ class _Search:
     def finish(self) -> Improvement:
         """Return what was found."""
         return Improvement(
-            poses=self.poses,
-            edges=(*self.edges,),
+            poses=self._poses,
+            edges=(*self._edges,),
             looked=len(self._frames),
             waiting=(*self._waiting,),
             loops=self._found,
@@ -141,19 +142,19 @@ class _Search:
 
     def _query(self, number: int) -> Float:
         """Return the points of the last key frames in the frame of the robot at one."""
-        here = self.poses[number].inverse()
+        here = self._poses[number].inverse()
         numbers = range(number - POOLED + 1, number + 1)
-        clouds = [self._frames[k].cloud.moved(here @ self.poses[k]) for k in numbers]
+        clouds = [self._frames[k].cloud.moved(here @ self._poses[k]) for k in numbers]
         return np.concatenate([cloud.points for cloud in clouds])
 
     def _close(self, old: int, number: int, query: Float, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
-        here = self.poses[old].inverse()
+        here = self._poses[old].inverse()
         numbers = range(max(0, old - AROUND), min(number - RECENT, old + AROUND) + 1)
         submap = Submap(
-            [self._frames[k].cloud for k in numbers], [here @ self.poses[k] for k in numbers]
+            [self._frames[k].cloud for k in numbers], [here @ self._poses[k] for k in numbers]
         )
-        guess = here @ self.poses[number]
+        guess = here @ self._poses[number]
         since = self._ways[number] - self._closed
         turn = min(MOST_TURN, TURN_START + TURN_DRIFT * since)
         sparse = np.ascontiguousarray(query[:: max(1, len(query) // 180)])
@@ -166,7 +167,7 @@ class _Search:
         moved = guess.inverse() @ match.pose
         if hypot(moved.x, moved.y) > drift + 0.1:
             return None
-        return Edge(old, number, match.pose, certainty(match), loop=True)
+        return Edge(old, number, match.pose, certainty(match, NOTHING), loop=True)
 
     def _take(self, edge: Edge) -> None:
         """Close a loop, or wait for another that agrees."""
@@ -179,47 +180,53 @@ class _Search:
         for other in self._waiting:
             if edge.second - other.second >= POOLED and self._agree(other, edge):
                 self._waiting.remove(other)
-                self.edges.append(other)
+                self._edges.append(other)
                 self._accept(edge, moved)
                 return
         self._waiting.append(edge)
 
     def _error(self, edge: Edge) -> Pose2:
         """Return how far the second robot is from where the edge has it, in its own frame."""
-        between = self.poses[edge.first].inverse() @ self.poses[edge.second]
+        between = self._poses[edge.first].inverse() @ self._poses[edge.second]
         return between.inverse() @ edge.second_in_first
 
     def _agree(self, a: Edge, b: Edge) -> bool:
         """Whether two loops say the same."""
-        olds = self.poses[a.first].inverse() @ self.poses[b.first]
-        news = self.poses[a.second].inverse() @ self.poses[b.second]
+        olds = self._poses[a.first].inverse() @ self._poses[b.first]
+        news = self._poses[a.second].inverse() @ self._poses[b.second]
         off = (a.second_in_first @ news).inverse() @ (olds @ b.second_in_first)
         return hypot(off.x, off.y) < AGREE and abs(off.theta) < AGREE_TURN
 
     def _accept(self, edge: Edge, moved: Pose2) -> None:
-        self.edges.append(edge)
+        self._edges.append(edge)
         self._found += 1
         self._fresh += 1
         self._closed = self._ways[edge.second]
         far = hypot(moved.x, moved.y) > MOVED or abs(moved.theta) > MOVED_TURN
         if far or self._fresh >= PATIENCE:
             self._fresh = 0
-            self.poses = optimized(self.poses, self.edges)
-            self._views = np.array(
-                [_view(f, p) for f, p in zip(self._frames, self.poses, strict=True)]
-            )
+            near = hypot(moved.x, moved.y) < WITNESSED
+            self._poses = optimized(self._poses, self._edges, near=near)
+            self._views = self._seen_from_all()
+
+    def _seen_from_all(self) -> Float:
+        """Return the middle of what each key frame sees, shape (N, 2)."""
+        views = np.array([frame.view for frame in self._frames]).reshape(-1, 2)
+        x, y, theta = np.array([(p.x, p.y, p.theta) for p in self._poses]).reshape(-1, 3).T
+        c, s = np.cos(theta), np.sin(theta)
+        across, along = views[:, 1], views[:, 0]
+        return np.stack([x + c * along - s * across, y + s * along + c * across], axis=1)
 
 
-def certainty(match: Match, prior: Prior | None = None) -> Float:
-    """Return the information of an edge that a match gives, in the frame of the second robot."""
-    information = match.information + (np.diag([1.0, 1.0, 10.0]) if prior is None else prior.information)
+def certainty(match: Match, prior: Float) -> Float:
+    """Return the information of an edge that a match gives, in the frame of the second robot.
+
+    Args:
+        match: Of the second robot's scan.
+        prior: Information of what is known besides, in the frame of the match.
+    """
     turn = np.eye(3)
     turn[:2, :2] = rotation(match.pose.theta)
-    covariance = turn.T @ np.linalg.inv(information) @ turn
+    covariance = turn.T @ np.linalg.inv(match.information + prior) @ turn
     result: Float = np.linalg.inv(covariance + FLOOR)
     return result
-
-
-def _view(frame: KeyFrame, pose: Pose2) -> Float:
-    """Return the middle of what is seen near the robot [m]."""
-    return frame.view @ rotation(pose.theta).T + (pose.x, pose.y)

@@ -1,15 +1,23 @@
-"""Makes a map: where the robot is, live, from scans and odometry."""
+"""Makes a map: poses of a robot, live, from scans and odometry.
 
+In every tick :meth:`Mapper.add` matches a scan against the last key frames. What takes longer is
+left to a thread: it is given a :attr:`Mapper.snapshot`, whose `improve` finds loops and better
+poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwhile.
+"""
+
+from collections.abc import Mapping
 from math import hypot
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.frames import Edge, KeyFrame
+from pioneer3.nav.frames import Edge, KeyFrame, Survey
+from pioneer3.nav.loops import Improvement, Snapshot, certainty
 from pioneer3.nav.matching import Cloud, Match, Prior, Submap
-from pioneer3.nav.loops import *
+from pioneer3.nav.survey_arrays import arrays_of, survey_of
 
 Float = NDArray[np.float64]
 
@@ -17,79 +25,184 @@ APART, TURNED = 0.25, 0.25
 """A key frame is made so far from the last one [m, rad]."""
 RECENT = 30
 """Scans are matched against so many key frames."""
+SLIP, TURN_SLIP, BEND = 0.05, 0.1, 0.05
+"""Errors of odometry, sigma: per way, of a turn, twice that of skid steering, and the turn per way,
+that of wheels one of which is 2 % larger [rad/m]."""
+STILL, STILL_TURN = 0.01, 0.01
+"""Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
+SIGMAS = 2.5
+"""The pose is searched for within so many of these."""
+WIDE, WIDE_TURN = 0.12, 0.1
+"""Where a scan may lie farther off than this [m, rad], matching needs a search before it."""
+BEGIN, BEGIN_TURN = 1.0, 0.5
+"""A map is continued from within this of where the robot is said to be [m, rad]."""
+TRACKED, FOUND = 0.3, 0.5
+"""Fewer inliers mean that a scan does not fit, and that the place to continue from is not found."""
+UNKNOWN = np.diag([1.0, 1.0, 10.0])
+"""Information of the way to a place that was not found."""
 
 
 class Mapper:
+    """Makes a map from scans and odometry.
+
+    Args:
+        start: Where the robot begins, in the map.
+    """
+
     def __init__(self, start: Pose2 = ORIGIN) -> None:
-        self.frames: tuple[KeyFrame, ...] = ()
-        self.poses: tuple[Pose2, ...] = ()
-        self.edges: tuple[Edge, ...] = ()
-        self._here = start
-        self._odom: Pose2 | None = None
-        self._scan_odom = ORIGIN
-        self.way = self.turn = 0.0
-        self._seen_way = self._seen_turn = 0.0
+        self._survey = Survey((), (), ())
+        self._recent: tuple[int, ...] = ()
         self._submap = Submap((), ())
-        self._looked = 0
-        self._waiting = ()
+        self._here = start
+        self._match: Match | None = None
+        self._odom: Pose2 | None = None
+        self._odom_of_scan: Pose2 | None = None
+        self._way = self._turn = 0.0
+        self._way_of_scan = self._turn_of_scan = 0.0
+        self._looked, self._waiting = 0, tuple[Edge, ...]()
+
+    @classmethod
+    def of(cls, state: Mapping[str, NDArray[Any]], start: Pose2 | None = None) -> Self:
+        """Return a mapper that goes on with a map.
+
+        Args:
+            state: As of :attr:`state`.
+            start: Where the robot is now, roughly; if not given, where it was last.
+        """
+        survey, looked, waiting = survey_of(state)
+        mapper = cls(start or (survey.poses[-1] if survey.poses else ORIGIN))
+        mapper._survey, mapper._looked, mapper._waiting = survey, looked, waiting
+        if survey.frames:
+            mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
+            away = [hypot(p.x - mapper._here.x, p.y - mapper._here.y) for p in survey.poses]
+            mapper._recall(tuple(np.argsort(away)[:RECENT].tolist()))
+        return mapper
+
+    @property
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All that a map is made of, as arrays that can be written to a file."""
+        return arrays_of(self._survey, self._looked, self._waiting)
+
+    @property
+    def survey(self) -> Survey:
+        """The key frames, their poses and the ways between them."""
+        return self._survey
+
+    @property
+    def robot_in_map(self) -> Pose2:
+        """Pose of the robot at the last scan, or at the last reading of odometry after it."""
+        if self._odom is None or self._odom_of_scan is None:
+            return self._here
+        return self._here @ (self._odom_of_scan.inverse() @ self._odom)
+
+    @property
+    def odom_in_map(self) -> Pose2:
+        """Pose of odometry's frame."""
+        if self._odom_of_scan is None:
+            return self._here
+        return self._here @ self._odom_of_scan.inverse()
+
+    @property
+    def inliers(self) -> float:
+        """Share of the last scan that fits the scans before it."""
+        return self._match.inliers if self._match is not None else 0.0
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """What is known now, to be improved in a thread."""
+        return Snapshot(survey=self._survey, looked=self._looked, waiting=self._waiting)
 
     def move(self, robot_in_odom: Pose2) -> None:
+        """Note odometry between scans: a long way there and back is less certain than none."""
         if self._odom is not None:
             step = self._odom.inverse() @ robot_in_odom
-            self.way += hypot(step.x, step.y)
-            self.turn += abs(step.theta)
+            self._way += hypot(step.x, step.y)
+            self._turn += abs(step.theta)
         self._odom = robot_in_odom
 
     def add(self, beams: Beams) -> Pose2:
+        """Take a scan; return the pose of the robot in the map."""
         self.move(beams.robot_in_odom)
         cloud = Cloud.of(beams)
-        if not self.frames:
-            self._keep(beams, cloud, self._here, None)
-            return self._here
-        key = self.frames[-1]
-        way, turn = self.way - key.way, self.turn - key.turn
-        sigma, sigma_theta = 0.01 + 0.05 * way, 0.01 + 0.1 * turn + 0.05 * way
-        expected = self.poses[-1] @ (key.beams.robot_in_odom.inverse() @ beams.robot_in_odom)
-        self.prior = prior = Prior.around(expected, sigma, sigma_theta)
-        guess = self._here @ (self._scan_odom.inverse() @ beams.robot_in_odom)
-        way, turn = self.way - self._seen_way, self.turn - self._seen_turn
-        window, window_theta = 0.05 + 0.12 * way, 0.04 + 0.15 * turn + 0.07 * way
-        if window > 0.1 or window_theta > 0.1:
-            guess, worth = self._submap.search(cloud.points, guess, window, window_theta)
-        match = self._submap.match(cloud.points, guess, prior)
-        self.match = match
-        here = match.pose if match.inliers > 0.3 else expected
-        self._here, self._scan_odom = here, beams.robot_in_odom
-        self._seen_way, self._seen_turn = self.way, self.turn
-        step = self.poses[-1].inverse() @ here
+        if not self._survey.frames:
+            self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), ())
+        elif self._odom_of_scan is None:
+            self._continue(beams, cloud)
+        else:
+            self._track(beams, cloud, self._odom_of_scan)
+        self._odom_of_scan = beams.robot_in_odom
+        self._way_of_scan, self._turn_of_scan = self._way, self._turn
+        return self._here
+
+    def apply(self, improvement: Improvement) -> None:
+        """Take better poses for the key frames of a snapshot; what came later moves along."""
+        survey, count = self._survey, len(improvement.poses)
+        self._looked, self._waiting = improvement.looked, improvement.waiting
+        later = tuple(edge for edge in survey.edges if edge.second >= count)
+        poses = improvement.poses
+        if count and poses != survey.poses[:count]:
+            moved = poses[-1] @ survey.poses[count - 1].inverse()
+            poses += tuple(moved @ pose for pose in survey.poses[count:])
+            self._here = moved @ self._here
+        else:
+            poses = survey.poses
+        changed = poses is not survey.poses
+        self._survey = Survey(survey.frames, poses, improvement.edges + later)
+        if changed:
+            self._recall(self._recent)
+
+    def _track(self, beams: Beams, cloud: Cloud, odom_of_scan: Pose2) -> None:
+        """Find the robot where odometry leads to from the last key frame and scan."""
+        key = self._survey.frames[-1]
+        sigma, sigma_theta = _slip(self._way - key.way, self._turn - key.turn)
+        odometry = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
+        prior = Prior.around(self._survey.poses[-1] @ odometry, sigma, sigma_theta)
+        guess = self._here @ (odom_of_scan.inverse() @ beams.robot_in_odom)
+        way, turn = _slip(self._way - self._way_of_scan, self._turn - self._turn_of_scan)
+        way, turn = SIGMAS * way, SIGMAS * turn
+        if way > WIDE or turn > WIDE_TURN:
+            guess, _ = self._submap.search(cloud.points, guess, way, turn)
+        match = self._match = self._submap.match(cloud.points, guess, prior)
+        if match.inliers < TRACKED:
+            match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
+        self._here = match.pose
+        step = self._survey.poses[-1].inverse() @ self._here
         if hypot(step.x, step.y) >= APART or abs(step.theta) >= TURNED:
-            self._keep(beams, cloud, here, match)
-        return here
+            number = len(self._survey.frames)
+            edge = Edge(number - 1, number, step, certainty(match, prior.information))
+            self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
-    def _keep(self, beams, cloud, here, match):
-        self.frames += (KeyFrame.of(beams, cloud, self.way, self.turn),)
-        if match is not None:
-            k = len(self.frames)-1
-            self.edges += (Edge(k-1,k,self.poses[-1].inverse() @ here, certainty(match, self.prior)),)
-        self.poses += (here,)
-        self._recall()
-        self._scan_odom = beams.robot_in_odom
-        self._seen_way, self._seen_turn = self.way, self.turn
+    def _continue(self, beams: Beams, cloud: Cloud) -> None:
+        """Find the robot near where it is said to be on a map that was made before."""
+        said = self._here
+        guess, _ = self._submap.search(cloud.points, said, BEGIN, BEGIN_TURN)
+        prior = Prior(said, UNKNOWN)
+        match = self._match = self._submap.match(cloud.points, guess, prior)
+        if match.inliers < FOUND:
+            match = Match(pose=said, information=np.zeros((3, 3)), inliers=match.inliers)
+        self._here = match.pose
+        old = self._recent[0]
+        way = self._survey.poses[old].inverse() @ self._here
+        edge = Edge(old, len(self._survey.frames), way, certainty(match, UNKNOWN))
+        self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))
 
-    def _recall(self):
-        recent = slice(-RECENT, None)
-        self._submap = Submap([f.cloud for f in self.frames[recent]], self.poses[recent])
+    def _keep(self, frame: KeyFrame, edges: tuple[Edge, ...]) -> None:
+        survey = self._survey
+        number = len(survey.frames)
+        self._survey = Survey(
+            (*survey.frames, frame), (*survey.poses, self._here), survey.edges + edges
+        )
+        self._recall((*self._recent, number)[-RECENT:])
 
-    def snapshot(self):
-        return Snapshot(frames=self.frames,poses=self.poses,edges=self.edges,looked=self._looked,waiting=self._waiting)
+    def _recall(self, numbers: tuple[int, ...]) -> None:
+        """Match against these key frames from now on."""
+        survey, self._recent = self._survey, numbers
+        self._submap = Submap(
+            [survey.frames[number].cloud for number in numbers],
+            [survey.poses[number] for number in numbers],
+        )
 
-    def apply(self, imp):
-        n=len(imp.poses)
-        edges = imp.edges + tuple(e for e in self.edges if e.second >= n)
-        self.edges=edges
-        self._looked, self._waiting = imp.looked, imp.waiting
-        if imp.poses == self.poses[:n]: return
-        c = imp.poses[-1] @ self.poses[n-1].inverse()
-        self.poses = imp.poses + tuple(c @ p for p in self.poses[n:])
-        self._here = c @ self._here
-        self._recall()
+
+def _slip(way: float, turn: float) -> tuple[float, float]:
+    """Return the standard deviations of odometry [m, rad] after a way and a turn."""
+    return STILL + SLIP * way, STILL_TURN + TURN_SLIP * turn + BEND * way

@@ -68,9 +68,7 @@ class Cloud:
         normals = np.empty_like(points)
         fast(normals_of, CACHE)(points, beams.origin, NEIGHBOURS, REACH, ROUGH, normals)
         every = ceil(len(points) / MOST_POINTS) or 1
-        return cls(
-            np.ascontiguousarray(points[::every]), np.ascontiguousarray(normals[::every])
-        )
+        return cls(np.ascontiguousarray(points[::every]), np.ascontiguousarray(normals[::every]))
 
     def moved(self, pose: Pose2) -> Self:
         """Return the points in the frame of which `pose` is the robot's."""
@@ -165,9 +163,7 @@ class Submap:
             information,
         )
         x, y, theta = pose.tolist()
-        return Match(
-            pose=Pose2(x, y, wrap(theta)), information=information, inliers=float(inliers)
-        )
+        return Match(pose=Pose2(x, y, wrap(theta)), information=information, inliers=float(inliers))
 
     def search(self, points: Float, guess: Pose2, way: float, turn: float) -> tuple[Pose2, float]:
         """Return the best pose within `way` [m] and `turn` [rad] of `guess`, and its worth.
@@ -178,7 +174,7 @@ class Submap:
             self._rasters = self._smeared()
         grid, raster, pooled = self._rasters
         half = max(1, ceil(turn / TURN))
-        turns = TURN * np.arange(-half, half + 1)
+        turns: Float = TURN * np.arange(-half, half + 1, dtype=np.float64)
         c, s = np.cos(guess.theta + turns), np.sin(guess.theta + turns)
         x = np.outer(c, points[:, 0]) - np.outer(s, points[:, 1]) + guess.x
         y = np.outer(s, points[:, 0]) + np.outer(c, points[:, 1]) + guess.y
@@ -216,7 +212,7 @@ def rotation(theta: float) -> Float:
 
 
 def _cells(points: Float, cell: float, margin: float = 0.0) -> tuple[Float, Int, Int]:
-    """Return lower left corner [m], rows and columns of cells around points, and each one's cell."""
+    """Return lower left corner [m], rows and columns of cells around points, and their cells."""
     if not len(points):
         return np.zeros(2), np.ones(2, dtype=np.int64), np.empty(0, dtype=np.int64)
     low = points.min(axis=0) - margin
@@ -231,4 +227,5 @@ def _profile() -> Bytes:
     half = ceil(2.5 * BLUR / FINE)
     off = FINE * np.arange(-half, half + 1)
     squared = off[:, None] ** 2 + off**2
-    return np.rint(255 * np.exp(-squared / (2 * BLUR**2))).astype(np.uint8)
+    values: Bytes = np.rint(255 * np.exp(-squared / (2 * BLUR**2))).astype(np.uint8)
+    return values

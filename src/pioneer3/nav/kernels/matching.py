@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Points of a scan against the points of others."""
 
 from math import cos, floor, sin, sqrt
@@ -53,7 +54,7 @@ def nearest(
     u, v = (x - grid[0]) / cell, (y - grid[1]) / cell
     column, row, ring = floor(u), floor(v), 0
     # to the nearest edge of the cell
-    inner = min(min(u - column, column + 1 - u), min(v - row, row + 1 - v)) * cell
+    inner = min(u - column, column + 1 - u, v - row, row + 1 - v) * cell
     while True:
         for r in range(max(0, row - ring), min(shape[0], row + ring + 1)):
             edge = abs(r - row) == ring
@@ -185,7 +186,7 @@ def align(
                 pose[a] += step[a]
             if abs(step[0]) + abs(step[1]) + 5.0 * abs(step[2]) < (1e-4 if last else 1e-3):
                 break
-    return inliers / max(1, len(points))
+    return float(inliers / max(1, len(points)))
 
 
 @kernel
@@ -207,8 +208,7 @@ def smear(points: Float, grid: Float, profile: Bytes, out: Bytes) -> None:
             continue
         for r in range(len(profile)):
             for c in range(len(profile)):
-                if profile[r, c] > out[row + r, column + c]:
-                    out[row + r, column + c] = profile[r, c]
+                out[row + r, column + c] = max(out[row + r, column + c], profile[r, c])
 
 
 @inlined
@@ -246,10 +246,10 @@ def search(
     for a in range(len(turns)):
         for br in range(blocks):
             low = br * size - half
-            near_r = max(0, max(low, -low - size + 1))
+            near_r = max(0, low, -low - size + 1)
             for bc in range(blocks):
                 left = bc * size - half
-                near_c = max(0, max(left, -left - size + 1))
+                near_c = max(0, left, -left - size + 1)
                 total = 0
                 for i in range(count):
                     row, column = cells[a, i, 0] + low, cells[a, i, 1] + left
@@ -262,7 +262,7 @@ def search(
     while True:
         block = int(np.argmax(bounds))
         if bounds[block] <= best:
-            return best
+            return float(best)
         bounds[block] = -1e18
         a, br, bc = block // (blocks * blocks), block // blocks % blocks, block % blocks
         for dr in range(br * size - half, min(half + 1, (br + 1) * size - half)):
