@@ -215,7 +215,7 @@ def smear(points: Float, grid: Float, profile: Bytes, out: Bytes) -> None:
 def penalty(rows: float, columns: float, off: float, limits: Float) -> float:
     """Return how much less a shift [cells] and a turn [rad] are worth than none."""
     u, v, w = rows / limits[0], columns / limits[0], off / limits[1]
-    return limits[2] * (u * u + v * v + w * w)
+    return float(limits[2] * (u * u + v * v + w * w))
 
 
 @kernel
