@@ -40,6 +40,10 @@ SLICE = 0.005
 """The robot moves in steps of this while a scan is taken [s]."""
 AHEAD = 0.4
 """The robot heads for the point of its way so far ahead [m]."""
+CLEAR, PATIENCE = 1.2, 30
+"""The robot waits for people nearer than this [m], and goes elsewhere after so many steps."""
+OVERRUN = 0.5
+"""Nobody comes nearer to the middle of the robot [m]."""
 SPEED, TURN_RATE = 0.5, 1.0
 """[m/s, rad/s]."""
 
@@ -166,14 +170,17 @@ def drive(
     realism = replace(Realism(), laser_noise=conditions.noise)
     world = World(line_map, [body], Kernels(), seed=seed, realism=realism)
     body.robot_in_world = Pose2(*places.sample(rng), float(rng.uniform(-pi, pi)))
+    body.ghost = bool(conditions.people)  # else people and robot wait for each other for ever
     body.enable_motors(on=True)
     for _ in range(conditions.people):
         path = places.way(places.sample(rng), places.sample(rng))[::10]
         points = tuple((x, y) for x, y in path.tolist())
         world.add_obstacle(Person(path=points, speed=float(rng.uniform(0.4, 1.0)), loop=False))
-    driver, laser = _Driver(body, places, rng), _Laser(world, body, conditions, rng)
+    driver, laser = _Driver(world, body, places, rng), _Laser(world, body, conditions, rng)
     for number in range(int(seconds / PERIOD)):
-        yield laser.scan(number)
+        seen = laser.scan(number)
+        if not driver.is_overrun():
+            yield seen
         left = PERIOD - conditions.lasts
         while left > 1e-6:
             driver.steer()
@@ -184,9 +191,12 @@ def drive(
 class _Driver:
     """Steers along ways, by the truth."""
 
-    def __init__(self, body: Body, places: Places, rng: np.random.Generator) -> None:
-        self._body, self._places, self._rng = body, places, rng
+    def __init__(
+        self, world: World, body: Body, places: Places, rng: np.random.Generator
+    ) -> None:
+        self._world, self._body, self._places, self._rng = world, body, places, rng
         self._way, self._at = np.empty((0, 2)), 0
+        self._waited = 0
 
     def steer(self) -> None:
         """Head for a point of the way; turn on the spot where it lies aside."""
@@ -198,8 +208,25 @@ class _Driver:
         self._at += int(off.argmin())
         ahead = self._way[min(len(self._way) - 1, self._at + round(AHEAD / CELL))]
         turn = wrap(atan2(ahead[1] - here.y, ahead[0] - here.x) - here.theta)
-        body.drive.linear.go(SPEED * max(0.0, cos(turn)) ** 3 if abs(turn) < 1.0 else 0.0)
+        speed = SPEED * max(0.0, cos(turn)) ** 3 if abs(turn) < 1.0 else 0.0
+        self._waited = self._waited + 1 if self._blocked(here) else 0
+        if self._waited:
+            speed = 0.0
+        if self._waited % PATIENCE == PATIENCE - 1:
+            self._way = np.empty((0, 2))
+        body.drive.linear.go(speed)
         body.drive.angular.go(min(max(2.0 * turn, -TURN_RATE), TURN_RATE))
+
+    def is_overrun(self) -> bool:
+        """Whether somebody walks through the robot, as nobody can."""
+        here = self._body.robot_in_world
+        where = [person.pose for person in self._world.obstacles]
+        return any(hypot(at.x - here.x, at.y - here.y) < OVERRUN for at in where)
+
+    def _blocked(self, here: Pose2) -> bool:
+        """Whether somebody is in front."""
+        seen = [here.inverse() @ person.pose for person in self._world.obstacles]
+        return any(0.0 < at.x < CLEAR and abs(at.y) < CLEAR / 2 for at in seen)
 
 
 class _Laser:

@@ -65,8 +65,7 @@ class Cloud:
         kept = np.zeros(len(points), dtype=np.bool_)
         fast(thinned, CACHE)(points, APART, kept)
         points = points[kept]
-        normals = np.empty_like(points)
-        fast(normals_of, CACHE)(points, beams.origin, NEIGHBOURS, REACH, ROUGH, normals)
+        normals = lines_at(points, beams.origin)[:, :2]
         every = ceil(len(points) / MOST_POINTS) or 1
         return cls(np.ascontiguousarray(points[::every]), np.ascontiguousarray(normals[::every]))
 
@@ -203,6 +202,13 @@ class Submap:
             pooled[:, :-step] = np.maximum(pooled[:, :-step], pooled[:, step:])
             step *= 2
         return grid, raster, pooled
+
+
+def lines_at(points: Float, origin: Float) -> Float:
+    """Return the lines through the points of a scan, see :func:`.kernels.normals.normals_of`."""
+    lines = np.empty((len(points), 3))
+    fast(normals_of, CACHE)(points, origin, NEIGHBOURS, REACH, ROUGH, lines)
+    return lines
 
 
 def rotation(theta: float) -> Float:

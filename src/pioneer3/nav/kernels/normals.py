@@ -45,8 +45,12 @@ def edge_of(points: Float, i: int, step: int, least: int, reach: float, gap: flo
 
 
 @inlined
-def fit_line(points: Float, first: int, last: int) -> tuple[float, float, float]:
-    """Return the normal of the line through points `first` to `last`, and their RMS from it [m]."""
+def fit_line(points: Float, first: int, last: int) -> tuple[float, float, float, float]:
+    """Return the line through points `first` to `last`.
+
+    Returns:
+        Its normal, its distance along it from the origin [m], and the points' RMS from it [m].
+    """
     count = last - first + 1
     mx, my = 0.0, 0.0
     for k in range(first, last + 1):
@@ -69,15 +73,16 @@ def fit_line(points: Float, first: int, last: int) -> tuple[float, float, float]
         nx, ny = root - half, -xy
     size = sqrt(nx * nx + ny * ny)
     if size < 1e-12:
-        return 0.0, 0.0, 1.0
-    return nx / size, ny / size, sqrt(low / count)
+        return 0.0, 0.0, 0.0, 1.0
+    nx, ny = nx / size, ny / size
+    return nx, ny, nx * mx + ny * my, sqrt(low / count)
 
 
 @kernel
 def normals_of(
     points: Float, origin: Float, least: int, reach: float, rough: float, out: Float
 ) -> None:
-    """Fill `out` (N, 2) with the unit normals at the points of a scan; zeros where there is none.
+    """Fill `out` (N, 3) with the lines at the points of a scan; zeros where there is none.
 
     A line is fitted over a point's neighbours on both sides or, where that is not straight, on one.
 
@@ -87,7 +92,8 @@ def normals_of(
         least: Neighbours on each side, at least, and all nearer than `reach`.
         reach: [m].
         rough: The points of a wall lie as near to a line as this [m, RMS].
-        out: Normals point to the laser.
+        out: Unit normals, which point to the laser, and how far the points lie off the line to
+            that side [m].
     """
     for i in range(len(points)):
         x, y = origin[0] - points[i, 0], origin[1] - points[i, 1]
@@ -95,7 +101,7 @@ def normals_of(
         gap = 0.1 + 0.1 * away
         before = edge_of(points, i, -1, least, reach, gap)
         after = edge_of(points, i, 1, least, reach, gap)
-        nx, ny, best = 0.0, 0.0, rough
+        nx, ny, line, best = 0.0, 0.0, 0.0, rough
         for window in range(3):
             first, last = before, after
             if window == 1:
@@ -104,10 +110,11 @@ def normals_of(
                 first = i
             if last - first < 2 + (window > 0):
                 continue
-            fx, fy, rms = fit_line(points, first, last)
+            fx, fy, along, rms = fit_line(points, first, last)
             if rms < best:
-                nx, ny, best = fx, fy, rms
+                nx, ny, line, best = fx, fy, along, rms
                 if window == 0:
                     break
         side = 1.0 if nx * x + ny * y >= 0 else -1.0
         out[i, 0], out[i, 1] = side * nx, side * ny
+        out[i, 2] = side * (nx * points[i, 0] + ny * points[i, 1] - line)
