@@ -1,5 +1,6 @@
 """Drives of a simulated robot to random places of a map: what its laser sees, and the truth."""
 
+from bisect import bisect
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -283,7 +284,14 @@ class _Laser:
         self._odometry.append((self._world.time, self._body.robot_in_odom))
 
     def _late(self) -> Pose2:
-        """Return the newest odometry that has arrived."""
-        due = self._world.time - self._conditions.late + 1e-9
-        arrived = [pose for stamp, pose in self._odometry if stamp <= due]
-        return arrived[-1] if arrived else self._odometry[0][1]
+        """Return the odometry of as long ago as it is late."""
+        due = self._world.time - self._conditions.late
+        stamps, poses = zip(*self._odometry, strict=True)
+        after = min(max(bisect(stamps, due), 1), len(stamps) - 1)
+        if len(stamps) < 2 or due >= stamps[-1]:
+            return self._body.robot_in_odom
+        before, later = poses[after - 1], poses[after]
+        passed = stamps[after] - stamps[after - 1]
+        share = min(max((due - stamps[after - 1]) / passed, 0.0), 1.0)
+        step = before.inverse() @ later
+        return before @ Pose2(share * step.x, share * step.y, share * step.theta)

@@ -25,10 +25,10 @@ APART, TURNED = 0.25, 0.25
 """A key frame is made so far from the last one [m, rad]."""
 RECENT = 30
 """Scans are matched against so many key frames."""
-SLIP, TURN_SLIP, BEND = 0.05, 0.1, 0.05
-"""Errors of odometry, sigma: per way, of a turn, twice that of skid steering, and the turn per way,
+SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
+"""Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per way,
 that of wheels one of which is 2 % larger [rad/m]."""
-STILL, STILL_TURN = 0.01, 0.01
+STILL, STILL_TURN = 0.007, 0.01
 """Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
 SIGMAS = 2.5
 """The pose is searched for within so many of these."""

@@ -26,8 +26,8 @@ APART = 0.03
 """Neighbouring points of a scan that are nearer than this say nothing new [m]."""
 MOST_POINTS = 360
 """Of a scan that are matched."""
-NEIGHBOURS, REACH, ROUGH = 4, 0.15, 0.03
-"""A line is fitted over four neighbours on each side at least, and all within 0.15 m; the points
+NEIGHBOURS, REACH, ROUGH = 4, 0.3, 0.03
+"""A line is fitted over four neighbours on each side at least, and all within 0.3 m; the points
 of a wall lie 0.03 m from it [RMS]: noise, and the steps of a wall that was drawn in pixels."""
 WIDTHS = np.array([0.3, 0.15, 0.07])
 """Of the robust weights [m]: from the error of a search to three times the noise of a laser."""
