@@ -192,9 +192,7 @@ def drive(
 class _Driver:
     """Steers along ways, by the truth."""
 
-    def __init__(
-        self, world: World, body: Body, places: Places, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, world: World, body: Body, places: Places, rng: np.random.Generator) -> None:
         self._world, self._body, self._places, self._rng = world, body, places, rng
         self._way, self._at = np.empty((0, 2)), 0
         self._waited = 0
@@ -286,7 +284,8 @@ class _Laser:
     def _late(self) -> Pose2:
         """Return the odometry of as long ago as it is late."""
         due = self._world.time - self._conditions.late
-        stamps, poses = zip(*self._odometry, strict=True)
+        stamps = [stamp for stamp, _ in self._odometry]
+        poses = [pose for _, pose in self._odometry]
         after = min(max(bisect(stamps, due), 1), len(stamps) - 1)
         if len(stamps) < 2 or due >= stamps[-1]:
             return self._body.robot_in_odom

@@ -16,8 +16,8 @@ Int = NDArray[np.int64]
 PHI = 10.0
 """A loop with a larger squared error than this is taken for partly wrong [squared sigmas]."""
 ROUNDS = 10
-SMALL, NEAR = 1e-4, 2e-3
-"""Steps below this end the search, and one that more loops will follow [m, rad]."""
+SMALL = 1e-4
+"""Steps below this end the search [m, rad]."""
 PLAIN = 2
 """Rounds in which all loops count in full, as far ends of a long way are far from each other."""
 
@@ -66,7 +66,12 @@ def squared_errors(poses: Sequence[Pose2], edges: Sequence[Edge]) -> Float:
 
 
 def optimized(
-    poses: Sequence[Pose2], edges: Sequence[Edge], *, near: bool = False
+    poses: Sequence[Pose2],
+    edges: Sequence[Edge],
+    *,
+    plain: int = PLAIN,
+    rounds: int = ROUNDS,
+    small: float = SMALL,
 ) -> tuple[Pose2, ...]:
     """Return the likeliest poses; the first stays where it is.
 
@@ -76,16 +81,17 @@ def optimized(
     Args:
         poses: Guesses; an unbroken chain of edges that are no loops leads to each from the first.
         edges: Ways between them.
-        near: The guesses were good but for what is new: no more than small steps are worth while.
+        plain: In so many rounds all loops count in full.
+        rounds: At most.
+        small: Steps below this end the search [m, rad].
     """
     graph, result = _Graph(edges), _array(poses)
     if len(result) < 2:
         return tuple(poses)
-    plain = 0 if near or not graph.loop.any() else PLAIN
-    for number in range(ROUNDS):
+    for number in range(rounds):
         step = _step(graph, result, robust=number >= plain)
         result[1:] += step
-        if number >= plain and np.abs(step).max() < (NEAR if near else SMALL):
+        if number >= plain and np.abs(step).max() < small:
             break
     return tuple(Pose2(x, y, wrap(theta)) for x, y, theta in result.tolist())
 

@@ -46,6 +46,8 @@ MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
 """Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
 NOTHING = np.diag([1.0, 1.0, 10.0])
 """Information of a loop besides its points."""
+PLAIN, ROUNDS, SMALL = 2, 4, 2e-3
+"""Of the graph: the next loops go on where these rounds end."""
 FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 """Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""
 
@@ -205,8 +207,10 @@ class _Search:
         far = hypot(moved.x, moved.y) > MOVED or abs(moved.theta) > MOVED_TURN
         if far or self._fresh >= PATIENCE:
             self._fresh = 0
-            near = hypot(moved.x, moved.y) < WITNESSED
-            self._poses = optimized(self._poses, self._edges, near=near)
+            plain = 0 if hypot(moved.x, moved.y) < WITNESSED else PLAIN
+            self._poses = optimized(
+                self._poses, self._edges, plain=plain, rounds=ROUNDS, small=SMALL
+            )
             self._views = self._seen_from_all()
 
     def _seen_from_all(self) -> Float:

@@ -26,8 +26,8 @@ APART, TURNED = 0.25, 0.25
 RECENT = 30
 """Scans are matched against so many key frames."""
 SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
-"""Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per way,
-that of wheels one of which is 2 % larger [rad/m]."""
+"""Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per
+way, that of wheels one of which is 2 % larger [rad/m]."""
 STILL, STILL_TURN = 0.007, 0.01
 """Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
 SIGMAS = 2.5

@@ -116,9 +116,8 @@ class Renderer:
         states[(hits >= HITS) & (hits >= SHARE * total)] = OCCUPIED
         known = np.argwhere(states != UNKNOWN)
         if not len(known):
-            return OccupancyGrid(
-                states=np.zeros((1, 1), dtype=np.uint8), resolution=self._raster.cell, origin=Pose2()
-            )
+            nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)
+            return OccupancyGrid(states=nothing, resolution=self._raster.cell, origin=Pose2())
         low, high = known.min(axis=0), known.max(axis=0) + 1
         cell, raster = self._raster.cell, self._raster
         return OccupancyGrid(
@@ -181,10 +180,11 @@ class Renderer:
             setattr(self, name, larger)
         for number, drawn in enumerate(self._drawn):
             if drawn is not None:
-                self._drawn[number] = tuple(
+                hits, passed = (
                     (cells // old.width + row) * new.width + cells % old.width + column
                     for cells in drawn
                 )
+                self._drawn[number] = hits, passed
 
 
 def render(survey: Survey, cell: float = CELL) -> OccupancyGrid:
@@ -197,7 +197,7 @@ def render(survey: Survey, cell: float = CELL) -> OccupancyGrid:
 def line_map_of(grid: OccupancyGrid, name: str) -> LineMap:
     """Return a map whose walls outline the occupied cells of a grid that is not turned."""
     edges = raster_outline(grid.states == OCCUPIED) * grid.resolution
-    walls = edges + (grid.origin.x, grid.origin.y, grid.origin.x, grid.origin.y)
+    walls = edges + np.array([grid.origin.x, grid.origin.y] * 2)
     return LineMap(name=name, walls=walls, grids=(grid,))
 
 

@@ -62,9 +62,7 @@ def hit_cells(
 
 
 @kernel
-def passed_cells(
-    origin: Float, ends: Float, seen: Counts, number: int, out: Int
-) -> int:
+def passed_cells(origin: Float, ends: Float, seen: Counts, number: int, out: Int) -> int:
     """Fill `out` with the cells that rays pass, without those seen already; return how many.
 
     Args:

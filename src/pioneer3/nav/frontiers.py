@@ -1,0 +1,140 @@
+"""Where a map ends: places from which a robot sees what is unknown."""
+
+from dataclasses import dataclass
+from math import atan2, ceil, inf
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from pioneer3.geometry import Pose2
+from pioneer3.jit import fast
+from pioneer3.maps import OccupancyGrid
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.reach import ways_from
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+LEAST = 0.4
+"""Shorter frontiers are gaps between beams [m]."""
+LOOK = 2.0
+"""A frontier is looked at from this near [m]."""
+WORTH, MOST_WORTH = 1.0, 6.0
+"""A longer frontier is worth so much more way, up to a length [m]."""
+BEGIN = 0.5
+"""A robot nearer to walls than it can turn begins at a place within this [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frontier:
+    """An edge between what is free and what is unknown.
+
+    Attributes:
+        points: The middles of its cells [m], shape (N, 2).
+        length: [m].
+        view: Where the robot looks at it from, and its heading there [m, rad].
+        way: To that place [m].
+    """
+
+    points: Float
+    length: float
+    view: Pose2
+    way: float
+
+    @property
+    def cost(self) -> float:
+        """The way, less what a long frontier is worth [m]."""
+        return self.way - WORTH * min(self.length, MOST_WORTH)
+
+
+def find_frontiers(grid: OccupancyGrid, robot_in_map: Pose2, radius: float) -> tuple[Frontier, ...]:
+    """Return the frontiers that a robot can get to see, the most worth while first.
+
+    Args:
+        grid: What is known; not turned.
+        robot_in_map: Where the robot is.
+        radius: Of its turning circle [m].
+    """
+    states = np.pad(grid.states, 1, constant_values=UNKNOWN)
+    corner = np.array([grid.origin.x, grid.origin.y]) - grid.resolution
+    cell = grid.resolution
+    edge = (states == FREE) & ndimage.binary_dilation(states == UNKNOWN)
+    labels, count = ndimage.label(edge, structure=np.ones((3, 3)))
+    at = (np.array([robot_in_map.x, robot_in_map.y]) - corner) / cell
+    ways = _ways(states, at, radius / cell, BEGIN / cell)
+    if not count or ways is None:
+        return ()
+    off, nearest = ndimage.distance_transform_edt(~edge, return_indices=True)
+    near = np.argwhere(np.isfinite(ways) & (off <= LOOK / cell))
+    rows, columns = near.T
+    ends = nearest[:, rows, columns].T
+    owner = labels[ends[:, 0], ends[:, 1]]
+    cost = ways[rows, columns] + off[rows, columns]
+    found = []
+    for label, cells in enumerate(ndimage.find_objects(labels), start=1):
+        member = np.argwhere(labels[cells] == label) + np.array([cells[0].start, cells[1].start])
+        length = _extent(member) * cell
+        if length < LEAST:
+            continue
+        mine = np.flatnonzero(owner == label)
+        chosen = _first_in_sight(states, near[mine], ends[mine], cost[mine])
+        if chosen is None:
+            continue
+        at, end = near[mine[chosen]], ends[mine[chosen]]
+        place = corner + (at[::-1] + 0.5) * cell
+        heading = atan2(float(end[0] - at[0]), float(end[1] - at[1]))
+        found.append(
+            Frontier(
+                points=corner + (member[:, ::-1] + 0.5) * cell,
+                length=length,
+                view=Pose2(float(place[0]), float(place[1]), heading),
+                way=float(ways[at[0], at[1]]) * cell,
+            )
+        )
+    return tuple(sorted(found, key=lambda frontier: frontier.cost))
+
+
+def _ways(states: NDArray[np.uint8], at: Float, radius: float, begin: float) -> Float | None:
+    """Return the ways from a place to all cells where a robot can turn, `None` if it is at none.
+
+    Args:
+        states: Of the cells, shape (H, W); those at the edges are unknown.
+        at: The place [cells], x and y.
+        radius: [cells].
+        begin: The robot may be farther than that from the nearest of these by so much [cells].
+    """
+    clear = ndimage.distance_transform_edt(states != OCCUPIED)
+    free = (states == FREE) & (clear > radius)
+    cells = np.argwhere(free)
+    if not len(cells):
+        return None
+    away = np.hypot(cells[:, 1] + 0.5 - at[0], cells[:, 0] + 0.5 - at[1])
+    nearest = int(away.argmin())
+    if away[nearest] > radius + begin:
+        return None
+    size, width = free.size, free.shape[1]
+    start = int(cells[nearest, 0]) * width + int(cells[nearest, 1])
+    out = np.full(size, inf)
+    queue, queued = np.empty(size, dtype=np.int64), np.zeros(size, dtype=np.bool_)
+    fast(ways_from, CACHE)(free, start, queue, queued, out)
+    return out.reshape(free.shape)
+
+
+def _extent(cells: Int) -> float:
+    """Return the diagonal of the box around cells [cells]."""
+    sides = cells.max(axis=0) - cells.min(axis=0) + 1
+    return float(np.hypot(*sides))
+
+
+def _first_in_sight(states: NDArray[np.uint8], places: Int, ends: Int, cost: Float) -> int | None:
+    """Return the number of the cheapest place that sees its end, if there is one."""
+    for number in np.argsort(cost)[:200].tolist():
+        steps = ceil(2 * float(np.abs(ends[number] - places[number]).max())) + 1
+        share = np.linspace(0.0, 1.0, steps)[:, None]
+        line = np.rint(places[number] + share * (ends[number] - places[number])).astype(np.int64)
+        if not (states[line[:, 0], line[:, 1]] == OCCUPIED).any():
+            return int(number)
+    return None
