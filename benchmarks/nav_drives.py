@@ -195,7 +195,8 @@ class _Driver:
     def __init__(self, world: World, body: Body, places: Places, rng: np.random.Generator) -> None:
         self._world, self._body, self._places, self._rng = world, body, places, rng
         self._way, self._at = np.empty((0, 2)), 0
-        self._waited = 0
+        self._waited = self._stuck = self._backing = 0
+        self._before: Pose2 | None = None
 
     def steer(self) -> None:
         """Head for a point of the way; turn on the spot where it lies aside."""
@@ -211,7 +212,16 @@ class _Driver:
         self._waited = self._waited + 1 if self._blocked(here) else 0
         if self._waited:
             speed = 0.0
-        if self._waited % PATIENCE == PATIENCE - 1:
+        moved = (self._before.inverse() @ here) if self._before else here
+        self._before = here
+        still = abs(moved.x) + abs(moved.y) + abs(moved.theta) < 1e-4 and not self._waited
+        self._stuck = self._stuck + 1 if still else 0
+        if self._stuck > PATIENCE:
+            self._backing = PATIENCE
+        if self._backing:
+            self._backing -= 1
+            speed, turn = -SPEED / 2, 0.0
+        if self._waited % PATIENCE == PATIENCE - 1 or self._backing == 1:
             self._way = np.empty((0, 2))
         body.drive.linear.go(speed)
         body.drive.angular.go(min(max(2.0 * turn, -TURN_RATE), TURN_RATE))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.frames import Edge, Survey
 from pioneer3.nav.graph import optimized
-from pioneer3.nav.matching import Match, Prior, Submap, rotation
+from pioneer3.nav.matching import Cloud, Match, Prior, Submap, rotation
 
 Float = NDArray[np.float64]
 
@@ -33,6 +33,8 @@ TURN_DRIFT, TURN_START, MOST_TURN = 0.002, 0.06, 0.35
 """The same of its heading [rad/m, rad, rad]."""
 SEEN = 3.0
 """Places are the same if what is seen from them lies so close together [m]."""
+SEARCHED = 180
+"""Points of a search, of all that there are."""
 WORTH = 0.4
 """A search that finds less than this is not worth a match."""
 INLIERS, RATIO = 0.65, 0.05
@@ -142,14 +144,17 @@ class _Search:
         best = sorted((float(off[part].min()), int(part[off[part].argmin()])) for part in passes)
         yield from (old for _, old in best[:ASKED])
 
-    def _query(self, number: int) -> Float:
+    def _query(self, number: int) -> Cloud:
         """Return the points of the last key frames in the frame of the robot at one."""
         here = self._poses[number].inverse()
         numbers = range(number - POOLED + 1, number + 1)
         clouds = [self._frames[k].cloud.moved(here @ self._poses[k]) for k in numbers]
-        return np.concatenate([cloud.points for cloud in clouds])
+        return Cloud(
+            np.concatenate([cloud.points for cloud in clouds]),
+            np.concatenate([cloud.normals for cloud in clouds]),
+        )
 
-    def _close(self, old: int, number: int, query: Float, drift: float) -> Edge | None:
+    def _close(self, old: int, number: int, query: Cloud, drift: float) -> Edge | None:
         """Return the loop from an old key frame to a new one, if there is one."""
         here = self._poses[old].inverse()
         numbers = range(max(0, old - AROUND), min(number - RECENT, old + AROUND) + 1)
@@ -159,7 +164,7 @@ class _Search:
         guess = here @ self._poses[number]
         since = self._ways[number] - self._closed
         turn = min(MOST_TURN, TURN_START + TURN_DRIFT * since)
-        sparse = np.ascontiguousarray(query[:: max(1, len(query) // 180)])
+        sparse = np.ascontiguousarray(query.points[:: max(1, len(query.points) // SEARCHED)])
         found, worth = submap.search(sparse, guess, drift, turn)
         if worth < WORTH:
             return None

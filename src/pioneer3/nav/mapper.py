@@ -162,7 +162,7 @@ class Mapper:
         way, turn = SIGMAS * way, SIGMAS * turn
         if way > WIDE or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
-        match = self._match = self._submap.match(cloud.points, guess, prior)
+        match = self._match = self._submap.match(cloud, guess, prior)
         if match.inliers < TRACKED:
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
@@ -177,7 +177,7 @@ class Mapper:
         said = self._here
         guess, _ = self._submap.search(cloud.points, said, BEGIN, BEGIN_TURN)
         prior = Prior(said, UNKNOWN)
-        match = self._match = self._submap.match(cloud.points, guess, prior)
+        match = self._match = self._submap.match(cloud, guess, prior)
         if match.inliers < FOUND:
             match = Match(pose=said, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose

@@ -140,7 +140,7 @@ class Submap:
         self._targets = np.concatenate([points, normals[straight]], axis=1)[order]
         self._rasters: tuple[Float, Bytes, Bytes] | None = None
 
-    def match(self, points: Float, guess: Pose2, prior: Prior) -> Match:
+    def match(self, cloud: Cloud, guess: Pose2, prior: Prior) -> Match:
         """Return where a scan fits near `guess`."""
         pose = np.array([guess.x, guess.y, guess.theta])
         mean = prior.pose
@@ -152,7 +152,7 @@ class Submap:
             self._targets,
             self._grid,
             self._shape,
-            points,
+            np.concatenate([cloud.points, cloud.normals], axis=1),
             pose,
             np.array([mean.x, mean.y, theta]),
             prior.information,

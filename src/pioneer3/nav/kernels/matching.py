@@ -37,20 +37,34 @@ def sort_into(cells: Int, starts: Int, order: Int) -> None:
 
 @inlined
 def nearest(
-    starts: Int, targets: Float, grid: Float, shape: Int, x: float, y: float, reach: float
+    starts: Int,
+    targets: Float,
+    grid: Float,
+    shape: Int,
+    x: float,
+    y: float,
+    nx: float,
+    ny: float,
+    reach: float,
 ) -> int:
     """Return the number of the nearest target within `reach` [m], -1 if there is none.
+
+    Both sides of a thin wall are near each other: the normals must not differ by more than 60
+    degrees.
 
     Args:
         starts: Of the targets by cell, as of :func:`sort_into`.
         targets: x, y and normal, sorted by cell, shape (N, 4).
         grid: Left and lower edge, and side of a cell [m].
         shape: Rows and columns.
-        x: Of the place [m].
-        y: Of the place [m].
+        x: Of the point [m].
+        y: Of the point [m].
+        nx: Of the normal there; both are 0 where it is not known.
+        ny: Of the normal.
         reach: [m].
     """
     cell, found, best = grid[2], -1, reach * reach
+    least = 0.5 if nx != 0.0 or ny != 0.0 else -1.0
     u, v = (x - grid[0]) / cell, (y - grid[1]) / cell
     column, row, ring = floor(u), floor(v), 0
     # to the nearest edge of the cell
@@ -65,7 +79,7 @@ def nearest(
                     for k in range(starts[at], starts[at + 1]):
                         dx, dy = targets[k, 0] - x, targets[k, 1] - y
                         off = dx * dx + dy * dy
-                        if off < best:
+                        if off < best and targets[k, 2] * nx + targets[k, 3] * ny >= least:
                             best = off
                             found = k
                 c += 1 if edge or ring == 0 else 2 * ring
@@ -125,7 +139,7 @@ def align(
         targets: See :func:`nearest`.
         grid: See :func:`nearest`.
         shape: See :func:`nearest`.
-        points: Of the scan [m], in the robot's frame, shape (M, 2).
+        points: Of the scan and its normals, in the robot's frame, shape (M, 4).
         pose: Of the robot [m, m, rad], shape (3,); the guess before, the result after.
         expected: The pose by odometry.
         prior: Information of that.
@@ -153,7 +167,9 @@ def align(
                 px = c * points[i, 0] - s * points[i, 1]
                 py = s * points[i, 0] + c * points[i, 1]
                 x, y = px + pose[0], py + pose[1]
-                k = nearest(starts, targets, grid, shape, x, y, radius)
+                nx = c * points[i, 2] - s * points[i, 3]
+                ny = s * points[i, 2] + c * points[i, 3]
+                k = nearest(starts, targets, grid, shape, x, y, nx, ny, radius)
                 if k < 0:
                     continue
                 nx, ny = targets[k, 2], targets[k, 3]
