@@ -28,6 +28,8 @@ RECENT = 30
 SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
 """Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per
 way, that of wheels one of which is 2 % larger [rad/m]."""
+LEVER = 0.08
+"""The place of a laser, and of the middle of a turn, are not known better than this [m]."""
 STILL, STILL_TURN = 0.007, 0.01
 """Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
 SIGMAS = 2.5
@@ -36,8 +38,11 @@ WIDE, WIDE_TURN = 0.12, 0.1
 """Where a scan may lie farther off than this [m, rad], matching needs a search before it."""
 BEGIN, BEGIN_TURN = 1.0, 0.5
 """A map is continued from within this of where the robot is said to be [m, rad]."""
-TRACKED, FOUND = 0.3, 0.5
-"""Fewer inliers mean that a scan does not fit, and that the place to continue from is not found."""
+TRACKED, SURE, NEAR = 0.1, 0.4, 16.0
+"""With fewer inliers a scan does not fit. Around a corner little of it was seen before: unless there
+are more, its pose is not to be farther from odometry's than this [squared sigmas]."""
+FOUND = 0.5
+"""Fewer inliers mean that the place to continue from is not found."""
 UNKNOWN = np.diag([1.0, 1.0, 10.0])
 """Information of the way to a place that was not found."""
 
@@ -154,16 +159,20 @@ class Mapper:
     def _track(self, beams: Beams, cloud: Cloud, odom_of_scan: Pose2) -> None:
         """Find the robot where odometry leads to from the last key frame and scan."""
         key = self._survey.frames[-1]
-        sigma, sigma_theta = _slip(self._way - key.way, self._turn - key.turn)
         odometry = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
-        prior = Prior.around(self._survey.poses[-1] @ odometry, sigma, sigma_theta)
-        guess = self._here @ (odom_of_scan.inverse() @ beams.robot_in_odom)
-        way, turn = _slip(self._way - self._way_of_scan, self._turn - self._turn_of_scan)
-        way, turn = SIGMAS * way, SIGMAS * turn
+        prior = _expected(
+            self._survey.poses[-1], odometry, self._way - key.way, self._turn - key.turn
+        )
+        odometry = odom_of_scan.inverse() @ beams.robot_in_odom
+        guess = self._here @ odometry
+        sigma, sigma_theta = _slip(self._way - self._way_of_scan, self._turn - self._turn_of_scan)
+        aside = hypot(odometry.x, odometry.y) * sigma_theta
+        way, turn = SIGMAS * (sigma + aside / 2), SIGMAS * sigma_theta
         if way > WIDE or turn > WIDE_TURN:
             guess, _ = self._submap.search(cloud.points, guess, way, turn)
         match = self._match = self._submap.match(cloud, guess, prior)
-        if match.inliers < TRACKED:
+        least = SURE if prior.squared_error(match.pose) > NEAR else TRACKED
+        if match.inliers < least:
             match = Match(pose=prior.pose, information=np.zeros((3, 3)), inliers=match.inliers)
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
@@ -203,6 +212,22 @@ class Mapper:
         )
 
 
+def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
+    """Return where odometry leads to.
+
+    An error of the heading that arises somewhere on the way puts the robot aside of its end, by
+    between none and all of it, and half of it if it arises evenly.
+    """
+    sigma, sigma_theta = _slip(way, turn)
+    end = begin @ odometry
+    aside = np.array([begin.y - end.y, end.x - begin.x])
+    even = sigma_theta * np.array([*(aside / 2), 1.0])
+    covariance = np.outer(even, even)
+    covariance[:2, :2] += np.outer(aside, aside) * sigma_theta**2 / 12
+    covariance += np.diag([sigma**2, sigma**2, 0.0])
+    return Prior(end, np.linalg.inv(covariance))
+
+
 def _slip(way: float, turn: float) -> tuple[float, float]:
     """Return the standard deviations of odometry [m, rad] after a way and a turn."""
-    return STILL + SLIP * way, STILL_TURN + TURN_SLIP * turn + BEND * way
+    return STILL + SLIP * way + LEVER * turn, STILL_TURN + TURN_SLIP * turn + BEND * way

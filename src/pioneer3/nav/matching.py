@@ -117,6 +117,12 @@ class Prior:
         """Return a prior with standard deviations [m, rad]."""
         return cls(pose, np.diag([sigma**-2, sigma**-2, sigma_theta**-2]))
 
+    def squared_error(self, pose: Pose2) -> float:
+        """Return how far a pose is from the expected one [squared sigmas]."""
+        mean = self.pose
+        off = np.array([pose.x - mean.x, pose.y - mean.y, wrap(pose.theta - mean.theta)])
+        return float(off @ self.information @ off)
+
 
 class Submap:
     """The points of some scans, to match others against.

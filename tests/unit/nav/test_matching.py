@@ -197,7 +197,7 @@ def test_compiled_and_plain_kernels_agree() -> None:
 
 def test_normals_point_to_the_laser_along_the_nearest_wall() -> None:
     cloud = cloud_at(Pose2(2.5, 2.5, 0.0))
-    middle = cloud.points + (2.5, 2.5)
+    middle = cloud.points + np.array([2.5, 2.5])
     left = (np.abs(middle[:, 0]) < 1e-6) & (np.abs(middle[:, 1] - 4.5) < 2.0)
     assert left.sum() > 10
     assert cloud.normals[left] == pytest.approx(np.tile([1.0, 0.0], (left.sum(), 1)), abs=1e-3)
