@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, OccupancyGrid
 from pioneer3.maps.grid import samples
-from pioneer3.maps.line_map import OCCUPIED
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.field import DistanceField
 from pioneer3.nav.matching import lines_at, rotation
+from pioneer3.nav.rendering import line_map_of
 
 Float = NDArray[np.float64]
 
@@ -104,8 +104,8 @@ class WallShares:
     """How well the walls of a map agree with the true ones [%].
 
     Attributes:
-        found: True walls that were seen and are on the map, within 5 cm.
-        false_5: Cells of walls farther than 5 cm from any true wall.
+        found: True walls that were seen and are within 5 cm of one on the map.
+        false_5: Walls of the map farther than 5 cm from any true wall.
         false_10: The same with 10 cm.
     """
 
@@ -123,13 +123,11 @@ def wall_shares(grid: OccupancyGrid, align: Alignment, truth: LineMap, echoes: F
         truth: The true walls.
         echoes: The ends of beams, as the map has them [m], shape (N, 2).
     """
-    cells = np.argwhere(grid.states == OCCUPIED)[:, ::-1] + 0.5
-    corner = np.array([grid.origin.x, grid.origin.y])
-    middles = align((cells * grid.resolution + corner).astype(np.float64))
-    off = DistanceField.of(truth.walls, truth.bounds, SAMPLE, 0.3).at(middles)
+    drawn = align(samples(line_map_of(grid, truth.name).walls, SAMPLE / 2))
+    off = DistanceField.of(truth.walls, truth.bounds, SAMPLE, 0.3).at(drawn)
     true = samples(truth.walls, SAMPLE)
     times = cKDTree(align(echoes)).query_ball_point(true, SEEN, return_length=True)
-    missed = cKDTree(middles).query(true[times >= SEEN_TIMES])[0]
+    missed = cKDTree(drawn).query(true[times >= SEEN_TIMES])[0]
     return WallShares(
         found=100 * float((missed <= 0.05).mean()),
         false_5=100 * float((off > 0.05).mean()),

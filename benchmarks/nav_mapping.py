@@ -5,17 +5,19 @@ Logs of real robots are compared with gmapping's poses, simulated drives with th
 
 import argparse
 import gzip
-import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import hypot
+from multiprocessing import Pool
 from time import process_time
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.nav_drives import HARD, SHARED, Conditions, drive, map_of
 from benchmarks.nav_judge import (
     Alignment,
+    WallShares,
     places_of,
     step_errors,
     trajectory_errors,
@@ -30,6 +32,8 @@ from pioneer3.nav.carmen import LoggedOdometry, read_carmen
 from pioneer3.nav.mapper import Mapper
 from pioneer3.nav.matching import rotation
 from pioneer3.nav.rendering import Renderer
+
+Float = NDArray[np.float64]
 
 LOGS = {"intel-research-lab": (0.10, 0.30), "freiburg-101": (0.06, 0.20)}
 """Bars of RMSE and the largest error [m]."""
@@ -135,48 +139,79 @@ def rows_of_log(name: str) -> Iterator[Row]:
     yield Row(f"{name}: of it in the tick, worst", max(run.live), "ms", 20.0)
 
 
-def rows_of_map(
-    name: str, conditions: Conditions, seconds: float, seeds: Iterable[int]
-) -> Iterator[Row]:
-    """Yield the figures of simulated drives in one map, if it is here: the worst of all seeds."""
-    line_map = map_of(name)
-    if line_map is None:
-        return
-    hard = conditions.people > 0
-    what = f"{name}, hard" if hard else f"{name}, {conditions.far:g} m"
-    rmse, most, found, false_5, false_10 = list[float](), list[float](), [], [], []
-    live, beside, draw = list[float](), list[float](), list[float]()
-    for seed in seeds:
-        print(f"\r{what}, seed {seed} ", end="", file=sys.stderr, flush=True)
-        run = _simulated(name, line_map, seconds, seed, conditions)
-        errors = trajectory_errors(run.poses, run.truth)
-        rmse.append(_rms(errors))
-        most.append(float(errors.max()))
-        live += run.live
-        beside += run.beside
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """A simulated drive.
+
+    Attributes:
+        name: Of the map.
+        conditions: Of the laser and the odometry.
+        seconds: How long.
+        seed: Of all chances.
+    """
+
+    name: str
+    conditions: Conditions
+    seconds: float
+    seed: int
+
+    def run(self) -> "Outcome | None":
+        """Return what came of it, `None` if the map is not here."""
+        line_map = map_of(self.name)
+        if line_map is None:
+            return None
+        run = _simulated(self.name, line_map, self.seconds, self.seed, self.conditions)
         began, renderer, survey = process_time(), Renderer(), run.mapper.survey
         renderer.update(survey)
-        draw.append(1000 * (process_time() - began))
+        draw = 1000 * (process_time() - began)
         echoes = [
             frame.beams.points @ rotation(pose.theta).T + (pose.x, pose.y)
             for frame, pose in zip(survey.frames, survey.poses, strict=True)
         ]
         align = Alignment.of(places_of(run.poses), places_of(run.truth))
-        shares = wall_shares(renderer.grid, align, line_map, np.concatenate(echoes))
-        found.append(shares.found)
-        false_5.append(shares.false_5)
-        false_10.append(shares.false_10)
-    print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-    yield Row(f"{what}: RMSE, worst seed", 100 * max(rmse), "cm", 3.0 if hard else 2.0)
-    yield Row(f"{what}: largest error", 100 * max(most), "cm", None if hard else 5.0)
+        return Outcome(
+            errors=trajectory_errors(run.poses, run.truth),
+            walls=wall_shares(renderer.grid, align, line_map, np.concatenate(echoes)),
+            live=run.live,
+            beside=run.beside,
+            draw=draw,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What came of a trial: errors [m], walls, and processor times [ms]."""
+
+    errors: Float
+    walls: WallShares
+    live: list[float]
+    beside: list[float]
+    draw: float
+
+
+def rows_of_map(name: str, conditions: Conditions, outcomes: list[Outcome]) -> Iterator[Row]:
+    """Yield the figures of simulated drives in one map: the worst of all seeds."""
+    hard = conditions.people > 0
+    what = f"{name}, hard" if hard else f"{name}, {conditions.far:g} m"
+    live = [cost for outcome in outcomes for cost in outcome.live]
+    most = max(float(outcome.errors.max()) for outcome in outcomes)
+    walls = [outcome.walls for outcome in outcomes]
+    rmse = 100 * max(_rms(outcome.errors) for outcome in outcomes)
+    yield Row(f"{what}: RMSE, worst seed", rmse, "cm", 3.0 if hard else 2.0)
+    yield Row(f"{what}: largest error", 100 * most, "cm", None if hard else 5.0)
     bar = None if hard else FOUND.get(name, 93.0)
-    yield Row(f"{what}: walls found within 5 cm", min(found), "%", bar, more_is_better=True)
-    yield Row(f"{what}: false walls beyond 5 cm", max(false_5), "%", 5.0 if hard else 1.0)
-    yield Row(f"{what}: false walls beyond 10 cm", max(false_10), "%", 1.0)
+    found = min(one.found for one in walls)
+    yield Row(f"{what}: walls found within 5 cm", found, "%", bar, more_is_better=True)
+    false = max(one.false_5 for one in walls)
+    yield Row(f"{what}: false walls beyond 5 cm", false, "%", 5.0 if hard else 1.0)
+    false = max(one.false_10 for one in walls)
+    yield Row(f"{what}: false walls beyond 10 cm", false, "%", 1.0)
     yield Row(f"{what}: a scan in the tick, median", float(np.median(live)), "ms", 3.0)
     yield Row(f"{what}: a scan in the tick, worst", max(live), "ms", 20.0)
-    yield Row(f"{what}: loops and graph in a thread, worst", max(beside), "ms", None)
-    yield Row(f"{what}: drawn from the beginning", max(draw), "ms", None)
+    beside = max(max(outcome.beside) for outcome in outcomes)
+    yield Row(f"{what}: loops and graph in a thread, worst", beside, "ms", None)
+    draw = max(outcome.draw for outcome in outcomes)
+    yield Row(f"{what}: drawn from the beginning", draw, "ms", None)
 
 
 def _simulated(
@@ -191,7 +226,7 @@ def _simulated(
     return run
 
 
-def _rms(errors: np.typing.NDArray[np.float64]) -> float:
+def _rms(errors: Float) -> float:
     return float(np.sqrt((errors**2).mean()))
 
 
@@ -201,9 +236,22 @@ def rows(*, quick: bool = False) -> Iterator[Row]:
     for name in LOGS:
         yield from rows_of_log(name)
     seconds, seeds = (QUICK_SECONDS, QUICK_SEEDS) if quick else (SECONDS, SEEDS)
-    for name in MAPS:
-        for conditions in (*(Conditions(far=far) for far in RANGES), HARD):
-            yield from rows_of_map(name, conditions, seconds, range(1, seeds + 1))
+    groups = [
+        (name, conditions)
+        for name in MAPS
+        for conditions in (*(Conditions(far=far) for far in RANGES), HARD)
+    ]
+    trials = [
+        Trial(name=name, conditions=conditions, seconds=seconds, seed=seed)
+        for name, conditions in groups
+        for seed in range(1, seeds + 1)
+    ]
+    with Pool(initializer=warm_up) as pool:
+        found = pool.imap(Trial.run, trials)
+        for name, conditions in groups:
+            outcomes = [outcome for _ in range(seeds) if (outcome := next(found)) is not None]
+            if outcomes:
+                yield from rows_of_map(name, conditions, outcomes)
 
 
 def main() -> int:

@@ -39,8 +39,8 @@ WIDE, WIDE_TURN = 0.12, 0.1
 BEGIN, BEGIN_TURN = 1.0, 0.5
 """A map is continued from within this of where the robot is said to be [m, rad]."""
 TRACKED, SURE, NEAR = 0.1, 0.4, 16.0
-"""With fewer inliers a scan does not fit. Around a corner little of it was seen before: unless there
-are more, its pose is not to be farther from odometry's than this [squared sigmas]."""
+"""With fewer inliers a scan does not fit. Around a corner little of it was seen before: unless
+there are more, its pose is not to be farther from odometry's than this [squared sigmas]."""
 FOUND = 0.5
 """Fewer inliers mean that the place to continue from is not found."""
 UNKNOWN = np.diag([1.0, 1.0, 10.0])
@@ -225,7 +225,8 @@ def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
     covariance = np.outer(even, even)
     covariance[:2, :2] += np.outer(aside, aside) * sigma_theta**2 / 12
     covariance += np.diag([sigma**2, sigma**2, 0.0])
-    return Prior(end, np.linalg.inv(covariance))
+    information: Float = np.linalg.inv(covariance)
+    return Prior(end, information)
 
 
 def _slip(way: float, turn: float) -> tuple[float, float]:

@@ -8,23 +8,20 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.maps import Bounds, LineMap, OccupancyGrid
+from pioneer3.maps import LineMap, OccupancyGrid
 from pioneer3.maps.grid import raster_outline
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.frames import KeyFrame, Survey
+from pioneer3.nav.frames import Survey
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.rays import hit_cells, passed_cells
 from pioneer3.nav.matching import lines_at, rotation
-from pioneer3.nav.raster import Raster
 
 Float = NDArray[np.float64]
-Int = NDArray[np.int64]
-Counts = NDArray[np.int32]
 
-CELL = 0.05
-"""[m]."""
-HITS, SHARE = 2, 0.3
+CELL = 0.025
+"""[m]: the outlines of walls then lie within 5 cm of them."""
+HITS, SHARE = 2, 0.2
 """A cell is a wall where so many scans end, and this share of those that pass or end there: people
 who walked by were in a cell for a scan or two, and light passes it before and after."""
 CLEAR = 8.0
@@ -84,28 +81,25 @@ class Renderer:
     """
 
     def __init__(self, cell: float = CELL) -> None:
-        self._raster = Raster(x=0.0, y=0.0, cell=cell, height=0, width=0)
-        self._hits, self._misses = (np.zeros((0, 0), dtype=np.int32) for _ in range(2))
-        self._seen = np.zeros((0, 0), dtype=np.int32)
+        self._cell = cell
+        self._corner = np.zeros(2, dtype=np.int64)
+        self._hits, self._misses, self._seen = (np.zeros((0, 0), dtype=np.int32) for _ in range(3))
         self._number = 0
-        self._frames: list[KeyFrame] = []
         self._strokes: list[_Strokes] = []
-        self._drawn: list[tuple[Int, Int] | None] = []
         self._poses: list[Pose2] = []
 
     def update(self, survey: Survey) -> None:
         """Draw the key frames that are new, and those that have moved, anew."""
         for number, (frame, pose) in enumerate(zip(survey.frames, survey.poses, strict=True)):
-            if number == len(self._frames):
-                self._frames.append(frame)
+            if number == len(self._poses):
                 self._strokes.append(_Strokes.of(frame.beams))
                 self._poses.append(pose)
-                self._drawn.append(None)
             elif _is_near(self._poses[number], pose):
                 continue
-            self._erase(number)
-            self._poses[number] = pose
-            self._draw(number)
+            else:
+                self._count(self._strokes[number], self._poses[number], -1)
+                self._poses[number] = pose
+            self._count(self._strokes[number], pose, 1)
 
     @property
     def grid(self) -> OccupancyGrid:
@@ -117,74 +111,58 @@ class Renderer:
         known = np.argwhere(states != UNKNOWN)
         if not len(known):
             nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)
-            return OccupancyGrid(states=nothing, resolution=self._raster.cell, origin=Pose2())
+            return OccupancyGrid(states=nothing, resolution=self._cell, origin=Pose2())
         low, high = known.min(axis=0), known.max(axis=0) + 1
-        cell, raster = self._raster.cell, self._raster
+        row, column = (self._corner + low).tolist()
         return OccupancyGrid(
             states=states[low[0] : high[0], low[1] : high[1]],
-            resolution=cell,
-            origin=Pose2(raster.x + cell * int(low[1]), raster.y + cell * int(low[0])),
+            resolution=self._cell,
+            origin=Pose2(self._cell * column, self._cell * row),
         )
 
-    def _draw(self, number: int) -> None:
-        strokes, pose = self._strokes[number], self._poses[number]
-        turn, at = rotation(pose.theta).T, (pose.x, pose.y)
-        points, ends = strokes.points @ turn + at, strokes.ends @ turn + at
-        origin = strokes.origin @ turn + at
+    def _count(self, strokes: _Strokes, pose: Pose2, sign: int) -> None:
+        """Add a scan to the counts of cells, or take it out of them."""
+        turn = rotation(pose.theta).T
+        points, ends, origin = (
+            (part @ turn + np.array([pose.x, pose.y])) / self._cell
+            for part in (strokes.points, strokes.ends, strokes.origin)
+        )
         self._make_room(np.concatenate([points, ends, origin[None]]))
-        raster, lines = self._raster, strokes.lines.copy()
+        lines, bridge = strokes.lines.copy(), BRIDGE / self._cell
         lines[:, :2] = lines[:, :2] @ turn
         self._number += 1
-        apart = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
-        most = len(points) + 2 * ceil(float(apart[apart < BRIDGE].sum()) / raster.cell)
-        hits = np.empty(most, dtype=np.int64)
+        apart = np.hypot(*np.diff(points, axis=0).T)
+        hits = np.empty(len(points) + 2 * ceil(apart[apart <= bridge].sum()), dtype=np.int64)
         count = fast(hit_cells, CACHE)(
-            raster.in_cells(points), lines, BRIDGE / raster.cell, self._seen, self._number, hits
+            points, lines, bridge, self._seen, self._corner, self._number, hits
         )
-        hits = hits[:count].copy()
-        away = np.abs(raster.in_cells(ends) - raster.in_cells(origin)).sum(axis=1)
-        passed = np.empty(int(away.sum()) + 3 * len(ends), dtype=np.int64)
+        self._hits.ravel()[hits[:count]] += sign
+        most = int(np.abs(ends - origin).sum()) + 3 * len(ends)
+        passed = np.empty(most, dtype=np.int64)
         count = fast(passed_cells, CACHE)(
-            raster.in_cells(origin), raster.in_cells(ends), self._seen, self._number, passed
+            origin, ends, self._seen, self._corner, self._number, passed
         )
-        passed = passed[:count].copy()
-        self._hits.ravel()[hits] += 1
-        self._misses.ravel()[passed] += 1
-        self._drawn[number] = hits, passed
-
-    def _erase(self, number: int) -> None:
-        drawn = self._drawn[number]
-        if drawn is not None:
-            self._hits.ravel()[drawn[0]] -= 1
-            self._misses.ravel()[drawn[1]] -= 1
-            self._drawn[number] = None
+        self._misses.ravel()[passed[:count]] += sign
 
     def _make_room(self, points: Float) -> None:
-        """Make the raster larger where points lie outside of it."""
-        low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()
-        old, cell = self._raster, self._raster.cell
-        if old.height:
-            right, top = old.x + old.width * cell, old.y + old.height * cell
-            inside = old.x <= low[0] and old.y <= low[1] and high[0] < right and high[1] < top
-            if inside:
+        """Add cells where points [cells] lie outside of those that there are."""
+        low = np.floor(points.min(axis=0)).astype(np.int64)[::-1]
+        high = np.floor(points.max(axis=0)).astype(np.int64)[::-1] + 1
+        old, shape, spare = self._corner, np.array(self._hits.shape), ceil(SPARE / self._cell)
+        if shape.all():
+            if (low >= old).all() and (high <= old + shape).all():
                 return
-            low = min(old.x + SPARE, low[0]), min(old.y + SPARE, low[1])
-            high = max(right - SPARE, high[0]), max(top - SPARE, high[1])
-        self._raster = new = Raster.around(Bounds(*low, *high), cell, SPARE)
-        row, column = round((old.y - new.y) / cell), round((old.x - new.x) / cell)
-        room = slice(row, row + old.height), slice(column, column + old.width)
-        for name in ("_hits", "_misses", "_seen"):
-            larger = np.zeros(new.shape, dtype=np.int32)
-            if old.height:
-                larger[room] = getattr(self, name)
-            setattr(self, name, larger)
-        for number, drawn in enumerate(self._drawn):
-            if drawn is not None:
-                hits, passed = (
-                    (cells // old.width + row) * new.width + cells % old.width + column
-                    for cells in drawn
-                )
-                self._drawn[number] = hits, passed
+            low = np.where(low < old, low - spare, old)
+            high = np.where(high > old + shape, high + spare, old + shape)
+        row, column = (old - low).tolist()
+        room = slice(row, row + int(shape[0])), slice(column, column + int(shape[1]))
+        self._corner = low
+        larger = []
+        for counts in (self._hits, self._misses, self._seen):
+            larger.append(np.zeros((high - low).tolist(), dtype=np.int32))
+            if shape.all():
+                larger[-1][room] = counts
+        self._hits, self._misses, self._seen = larger
 
 
 def render(survey: Survey, cell: float = CELL) -> OccupancyGrid:

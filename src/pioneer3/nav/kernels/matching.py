@@ -84,7 +84,7 @@ def nearest(
                             found = k
                 c += 1 if edge or ring == 0 else 2 * ring
         beyond = inner + ring * cell
-        if beyond * beyond >= best:
+        if not beyond * beyond < best:  # and so where the place is not a number
             return found
         ring += 1
 
@@ -93,17 +93,17 @@ def nearest(
 def solve3(a: Float, b: Float, out: Float) -> bool:
     """Fill `out` with the solution of a symmetric system of three by Cholesky's method."""
     l00 = a[0, 0]
-    if l00 <= 0.0:
+    if not l00 > 0.0:
         return False
     l00 = sqrt(l00)
     l10, l20 = a[1, 0] / l00, a[2, 0] / l00
     l11 = a[1, 1] - l10 * l10
-    if l11 <= 0.0:
+    if not l11 > 0.0:
         return False
     l11 = sqrt(l11)
     l21 = (a[2, 1] - l20 * l10) / l11
     l22 = a[2, 2] - l20 * l20 - l21 * l21
-    if l22 <= 0.0:
+    if not l22 > 0.0:
         return False
     l22 = sqrt(l22)
     y0 = b[0] / l00

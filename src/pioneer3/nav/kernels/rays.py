@@ -14,10 +14,10 @@ Counts = NDArray[np.int32]
 
 
 @inlined
-def mark(seen: Counts, number: int, x: float, y: float, out: Int, count: int) -> int:
+def mark(seen: Counts, corner: Int, number: int, x: float, y: float, out: Int, count: int) -> int:
     """Note the cell of a point, in cells, unless it was noted in this scan; return their number."""
     height, width = seen.shape
-    column, row = floor(x), floor(y)
+    row, column = floor(y) - corner[0], floor(x) - corner[1]
     if not (0 <= column < width and 0 <= row < height) or seen[row, column] == number:
         return count
     seen[row, column] = number
@@ -27,7 +27,7 @@ def mark(seen: Counts, number: int, x: float, y: float, out: Int, count: int) ->
 
 @kernel
 def hit_cells(
-    points: Float, lines: Float, bridge: float, seen: Counts, number: int, out: Int
+    points: Float, lines: Float, bridge: float, seen: Counts, corner: Int, number: int, out: Int
 ) -> int:
     """Fill `out` with the cells in which a scan ended, each once; return how many.
 
@@ -38,13 +38,14 @@ def hit_cells(
         lines: Normals at the points, zeros where there is none, shape (N, 3).
         bridge: Neighbours farther apart than this [cells] are of two things.
         seen: A number for each cell, shape (H, W).
+        corner: Row and column of the first of these.
         number: Is written into the cells found; larger than any before.
         out: Shape (K,), long enough.
     """
     count = 0
     for i in range(len(points)):
         x, y = points[i, 0], points[i, 1]
-        count = mark(seen, number, x, y, out, count)
+        count = mark(seen, corner, number, x, y, out, count)
         if i + 1 == len(points):
             continue
         if lines[i, 0] * lines[i + 1, 0] + lines[i, 1] * lines[i + 1, 1] < 0.9:
@@ -57,18 +58,21 @@ def hit_cells(
         steps = floor(2 * apart)
         for k in range(1, steps + 1):
             share = k / (steps + 1)
-            count = mark(seen, number, x + share * dx, y + share * dy, out, count)
+            count = mark(seen, corner, number, x + share * dx, y + share * dy, out, count)
     return count
 
 
 @kernel
-def passed_cells(origin: Float, ends: Float, seen: Counts, number: int, out: Int) -> int:
+def passed_cells(
+    origin: Float, ends: Float, seen: Counts, corner: Int, number: int, out: Int
+) -> int:
     """Fill `out` with the cells that rays pass, without those seen already; return how many.
 
     Args:
         origin: Of the rays [cells], shape (2,).
         ends: Of each [cells], shape (N, 2).
         seen: A number for each cell, shape (H, W); cells that have `number` are left out.
+        corner: Row and column of the first of these.
         number: Is written into the cells found.
         out: Shape (H * W,).
     """
@@ -85,7 +89,7 @@ def passed_cells(origin: Float, ends: Float, seen: Counts, number: int, out: Int
         next_x = per_x * (column + 1 - x if dx > 0 else x - column)
         next_y = per_y * (row + 1 - y if dy > 0 else y - row)
         for _ in range(steps + 1):
-            count = mark(seen, number, column + 0.5, row + 0.5, out, count)
+            count = mark(seen, corner, number, column + 0.5, row + 0.5, out, count)
             if next_x < next_y:
                 next_x += per_x
                 column += step_x
