@@ -230,12 +230,11 @@ def _rms(errors: Float) -> float:
     return float(np.sqrt((errors**2).mean()))
 
 
-def rows(*, quick: bool = False) -> Iterator[Row]:
+def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
     """Yield all figures."""
     warm_up()
     for name in LOGS:
         yield from rows_of_log(name)
-    seconds, seeds = (QUICK_SECONDS, QUICK_SEEDS) if quick else (SECONDS, SEEDS)
     groups = [
         (name, conditions)
         for name in MAPS
@@ -258,8 +257,9 @@ def main() -> int:
     """Print the table; return 1 if a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one short drive on each map")
-    missed = 0
-    for row in rows(quick=parser.parse_args().quick):
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="of each drive")
+    given, missed = parser.parse_args(), 0
+    for row in rows(QUICK_SECONDS, QUICK_SEEDS) if given.quick else rows(given.seconds):
         print(row, flush=True)
         missed += not row.met
     return int(missed > 0)

@@ -28,7 +28,7 @@ RECENT = 30
 SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
 """Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per
 way, that of wheels one of which is 2 % larger [rad/m]."""
-LEVER = 0.08
+LEVER = 0.04
 """The place of a laser, and of the middle of a turn, are not known better than this [m]."""
 STILL, STILL_TURN = 0.007, 0.01
 """Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""
@@ -165,7 +165,11 @@ class Mapper:
         )
         odometry = odom_of_scan.inverse() @ beams.robot_in_odom
         guess = self._here @ odometry
-        sigma, sigma_theta = _slip(self._way - self._way_of_scan, self._turn - self._turn_of_scan)
+        way, turn = self._way - self._way_of_scan, self._turn - self._turn_of_scan
+        if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
+            # nothing that walks along with the robot is to take it with it in small steps
+            prior = prior.joined(_expected(self._here, odometry, way, turn))
+        sigma, sigma_theta = _slip(way, turn)
         aside = hypot(odometry.x, odometry.y) * sigma_theta
         way, turn = SIGMAS * (sigma + aside / 2), SIGMAS * sigma_theta
         if way > WIDE or turn > WIDE_TURN:
@@ -225,8 +229,7 @@ def _expected(begin: Pose2, odometry: Pose2, way: float, turn: float) -> Prior:
     covariance = np.outer(even, even)
     covariance[:2, :2] += np.outer(aside, aside) * sigma_theta**2 / 12
     covariance += np.diag([sigma**2, sigma**2, 0.0])
-    information: Float = np.linalg.inv(covariance)
-    return Prior(end, information)
+    return Prior(end, np.linalg.inv(covariance).astype(np.float64))
 
 
 def _slip(way: float, turn: float) -> tuple[float, float]:

@@ -117,6 +117,20 @@ class Prior:
         """Return a prior with standard deviations [m, rad]."""
         return cls(pose, np.diag([sigma**-2, sigma**-2, sigma_theta**-2]))
 
+    def joined(self, other: Self) -> Self:
+        """Return what both say together."""
+        both = self.information + other.information
+        off = np.array(
+            [
+                other.pose.x - self.pose.x,
+                other.pose.y - self.pose.y,
+                wrap(other.pose.theta - self.pose.theta),
+            ]
+        )
+        x, y, theta = np.linalg.solve(both, other.information @ off).tolist()
+        pose = Pose2(self.pose.x + x, self.pose.y + y, wrap(self.pose.theta + theta))
+        return type(self)(pose, both)
+
     def squared_error(self, pose: Pose2) -> float:
         """Return how far a pose is from the expected one [squared sigmas]."""
         mean = self.pose
