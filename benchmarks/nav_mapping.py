@@ -29,7 +29,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.nav.beams import Beams, beams_of
 from pioneer3.nav.carmen import LoggedOdometry, read_carmen
-from pioneer3.nav.mapper import Mapper
+from pioneer3.nav.mapper import Mapper, prepare
 from pioneer3.nav.matching import rotation
 from pioneer3.nav.rendering import Renderer
 
@@ -88,14 +88,6 @@ class Run:
         """Of all scans, as they are known in the end."""
         poses = self.mapper.survey.poses
         return [poses[number] @ off for number, off in self._places]
-
-
-def warm_up() -> None:
-    """Compile the kernels, that nothing of it is measured."""
-    line_map = map_of("office")
-    if line_map is not None:
-        run = _simulated("office", line_map, 30.0, 0, Conditions())
-        Renderer().update(run.mapper.survey)
 
 
 def rows_of_log(name: str) -> Iterator[Row]:
@@ -232,7 +224,7 @@ def _rms(errors: Float) -> float:
 
 def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
     """Yield all figures."""
-    warm_up()
+    prepare()
     for name in LOGS:
         yield from rows_of_log(name)
     groups = [
@@ -245,7 +237,7 @@ def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
         for name, conditions in groups
         for seed in range(1, seeds + 1)
     ]
-    with Pool(initializer=warm_up) as pool:
+    with Pool(initializer=prepare) as pool:
         found = pool.imap(Trial.run, trials)
         for name, conditions in groups:
             outcomes = [outcome for _ in range(seeds) if (outcome := next(found)) is not None]

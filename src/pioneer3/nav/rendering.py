@@ -5,6 +5,7 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
@@ -35,6 +36,8 @@ THICK = 0.05
 """Rays are not taken to pass nearer than this before their walls [m]."""
 MOVED, MOVED_TURN = 0.01, 0.002
 """A scan is drawn anew where its pose has changed more than this [m, rad]."""
+GAP = 2
+"""What lies between two beams is free up to twice so many cells."""
 SPARE = 5.0
 """Space around the map, for it grows [m]."""
 
@@ -106,7 +109,9 @@ class Renderer:
         """The map as cells."""
         hits, total = self._hits, self._hits + self._misses
         states = np.full(hits.shape, UNKNOWN, dtype=np.uint8)
-        states[self._misses > 0] = FREE
+        free = self._misses > 0
+        closed = ndimage.binary_closing(np.pad(free, GAP), iterations=GAP)[GAP:-GAP, GAP:-GAP]
+        states[free | closed] = FREE
         states[(hits >= HITS) & (hits >= SHARE * total)] = OCCUPIED
         known = np.argwhere(states != UNKNOWN)
         if not len(known):

@@ -1,0 +1,131 @@
+"""Maps from scans."""
+
+from itertools import pairwise
+from math import hypot, pi
+
+import numpy as np
+import pytest
+
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.nav.mapper import RECENT, Mapper
+from tests.unit.nav.rooms import HALL, ROUND, look
+
+
+def drifting(number: int) -> Pose2:
+    """Return the odometry at a place of the way around: it turns too little, and bends."""
+    pose = ORIGIN
+    for before, after in pairwise(ROUND[: number + 1]):
+        step = before.inverse() @ after
+        pose @= Pose2(1.01 * step.x, step.y, 0.95 * step.theta + 0.004)
+    return pose
+
+
+def driven(*, improve: bool, rounds: int = 1) -> tuple[Mapper, list[float], list[Pose2]]:
+    """Return a mapper after laps around the block.
+
+    Returns:
+        The mapper, its errors on the way [m], and the true poses at its key frames.
+    """
+    rng, mapper, errors = np.random.default_rng(1), Mapper(ROUND[0]), list[float]()
+    kept = list[Pose2]()
+    odom_before_lap = ORIGIN
+    for lap in range(rounds):
+        for number, place in enumerate(ROUND[lap > 0 :], start=int(lap > 0)):
+            odometry = odom_before_lap @ drifting(number)
+            beams = look(HALL, place, odometry, noise=0.005, rng=rng, count=181)
+            here = mapper.add(beams)
+            errors.append(hypot(here.x - place.x, here.y - place.y))
+            kept += [place] * (len(mapper.survey.frames) - len(kept))
+            if improve:
+                mapper.apply(mapper.snapshot.improve())
+        odom_before_lap = odom_before_lap @ drifting(len(ROUND) - 1)
+        back = ROUND[-1].inverse() @ ROUND[0]
+        odom_before_lap @= back
+    return mapper, errors, kept
+
+
+def test_it_knows_where_the_robot_is_though_odometry_drifts() -> None:
+    mapper, errors, _ = driven(improve=False)
+    assert max(errors) < 0.05
+    odometry = ROUND[0] @ drifting(len(ROUND) - 1)
+    assert hypot(odometry.x - ROUND[-1].x, odometry.y - ROUND[-1].y) > 0.2
+    found = mapper.odom_in_map @ drifting(len(ROUND) - 1)
+    assert found.x == pytest.approx(mapper.robot_in_map.x)
+    assert mapper.inliers > 0.6
+
+
+def test_a_robot_that_stands_makes_no_key_frames() -> None:
+    mapper = Mapper()
+    for _ in range(5):
+        mapper.add(look(HALL, Pose2(2.0, 1.5)))
+    assert len(mapper.survey.frames) == 1
+
+
+def test_between_scans_the_robot_moves_as_odometry_says() -> None:
+    mapper = Mapper(Pose2(1.0, 2.0, pi / 2))
+    mapper.add(look(HALL, Pose2(2.0, 1.5), Pose2(5.0, 5.0, 0.0)))
+    mapper.move(Pose2(5.5, 5.0, 0.0))
+    assert mapper.robot_in_map.x == pytest.approx(1.0)
+    assert mapper.robot_in_map.y == pytest.approx(2.5)
+
+
+def test_loops_are_found_and_right() -> None:
+    mapper, errors, places = driven(improve=True, rounds=2)
+    loops = [edge for edge in mapper.survey.edges if edge.loop]
+    assert len(loops) >= 3
+    for edge in loops:
+        true = places[edge.first].inverse() @ places[edge.second]
+        off = true.inverse() @ edge.second_in_first
+        assert hypot(off.x, off.y) < 0.03
+    assert max(errors) < 0.05
+
+
+def test_what_was_added_while_a_thread_worked_moves_along() -> None:
+    mapper, _, _ = driven(improve=False)
+    snapshot, before = mapper.snapshot, mapper.survey.poses
+    mapper.add(look(HALL, Pose2(2.5, 1.5), drifting(len(ROUND) - 1) @ Pose2(0.5)))
+    added = len(mapper.survey.poses) - len(before)
+    improvement = snapshot.improve()
+    shift = Pose2(1.0, -2.0, 0.5)
+    moved = type(improvement)(
+        poses=tuple(shift @ pose for pose in improvement.poses),
+        edges=improvement.edges,
+        looked=improvement.looked,
+        waiting=improvement.waiting,
+        loops=improvement.loops,
+    )
+    here = mapper.robot_in_map
+    mapper.apply(moved)
+    assert added == 1
+    wanted = moved.poses[-1] @ before[-1].inverse() @ here
+    assert (mapper.robot_in_map.x, mapper.robot_in_map.y) == pytest.approx((wanted.x, wanted.y))
+    assert len(mapper.survey.poses) == len(before) + 1
+    assert mapper.survey.edges[-1].second == len(before)
+
+
+def test_a_saved_map_is_continued_from_another_place() -> None:
+    mapper, _, _ = driven(improve=True)
+    state = {name: array.copy() for name, array in mapper.state.items()}
+    again = Mapper.of(state, Pose2(6.3, 1.2, 0.2))
+    assert len(again.survey.frames) == len(mapper.survey.frames)
+    assert again.survey.poses == mapper.survey.poses
+    place = Pose2(6.0, 1.5, 0.0)
+    for number in range(RECENT + 20):
+        step = Pose2(0.1 * number)
+        true = place @ Pose2(min(step.x, 3.0))
+        here = again.add(look(HALL, true, Pose2(min(step.x, 3.0)), count=181))
+        assert hypot(here.x - true.x, here.y - true.y) < 0.05
+    assert len(again.survey.frames) > len(mapper.survey.frames)
+
+
+def test_a_state_survives_saving() -> None:
+    mapper, _, _ = driven(improve=True)
+    one, other = mapper.state, Mapper.of(mapper.state).state
+    assert one.keys() == other.keys()
+    for name, array in one.items():
+        assert array == pytest.approx(other[name]), name
+
+
+def test_an_empty_map_can_be_saved() -> None:
+    mapper = Mapper.of(Mapper().state)
+    assert mapper.add(look(HALL, Pose2(2.0, 1.5))) == ORIGIN
