@@ -48,7 +48,7 @@ MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
 """Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
 NOTHING = np.diag([1.0, 1.0, 10.0])
 """Information of a loop besides its points."""
-PLAIN, ROUNDS, SMALL = 2, 4, 2e-3
+PLAIN, ROUNDS, SMALL = 2, 3, 2e-3
 """Of the graph: the next loops go on where these rounds end."""
 FLOOR = np.diag([0.01, 0.01, 0.003]) ** 2
 """Errors of a match that its points do not show [m, m, rad]: motion in a scan, rough walls."""

@@ -28,7 +28,7 @@ RECENT = 30
 SLIP, TURN_SLIP, BEND = 0.03, 0.1, 0.05
 """Errors of odometry, sigma: of a way, of a turn, twice that of skid steering, and the turn per
 way, that of wheels one of which is 2 % larger [rad/m]."""
-LEVER = 0.04
+LEVER = 0.03
 """The place of a laser, and of the middle of a turn, are not known better than this [m]."""
 STILL, STILL_TURN = 0.007, 0.01
 """Errors of a stretch without a way: of the time of odometry, mostly [m, rad]."""

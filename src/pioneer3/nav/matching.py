@@ -224,10 +224,10 @@ class Submap:
         return grid, raster, pooled
 
 
-def lines_at(points: Float, origin: Float) -> Float:
+def lines_at(points: Float, origin: Float, rough: float = ROUGH) -> Float:
     """Return the lines through the points of a scan, see :func:`.kernels.normals.normals_of`."""
     lines = np.empty((len(points), 3))
-    fast(normals_of, CACHE)(points, origin, NEIGHBOURS, REACH, ROUGH, lines)
+    fast(normals_of, CACHE)(points, origin, NEIGHBOURS, REACH, rough, lines)
     return lines
 
 

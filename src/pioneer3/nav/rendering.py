@@ -34,6 +34,8 @@ BRIDGE = 0.3
 """Neighbouring points of one wall are joined if they are nearer than this [m]."""
 THICK = 0.05
 """Rays are not taken to pass nearer than this before their walls [m]."""
+ROUGH = 0.02
+"""Points that lie farther from a line [m, RMS] are drawn where they are: it is no straight wall."""
 MOVED, MOVED_TURN = 0.01, 0.002
 """A scan is drawn anew where its pose has changed more than this [m, rad]."""
 GAP = 2
@@ -62,7 +64,7 @@ class _Strokes:
     def of(cls, beams: Beams) -> "_Strokes":
         points = np.ascontiguousarray(beams.points)
         points = points[np.hypot(*(points - beams.origin).T) < FAR]
-        lines = lines_at(points, beams.origin)
+        lines = lines_at(points, beams.origin, ROUGH)
         points = points - lines[:, 2:] * lines[:, :2]
         ray = points - beams.origin
         length = np.maximum(np.hypot(*ray.T), 1e-9)
