@@ -6,6 +6,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import hypot
 from typing import Any, Self
 
@@ -229,7 +230,8 @@ def prepare() -> None:
         far=10.0,
     )
     mapper = Mapper()
-    mapper.add(beams)
+    for number in range(3):
+        mapper.add(replace(beams, robot_in_odom=Pose2(0.2 * number)))
     Mapper.of(mapper.state).add(beams)
 
 

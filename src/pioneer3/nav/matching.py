@@ -175,7 +175,7 @@ class Submap:
             np.concatenate([cloud.points, cloud.normals], axis=1),
             pose,
             np.array([mean.x, mean.y, theta]),
-            prior.information,
+            np.ascontiguousarray(prior.information),
             WIDTHS,
             TARGET_REACH,
             SIGMA,

@@ -270,7 +270,7 @@ def search(
                 for i in range(count):
                     row, column = cells[a, i, 0] + low, cells[a, i, 1] + left
                     if 0 <= row < height and 0 <= column < width:
-                        total += pooled[row, column]
+                        total += int(pooled[row, column])
                 bounds[(a * blocks + br) * blocks + bc] = total - penalty(
                     near_r, near_c, turns[a], limits
                 )
@@ -287,7 +287,7 @@ def search(
                 for i in range(count):
                     row, column = cells[a, i, 0] + dr, cells[a, i, 1] + dc
                     if 0 <= row < height and 0 <= column < width:
-                        total += raster[row, column]
+                        total += int(raster[row, column])
                 worth = total - penalty(dr, dc, turns[a], limits)
                 if worth > best:
                     best = worth
