@@ -8,7 +8,7 @@ import pytest
 
 from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.nav.mapper import RECENT, Mapper
-from tests.unit.nav.rooms import HALL, ROUND, look
+from tests.unit.nav.halls import HALL, ROUND, look
 
 
 def drifting(number: int) -> Pose2:

@@ -20,7 +20,7 @@ from pioneer3.nav.matching import (
     Submap,
     rotation,
 )
-from tests.unit.nav.rooms import HALL, look
+from tests.unit.nav.halls import HALL, look
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]

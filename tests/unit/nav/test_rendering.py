@@ -15,7 +15,7 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import KeyFrame, Survey
 from pioneer3.nav.matching import Cloud
 from pioneer3.nav.rendering import Renderer, line_map_of, render
-from tests.unit.nav.rooms import HALL, ROUND, look
+from tests.unit.nav.halls import HALL, ROUND, look
 
 Float = NDArray[np.float64]
 
