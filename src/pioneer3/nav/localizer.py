@@ -18,7 +18,7 @@ from pioneer3.nav.hypotheses import Hypotheses
 from pioneer3.nav.likelihood import ScanLikelihood, Verdict, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
-from pioneer3.nav.tracking import SONAR_KNOWN, SONAR_TURN, Fix, LaserTrack, SonarTrack
+from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
 
 Float = NDArray[np.float64]
 
@@ -46,9 +46,9 @@ GUESSES = 200
 """Hypotheses around a start that is known roughly."""
 LOOKED_AT = 40
 """Beams that hypotheses are compared by."""
-SONAR_AGREES, SONAR_CONTRADICTS = 0.6, 0.35
+SONAR_AGREES, SONAR_CONTRADICTS = 0.5, 0.25
 """A robot becomes sure by sonar above this share of echoes that agree with the map, and is not sure
-any more below the other one."""
+any more below the other one: among furniture half of the echoes are of edges."""
 
 NOWHERE: Float = np.full((3, 3), inf)
 """The covariance of a robot that may be anywhere."""
@@ -122,12 +122,12 @@ class Localizer:
         self._now = _Progress(stage="lost", reason="the robot may be anywhere")
 
     def prepare(self, *, sonar: bool = False) -> None:
-        """Compute all that takes long, up to some seconds; call it first, in a thread.
+        """Compute what takes long, up to some seconds, so that no reading waits for it.
 
-        What it does not, the first readings do.
+        Call it in a thread before anything else.
 
         Args:
-            sonar: For pings rather than for scans.
+            sonar: For pings, not for scans.
         """
         _ = self._echoes if sonar else self._places
 
@@ -269,7 +269,7 @@ class Localizer:
         """Look around a pose that somebody told."""
         now = self._now
         guesses = pose + deviations * self._rng.standard_normal((GUESSES, 3))
-        likelihood = ScanLikelihood.of(self._walls, beams)
+        likelihood = ScanLikelihood.of(self._walls, beams, LOOKED_AT)
         hypotheses = Hypotheses.found(np.vstack([pose, guesses]), likelihood)
         hypotheses.near(pose, deviations)
         now.hypotheses, now.start, now.at, now.looked = hypotheses, None, self._odom, beams.stamp
@@ -320,13 +320,11 @@ class Localizer:
 
     def _watch_sonar(self) -> None:
         now = self._now
-        turn = float(now.fix.covariance[2, 2]) ** 0.5
-        known = deviation_of(now.fix.covariance) < SONAR_KNOWN and turn < SONAR_TURN
         if now.driven < DRIVEN:
             return
         if now.fix.agreement < SONAR_CONTRADICTS:
             self._lose("the map does not show what the sonars hear")
-        elif known and now.fix.agreement >= SONAR_AGREES:
+        elif is_known(now.fix.covariance) and now.fix.agreement >= SONAR_AGREES:
             now.stage, now.reason = "sure", "hears what the map shows"
 
     def _lose(self, reason: str) -> None:

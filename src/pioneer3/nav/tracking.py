@@ -7,6 +7,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
+from pioneer3.nav.estimate import deviation_of
 from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict
 from pioneer3.nav.likelihood_sonar import EchoMap, PingLikelihood, Pings
 from pioneer3.nav.particles import MotionErrors, Particles, array_of
@@ -23,6 +24,8 @@ SONAR_KNOWN, SONAR_TURN = 0.3, 0.15
 """Standard deviations at which a place counts as known by sonar [m, rad]."""
 MEMORY = 60.0
 """Echoes that the share of those that agree is averaged over."""
+UNHEARD = 0.4
+"""This share before any: not enough to be sure, too much to be lost."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +97,7 @@ class SonarTrack:
         self._echoes, self._usual = echoes, SONAR_PARTICLES * count
         self._particles = Particles.around(*start, SONAR_BEGIN * count, rng, errors)
         self._pings: list[Float] = []
-        self._agreement = 0.5
+        self._agreement = UNHEARD
 
     def listen(self, pings: Pings) -> None:
         """Keep pings until the robot has moved."""
@@ -106,16 +109,17 @@ class SonarTrack:
         """Move by odometry and weigh the particles by the pings since the last call."""
         particles = self._particles
         particles.move(motion)
+        likelihood = None
         if self._pings:
             pings = np.concatenate(self._pings)
             pings[:, :3] = moved_by(array_of(robot_in_odom.inverse()), pings[:, :3])
             self._pings.clear()
             likelihood = PingLikelihood(self._echoes, np.ascontiguousarray(pings))
             particles.weigh(likelihood.cost(particles.poses))
-            self._remember(likelihood, particles.mean()[0])
         mean, covariance = particles.mean()
-        place, turn = np.sqrt(np.trace(covariance[:2, :2])), np.sqrt(covariance[2, 2])
-        known = place < SONAR_KNOWN and turn < SONAR_TURN
+        known = is_known(covariance)
+        if known and likelihood is not None:
+            self._remember(likelihood, mean)
         particles.resample(self._usual if known else len(particles.poses))
         return Fix(mean, covariance, self._agreement)
 
@@ -124,6 +128,12 @@ class SonarTrack:
         share = min(1.0, heard / MEMORY)
         if heard:
             self._agreement += share * (agree / heard - self._agreement)
+
+
+def is_known(covariance: Float) -> bool:
+    """Return whether a place with this covariance (3, 3) counts as known by sonar."""
+    turn = float(covariance[2, 2]) ** 0.5
+    return deviation_of(covariance) < SONAR_KNOWN and turn < SONAR_TURN
 
 
 def moved_by(frame: Float, poses: Float) -> Float:

@@ -11,6 +11,7 @@ from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.models import load_model
+from pioneer3.nav import mapper
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.follower import Follower
@@ -50,6 +51,7 @@ def warm_up() -> None:
     limits = Limits(max_speed=0.5, max_turn_rate=1.0)
     follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
     follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 2))))
+    mapper.prepare()
     CACHE.complete()
 
 

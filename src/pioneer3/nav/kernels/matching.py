@@ -1,4 +1,3 @@
-# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Points of a scan against the points of others."""
 
 from math import cos, floor, sin, sqrt

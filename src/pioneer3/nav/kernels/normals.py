@@ -1,4 +1,3 @@
-# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Directions of walls at the points of a scan."""
 
 from math import sqrt

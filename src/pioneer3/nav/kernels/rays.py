@@ -1,4 +1,3 @@
-# ruff: noqa: PLR0917 (compiled functions take no keywords without a cost)
 """Rays through the cells of a map."""
 
 from math import floor, sqrt
