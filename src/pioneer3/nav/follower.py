@@ -33,7 +33,7 @@ HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
 FASTEST_TURN = 1.5
 """[rad/s]."""
 TURN_FIRST = 1.0
-"""Farther off its way it turns where it stands [rad]."""
+"""Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
 BACK = 0.1
 """Speed backwards, where nothing else goes on [m/s]."""
 LOOK = 2.5
@@ -135,7 +135,8 @@ class Follower:
         possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
         gap = np.minimum(gap, NEAR)
         standing = (commands == 0.0).all(axis=1)
-        possible &= ~standing
+        # wheels of a robot that stands stick at turns that are slower
+        possible &= (commands[:, 0] != 0.0) | (np.abs(commands[:, 1]) >= SLOWEST_TURN)
         if not possible.any():
             self._turn = 0.0
             return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
@@ -143,14 +144,14 @@ class Follower:
         cost += CHANGE * np.abs(commands[:, 1] - self._turn)
         cost[commands[:, 0] < 0] += 1.0
         if self._off_way(robot_in_map) > TURN_FIRST:
-            cost[commands[:, 0] != 0] += 1.0
+            cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
         v, w = commands[best].tolist()
         self._turn = w
         left = self.cost_to_go.at(robot_in_map.x, robot_in_map.y)
         here = judged[standing][0] if standing.any() else None
-        stuck = here is not None and cost[best] >= here[0] + HEADING * here[1] + 2.0
+        stuck = here is not None and bool(cost[best] >= here[0] + HEADING * here[1] + 2.0)
         return Step(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
 
     def _commands(self, top: float) -> Float:
