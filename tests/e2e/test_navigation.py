@@ -20,6 +20,8 @@ from pioneer3.tasks import running
 from tests.support import SimulatedRobot
 from tests.unit.web.test_navigation import at_once
 
+pytest.importorskip("numba")
+pytest.importorskip("scipy")
 OFFICE = shipped_map("office")
 HOME = home(OFFICE)
 assert HOME is not None

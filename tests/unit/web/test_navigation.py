@@ -21,6 +21,8 @@ from pioneer3.web.scene import Scene
 from tests.support import SimulatedRobot
 from tests.unit.web.browser import Browser, Playground, playground
 
+pytest.importorskip("numba")
+pytest.importorskip("scipy")
 KITCHEN = MapObject(kind="Goal", name="Kitchen", pose=Pose2(2.5, 0.0))
 SIDES = [[-4, -3, 4, -3], [4, -3, 4, 3], [4, 3, -4, 3], [-4, 3, -4, -3]]
 BETWEEN = [[0, -3, 0, 1], [0, 2, 0, 3]]

@@ -11,6 +11,18 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 
 
+@inlined
+def distance_to(wall: Float, x: float, y: float) -> float:
+    """Return the distance of a point from a segment `wall` (4,) [m]."""
+    dx, dy = wall[2] - wall[0], wall[3] - wall[1]
+    squared = dx * dx + dy * dy
+    share = 0.0
+    if squared > 0.0:
+        share = min(1.0, max(0.0, ((x - wall[0]) * dx + (y - wall[1]) * dy) / squared))
+    off_x, off_y = x - wall[0] - share * dx, y - wall[1] - share * dy
+    return sqrt(off_x * off_x + off_y * off_y)
+
+
 @kernel
 def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) -> None:
     """Lower each of `out` (H, W) to the distance of its cell's middle from the nearest wall [m].
@@ -30,18 +42,11 @@ def nearest_wall(walls: Float, x0: float, y0: float, cell: float, out: Float32) 
         right = min(width - 1, floor((max(ax, bx) + reach - x0) / cell))
         low = max(0, floor((min(ay, by) - reach - y0) / cell))
         high = min(height - 1, floor((max(ay, by) + reach - y0) / cell))
-        dx, dy = bx - ax, by - ay
-        squared = dx * dx + dy * dy
         for row in range(low, high + 1):
             y = y0 + (row + 0.5) * cell
             for column in range(left, right + 1):
                 x = x0 + (column + 0.5) * cell
-                share = 0.0
-                if squared > 0.0:
-                    share = ((x - ax) * dx + (y - ay) * dy) / squared
-                    share = min(1.0, max(0.0, share))
-                off_x, off_y = x - ax - share * dx, y - ay - share * dy
-                distance = sqrt(off_x * off_x + off_y * off_y)
+                distance = distance_to(walls[i], x, y)
                 out[row, column] = min(out[row, column], distance)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.jit import inlined, kernel
+from pioneer3.nav.kernels.fields import distance_to
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
@@ -51,8 +52,6 @@ def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> 
         right = min(width - 1, floor((max(ax, bx) + reach - x0) / cell))
         low = max(0, floor((min(ay, by) - reach - y0) / cell))
         high = min(height - 1, floor((max(ay, by) + reach - y0) / cell))
-        dx, dy = bx - ax, by - ay
-        squared = dx * dx + dy * dy
         for row in range(low, high + 1):
             y = y0 + (row + 0.5) * cell
             for column in range(left, right + 1):
@@ -60,12 +59,7 @@ def number_walls(walls: Float, frame: Frame, distances: Float32, out: Int32) -> 
                 if nearest >= reach:
                     continue
                 x = x0 + (column + 0.5) * cell
-                share = 0.0
-                if squared > 0.0:
-                    share = ((x - ax) * dx + (y - ay) * dy) / squared
-                    share = min(1.0, max(0.0, share))
-                off_x, off_y = x - ax - share * dx, y - ay - share * dy
-                if sqrt(off_x * off_x + off_y * off_y) <= nearest + 1e-6:
+                if distance_to(walls[i], x, y) <= nearest + 1e-6:
                     out[row, column] = i
 
 
