@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import hypot
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -27,10 +27,11 @@ from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
 from pioneer3.nav.warm_up import warm_up
+from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.supervisor import Feed
+from pioneer3.runtime.driven import Driven
 from pioneer3.runtime.follow_way import FollowWay, follow_way
 from pioneer3.runtime.motions import run_mode
-from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
@@ -47,6 +48,14 @@ BLOCKED_FOR = 15.0
 """A way that has been closed for so long is given up [s]."""
 SPREAD, TURN_SPREAD = 0.3, 0.15
 """Standard deviations of the start [m, rad]."""
+
+
+class Navigable(Driven, Protocol):
+    """A robot with a laser that can be driven."""
+
+    @property
+    def laser(self) -> LaserSource:
+        """The laser that it looks through."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,7 +115,7 @@ class Navigator:
     """
 
     def __init__(
-        self, robot: Robot, costs: CostMap, localizer: Localizer, *, in_thread: InThread
+        self, robot: Navigable, costs: CostMap, localizer: Localizer, *, in_thread: InThread
     ) -> None:
         self.line_map = localizer.line_map
         self.state: Feed[Navigation] = Feed()
@@ -122,7 +131,7 @@ class Navigator:
     @classmethod
     async def on(
         cls,
-        robot: Robot,
+        robot: Navigable,
         line_map: LineMap,
         *,
         start: Pose2 | None = None,
