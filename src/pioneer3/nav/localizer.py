@@ -31,6 +31,9 @@ AGREES, TOLD_AGREES = 0.9, 0.75
 found, and of one that it was told: there may be things that are not on the map."""
 CONTRADICTS, TIMES = 0.7, 3
 """A robot that agrees with the map less than this, so many times in turn, was carried away."""
+WHIRLS = 0.6
+"""A scan of a robot that turns faster does not count for that [rad/s]: a pose that is 50 ms late is
+some degrees off."""
 SEEN_THROUGH = 0.1
 """A robot that stands was carried away only if it sees so large a share of beams through walls: it
 may be crowded."""
@@ -154,7 +157,7 @@ class Localizer:
 
     def take(self, beams: Beams) -> None:
         """Take a scan."""
-        now = self._now
+        now, whirls = self._now, self._whirls(beams)
         self._beams, self._odom = beams, beams.robot_in_odom
         if now.start is not None:
             self._begin(beams, *now.start)
@@ -172,7 +175,8 @@ class Localizer:
                 now.laser.move(motion)
                 fix, _ = now.laser.take(ScanLikelihood.of(self._walls, beams))
                 self._place(fix)
-                self._watch(contradicts=fix.agreement < CONTRADICTS)
+                if not whirls:
+                    self._watch(contradicts=fix.agreement < CONTRADICTS)
         elif beams.stamp >= now.looked + LOOK_AGAIN:
             self._look_again(beams)
 
@@ -256,6 +260,14 @@ class Localizer:
         assert self._odom is not None
         motion = (self._now.at or self._odom).inverse() @ self._odom
         return hypot(motion.x, motion.y) >= STEP or abs(motion.theta) >= STEP_TURN
+
+    def _whirls(self, beams: Beams) -> bool:
+        """Whether the robot has turned fast since the last scan."""
+        before = self._beams
+        if before is None or beams.stamp <= before.stamp:
+            return False
+        turned = abs((before.robot_in_odom.inverse() @ beams.robot_in_odom).theta)
+        return turned > WHIRLS * (beams.stamp - before.stamp)
 
     def _motion(self) -> Pose2:
         """Return the motion since the last reading that counted; the present one does."""
