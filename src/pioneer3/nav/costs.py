@@ -20,9 +20,10 @@ Bool = NDArray[np.bool_]
 
 CELL = 0.05
 """Side of a cell [m]."""
-MARGIN = 0.03
-"""Kept on either side of the robot in the narrowest places [m]: the error of a place, and of
-driving through."""
+MARGIN = 0.07
+"""Kept on either side of the robot in the narrowest places [m]: it has to be in line."""
+TURNING = 0.03
+"""Kept around a robot that turns [m]."""
 COMFORTABLE = 0.35
 """More room than this beside the robot is worth no detour [m]."""
 NARROW = 3.0
@@ -83,7 +84,7 @@ class CostMap:
             forbidden=tuple(o for o in line_map.objects if o.forbidden and len(o.outline) > 2),
             speeds=speeds,
             needed=needed,
-            turning=model.corner + MARGIN,
+            turning=model.corner + TURNING,
             top_speed=model.max_speed,
         )
 

@@ -34,6 +34,10 @@ FASTEST_TURN = 1.5
 """[rad/s]."""
 TURN_FIRST = 1.0
 """Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
+BETTER = 0.03
+"""Less than this is no headway [m in the open]."""
+HESITATES, INSISTS = 30, 15
+"""After so many steps without headway it does not turn where it stands, for so many more."""
 BACK = 0.1
 """Speed backwards, where nothing else goes on [m/s]."""
 LOOK = 2.5
@@ -95,6 +99,8 @@ class Follower:
     cost_to_go: CostToGo
     _turn: float = field(default=0.0, init=False)
     _at_place: bool = field(default=False, init=False)
+    _best: float = field(default=inf, init=False)
+    _without: int = field(default=0, init=False)
 
     def step(
         self,
@@ -137,22 +143,40 @@ class Follower:
         standing = (commands == 0.0).all(axis=1)
         # wheels of a robot that stands stick at turns that are slower
         possible &= (commands[:, 0] != 0.0) | (np.abs(commands[:, 1]) >= SLOWEST_TURN)
+        left, off_way = (
+            self.cost_to_go.at(robot_in_map.x, robot_in_map.y),
+            self._off_way(robot_in_map),
+        )
+        if (
+            self._hesitates(left + HEADING * off_way)
+            and (moves := possible & (commands[:, 0] != 0)).any()
+        ):
+            possible = moves
         if not possible.any():
             self._turn = 0.0
             return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
         cost = to_go + HEADING * off + ROOM * (NEAR - gap)
         cost += CHANGE * np.abs(commands[:, 1] - self._turn)
         cost[commands[:, 0] < 0] += 1.0
-        if self._off_way(robot_in_map) > TURN_FIRST:
+        if off_way > TURN_FIRST:
             cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
         v, w = commands[best].tolist()
         self._turn = w
-        left = self.cost_to_go.at(robot_in_map.x, robot_in_map.y)
         here = judged[standing][0] if standing.any() else None
         stuck = here is not None and bool(cost[best] >= here[0] + HEADING * here[1] + 2.0)
         return Step(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
+
+    def _hesitates(self, left: float) -> bool:
+        """Whether the robot has made no headway for a while; `left` is its way and its turn.
+
+        Where it has no room to turn, turning to and fro may look best for ever.
+        """
+        if left < self._best - BETTER or left > self._best + 1.0:  # the way is another one
+            self._best, self._without = left, 0
+        self._without = (self._without + 1) % (HESITATES + INSISTS)
+        return self._without > HESITATES
 
     def _commands(self, top: float) -> Float:
         """Return the velocities to try, shape (C, 2)."""
