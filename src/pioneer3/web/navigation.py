@@ -87,7 +87,13 @@ class RobotNavigation:
         return known is not None and len(known.walls) > 0 and laser and _installed()
 
     def ask(self, operator: Operator, request: requests.GotoPlace | requests.PlanWay) -> None:
-        """Plan a way for `operator`, and drive along it or only show it; the newest counts."""
+        """Plan a way for `operator`, and drive along it or only show it.
+
+        The newest request counts, but one that only asks does not displace one to drive.
+        """
+        waiting = self._asked is not None and isinstance(self._asked[1], requests.GotoPlace)
+        if isinstance(request, requests.PlanWay) and (waiting or not self.possible):
+            return
         self._asked = operator, request, self._robot.arbiter.last_stop.number
         self._news.set()
 

@@ -215,7 +215,7 @@ ModeRequest = StartMode | GotoPlace | EndMode
 """Starts or ends a mode."""
 ViewRequest = WatchDetails | AskConfig | WatchLasers | PlanWay
 """Concerns this client alone."""
-FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers, PlanWay)
+FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
 """Requests that viewers may make; the others are for drivers."""
 Edit = (
     AddBox
