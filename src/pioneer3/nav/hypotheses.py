@@ -51,7 +51,7 @@ class Hypotheses:
 
     @classmethod
     def found(cls, poses: Float, likelihood: ScanLikelihood, most: int = MOST) -> Self:
-        """Return what is left of `poses` (P, 3) once a scan has been brought into line with each.
+        """Return those of `poses` (P, 3) that remain after a scan was brought into line with each.
 
         Args:
             poses: Wrong by some decimeters and degrees at most.

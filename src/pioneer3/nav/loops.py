@@ -124,7 +124,7 @@ class _Search:
                 self._take(edge)
 
     def finish(self) -> Improvement:
-        """Return what was found."""
+        """Return the result."""
         return Improvement(
             poses=self._poses,
             edges=(*self._edges,),

@@ -118,7 +118,7 @@ class Prior:
         return cls(pose, np.diag([sigma**-2, sigma**-2, sigma_theta**-2]))
 
     def joined(self, other: Self) -> Self:
-        """Return what both say together."""
+        """Return the two combined."""
         both = self.information + other.information
         off = np.array(
             [

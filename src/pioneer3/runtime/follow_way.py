@@ -100,7 +100,7 @@ class FollowWay:
             self.failed = "it comes no nearer: something is in the way"
 
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
-        """Return the obstacles near: x, y [m] in the map's frame, and velocity [m/s], shape (N, 4)."""
+        """Return obstacles nearby: x, y in the map [m] and velocity [m/s], shape (N, 4)."""
         parts = [self.walls, self.sightings.points(situation.now)]
         if situation.scan is not None:
             beams = beams_of(situation.scan)
