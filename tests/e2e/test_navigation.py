@@ -12,10 +12,13 @@ from pioneer3.errors import CommandError, ConfigError, MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import shipped_map
 from pioneer3.nav.places import Destination, find_place, home
+from pioneer3.robot.devices.laser import Laser
+from pioneer3.robot.devices.presence import Presence
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.navigator import Navigator
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
+from pioneer3.state import Charging
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot
 from tests.unit.web.test_navigation import at_once
@@ -25,6 +28,7 @@ pytest.importorskip("scipy")
 OFFICE = shipped_map("office")
 HOME = home(OFFICE)
 assert HOME is not None
+HOME_PLACE = find_place(OFFICE, "home")
 
 
 @asynccontextmanager
@@ -96,6 +100,88 @@ async def test_hands_on_the_stick_come_first() -> None:
             await asyncio.sleep(0.1)
         assert sim.body.drive.linear.velocity == pytest.approx(0.0, abs=0.01)
         await going  # it goes on where the hands left it
+
+
+async def test_a_robot_that_may_be_anywhere_looks_around_and_finds_itself() -> None:
+    async with in_the_office(start=None) as (sim, _, navigator):
+        assert not navigator.estimate.sure
+        await navigator.look_around()
+        found, there = navigator.estimate.robot_in_map, sim.body.robot_in_world
+        assert found is not None
+        assert hypot(found.x - there.x, found.y - there.y) < 0.1
+        await asyncio.sleep(1.0)
+        assert sim.body.drive.linear.velocity == 0.0
+
+
+async def test_a_robot_without_a_laser_goes_by_its_sonars(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Laser, "presence", property(lambda _: Presence(False, "none")))
+    async with in_the_office() as (sim, _, navigator):
+        await asyncio.sleep(1.0)
+        assert navigator.estimate.reason == "has to drive a little"
+        await navigator.look_around()
+        await navigator.goto(find_place(OFFICE, "Kitchen"), speed=0.5)
+        goal, there = find_place(OFFICE, "Kitchen"), sim.body.robot_in_world
+        assert hypot(there.x - goal.x, there.y - goal.y) < 0.2
+
+
+async def test_sonars_alone_ask_for_the_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Laser, "presence", property(lambda _: Presence(False, "none")))
+    async with in_the_office(start=None) as (_, _robot, navigator):
+        with pytest.raises(MotionError, match="tell its place"):
+            await navigator.goto(find_place(OFFICE, "Kitchen"))
+
+
+async def test_a_laser_that_falls_silent_leaves_the_robot_standing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with in_the_office() as (sim, robot, navigator):
+        going = asyncio.ensure_future(robot.goto("Lobby", speed=0.5))
+        await asyncio.sleep(6.0)
+        silent = property(lambda _: None, lambda _, _scan: None)
+        monkeypatch.setattr(Laser, "latest", silent, raising=False)
+        await asyncio.sleep(4.0)
+        assert navigator.estimate.reason == "the laser is silent for 4 s"
+        assert not navigator.estimate.sure
+        assert sim.body.drive.linear.velocity == 0.0
+        going.cancel()
+
+
+async def test_a_patrol_goes_from_place_to_place_and_begins_anew() -> None:
+    async with in_the_office() as (sim, _, navigator):
+        visited: list[str] = []
+        goals = [find_place(OFFICE, name) for name in ("Corridor", "home")]
+
+        async def watch() -> None:
+            async for state in navigator.state.values():
+                name = state.goal.name if state.goal else ""
+                if name and name != (visited or [""])[-1]:
+                    visited.append(name)
+
+        async with running(watch()):
+            await navigator.patrol(goals, 0.7, rounds=2)
+        assert visited == ["Corridor", "Home"] * 2
+        goal, there = goals[-1], sim.body.robot_in_world
+        assert hypot(there.x - goal.x, there.y - goal.y) < 0.05
+
+
+async def test_a_patrol_leaves_out_places_without_a_way() -> None:
+    async with in_the_office() as (sim, _, navigator):
+        goals = [find_place(OFFICE, "Corridor"), Destination(x=50.0, y=50.0), HOME_PLACE]
+        await navigator.patrol(goals, 0.7, rounds=1)
+        there = sim.body.robot_in_world
+        assert hypot(there.x - HOME_PLACE.x, there.y - HOME_PLACE.y) < 0.05
+
+
+async def test_a_robot_that_goes_to_a_dock_waits_for_its_charger(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level("INFO")
+    async with in_the_office() as (_, robot, _nav):
+        await robot.goto("Dock", speed=0.7)
+        snapshot = robot.snapshot
+        assert snapshot is not None
+        assert snapshot.battery.charging in (Charging.BULK, Charging.FLOAT, Charging.OVERCHARGE)
+    assert "stands in Dock" in caplog.text
 
 
 async def test_names_are_checked() -> None:

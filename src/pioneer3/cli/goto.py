@@ -10,27 +10,24 @@ from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import (
     LINK,
     MOTION,
+    Flag,
     LinkOptions,
     MotionOptions,
     Speed,
 )
+from pioneer3.cli.places import MapName, StartPlace, numbers_of, pose_of
 from pioneer3.errors import ConfigError
-from pioneer3.geometry import Pose2
-from pioneer3.units import ANGLE, LENGTH
 
 if TYPE_CHECKING:
     from pioneer3.runtime.robot import Robot
-
-UNITS = LENGTH, LENGTH, ANGLE
 
 
 def goto(
     *place: Annotated[str, Parameter(allow_leading_hyphen=True)],
     link: LinkOptions = LINK,
-    map_: Annotated[
-        str | None, Parameter(name=["--map", "-m"], env_var="PIONEER3_MAP", metavar="MAP")
-    ] = None,
-    start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
+    map_: MapName = None,
+    start: StartPlace = None,
+    look_around: Flag = False,
     speed: Speed = 0.3,
     max_speed: Speed | None = None,
     motion: MotionOptions = MOTION,
@@ -47,18 +44,20 @@ def goto(
     stop.
 
     Example: pioneer3 goto kitchen --map office
+    Example: pioneer3 goto home --map office --start unknown
     Example: pioneer3 goto 2 -0.5 90
 
     Args:
         place: A name of the map; or x, y, and a heading to turn to there.
         link: The robot.
         map_: The map: a file, or the name of one that ships.
-        start: Where the robot is: a name, or x,y,heading; without it at the map's home.
+        start: Where the robot is: a name, `x,y,heading`, or `unknown`; else at the map's home.
+        look_around: Drive about a little first if it is not sure where it is.
         speed: At most.
         max_speed: Keep below this in any case.
         motion: Bounds.
     """
-    numbers = _numbers(place)
+    numbers = numbers_of(place, "goto")
     if map_ is None:
         if numbers is None:
             words = " ".join(place) or "nowhere"
@@ -66,7 +65,8 @@ def goto(
         return _straight(Goto(**numbers, speed=speed), link, motion, max_speed=max_speed)
 
     def going(robot: "Robot") -> Coroutine[Any, Any, None]:
-        return motion.bounded(_along_a_way(robot, " ".join(place), numbers, speed))
+        looks = look_around or start == "unknown"
+        return motion.bounded(_along_a_way(robot, " ".join(place), numbers, speed, looks=looks))
 
     return carry_out(
         going,
@@ -76,7 +76,7 @@ def goto(
         speed=speed,
         max_speed=max_speed,
         line_map=map_,
-        start=None if start is None else _pose(start),
+        start=None if start is None else pose_of(start, "goto"),
     )
 
 
@@ -90,41 +90,13 @@ def _straight(
 
 
 async def _along_a_way(
-    robot: "Robot", name: str, numbers: dict[str, float] | None, speed: float
+    robot: "Robot", name: str, numbers: dict[str, float] | None, speed: float, *, looks: bool
 ) -> None:
-    from pioneer3.nav.places import Destination
+    from pioneer3.nav.places import Destination, find_place
 
-    if numbers is None:
-        await robot.goto(name, speed=speed)
-        return
-    assert robot.navigator is not None
-    await robot.navigator.goto(Destination(**numbers), speed)  # type: ignore[arg-type]
-
-
-def _numbers(words: tuple[str, ...]) -> dict[str, float] | None:
-    """Return x, y and heading, or `None` where the words are a name.
-
-    Raises:
-        ConfigError: They are too few or too many, or one of them is no number.
-    """
-    if not words or not words[0].lstrip("+-")[:1].isdigit():
-        return None
-    if not 2 <= len(words) <= len(UNITS):
-        raise ConfigError(f"goto {' '.join(words)}: give x and y, or x, y and a heading")
-    try:
-        values = [quantity.read(word) for quantity, word in zip(UNITS, words, strict=False)]
-    except ValueError as error:
-        raise ConfigError(f"goto {' '.join(words)}: {error}") from None
-    return dict(zip(("x", "y", "heading"), values, strict=False))
-
-
-def _pose(text: str) -> Pose2 | str:
-    """Return the pose `x,y,heading`, or the name of a place.
-
-    Raises:
-        ConfigError: A number is wrong.
-    """
-    numbers = _numbers(tuple(text.split(",")))
-    if numbers is None:
-        return text
-    return Pose2(numbers["x"], numbers["y"], numbers.get("heading", 0.0))
+    navigator = robot.navigator
+    assert navigator is not None
+    goal = find_place(navigator.line_map, name) if numbers is None else Destination(**numbers)  # type: ignore[arg-type]
+    if looks:
+        await navigator.look_around()
+    await navigator.goto(goal, speed)

@@ -18,6 +18,7 @@ from pioneer3.cli.map import map_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
+from pioneer3.cli.patrol import patrol
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.cli.run import run
 from pioneer3.cli.setup import setup_app
@@ -64,7 +65,7 @@ app.register_install_completion_command(help="Let the Tab key complete commands 
 GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Start": (run, sim),
     "Drive with your hands": (drive, demo),
-    "Let the robot drive": (*MODE_COMMANDS, goto, move, turn),
+    "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),

@@ -1,5 +1,6 @@
 """A map: wall segments, named places and occupancy grids, in SI."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
@@ -13,6 +14,8 @@ from pioneer3.maps.materials import Codes
 Float = NDArray[np.float64]
 States = NDArray[np.uint8]
 Role = Literal["goal", "dock", "home", "place", "line", "area"]
+
+_SPEED = re.compile(r"\d+(\.\d*)?|\.\d+")
 
 UNKNOWN, OCCUPIED, FREE = range(3)
 """States of a cell."""
@@ -71,6 +74,14 @@ class MapObject:
     def forbidden(self) -> bool:
         """Whether robots must not drive over it."""
         return bool(self.outline) and self.kind.startswith("Forbidden")
+
+    @property
+    def speed(self) -> float | None:
+        """The highest speed that is wanted within it [m/s]: the name of a `SpeedArea` tells it."""
+        if self.kind != "SpeedArea" or len(self.outline) < 3:
+            return None
+        found = _SPEED.search(self.name)
+        return float(found[0]) if found and float(found[0]) > 0 else None
 
     @property
     def sides(self) -> tuple[tuple[float, float, float, float], ...]:

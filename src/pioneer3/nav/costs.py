@@ -1,6 +1,7 @@
 """The cost of driving over each place of a map, for one robot."""
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Self
 
 import numpy as np
@@ -77,6 +78,9 @@ class CostMap:
         for item in line_map.objects:
             if len(item.outline) > 2 and (item.forbidden or item.solid):
                 closed |= inside(item, raster)
+            if item.speed is not None:
+                within = inside(item, raster)
+                speeds[within] = np.minimum(speeds[within], np.float32(item.speed))
         return cls(
             raster=raster,
             clearance=clearance,
@@ -98,12 +102,10 @@ class CostMap:
         fast(nearest_wall, CACHE)(there, raster.x, raster.y, raster.cell, clearance)
         return replace(self, clearance=clearance)
 
-    def with_speed(self, area: MapObject, speed: float) -> Self:
-        """Return the costs with a preferred speed [m/s] within an area of the map."""
-        speeds = self.speeds.copy()
-        within = inside(area, self.raster)
-        speeds[within] = np.minimum(speeds[within], np.float32(speed))
-        return replace(self, speeds=speeds)
+    def speed_at(self, x: float, y: float) -> float:
+        """Return the highest speed that is wanted at a place [m/s]; `inf` where any is."""
+        cell = self.raster.cell_of(x, y)
+        return float(self.speeds[cell]) if cell else inf
 
     def costs(self) -> Float32:
         """Return the cost of crossing each cell from side to side [m in the open], shape (H, W)."""
@@ -115,6 +117,13 @@ class CostMap:
         factors[self.closed | (self.clearance < CORE)] = np.inf
         costs: Float32 = factors * np.float32(self.raster.cell)
         return costs
+
+    def clearance_at(self, points: Float) -> Float32:
+        """Return the clearance at each of `points` (N, 2) [m] of the map, shape (N,)."""
+        columns, rows = np.floor(self.raster.in_cells(points)).astype(int).T
+        height, width = self.raster.shape
+        there: Float32 = self.clearance[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        return there
 
     def can_turn(self, x: float, y: float) -> bool:
         """Whether the robot can turn to any heading at a place [m]."""

@@ -9,6 +9,8 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.line_map import MapObject
 
 ROLES = ("goal", "dock", "home", "place")
+HOME = "home"
+"""A name of the first home, whatever that is called."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,12 +22,14 @@ class Destination:
         y: [m].
         heading: To turn to there [rad], or `None`.
         name: On the map, or empty.
+        charges: Whether it is a dock.
     """
 
     x: float
     y: float
     heading: float | None = None
     name: str = ""
+    charges: bool = False
 
     def __str__(self) -> str:
         return self.name or f"({self.x:.2f}, {self.y:.2f})"
@@ -37,24 +41,33 @@ def places(line_map: LineMap) -> Iterator[MapObject]:
 
 
 def find_place(line_map: LineMap, name: str) -> Destination:
-    """Return the place of a name, in upper or lower case.
+    """Return the place of a name, in upper or lower case; `home` is the first home of the map.
 
     Raises:
         ConfigError: There is none, or more than one; names those that there are.
     """
-    found = [item for item in places(line_map) if item.name.casefold() == name.strip().casefold()]
+    wanted = name.strip().casefold()
+    found = [item for item in places(line_map) if item.name.casefold() == wanted]
     if len(found) == 1:
-        item = found[0]
-        return Destination(
-            x=item.pose.x,
-            y=item.pose.y,
-            heading=item.pose.theta if item.heads else None,
-            name=item.name,
-        )
+        return destination(found[0])
+    begin = home(line_map)
+    if not found and wanted == HOME and begin is not None:
+        return Destination(x=begin.x, y=begin.y, heading=begin.theta, name=HOME)
     names = ", ".join(sorted({item.name for item in places(line_map)})) or "none"
     if found:
         raise ConfigError(f"place {name!r}: {len(found)} of the map have this name")
     raise ConfigError(f"place {name!r}: the map {line_map.name} has none of this name; has {names}")
+
+
+def destination(item: MapObject) -> Destination:
+    """Return the place of a map as a destination."""
+    return Destination(
+        x=item.pose.x,
+        y=item.pose.y,
+        heading=item.pose.theta if item.heads else None,
+        name=item.name,
+        charges=item.role == "dock",
+    )
 
 
 def home(line_map: LineMap) -> Pose2 | None:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from pioneer3.runtime.navigator import Navigator
 
 USUAL = "p3at-sh"
+UNKNOWN_START = "unknown"
+"""Tells that nobody knows where the robot is."""
 ANY_HEADING = 2.0
 """Standard deviation of a heading that nobody has told [rad]."""
 
@@ -65,8 +67,8 @@ async def connect_async(
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
         line_map: The map to navigate on, its file, or the name of one that ships; needs a laser.
-        start: Where the robot is on the map: a pose, the name of a place, or `None` for the map's
-            home; without a home the robot has to be found.
+        start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
+            for the map's home; without a home the robot has to be found.
 
     Raises:
         LinkError: the port does not open.
@@ -156,6 +158,8 @@ async def _navigator(
     from pioneer3.sim.worldfile import load_map
 
     known = line_map if isinstance(line_map, LineMap) else load_map(line_map)
+    if start == UNKNOWN_START:
+        return await Navigator.on(robot, known)
     if not isinstance(start, str):
         return await Navigator.on(robot, known, start=start or home(known))
     place = find_place(known, start)

@@ -21,6 +21,8 @@ PATIENCE = 40.0
 """A robot that comes no nearer for so long gives up [s]."""
 NEARER = 0.1
 """Less of a way is no progress [m]."""
+AHEAD = 0.5
+"""Speeds that are wanted so far ahead count already [m]."""
 CELL = 0.05
 """Of points so near to each other one is enough [m]."""
 LOOK = 2.0
@@ -37,8 +39,11 @@ class FollowWay:
         unsure: Returns the reason that nobody knows where the robot is, or `None`.
         sightings: Things that are not on the map.
         walls: Points of the map's walls [m], shape (W, 2).
+        preferred_speed: Returns the highest speed that is wanted at a place of the map [m/s].
         top_speed: [m/s].
-        done: Whether it has arrived and stands.
+        last: Whether the goal is the last one; else somebody sends it on.
+        arrived: Whether it stands at the goal.
+        done: Whether it stands at the last one.
         failed: The reason to give up, or `None`.
         blocked: Whether no motion leads on.
     """
@@ -48,9 +53,12 @@ class FollowWay:
     unsure: Callable[[], str | None]
     sightings: Sightings
     walls: Float
+    preferred_speed: Callable[[float, float], float]
     top_speed: float = inf
+    last: bool = True
     name: str = "follow way"
     wants_scans: bool = True
+    arrived: bool = False
     done: bool = False
     failed: str | None = None
     blocked: bool = False
@@ -76,13 +84,33 @@ class FollowWay:
         if unsure := self.unsure():
             self._wait(situation.now)
             return Desire(v=0.0, w=0.0, reason=f"not sure where it is: {unsure}")
+        if self.arrived:
+            return Desire(v=0.0, w=0.0, reason="at a place of its patrol")
         robot_in_map = self.odom_in_map() @ situation.pose
         step = self.follower.step(
-            robot_in_map, situation.twist, self._obstacles(situation, robot_in_map), self.top_speed
+            robot_in_map,
+            situation.twist,
+            self._obstacles(situation, robot_in_map),
+            min(self.top_speed, self._preferred_speed(robot_in_map)),
         )
-        self.done, self.blocked = step.arrived, step.blocked
+        self.arrived, self.blocked = step.arrived, step.blocked
+        self.done = self.arrived and self.last
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
+
+    def held_up(self, now: float) -> float:
+        """Return for how long it has come no nearer [s]."""
+        return 0.0 if self._since is None else now - self._since
+
+    def send_on(self, follower: Follower, *, last: bool) -> None:
+        """Drive to the next goal."""
+        self.follower, self.last = follower, last
+        self.arrived, self._best, self._since = False, inf, None
+
+    def _preferred_speed(self, robot_in_map: Pose2) -> float:
+        """Return the speed that is wanted here and a little ahead [m/s]."""
+        ahead = robot_in_map @ Pose2(AHEAD, 0.0, 0.0)
+        return min(self.preferred_speed(each.x, each.y) for each in (robot_in_map, ahead))
 
     def _wait(self, now: float) -> None:
         """Stand until somebody knows where the robot is; then begin to watch its progress anew."""
@@ -115,11 +143,13 @@ class FollowWay:
         return np.pad(points[chosen], ((0, 0), (0, 2)))
 
 
-def follow_way(action: FollowWay) -> Stack:
+def follow_way(action: FollowWay, *, patrol: bool = False) -> Stack:
     """Return the mode that drives along a way, kept clear of what is not seen in time."""
     actions = [
         Ranked(110, StallRecover()),
         Ranked(100, LimiterTableSensor()),
         Ranked(50, action),
     ]
+    if patrol:
+        return Stack.of("patrol", MODE, actions, "drives from place to place of the map")
     return Stack.of("goto", MODE, actions, "drives to a place of the map")

@@ -1,44 +1,45 @@
-"""Finds a robot on a map, and takes it to places of the map."""
+"""Takes a robot to places of a map, and around what is not on the map."""
 
 import asyncio
 import logging
 import sys
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import hypot
-from typing import Any, Protocol, Self
+from math import hypot, inf
+from typing import Self
 
 import numpy as np
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
-from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.geometry import Pose2
 from pioneer3.jit import numba_version
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
-from pioneer3.nav.beams import beams_of
 from pioneer3.nav.costs import CELL, CostMap
 from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
 from pioneer3.nav.warm_up import warm_up
-from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.supervisor import Feed
-from pioneer3.runtime.driven import Driven
+from pioneer3.runtime.driven import snapshots_of
 from pioneer3.runtime.follow_way import FollowWay, follow_way
+from pioneer3.runtime.localization import (
+    SPREAD,
+    TURN_SPREAD,
+    InThread,
+    Localizable,
+    Localization,
+)
+from pioneer3.runtime.look_around import look_around
 from pioneer3.runtime.motions import run_mode
-from pioneer3.state import Snapshot
+from pioneer3.state import Charging, Snapshot
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
-
-InThread = Callable[..., Awaitable[Any]]
-"""Calls a function elsewhere, so that the event loop goes on."""
 
 PATIENCE = 3.0
 """Longest wait for a robot that knows where it is [s]."""
@@ -46,16 +47,16 @@ REPLAN_EVERY = 1.0
 """[s]."""
 BLOCKED_FOR = 15.0
 """A way that has been closed for so long is given up [s]."""
-SPREAD, TURN_SPREAD = 0.3, 0.15
-"""Standard deviations of the start [m, rad]."""
-
-
-class Navigable(Driven, Protocol):
-    """A robot with a laser that can be driven."""
-
-    @property
-    def laser(self) -> LaserSource:
-        """The laser that it looks through."""
+PAUSE = 3.0
+"""A robot on patrol stands so long at each place [s]."""
+HELD_UP = 6.0
+"""A robot that has come no nearer for so long takes another way, if there is one [s]."""
+AHEAD = 1.0
+"""The place that holds a robot up is so near on its way [m]."""
+AVOIDED = 120.0
+"""It is kept out of for so long [s]."""
+CHARGER = 5.0
+"""A charger answers within this [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,13 +80,42 @@ class Navigation:
 
 @dataclass(slots=True)
 class _Drive:
-    """A way that is being driven."""
+    """A drive to one place after the other.
 
-    goal: Destination
+    Attributes:
+        goals: The places, in their order.
+        legs: Ways that are left to drive, the present one among them; `inf` on a patrol.
+        action: Drives.
+        mode: It and its guards.
+        way: The present one.
+        at: Number of the present place.
+        closed_since: When its way was first found closed [s].
+        arrived: When the robot came to the present place [s], if there are more.
+        skipped: Places in turn that no way leads to.
+    """
+
+    goals: tuple[Destination, ...]
+    legs: float
     action: FollowWay
     mode: Stack
     way: Way
+    at: int = 0
     closed_since: float | None = field(default=None)
+    arrived: float | None = field(default=None)
+    skipped: int = 0
+
+    @property
+    def goal(self) -> Destination:
+        return self.goals[self.at]
+
+    @property
+    def is_last(self) -> bool:
+        return self.legs <= 1
+
+    def go_on(self) -> None:
+        """Take the next place."""
+        self.at, self.legs = (self.at + 1) % len(self.goals), self.legs - 1
+        self.closed_since = self.arrived = None
 
 
 async def compile_kernels() -> None:
@@ -105,7 +135,7 @@ class Navigator:
     Args:
         robot: The robot.
         costs: Of the map for it.
-        localizer: On the map.
+        localization: On the map.
         in_thread: Runs what takes long.
 
     Attributes:
@@ -115,23 +145,28 @@ class Navigator:
     """
 
     def __init__(
-        self, robot: Navigable, costs: CostMap, localizer: Localizer, *, in_thread: InThread
+        self,
+        robot: Localizable,
+        costs: CostMap,
+        localization: Localization,
+        *,
+        in_thread: InThread,
     ) -> None:
-        self.line_map = localizer.line_map
+        self.line_map = localization.line_map
         self.state: Feed[Navigation] = Feed()
         self.costs = costs
         self._robot, self._in_thread = robot, in_thread
-        self._localizer = localizer
+        self._localization = localization
         self._sightings = Sightings(costs)
         self._walls = samples(self.line_map.walls, CELL)
         self._clock = asyncio.get_running_loop().time
-        self._sequence = -1
         self._drive: _Drive | None = None
+        self._avoided: list[tuple[float, float, float]] = []
 
     @classmethod
     async def on(
         cls,
-        robot: Navigable,
+        robot: Localizable,
         line_map: LineMap,
         *,
         start: Pose2 | None = None,
@@ -139,6 +174,8 @@ class Navigator:
         in_thread: InThread = asyncio.to_thread,
     ) -> Self:
         """Return the navigator of a robot on a map.
+
+        A robot without a laser is found by its sonars.
 
         Args:
             robot: The robot.
@@ -148,62 +185,54 @@ class Navigator:
             in_thread: Runs what takes long.
         """
         await in_thread(warm_up)
-        model = robot.info.model
-        localizer = Localizer(line_map, model, rng or np.random.default_rng())
-        costs = await in_thread(CostMap.of, line_map, model)
-        await in_thread(localizer.prepare)
-        navigator = cls(robot, costs, localizer, in_thread=in_thread)
-        if start is None:
-            navigator.lose()
-        else:
+        costs = await in_thread(CostMap.of, line_map, robot.info.model)
+        drawn = rng or np.random.default_rng()
+        localization = await Localization.on(robot, line_map, drawn, in_thread)
+        navigator = cls(robot, costs, localization, in_thread=in_thread)
+        if start is not None:
             navigator.place(start)
         return navigator
 
     @property
     def estimate(self) -> Estimate:
         """Where the robot is."""
-        return self._localizer.estimate
+        return self._localization.estimate
 
     @property
     def odom_in_map(self) -> Pose2:
         """The pose of odometry's frame on the map [m, rad]; the origin while it is not known."""
-        return self.estimate.odom_in_map or ORIGIN
+        return self._localization.odom_in_map
 
     def place(
         self, robot_in_map: Pose2, spread: float = SPREAD, turn_spread: float = TURN_SPREAD
     ) -> None:
         """Tell where the robot is, with the standard deviations of that [m, rad]."""
-        self._localizer.start(robot_in_map, spread, turn_spread)
+        self._localization.place(robot_in_map, spread, turn_spread)
         self._sightings.forget()
 
     def lose(self) -> None:
         """Forget where the robot is: it has been carried away."""
-        self._localizer.start_unknown()
+        self._localization.lose()
         self._sightings.forget()
 
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
-        with self._robot.laser.wanted():
-            async with running(self._search(), self._replan()):
+        with self._localization.sensing():
+            async with running(self._localization.search(), self._steer()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
                     self._take(snapshot)
 
     def _take(self, snapshot: Snapshot) -> None:
-        """Look at the newest scan."""
-        scan = self._robot.laser.latest
-        if scan is not None and scan.sequence != self._sequence:
-            self._sequence = scan.sequence
-            beams = beams_of(scan)
-            self._localizer.take(beams)
-            estimate = self.estimate
-            if estimate.sure and estimate.odom_in_map is not None:
-                self._sightings.take(beams, estimate.odom_in_map @ beams.robot_in_odom)
+        """Look at all that is new."""
+        beams, estimate = self._localization.take(snapshot), self.estimate
+        if beams is not None and estimate.sure and estimate.odom_in_map is not None:
+            self._sightings.take(beams, estimate.odom_in_map @ beams.robot_in_odom)
         drive = self._drive
         if drive is not None and self._robot.arbiter.mode is not drive.mode:
             self._drive = drive = None
         self.state.publish(
             Navigation(
-                estimate=self.estimate,
+                estimate=estimate,
                 goal=drive.goal if drive else None,
                 way=drive.way if drive else None,
                 top_speed=drive.action.top_speed if drive else 0.0,
@@ -218,42 +247,95 @@ class Navigator:
             return f"not sure where it is: {self.estimate.reason}"
         return "something is in the way" if drive.action.blocked or drive.closed_since else ""
 
-    async def _search(self) -> None:
-        """Search for the robot wherever that is wanted."""
-        async for _ in self.state.values():
-            if self._localizer.wants_search and (search := self._localizer.search()) is not None:
-                self._localizer.adopt(await self._in_thread(search.run))
-
-    async def _replan(self) -> None:
-        """Look for a better way, again and again."""
+    async def _steer(self) -> None:
+        """Look for a better way again and again, and send the robot on where it has arrived."""
         while True:
             await asyncio.sleep(REPLAN_EVERY)
             drive = self._drive
             if drive is None or not self.estimate.sure:
                 continue
-            way = await self.plan(drive.goal)
-            now = self._clock()
-            if isinstance(way, Way):
-                drive.action.follower.cost_to_go, drive.way = way.cost_to_go, way
-                drive.closed_since = None
-            elif drive.closed_since is None:
-                drive.closed_since = now
-            elif now - drive.closed_since > BLOCKED_FOR:
+            if drive.action.arrived:
+                await self._send_on(drive)
+            else:
+                await self._replan(drive)
+
+    async def _replan(self, drive: _Drive) -> None:
+        now = self._clock()
+        if drive.action.held_up(now) > HELD_UP:
+            self._avoid(drive.way, now)
+        way = await self.plan(drive.goal)
+        if isinstance(way, Way):
+            drive.action.follower.cost_to_go, drive.way = way.cost_to_go, way
+            drive.closed_since = None
+        elif drive.closed_since is None:
+            drive.closed_since = now
+        elif now - drive.closed_since > BLOCKED_FOR:
+            if drive.is_last:
                 drive.action.failed = way.why
+            else:
+                await self._skip(drive, way)
+
+    def _avoid(self, way: Way, now: float) -> None:
+        """Keep out of the narrowest place of the next stretch: the robot does not get through.
+
+        A way for a disk may bend too sharply for a robot that is longer than it is wide.
+        """
+        here = self.estimate.robot_in_map
+        if here is None or any(now - when < HELD_UP for *_, when in self._avoided):
+            return
+        rest = way.rest_from(here.x, here.y)
+        near = rest.points[rest.to_go[0] - rest.to_go < AHEAD]
+        x, y = near[int(self.costs.clearance_at(near).argmin())].tolist()
+        log.info("keeps out of (%.1f, %.1f): it does not get through there", x, y)
+        self._avoided.append((x, y, now))
+
+    async def _send_on(self, drive: _Drive) -> None:
+        """Plan the way to the next place of a patrol, once the robot has stood long enough."""
+        if drive.is_last:
+            return
+        now = self._clock()
+        if drive.arrived is None:
+            drive.arrived, drive.skipped = now, 0
+        elif now - drive.arrived >= PAUSE:
+            drive.go_on()
+            await self._begin_leg(drive)
+
+    async def _begin_leg(self, drive: _Drive) -> None:
+        way = await self.plan(drive.goal)
+        if isinstance(way, Way):
+            drive.way = way
+            drive.action.send_on(self._follower(drive.goal, way), last=drive.is_last)
+        else:
+            await self._skip(drive, way)
+
+    async def _skip(self, drive: _Drive, no_way: NoWay) -> None:
+        """Leave out a place that no way leads to; give up if there is none to any."""
+        log.warning("leaves out %s: %s", drive.goal, no_way.why)
+        drive.skipped += 1
+        if drive.is_last or drive.skipped >= len(drive.goals):
+            drive.action.failed = no_way.why
+            return
+        drive.go_on()
+        await self._begin_leg(drive)
 
     async def plan(self, goal: Destination) -> Way | NoWay:
         """Return a way from where the robot is, around all that it has seen."""
         estimate = self.estimate
         if not estimate.sure or estimate.robot_in_map is None:
             return NoWay(f"it is not sure where the robot is: {estimate.reason}")
-        here, there = estimate.robot_in_map, (goal.x, goal.y)
-        seen = self._sightings.points(self._clock())
-        start = here.x, here.y
-        way: Way | NoWay
-        way = await self._in_thread(plan, self.costs.with_obstacles(seen), start, there)
-        if isinstance(way, Way) or not len(seen):
+        now, here = self._clock(), estimate.robot_in_map
+        self._avoided = [each for each in self._avoided if now - each[2] < AVOIDED]
+        seen = self._sightings.points(now)
+        avoided = np.array(self._avoided).reshape(-1, 3)[:, :2]
+        way: Way | NoWay = NoWay("")
+        for obstacles in (np.concatenate([seen, avoided]), seen)[not len(avoided) :]:
+            around = self.costs.with_obstacles(obstacles)
+            way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
+            if isinstance(way, Way):
+                return way
+        if not len(seen):
             return way
-        free = await self._in_thread(plan, self.costs, start, there)
+        free = await self._in_thread(plan, self.costs, (here.x, here.y), (goal.x, goal.y))
         return self._closed(free, goal) if isinstance(free, Way) else free
 
     def _closed(self, way: Way, goal: Destination) -> NoWay:
@@ -267,32 +349,58 @@ class Navigator:
                 return NoWay(f"{words}: seen {max(0.0, now - seen):.0f} s ago", (x, y))
         return NoWay(f"things in the way leave none to {goal}")
 
-    async def find(self, patience: float) -> bool:
+    async def find(self, patience: float = PATIENCE) -> bool:
         """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(patience):
-                async for state in self.state.values(latest_first=True):
-                    if state.estimate.sure:
-                        return True
-        return self.estimate.sure
+        return await self._localization.find(patience)
 
-    def mode(self, goal: Destination, way: Way, speed: float | None = None) -> Stack:
-        """Return the mode that drives along `way`, at `speed` [m/s] at most."""
+    def _follower(self, goal: Destination, way: Way) -> Follower:
+        info, where = self._robot.info, (goal.x, goal.y, goal.heading)
+        return Follower(info.model, info.limits, where, way.cost_to_go)
+
+    def mode(
+        self,
+        goal: Destination,
+        way: Way,
+        speed: float | None = None,
+        *,
+        after: Sequence[Destination] = (),
+        rounds: float = 1,
+    ) -> Stack:
+        """Return the mode that drives along `way`, at `speed` [m/s] at most.
+
+        With places to go to `after` that it is a patrol, which begins anew after the last one
+        until it has been driven for so many `rounds`.
+        """
         limits = self._robot.info.limits
-        follower = Follower(
-            self._robot.info.model, limits, (goal.x, goal.y, goal.heading), way.cost_to_go
-        )
+        goals = (goal, *after)
+        legs = rounds * len(goals)
         action = FollowWay(
-            follower=follower,
+            follower=self._follower(goal, way),
             odom_in_map=lambda: self.odom_in_map,
             unsure=lambda: None if self.estimate.sure else self.estimate.reason,
             sightings=self._sightings,
             walls=self._walls,
+            preferred_speed=self.costs.speed_at,
             top_speed=min(speed or limits.max_speed, limits.max_speed),
+            last=legs <= 1,
         )
-        mode = follow_way(action)
-        self._drive = _Drive(goal, action, mode, way)
+        mode = follow_way(action, patrol=bool(after))
+        self._drive = _Drive(goals, legs, action, mode, way)
         return mode
+
+    def looking_around(self) -> Stack:
+        """Return the mode that drives about a little until it is sure where the robot is."""
+        return look_around(lambda: self.estimate, self._robot.info.limits)
+
+    async def look_around(self) -> None:
+        """Drive about a little until it is sure where the robot is.
+
+        Raises:
+            MotionError: It did not find itself; see the message.
+        """
+        if not await self.find():
+            log.info("looks around: %s", self.estimate.reason)
+            await self._drive_along(self.looking_around())
 
     async def goto(self, goal: Destination, speed: float | None = None) -> None:
         """Drive to a place.
@@ -300,9 +408,38 @@ class Navigator:
         Raises:
             MotionError: There is no way, or the robot did not get there; see the message.
         """
-        await self.find(PATIENCE)
+        await self._drive_along(self.mode(goal, await self._way_to(goal), speed))
+        if goal.charges:
+            await self._await_charger(goal)
+
+    async def patrol(
+        self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
+    ) -> None:
+        """Drive from place to place, and begin anew after the last one, for so many `rounds`.
+
+        Places that no way leads to are left out until the next round.
+
+        Raises:
+            MotionError: There is no way to any, or the robot was stopped; see the message.
+        """
+        first, *rest = goals
+        mode = self.mode(first, await self._way_to(first), speed, after=rest, rounds=rounds)
+        await self._drive_along(mode)
+
+    async def _way_to(self, goal: Destination) -> Way:
+        await self.find()
         way = await self.plan(goal)
         if isinstance(way, NoWay):
             raise MotionError(f"goto {goal}: {way.why}")
-        mode = self.mode(goal, way, speed)
-        await run_mode(mode, self._robot.arbiter, self._robot.snapshots(), until=float("inf"))
+        return way
+
+    async def _drive_along(self, mode: Stack) -> None:
+        await run_mode(mode, self._robot.arbiter, self._robot.snapshots(), until=inf)
+
+    async def _await_charger(self, dock: Destination) -> None:
+        """Wait for the charger of a dock; a dock without one is no error."""
+        async for snapshot in snapshots_of(self._robot.supervisor, CHARGER):
+            if snapshot.battery.charging not in (Charging.NONE, Charging.UNKNOWN):
+                log.info("stands in %s: %s", dock, snapshot.battery.charging)
+                return
+        log.warning("stands in %s, but the robot does not say that it is charged", dock)

@@ -1,5 +1,6 @@
 """Ways over a map."""
 
+from dataclasses import replace
 from math import hypot, inf
 
 import numpy as np
@@ -143,10 +144,13 @@ def test_it_goes_around_things_that_are_seen() -> None:
 
 
 def test_it_prefers_areas_where_it_may_go_faster() -> None:
-    slow = area("Slow", (4, 2.9), (6, 2.9), (6, 6), (4, 6))
+    slow = replace(area("SpeedArea", (4, 2.9), (6, 2.9), (6, 6), (4, 6)), name="0.2 m/s")
     on = costs(room())
     assert way(on, (2.0, 3.5), (8.0, 3.5)).points[:, 1].min() > 3.0
-    found = way(on.with_speed(slow, 0.2), (2.0, 3.5), (8.0, 3.5))
+    limited = costs(room(objects=(slow,)))
+    assert limited.speed_at(5.0, 4.0) == pytest.approx(0.2)
+    assert limited.speed_at(5.0, 2.0) == inf
+    found = way(limited, (2.0, 3.5), (8.0, 3.5))
     across = found.points[np.abs(found.points[:, 0] - 5.0).argmin()]
     assert across[1] < 2.9
 

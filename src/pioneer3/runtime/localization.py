@@ -1,0 +1,155 @@
+"""Keeps track of a robot on a map while it drives: by its laser, or by its sonars without one."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import replace
+from functools import partial
+from math import inf
+from typing import Any, Protocol, Self
+
+import numpy as np
+
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap
+from pioneer3.nav.beams import Beams, beams_of
+from pioneer3.nav.estimate import Estimate
+from pioneer3.nav.likelihood_sonar import Pings
+from pioneer3.nav.localizer import Localizer
+from pioneer3.robot.devices.laser import LaserSource
+from pioneer3.robot.supervisor import Feed
+from pioneer3.runtime.driven import Driven
+from pioneer3.state import Snapshot
+
+InThread = Callable[..., Awaitable[Any]]
+"""Calls a function elsewhere, so that the event loop goes on."""
+
+SPREAD, TURN_SPREAD = 0.3, 0.15
+"""Standard deviations of a place that somebody told [m, rad]."""
+SILENT = 2.0
+"""A sensor that has told nothing for so long leaves odometry alone, which drifts [s]."""
+
+
+class Localizable(Driven, Protocol):
+    """A robot that can be found on a map."""
+
+    @property
+    def laser(self) -> LaserSource:
+        """The laser that it looks through, if it is there."""
+
+
+class Localization:
+    """Tells a localizer all that a robot senses. :meth:`take` and :meth:`search` do the work.
+
+    Args:
+        robot: The robot.
+        localizer: On the map.
+        in_thread: Runs what takes long.
+        by_laser: Whether it looks; else it listens to its sonars.
+
+    Attributes:
+        line_map: The map.
+        by_laser: The same.
+    """
+
+    def __init__(
+        self, robot: Localizable, localizer: Localizer, in_thread: InThread, *, by_laser: bool
+    ) -> None:
+        self.line_map, self.by_laser = localizer.line_map, by_laser
+        self._robot, self._localizer, self._in_thread = robot, localizer, in_thread
+        self._mounts = np.array([(s.x, s.y, s.theta) for s in robot.info.model.sonars])
+        self._changed: Feed[Estimate] = Feed()
+        self._sequence = -1
+        self._heard = self._now = -inf
+
+    @classmethod
+    async def on(
+        cls, robot: Localizable, line_map: LineMap, rng: np.random.Generator, in_thread: InThread
+    ) -> Self:
+        """Return the localization of a robot on a map; it may be anywhere."""
+        by_laser = bool(robot.laser.presence.there)
+        localizer = Localizer(line_map, robot.info.model, rng)
+        await in_thread(partial(localizer.prepare, sonar=not by_laser))
+        return cls(robot, localizer, in_thread, by_laser=by_laser)
+
+    @property
+    def estimate(self) -> Estimate:
+        """Where the robot is."""
+        estimate = self._localizer.estimate
+        silent = self._now - self._heard
+        if estimate.sure and silent > SILENT:
+            sensor = "the laser is" if self.by_laser else "the sonars are"
+            return replace(estimate, sure=False, reason=f"{sensor} silent for {silent:.0f} s")
+        if estimate.stage == "lost" and not self.by_laser:
+            words = "sonars alone cannot find a robot that may be anywhere: tell its place"
+            return replace(estimate, reason=words)
+        return estimate
+
+    @property
+    def odom_in_map(self) -> Pose2:
+        """The pose of odometry's frame on the map [m, rad]; the origin while it is not known."""
+        return self._localizer.estimate.odom_in_map or ORIGIN
+
+    def place(
+        self, robot_in_map: Pose2, spread: float = SPREAD, turn_spread: float = TURN_SPREAD
+    ) -> None:
+        """Tell where the robot is, with the standard deviations of that [m, rad]."""
+        self._localizer.start(robot_in_map, spread, turn_spread)
+
+    def lose(self) -> None:
+        """Forget where the robot is: it has been carried away."""
+        self._localizer.start_unknown()
+
+    def sensing(self) -> AbstractContextManager[None]:
+        """Keep the sensors awake during the block."""
+        return self._robot.laser.wanted() if self.by_laser else nullcontext()
+
+    def take(self, snapshot: Snapshot) -> Beams | None:
+        """Take all that is new; return the scan if there is a new one."""
+        self._now = snapshot.stamp
+        beams = None
+        if self.by_laser:
+            beams = self._look(snapshot)
+        else:
+            self._listen(snapshot)
+        self._changed.publish(self.estimate)
+        return beams
+
+    def _look(self, snapshot: Snapshot) -> Beams | None:
+        scan = self._robot.laser.latest
+        if scan is None or scan.sequence == self._sequence:
+            return None
+        self._sequence, self._heard = scan.sequence, snapshot.stamp
+        beams = beams_of(scan)
+        self._localizer.take(beams)
+        return beams
+
+    def _listen(self, snapshot: Snapshot) -> None:
+        sonar = snapshot.sonar
+        known = [n for n in sonar.fresh if n < len(self._mounts) and sonar.ranges[n] >= 0]
+        if not known:
+            return
+        self._heard = snapshot.stamp
+        self._localizer.take_sonar(
+            Pings(
+                stamp=snapshot.stamp,
+                robot_in_odom=snapshot.odometry.robot_in_odom,
+                mounts=self._mounts[known],
+                ranges=np.array([sonar.ranges[n] for n in known]),
+            )
+        )
+
+    async def search(self) -> None:
+        """Search for the robot wherever that is wanted, until cancelled."""
+        async for _ in self._changed.values():
+            if self._localizer.wants_search and (search := self._localizer.search()) is not None:
+                self._localizer.adopt(await self._in_thread(search.run))
+
+    async def find(self, patience: float) -> bool:
+        """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(patience):
+                async for estimate in self._changed.values(latest_first=True):
+                    if estimate.sure:
+                        return True
+        return self.estimate.sure
