@@ -11,6 +11,9 @@ from pioneer3.geometry import Pose2
 
 Float = NDArray[np.float64]
 
+CHI_SQUARED = 5.991
+"""Of two dimensions, at 95 %."""
+
 Stage = Literal["lost", "looking", "sure"]
 """`lost`: the robot may be anywhere. `looking`: it is at one of some places, or near one that
 somebody has told. `sure`: it is where the estimate says."""
@@ -43,6 +46,18 @@ class Estimate:
     def deviation(self) -> float:
         """Standard deviation of the position in its worst direction [m]."""
         return deviation_of(self.covariance)
+
+    @property
+    def ellipse(self) -> tuple[float, float, float] | None:
+        """The ellipse that holds the position with 95 %; `None` where nothing is known.
+
+        Its half axes [m], and the angle of the longer one in the map's frame [rad].
+        """
+        if self.robot_in_map is None or not np.isfinite(self.covariance).all():
+            return None
+        squares, axes = np.linalg.eigh(self.covariance[:2, :2])
+        shorter, longer = np.sqrt(np.maximum(squares, 0.0) * CHI_SQUARED)
+        return float(longer), float(shorter), float(np.arctan2(axes[1, 1], axes[0, 1]))
 
 
 def deviation_of(covariance: Float) -> float:

@@ -28,15 +28,16 @@ LOOK_AGAIN = 1.0
 """Whether the map still agrees is looked at as often as this, even if the robot stands [s]."""
 AGREES, TOLD_AGREES = 0.9, 0.75
 """Share of the beams that agree with the map where a robot becomes sure of a place that it has
-found, and of one that it was told: there may be things that are not on the map."""
+found, and of one that it was told: there may be things that are not on the map. These hide walls;
+beams that go through walls tell of another place."""
 CONTRADICTS, TIMES = 0.7, 3
 """A robot that agrees with the map less than this, so many times in turn, was carried away."""
 WHIRLS = 0.6
 """A scan of a robot that turns faster does not count for that [rad/s]: a pose that is 50 ms late is
 some degrees off."""
 SEEN_THROUGH = 0.1
-"""A robot that stands was carried away only if it sees so large a share of beams through walls: it
-may be crowded."""
+"""So large a share of beams through walls tells of another place. A robot that stands and sees less
+was not carried away: it may be crowded."""
 CERTAIN = 0.98
 """Share of the weight that the best hypothesis of a sure robot has."""
 DRIVEN = 1.0
@@ -294,7 +295,9 @@ class Localizer:
         certain = hypotheses.share >= CERTAIN or (
             now.told and deviation_of(now.fix.covariance) < KNOWN_WELL
         )
-        agrees = agreement >= (TOLD_AGREES if now.told else AGREES)
+        agrees = agreement >= AGREES or (
+            now.told and agreement >= TOLD_AGREES and not self._sees_through(hypotheses.poses[0])
+        )
         if certain and agrees and (now.told or now.driven >= DRIVEN):
             poses = hypotheses.drawn(self._count, self._rng)
             now.laser, now.hypotheses = LaserTrack(poses, self._rng, self._errors), None
@@ -307,6 +310,12 @@ class Localizer:
         else:
             now.reason = "has to drive a little"
         self._watch(contradicts=agreement < CONTRADICTS)
+
+    def _sees_through(self, pose: Float) -> bool:
+        """Whether the latest scan sees through walls from a pose: things hide walls, no more."""
+        assert self._beams is not None
+        verdict = ScanLikelihood.of(self._walls, self._beams).judged(pose[None])
+        return _share_through(verdict) >= SEEN_THROUGH
 
     def _look_again(self, beams: Beams) -> None:
         """Look whether the map still agrees with a robot that stands."""

@@ -220,6 +220,8 @@ class Client:
                 return None
             case requests.StartMode() | requests.GotoPlace() | requests.EndMode():
                 refused = self._change_mode(self._page.robot(request.robot), request)
+            case requests.Patrol() | requests.LookAround() | requests.PlaceRobot():
+                refused = self._navigate(self._page.robot(request.robot), request)
             case requests.RobotRequest():
                 refused = self._drive(self._page.robot(request.robot), request)
             case _:
@@ -263,14 +265,22 @@ class Client:
             case requests.EndMode():
                 return view.control.end_mode(self)
         if view.navigation.possible:
-            if refused := view.control.take(self):
-                return refused
-            view.navigation.ask(self, request)
-            return None
+            return self._navigate(view, request)
         found = view.control.goto(self, request)
         if found.warning:
             self.tell(found.warning)
         return found.refusal or None
+
+    def _navigate(
+        self, view: RobotView, request: requests.GotoPlace | requests.MapRequest
+    ) -> str | None:
+        """Pass a request on to navigation; return the refusal, or `None`."""
+        if not view.navigation.possible:
+            return view.navigation.impossible
+        if refused := view.control.take(self):
+            return refused
+        view.navigation.ask(self, request)
+        return None
 
     def _subscribe(
         self, request: requests.WatchDetails | requests.AskConfig | requests.WatchLasers

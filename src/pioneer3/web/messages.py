@@ -67,7 +67,7 @@ class SpeedLimits(Part, frozen=True):
 class Robot(Part, frozen=True):
     """A robot. `robot` and `limits` are null until it has been connected to.
 
-    It `plans` ways where it has a map, a laser, and what navigation needs.
+    It `plans` ways where it has a map, a laser or sonars, and what navigation needs.
     """
 
     id: int
@@ -213,9 +213,11 @@ class Way(Message, tag="way", frozen=True):
 class Navigation(Message, tag="navigation", frozen=True):
     """A robot's knowledge of its place on the map, and the rest of its way.
 
-    `agreement` is the share of the laser's readings that agree with the map, 0 to 1; `reason` says
-    why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess;
-    `problem` says why the robot does not come on.
+    `pose` is the most likely one, x, y [m] and heading [rad]; `ellipse` is around the places where
+    the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is
+    the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure`
+    of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot
+    does not come on.
     """
 
     robot: int
@@ -224,6 +226,8 @@ class Navigation(Message, tag="navigation", frozen=True):
     reason: str
     problem: str
     place: str
+    pose: tuple[float, float, float] | None = None
+    ellipse: tuple[float, float, float] | None = None
     way: tuple[tuple[float, float], ...] = ()
     left: float | None = None
     seconds: int | None = None

@@ -6,13 +6,14 @@ is found ends the request.
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
-from contextlib import AsyncExitStack
+from collections.abc import Awaitable, Callable, Iterable, Sequence
+from contextlib import AsyncExitStack, suppress
 from importlib.util import find_spec
-from math import dist
+from math import dist, inf
 from typing import TYPE_CHECKING, Any
 
-from pioneer3.errors import PioneerError
+from pioneer3.behaviors.action import Stack
+from pioneer3.errors import PioneerError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
@@ -29,17 +30,23 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+Asked = requests.GotoPlace | requests.MapRequest | requests.PlanWay
 Show = Callable[[Operator, messages.Message], None]
 Publish = Callable[[messages.Navigation | None], None]
 
 PERIOD = 0.5
 """Clients hear of the way and of the certainty so often [s]."""
+CLICK, TURN_SPREAD, ANY_HEADING = 0.3, 0.3, 2.0
+"""Standard deviations of a place and a heading that somebody clicked, and of no heading
+[m, rad, rad]."""
 SPARSE = 5
 """Of a way's points every so many-th is drawn."""
 SAME = 0.005
 """A goal so near to a place of the map is that place [m]: pages know it in whole millimetres."""
-PATIENCE = 3.0
-"""Longest wait for a robot that knows where it is [s]."""
+PATROL_TIME = 3600.0
+"""Time limit of a patrol [s]."""
+LOOK = 1.0
+"""Whether navigation has become possible is looked at so often [s]."""
 CRUISE = 0.7
 """Mean speed on a way, as a share of the highest."""
 
@@ -76,22 +83,31 @@ class RobotNavigation:
         self._tell, self._show, self._publish = tell, show, publish
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
         self._navigator: Navigator | None = None
-        self._asked: tuple[Operator, requests.GotoPlace | requests.PlanWay, int] | None = None
+        self._asked: tuple[Operator, Asked, int] | None = None
         self._news = asyncio.Event()
 
     @property
     def possible(self) -> bool:
-        """Whether ways can be planned: there is a map, a laser, and the extra `nav`."""
+        """Whether ways can be planned: there is a map, a laser or sonars, and the extra `nav`."""
+        return not self.impossible
+
+    @property
+    def impossible(self) -> str:
+        """The reason that no ways can be planned, or nothing."""
         known = self._scene.map_now
-        laser = bool(self._robot.laser.presence.there)
-        return known is not None and len(known.walls) > 0 and laser and _installed()
+        if known is None or not len(known.walls):
+            return "there is no map"
+        info = self._robot.supervisor.info
+        if not self._robot.laser.presence.there and not (info and info.model.sonars):
+            return "the robot has neither a laser nor sonars"
+        return "" if _installed() else f"navigation is not installed: {how_to_get('nav')}"
 
-    def ask(self, operator: Operator, request: requests.GotoPlace | requests.PlanWay) -> None:
-        """Plan a way for `operator`, and drive along it or only show it.
+    def ask(self, operator: Operator, request: Asked) -> None:
+        """Plan a way for `operator`, and drive along it or only show it; or find the robot.
 
-        The newest request counts, but one that only asks does not displace one to drive.
+        The newest request counts, but one that only asks does not displace another.
         """
-        waiting = self._asked is not None and isinstance(self._asked[1], requests.GotoPlace)
+        waiting = self._asked is not None and not isinstance(self._asked[1], requests.PlanWay)
         if isinstance(request, requests.PlanWay) and (waiting or not self.possible):
             return
         self._asked = operator, request, self._robot.arbiter.last_stop.number
@@ -100,6 +116,7 @@ class RobotNavigation:
     async def run(self) -> None:
         """Carry out requests until cancelled."""
         async with AsyncExitStack() as stack:
+            await self._find_real_robot(stack)
             while True:
                 await self._news.wait()
                 self._news.clear()
@@ -114,32 +131,78 @@ class RobotNavigation:
                     log.exception("planning failed")
                     self._tell(asked[0], "Planning a way failed; the log has the details.")
 
+    async def _find_real_robot(self, stack: AsyncExitStack) -> None:
+        """Localize a robot that no simulator tells the place of, as soon as that is possible."""
+        if self._scene.simulated:
+            return
+        while not self._news.is_set():
+            ready = self._robot.snapshot is not None and self.possible
+            if ready and not self._scene.tells_truth:
+                await self._ready(stack)
+                return
+            if ready:
+                return
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._news.wait(), LOOK)
+
     async def _carry_out(
+        self, operator: Operator, request: Asked, after: int, stack: AsyncExitStack
+    ) -> None:
+        navigator = await self._ready(stack)
+        if not isinstance(request, requests.PlaceRobot):
+            await navigator.find()  # planning says why not
+        match request:
+            case requests.PlanWay():
+                goal = self._destination(request)
+                way = await navigator.plan(goal)
+                self._show(operator, self._shown(goal, way, request.speed))
+            case requests.PlaceRobot(x=x, y=y, heading=heading):
+                turn = TURN_SPREAD if heading is not None else ANY_HEADING
+                navigator.place(Pose2(x, y, heading or 0.0), CLICK, turn)
+            case requests.LookAround():
+                self._start(operator, navigator.looking_around(), GOTO_TIME, after)
+            case requests.GotoPlace(speed=speed):
+                await self._drive(operator, navigator, [self._destination(request)], speed, after)
+            case requests.Patrol(places=places, speed=speed):
+                goals = [self._destination(each) for each in places]
+                await self._drive(operator, navigator, goals, speed, after)
+
+    async def _drive(
         self,
         operator: Operator,
-        request: requests.GotoPlace | requests.PlanWay,
+        navigator: "Navigator",
+        goals: "Sequence[Destination]",
+        speed: float,
         after: int,
-        stack: AsyncExitStack,
     ) -> None:
-        from pioneer3.nav.places import Destination
+        """Drive to one place, or from place to place, unless the robot was stopped meanwhile."""
         from pioneer3.nav.planner import NoWay
 
-        navigator = await self._ready(stack)
-        goal = Destination(
-            x=request.x, y=request.y, heading=request.heading, name=self._name(request)
-        )
-        way = await navigator.plan(goal)
-        if isinstance(request, requests.PlanWay):
-            self._show(operator, self._shown(goal, way, request.speed))
-        elif isinstance(way, NoWay):
+        first, *rest = goals
+        way = await navigator.plan(first)
+        if isinstance(way, NoWay):
             self._tell(operator, f"{way.why[0].upper()}{way.why[1:]}.")
-        elif self._robot.arbiter.last_stop.number == after:
-            mode = navigator.mode(goal, way, request.speed)
-            refused = self._control.start(operator, mode, GOTO_TIME)
-            if refused:
-                self._tell(operator, refused)
+        elif rest:
+            mode = navigator.mode(first, way, speed, after=rest, rounds=inf)
+            self._start(operator, mode, PATROL_TIME, after)
+        else:
+            self._start(operator, navigator.mode(first, way, speed), GOTO_TIME, after)
 
-    def _name(self, request: requests.GotoPlace | requests.PlanWay) -> str:
+    def _start(self, operator: Operator, mode: Stack, seconds: float, after: int) -> None:
+        """Start a mode unless the robot was stopped since it was asked for."""
+        if self._robot.arbiter.last_stop.number == after and (
+            refused := self._control.start(operator, mode, seconds)
+        ):
+            self._tell(operator, refused)
+
+    def _destination(
+        self, place: requests.GotoPlace | requests.PlanWay | requests.Stopover
+    ) -> "Destination":
+        from pioneer3.nav.places import Destination
+
+        return Destination(x=place.x, y=place.y, heading=place.heading, name=self._name(place))
+
+    def _name(self, request: requests.GotoPlace | requests.PlanWay | requests.Stopover) -> str:
         """Return the name of the place that is meant, or nothing."""
         known = self._scene.map_now
         named = known.objects if known else ()
@@ -176,13 +239,15 @@ class RobotNavigation:
             reason=estimate.reason,
             problem=state.problem,
             place=state.goal.name if state.goal else "",
+            pose=_rounded((pose.x, pose.y, pose.theta)) if pose else None,
+            ellipse=_rounded(estimate.ellipse) if estimate.ellipse else None,
             way=points_of(rest) if rest else (),
             left=round(rest.length, 1) if rest else None,
             seconds=_seconds(rest.length, state.top_speed) if rest else None,
         )
 
     async def _ready(self, stack: AsyncExitStack) -> "Navigator":
-        """Return the navigator of the present map, and wait until it knows where the robot is."""
+        """Return the navigator of the present map."""
         from pioneer3.runtime.navigator import Navigator, compile_kernels
 
         known = self._scene.map_now
@@ -190,17 +255,16 @@ class RobotNavigation:
         if self._navigator is None or self._navigator.line_map is not known:
             await stack.aclose()
             await compile_kernels()
-            start = self._start(known)
+            start = self._begun(known)
             self._navigator = await Navigator.on(
                 self._robot, known, start=start, in_thread=self.in_thread
             )
             navigator = self._navigator
             self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
             await stack.enter_async_context(running(navigator.run(), self._tell_state()))
-        await self._navigator.find(PATIENCE)  # planning says why not
         return self._navigator
 
-    def _start(self, known: LineMap) -> Pose2 | None:
+    def _begun(self, known: LineMap) -> Pose2 | None:
         """Return where the robot is now: as a simulator tells, or if it began at the map's home.
 
         `None` has it found.
@@ -228,6 +292,11 @@ class RobotNavigation:
                 await asyncio.sleep(PERIOD)
         finally:
             self._publish(None)
+
+
+def _rounded(values: Iterable[float]) -> tuple[float, float, float]:
+    a, b, c = (round(value, 3) for value in values)
+    return a, b, c
 
 
 def points_of(way: "Way") -> tuple[tuple[float, float], ...]:

@@ -93,6 +93,33 @@ class GotoPlace(RobotRequest, tag="goto"):
     speed: Speed = 0.3
 
 
+class Stopover(msgspec.Struct, forbid_unknown_fields=True):
+    """A place of a patrol, with a heading to turn to there if one is given."""
+
+    x: Metre
+    y: Metre
+    heading: Radian | None = None
+
+
+class Patrol(RobotRequest, tag="patrol"):
+    """Drive from place to place of the map, and begin anew after the last one, until stopped."""
+
+    places: Annotated[tuple[Stopover, ...], Meta(min_length=2, max_length=20)]
+    speed: Speed = 0.3
+
+
+class LookAround(RobotRequest, tag="look_around"):
+    """Drive about slowly until the robot is sure where it is on the map."""
+
+
+class PlaceRobot(RobotRequest, tag="place_robot"):
+    """Tell where the robot is on the map; without a heading it may look anywhere."""
+
+    x: Metre
+    y: Metre
+    heading: Radian | None = None
+
+
 class PlanWay(RobotRequest, tag="plan_way"):
     """Ask for the way to a place of the map; the answer is a `way`. Nothing drives."""
 
@@ -213,6 +240,8 @@ ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
 ModeRequest = StartMode | GotoPlace | EndMode
 """Starts or ends a mode."""
+MapRequest = Patrol | LookAround | PlaceRobot
+"""Needs a map on which the robot can be found."""
 ViewRequest = WatchDetails | AskConfig | WatchLasers | PlanWay
 """Concerns this client alone."""
 FOR_ALL = (Stop, EmergencyStop, Ping, WatchDetails, AskConfig, WatchLasers)
@@ -231,7 +260,7 @@ Edit = (
     | SetSpeed
 )
 """Changes the simulated world."""
-AnyRequest = DriveRequest | ControlRequest | ModeRequest | ViewRequest | Ping | Edit
+AnyRequest = DriveRequest | ControlRequest | ModeRequest | MapRequest | ViewRequest | Ping | Edit
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 _stops: msgspec.json.Decoder[Stop | EmergencyStop] = msgspec.json.Decoder(Stop | EmergencyStop)

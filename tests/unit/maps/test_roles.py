@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from pioneer3.maps import LineMap, MapObject, read_map, shipped_map, write_aria_map
 
 TEXT = """2D-Map
@@ -63,3 +65,21 @@ def test_roles_come_back_from_a_written_map(tmp_path: Path) -> None:
 def test_the_shipped_office_has_goals_docks_and_homes() -> None:
     roles = [item.role for item in shipped_map("office").objects]
     assert (roles.count("goal"), roles.count("dock"), roles.count("home")) == (9, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),
+    [("0.3 m/s", 0.3), ("slow: .25", 0.25), ("2", 2.0), ("slow", None), ("0", None)],
+)
+def test_the_name_of_a_speed_area_tells_its_speed(
+    tmp_path: Path, name: str, speed: float | None
+) -> None:
+    path = tmp_path / "a.map"
+    path.write_text(
+        "2D-Map\nMapInfo: SectorType Name=SpeedArea\n"
+        f'Cairn: SpeedArea 0 0 0 "" ICON "{name}" 0 0 2000 1000\n'
+        f'Cairn: RestArea 0 0 0 "" ICON "{name}" 0 0 2000 1000\n'
+    )
+    area, other = read_map(path).objects
+    assert area.speed == speed
+    assert other.speed is None

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from itertools import pairwise
 from math import hypot
 from typing import Any
 
@@ -142,19 +143,98 @@ async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
         assert not the.simulation.robots[0].body.drive.linear.velocity
 
 
-async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself() -> None:
+async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(asyncio, "to_thread", at_once)
     known = replace(ROOMS, homes=(BEGIN,))
     begun = BEGIN @ Pose2(0.15, -0.1, 0.05)  # nobody puts it there exactly
     async with SimulatedRobot(ROOMS, home=begun) as sim, connect_async(sim.open) as robot:
         page = Page()
-        async with page.hosting(robot, Scene(known)) as view, running(page.run()):
-            view.navigation.in_thread = at_once
-            async with Browser(make_app(page)) as ann:
-                await asyncio.sleep(1.0)
-                ann.say("goto", x=2.5, y=0.0, speed=0.6)
-                await ann.stay(30.0)
-                there = sim.body.robot_in_world
-                assert hypot(there.x - 2.5, there.y) < 0.05
-                drawn = ann.snapshot["pose"]
-                assert (drawn["x"], drawn["y"]) == pytest.approx((there.x, there.y), abs=0.05)
-                assert drawn["theta"] == pytest.approx(there.theta, abs=0.03)
+        async with (
+            page.hosting(robot, Scene(known)),
+            running(page.run()),
+            Browser(make_app(page)) as ann,
+        ):
+            await asyncio.sleep(1.0)
+            ann.say("goto", x=2.5, y=0.0, speed=0.6)
+            await ann.stay(30.0)
+            there = sim.body.robot_in_world
+            assert hypot(there.x - 2.5, there.y) < 0.05
+            drawn = ann.snapshot["pose"]
+            assert (drawn["x"], drawn["y"]) == pytest.approx((there.x, there.y), abs=0.05)
+            assert drawn["theta"] == pytest.approx(there.theta, abs=0.03)
+
+
+async def test_a_patrol_goes_on_until_it_is_ended() -> None:
+    async with rooms() as (the, ann):
+        places = [{"x": -2.5, "y": 1.5}, {"x": -1.5, "y": -1.5, "heading": 0.0}]
+        ann.say("patrol", places=places, speed=0.7)
+        seen: list[tuple[float, float]] = []
+        for _ in range(60):
+            await ann.stay(1.0)
+            seen.append((where(the).x, where(the).y))
+        for place in places:
+            times = [hypot(x - place["x"], y - place["y"]) < 0.1 for x, y in seen]
+            visits = sum(now and not before for before, now in pairwise(times))
+            assert visits >= 2
+        assert ann.snapshot["mode"] == "patrol"
+        ann.say("end_mode")
+        await ann.stay(1.0)
+        assert ann.snapshot["mode"] is None
+
+
+async def test_the_page_is_told_how_sure_a_robot_is() -> None:
+    async with rooms() as (_, ann):
+        ann.say("plan_way", x=2.5, y=0.0)
+        await asyncio.sleep(3.0)
+        told = ann.latest("navigation")
+        assert told["pose"] == pytest.approx([-2.5, -1.0, 0.0], abs=0.02)
+        longer, shorter, _angle = told["ellipse"]
+        assert 0.0 < shorter <= longer < 0.2
+
+
+async def test_somebody_may_tell_a_robot_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(asyncio, "to_thread", at_once)
+    known = replace(ROOMS, homes=(BEGIN,))
+    begun = Pose2(2.5, 1.0, 2.0)  # far from home
+    async with SimulatedRobot(ROOMS, home=begun) as sim, connect_async(sim.open) as robot:
+        page = Page()
+        async with (
+            page.hosting(robot, Scene(known)),
+            running(page.run()),
+            Browser(make_app(page)) as ann,
+        ):
+            await asyncio.sleep(6.0)
+            assert not ann.latest("navigation")["sure"]
+            ann.say("place_robot", x=2.4, y=1.1, heading=2.1)
+            await ann.stay(3.0)
+            assert ann.latest("navigation")["sure"]
+            assert ann.snapshot["pose"]["x"] == pytest.approx(2.5, abs=0.05)
+
+
+async def test_a_lost_robot_looks_around_until_it_knows() -> None:
+    async with rooms() as (the, ann):
+        ann.say("plan_way", x=2.5, y=0.0)
+        await asyncio.sleep(3.0)
+        ann.say("place_robot", x=2.5, y=-2.0, heading=-1.0)  # it is not there
+        await ann.stay(8.0)
+        told = ann.latest("navigation")
+        assert not told["sure"]
+        assert told["reason"]
+        ann.say("goto", x=2.5, y=0.0)
+        await ann.stay(5.0)
+        assert "not sure" in ann.latest("told")["message"]
+        assert where(the) == pytest.approx(BEGIN)
+        ann.say("look_around")
+        await ann.stay(60.0)
+        assert ann.latest("navigation")["sure"]
+        assert ann.snapshot["ended"]["done"]
+
+
+async def test_without_a_map_nothing_navigates() -> None:
+    async with playground(BEGIN) as the, Browser(the.app) as ann:
+        await asyncio.sleep(1.0)
+        ann.say("look_around")
+        await asyncio.sleep(0.5)
+        assert ann.latest("refused")["message"] == "there is no map"

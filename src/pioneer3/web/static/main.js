@@ -11,6 +11,7 @@ import { Editor } from "./map/editor.js";
 import { EditorToolbar } from "./map/editor_toolbar.js";
 import { listenToCanvas, listenToPointer, listenToTools, showMode } from "./map/gestures.js";
 import { GotoTool } from "./map/goto.js";
+import { Whereabouts } from "./map/whereabouts.js";
 import { Layers, Legend } from "./map/layers.js";
 import { robotAt } from "./map/robots.js";
 import { Scene } from "./map/scene.js";
@@ -67,6 +68,7 @@ const goto = new GotoTool({
   changed: () => (goto.show(), scene.invalidate()),
 });
 scene.goto = goto;
+const whereabouts = new Whereabouts({ model, send: (message) => connection.send(message) });
 
 const stops = new StopQueue({
   send: (message) => connection.send(message),
@@ -274,6 +276,7 @@ function refresh() {
   if (model.world.paused) showPause();
   picker.show();
   goto.show();
+  whereabouts.show();
 }
 
 const inputs = new Inputs(teleop);

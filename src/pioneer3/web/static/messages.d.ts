@@ -9,7 +9,7 @@ export interface Hello {
   gamepad: Scheme;
 }
 
-/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser, and what navigation needs. */
+/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs. */
 export interface Robot {
   id: number;
   name: string;
@@ -337,7 +337,7 @@ export interface Way {
   refusal: string;
 }
 
-/** A robot's knowledge of its place on the map, and the rest of its way. `agreement` is the share of the laser's readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */
+/** A robot's knowledge of its place on the map, and the rest of its way. `pose` is the most likely one, x, y [m] and heading [rad]; `ellipse` is around the places where the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */
 export interface Navigation {
   type: "navigation";
   robot: number;
@@ -346,6 +346,8 @@ export interface Navigation {
   reason: string;
   problem: string;
   place: string;
+  pose: [number, number, number] | null;
+  ellipse: [number, number, number] | null;
   way: [number, number][];
   left: number | null;
   seconds: number | null;
@@ -606,6 +608,36 @@ export interface EndMode {
   robot?: number | null;
 }
 
+/** Drive from place to place of the map, and begin anew after the last one, until stopped. */
+export interface Patrol {
+  type: "patrol";
+  places: Stopover[];
+  speed?: number;
+  robot?: number | null;
+}
+
+/** A place of a patrol, with a heading to turn to there if one is given. */
+export interface Stopover {
+  x: number;
+  y: number;
+  heading?: number | null;
+}
+
+/** Drive about slowly until the robot is sure where it is on the map. */
+export interface LookAround {
+  type: "look_around";
+  robot?: number | null;
+}
+
+/** Tell where the robot is on the map; without a heading it may look anywhere. */
+export interface PlaceRobot {
+  type: "place_robot";
+  x: number;
+  y: number;
+  heading?: number | null;
+  robot?: number | null;
+}
+
 /** Open the details of the robot in place of any other's, or close them. */
 export interface WatchDetails {
   type: "watch_details";
@@ -722,4 +754,4 @@ export interface SetSpeed {
 
 export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Way | Navigation | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;

@@ -9,13 +9,18 @@ import { KNOB, knobOf } from "./target.js";
 const SNAP = { mouse: 14, touch: 26 }; // px to a goal of the map
 const SLACK = { mouse: 4, touch: 16 }; // px beside the knob
 const NEAR = 0.15; // m between a target and the place of the map that it means: odometry drifts
+const MOST = 19; // stops before the last one
 const ROUND = Math.PI / 36; // headings that are dragged are multiples of it
 
 const timeOf = (seconds) => (seconds < 90 ? `${seconds} s` : `${Math.round(seconds / 60)} min`);
 
+const pointOf = ({ x, y, heading }) => (heading === null ? { x, y } : { x, y, heading });
+
 export class GotoTool {
   /** The goal that is proposed, {x, y, heading or null, toward, name}, or null. */
   proposal = null;
+  /** The first places of a patrol that is being put together, {x, y, heading, name}. */
+  stops = [];
   #view;
   #scene;
   #model;
@@ -42,6 +47,8 @@ export class GotoTool {
     byId("goto-go").addEventListener("click", () => this.#go());
     byId("goto-close").addEventListener("click", () => this.withdraw());
     byId("goto-any").addEventListener("click", () => this.#turn(null));
+    byId("goto-tell").addEventListener("click", () => this.#place());
+    byId("goto-add").addEventListener("click", () => this.#add());
     byId("goto-place").addEventListener("change", ({ target }) => this.#pick(Number(target.value)));
     byId("goto").addEventListener("click", () => (this.proposal ? this.withdraw() : this.#proposeMiddle()));
     addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
@@ -99,13 +106,14 @@ export class GotoTool {
     if (!this.proposal) return;
     const inside = byId("goto-card").contains(document.activeElement);
     this.proposal = null;
+    this.stops = [];
     this.#changed();
     if (inside) byId("goto").focus();
   }
 
   /** Shows the proposal. */
   show() {
-    if (this.proposal && !this.possible) this.proposal = null;
+    if (this.proposal && !this.possible) [this.proposal, this.stops] = [null, []];
     this.#aim();
     byId("goto-card").hidden = !this.proposal;
     byId("goto").hidden = this.#model.viewer;
@@ -127,9 +135,18 @@ export class GotoTool {
     const { way, length, seconds, refusal } = this.proposal;
     const far = way?.length ? ` ${length.toFixed(1)} m, about ${timeOf(seconds)}.` : "";
     const where = name || `${x.toFixed(2)}, ${y.toFixed(2)} m`;
-    put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : `${go} to ${where}${turned}?${far}`);
-    byId("goto-go").disabled = Boolean(refusal);
+    const before = this.stops.map((stop) => `${stop.name || `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)}`}, then `).join("");
+    const last = this.stops.at(-1);
+    const added = last !== undefined && last.x === x && last.y === y;
+    const question = added ? `${go} to ${before}where? Choose the next place.` : `${go} to ${before}${where}${turned}${before && ", again and again"}?${far}`;
+    put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : question);
+    put(byId("goto-go"), before ? "Patrol" : "Go");
+    byId("goto-go").disabled = Boolean(refusal) || (added && this.stops.length < 2);
     byId("goto-any").hidden = heading === null;
+    const { plans } = this.#model.selected.hello;
+    byId("goto-tell").hidden = !plans || before !== "";
+    byId("goto-add").hidden = !plans || this.stops.length >= MOST;
+    byId("goto-add").disabled = Boolean(refusal) || added;
     this.#list();
   }
 
@@ -174,7 +191,8 @@ export class GotoTool {
   }
 
   #named() {
-    return this.#scene.places.filter(({ name, role }) => name && ["goal", "dock", "home"].includes(role));
+    const known = this.#scene.places.map((place) => ({ ...place, name: place.name || (place.role === "home" ? "Home" : "") }));
+    return known.filter(({ name, role }) => name && ["goal", "dock", "home"].includes(role));
   }
 
   #pick(number) {
@@ -203,10 +221,26 @@ export class GotoTool {
   }
 
   #go() {
-    const { x, y, heading } = this.proposal;
-    const request = { type: "goto", robot: this.#model.selected.id, x, y, speed: this.#speed() };
-    this.#send(heading === null ? request : { ...request, heading });
+    const [robot, speed] = [this.#model.selected.id, this.#speed()];
+    const goals = this.stops.map(pointOf);
+    const [last, goal] = [goals.at(-1), pointOf(this.proposal)];
+    if (!last || last.x !== goal.x || last.y !== goal.y) goals.push(goal);
+    if (goals.length > 1) this.#send({ type: "patrol", robot, places: goals, speed });
+    else this.#send({ type: "goto", robot, ...goal, speed });
     this.withdraw();
+  }
+
+  /** The robot is at the proposed place, with the proposed heading if there is one. */
+  #place() {
+    this.#send({ type: "place_robot", robot: this.#model.selected.id, ...pointOf(this.proposal) });
+    this.withdraw();
+  }
+
+  /** More places follow the proposed one: the next click proposes another. */
+  #add() {
+    const { x, y, heading, name } = this.proposal;
+    this.stops.push({ x, y, heading, name });
+    this.#changed();
   }
 
   #key(event, driving) {

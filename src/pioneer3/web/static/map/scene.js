@@ -3,9 +3,10 @@
 import { CachedPicture, SpriteCache } from "./cache.js";
 import { FloorPlan, OccupancyGrid, drawScale } from "./floor_plan.js";
 import { drawRobotNames, drawRobots, drawSenses } from "./robots.js";
-import { drawProposal, drawTarget } from "./target.js";
+import { drawProposal, drawStop, drawTarget } from "./target.js";
 import { byLayer, drawGhost, drawNames, drawSelection, drawThing } from "./things.js";
 import { Trails } from "./trails.js";
+import { drawWhereabouts } from "./whereabouts.js";
 
 const NAMES = [
   "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
@@ -41,7 +42,7 @@ export class Scene {
   /** The selected thing, and the outline of the dragged one: {thing, ghost}. */
   editor = { thing: undefined, ghost: null };
   /** The goal that is proposed for the selected robot, {proposal}. */
-  goto = { proposal: null };
+  goto = { proposal: null, stops: [] };
 
   constructor(canvas, view, model, layers) {
     this.#canvas = canvas;
@@ -143,6 +144,8 @@ export class Scene {
     drawSenses(context, view, palette, placed, common);
     if (shown("targets")) this.#paintTargets(placed);
     drawRobots(context, view, palette, placed, common);
+    if (shown("places")) this.#paintWhereabouts(placed);
+    for (const [at, stop] of this.goto.stops.entries()) drawStop(context, view, palette, stop, at + 1);
     if (this.goto.proposal) drawProposal(context, view, palette, this.goto.proposal, this.pose);
     this.#paintEdit(things);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -156,6 +159,12 @@ export class Scene {
     for (const [robot, pose] of placed) {
       const target = robot.snapshot?.target;
       if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.navigation?.way);
+    }
+  }
+
+  #paintWhereabouts(placed) {
+    for (const [robot, pose] of placed) {
+      if (robot.navigation && this.#model.isLive(robot)) drawWhereabouts(this.#context, this.view, this.#palette, robot.navigation, pose);
     }
   }
 

@@ -35,6 +35,24 @@ export function drawProposal(context, view, palette, goal, pose) {
   context.stroke();
 }
 
+/** A stop of a patrol that is being put together, with its number. */
+export function drawStop(context, view, palette, { x, y }, number) {
+  const k = 1 / view.scale;
+  context.save();
+  context.translate(x, y);
+  context.scale(k, -k);
+  context.fillStyle = palette.target;
+  context.beginPath();
+  context.arc(0, 0, SIZE + 2, 0, 2 * Math.PI);
+  context.fill();
+  context.fillStyle = palette.floor;
+  context.font = "700 13px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillText(String(number), 0, 1);
+  context.restore();
+}
+
 /** Where the knob of a goal is: where it heads, or would by itself [m]. */
 export function knobOf({ x, y, toward }, scale) {
   return { x: x + (ARM / scale) * Math.cos(toward), y: y + (ARM / scale) * Math.sin(toward) };

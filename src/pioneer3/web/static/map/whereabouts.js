@@ -1,0 +1,64 @@
+// How sure a robot is of its place on the map: an ellipse around it, and a notice while it is not sure.
+
+import { byId, put } from "../dom.js";
+
+const APART = 0.3; // m between the drawn pose and the estimate, from which on both are drawn
+const CROSS = 7; // px
+const LOOKS = "look around"; // the mode
+
+/** Draws where navigation believes the robot to be, with 95 %, in world coordinates. */
+export function drawWhereabouts(context, view, palette, { pose, ellipse, sure }, drawn) {
+  if (!pose || !ellipse) return;
+  const [x, y, heading] = pose;
+  const [long, short, angle] = ellipse;
+  const k = 1 / view.scale;
+  const colour = sure ? palette.target : palette.hit;
+  context.save();
+  context.translate(x, y);
+  context.strokeStyle = context.fillStyle = colour;
+  context.lineWidth = 1.5 * k;
+  context.beginPath();
+  context.ellipse(0, 0, Math.max(long, 2 * k), Math.max(short, 2 * k), angle, 0, 2 * Math.PI);
+  context.globalAlpha = 0.2;
+  context.fill();
+  context.globalAlpha = 1;
+  context.stroke();
+  if (Math.hypot(x - drawn.x, y - drawn.y) > APART) {
+    context.beginPath();
+    context.moveTo(-CROSS * k, 0);
+    context.lineTo(CROSS * k, 0);
+    context.moveTo(0, -CROSS * k);
+    context.lineTo(0, CROSS * k);
+    context.moveTo(0, 0);
+    context.lineTo(4 * CROSS * k * Math.cos(heading), 4 * CROSS * k * Math.sin(heading));
+    context.stroke();
+  }
+  context.restore();
+}
+
+/** The notice over the map while the selected robot is not sure where it is. */
+export class Whereabouts {
+  #model;
+  #send;
+
+  /** @param send function(message) */
+  constructor({ model, send }) {
+    this.#model = model;
+    this.#send = send;
+    byId("unsure-look").addEventListener("click", () => this.#lookAround());
+  }
+
+  show() {
+    const { selected, live, viewer, snapshot } = this.#model;
+    const navigation = live ? selected?.navigation : null;
+    byId("unsure").hidden = !navigation || navigation.sure || snapshot?.mode === LOOKS;
+    if (byId("unsure").hidden) return;
+    const who = this.#model.several ? `${selected.name} is not sure` : "Not sure";
+    put(byId("unsure-why"), `${who} where it is: ${navigation.reason}.`);
+    byId("unsure-look").hidden = byId("unsure-how").hidden = viewer;
+  }
+
+  #lookAround() {
+    this.#send({ type: "look_around", robot: this.#model.selected.id });
+  }
+}
