@@ -34,7 +34,7 @@ def patrol(
     stop.
 
     Example: pioneer3 patrol Lab Kitchen home --map office --rounds 3
-    Example: pioneer3 patrol 7,5 12.4,9.4,90 --map building.map --port /dev/ttyUSB0
+    Example: pioneer3 patrol 7,5 12.4,9.4,90 --map office --port /dev/ttyUSB0
 
     Args:
         places: Names of the map, or `x,y`, or `x,y,heading`; `home` is where robots begin.
