@@ -46,6 +46,7 @@ class FollowWay:
         done: Whether it stands at the last one.
         failed: The reason to give up, or `None`.
         blocked: Whether no motion leads on.
+        waits: The reason to stand for a while, or empty.
     """
 
     follower: Follower
@@ -62,6 +63,7 @@ class FollowWay:
     done: bool = False
     failed: str | None = None
     blocked: bool = False
+    waits: str = ""
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
 
@@ -85,7 +87,10 @@ class FollowWay:
             self._wait(situation.now)
             return Desire(v=0.0, w=0.0, reason=f"not sure where it is: {unsure}")
         if self.arrived:
-            return Desire(v=0.0, w=0.0, reason="at a place of its patrol")
+            return Desire(v=0.0, w=0.0, reason="has arrived there")
+        if self.waits:
+            self._best, self._since = inf, None
+            return Desire(v=0.0, w=0.0, reason=self.waits)
         robot_in_map = self.odom_in_map() @ situation.pose
         step = self.follower.step(
             robot_in_map,

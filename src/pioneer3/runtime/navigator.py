@@ -4,11 +4,12 @@ import asyncio
 import logging
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import hypot, inf
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError
@@ -21,8 +22,9 @@ from pioneer3.nav.estimate import Estimate
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.places import Destination
-from pioneer3.nav.planner import NoWay, Way, plan
+from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
 from pioneer3.nav.sightings import Sightings
+from pioneer3.nav.traffic import Traveller, meeting, passing_place, without_robots
 from pioneer3.nav.warm_up import warm_up
 from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.driven import snapshots_of
@@ -36,6 +38,7 @@ from pioneer3.runtime.localization import (
 )
 from pioneer3.runtime.look_around import look_around
 from pioneer3.runtime.motions import run_mode
+from pioneer3.runtime.traffic import Traffic
 from pioneer3.state import Charging, Snapshot
 from pioneer3.tasks import running
 
@@ -55,8 +58,13 @@ AHEAD = 1.0
 """The place that holds a robot up is so near on its way [m]."""
 AVOIDED = 120.0
 """It is kept out of for so long [s]."""
+APART_EVERY, BEFORE = 0.3, 0.4
+"""Whether others come near is looked at so often [s]; a robot waits so far before them [m]."""
 CHARGER = 5.0
 """A charger answers within this [s]."""
+
+Float = NDArray[np.float64]
+NOWHERE: Float = np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -92,6 +100,8 @@ class _Drive:
         closed_since: When its way was first found closed [s].
         arrived: When the robot came to the present place [s], if there are more.
         skipped: Places in turn that no way leads to.
+        since: When it set out [s].
+        aside: Whether it lets others pass, at a place beside their ways.
     """
 
     goals: tuple[Destination, ...]
@@ -99,10 +109,12 @@ class _Drive:
     action: FollowWay
     mode: Stack
     way: Way
+    since: float
     at: int = 0
     closed_since: float | None = field(default=None)
     arrived: float | None = field(default=None)
     skipped: int = 0
+    aside: bool = False
 
     @property
     def goal(self) -> Destination:
@@ -137,6 +149,8 @@ class Navigator:
         costs: Of the map for it.
         localization: On the map.
         in_thread: Runs what takes long.
+        traffic: The other robots.
+        name: Of the robot, for the drivers of the others.
 
     Attributes:
         line_map: The map.
@@ -151,12 +165,14 @@ class Navigator:
         localization: Localization,
         *,
         in_thread: InThread,
+        traffic: Traffic | None = None,
+        name: str = "another robot",
     ) -> None:
         self.line_map = localization.line_map
         self.state: Feed[Navigation] = Feed()
         self.costs = costs
         self._robot, self._in_thread = robot, in_thread
-        self._localization = localization
+        self._localization, self._traffic, self._name = localization, traffic or Traffic(), name
         self._sightings = Sightings(costs)
         self._walls = samples(self.line_map.walls, CELL)
         self._clock = asyncio.get_running_loop().time
@@ -172,6 +188,8 @@ class Navigator:
         start: Pose2 | None = None,
         rng: np.random.Generator | None = None,
         in_thread: InThread = asyncio.to_thread,
+        traffic: Traffic | None = None,
+        name: str = "another robot",
     ) -> Self:
         """Return the navigator of a robot on a map.
 
@@ -183,12 +201,14 @@ class Navigator:
             start: Where the robot is, if anybody knows; `None` has it found.
             rng: Draws all that is random.
             in_thread: Runs what takes long.
+            traffic: The other robots of this program, for which it makes way.
+            name: Of the robot, for the drivers of the others.
         """
         await in_thread(warm_up)
         costs = await in_thread(CostMap.of, line_map, robot.info.model)
         drawn = rng or np.random.default_rng()
         localization = await Localization.on(robot, line_map, drawn, in_thread)
-        navigator = cls(robot, costs, localization, in_thread=in_thread)
+        navigator = cls(robot, costs, localization, in_thread=in_thread, traffic=traffic, name=name)
         if start is not None:
             navigator.place(start)
         return navigator
@@ -217,8 +237,8 @@ class Navigator:
 
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
-        with self._localization.sensing():
-            async with running(self._localization.search(), self._steer()):
+        with self._localization.sensing(), self._traffic.joined(self):
+            async with running(self._localization.search(), self._steer(), self._keep_apart()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
                     self._take(snapshot)
 
@@ -226,7 +246,9 @@ class Navigator:
         """Look at all that is new."""
         beams, estimate = self._localization.take(snapshot), self.estimate
         if beams is not None and estimate.sure and estimate.odom_in_map is not None:
-            self._sightings.take(beams, estimate.odom_in_map @ beams.robot_in_odom)
+            there = estimate.odom_in_map @ beams.robot_in_odom
+            others = self._traffic.others(self)
+            self._sightings.take(without_robots(beams, there, others), there)
         drive = self._drive
         if drive is not None and self._robot.arbiter.mode is not drive.mode:
             self._drive = drive = None
@@ -245,6 +267,10 @@ class Navigator:
             return ""
         if not self.estimate.sure:
             return f"not sure where it is: {self.estimate.reason}"
+        if drive.aside:
+            return "makes room for another robot"
+        if drive.action.waits:
+            return drive.action.waits
         return "something is in the way" if drive.action.blocked or drive.closed_since else ""
 
     async def _steer(self) -> None:
@@ -252,12 +278,67 @@ class Navigator:
         while True:
             await asyncio.sleep(REPLAN_EVERY)
             drive = self._drive
-            if drive is None or not self.estimate.sure:
+            if drive is None or drive.aside or not self.estimate.sure:
                 continue
             if drive.action.arrived:
                 await self._send_on(drive)
             else:
                 await self._replan(drive)
+
+    @property
+    def traveller(self) -> Traveller | None:
+        """The robot as others see it; `None` while it is not sure where it is."""
+        here, drive = self.estimate.robot_in_map, self._drive
+        if not self.estimate.sure or here is None:
+            return None
+        goes = drive is not None and not drive.action.arrived and not drive.aside
+        return Traveller(
+            name=self._name,
+            robot_in_map=here,
+            corner=self._robot.info.model.corner,
+            way=drive.way.rest_from(here.x, here.y).points if drive and goes else NOWHERE,
+            since=drive.since if drive else inf,
+        )
+
+    async def _keep_apart(self) -> None:
+        """Let the robots pass that set out earlier: wait before their ways, or make room."""
+        while True:
+            await asyncio.sleep(APART_EVERY)
+            drive, mine = self._drive, self.traveller
+            if drive is None or mine is None:
+                continue
+            if drive.aside or not drive.action.arrived:
+                await self._give_way(drive, mine)
+
+    async def _give_way(self, drive: _Drive, mine: Traveller) -> None:
+        here = mine.robot_in_map
+        onward = replace(mine, way=drive.way.rest_from(here.x, here.y).points)
+        met = {other: meeting(onward, other) for other in self._traffic.ahead_of(self)}
+        stop = BEFORE + self._braking_distance()
+        near = [other for other, way in met.items() if way is not None and way < stop]
+        drive.action.waits = f"lets {near[0].name} pass" if near and not drive.aside else ""
+        if not near:
+            if drive.aside:
+                drive.aside = False
+                await self._begin_leg(drive)
+        elif drive.action.arrived or not drive.aside:
+            stays = replace(mine, way=NOWHERE)
+            if any(meeting(stays, other) == 0.0 for other in near):
+                await self._make_room(drive, mine, near)
+
+    async def _make_room(self, drive: _Drive, mine: Traveller, others: Sequence[Traveller]) -> None:
+        """Go to a place beside the ways of others, if there is one."""
+        seen = self.costs.with_obstacles(self._sightings.points(self._clock()))
+        place = await self._in_thread(passing_place, seen, mine, others)
+        if place is not None:
+            drive.aside, drive.action.waits = True, ""
+            goal = Destination(x=place.x, y=place.y)
+            drive.action.send_on(self._follower(goal, place), last=False)
+
+    def _braking_distance(self) -> float:
+        snapshot = self._robot.snapshot
+        speed = snapshot.odometry.twist.v if snapshot else 0.0
+        return speed * speed / (2 * self._robot.info.limits.deceleration)
 
     async def _replan(self, drive: _Drive) -> None:
         now = self._clock()
@@ -304,7 +385,8 @@ class Navigator:
         way = await self.plan(drive.goal)
         if isinstance(way, Way):
             drive.way = way
-            drive.action.send_on(self._follower(drive.goal, way), last=drive.is_last)
+            follower = self._follower(drive.goal, way.cost_to_go)
+            drive.action.send_on(follower, last=drive.is_last)
         else:
             await self._skip(drive, way)
 
@@ -327,8 +409,12 @@ class Navigator:
         self._avoided = [each for each in self._avoided if now - each[2] < AVOIDED]
         seen = self._sightings.points(now)
         avoided = np.array(self._avoided).reshape(-1, 3)[:, :2]
+        # without another way it tries again where it was held up, and waits for robots that stay
+        tries = [np.concatenate([seen, self._robots(), avoided])]
+        tries += [np.concatenate([seen, self._robots()])] if len(avoided) else []
+        tries += [seen] if len(tries[-1]) > len(seen) else []
         way: Way | NoWay = NoWay("")
-        for obstacles in (np.concatenate([seen, avoided]), seen)[not len(avoided) :]:
+        for obstacles in tries:
             around = self.costs.with_obstacles(obstacles)
             way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
             if isinstance(way, Way):
@@ -337,6 +423,11 @@ class Navigator:
             return way
         free = await self._in_thread(plan, self.costs, (here.x, here.y), (goal.x, goal.y))
         return self._closed(free, goal) if isinstance(free, Way) else free
+
+    def _robots(self) -> Float:
+        """Return the outlines of other robots that stay where they are [m], shape (N, 2)."""
+        stay = [other.body for other in self._traffic.others(self) if not len(other.way)]
+        return np.concatenate([NOWHERE, *stay])
 
     def _closed(self, way: Way, goal: Destination) -> NoWay:
         """Return the reason that a way of the map cannot be driven: where, and when it was seen."""
@@ -353,9 +444,9 @@ class Navigator:
         """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
         return await self._localization.find(patience)
 
-    def _follower(self, goal: Destination, way: Way) -> Follower:
+    def _follower(self, goal: Destination, cost_to_go: CostToGo) -> Follower:
         info, where = self._robot.info, (goal.x, goal.y, goal.heading)
-        return Follower(info.model, info.limits, where, way.cost_to_go)
+        return Follower(info.model, info.limits, where, cost_to_go)
 
     def mode(
         self,
@@ -375,7 +466,7 @@ class Navigator:
         goals = (goal, *after)
         legs = rounds * len(goals)
         action = FollowWay(
-            follower=self._follower(goal, way),
+            follower=self._follower(goal, way.cost_to_go),
             odom_in_map=lambda: self.odom_in_map,
             unsure=lambda: None if self.estimate.sure else self.estimate.reason,
             sightings=self._sightings,
@@ -385,7 +476,7 @@ class Navigator:
             last=legs <= 1,
         )
         mode = follow_way(action, patrol=bool(after))
-        self._drive = _Drive(goals, legs, action, mode, way)
+        self._drive = _Drive(goals, legs, action, mode, way, self._clock())
         return mode
 
     def looking_around(self) -> Stack:

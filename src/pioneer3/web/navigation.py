@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pioneer3.nav.planner import NoWay, Way
     from pioneer3.runtime.navigator import Navigation as State
     from pioneer3.runtime.navigator import Navigator
+    from pioneer3.runtime.traffic import Traffic
 
 log = logging.getLogger(__name__)
 
@@ -62,6 +63,8 @@ class RobotNavigation:
         tell: Called with an operator and a sentence.
         show: Called with an operator and a message.
         publish: Called with the state, and with `None` when there is none.
+        traffic: The other robots of the page.
+        name: Of the robot, for the drivers of the others.
 
     Attributes:
         in_thread: Runs what takes long.
@@ -77,10 +80,13 @@ class RobotNavigation:
         tell: Callable[[Operator, str], None],
         show: Show,
         publish: Publish,
+        traffic: "Traffic | None" = None,
+        name: str = "another robot",
     ) -> None:
         self._number, self._robot = number, robot
         self._scene, self._control = scene, control
         self._tell, self._show, self._publish = tell, show, publish
+        self._traffic, self._called = traffic, name
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
         self._navigator: Navigator | None = None
         self._asked: tuple[Operator, Asked, int] | None = None
@@ -257,7 +263,12 @@ class RobotNavigation:
             await compile_kernels()
             start = self._begun(known)
             self._navigator = await Navigator.on(
-                self._robot, known, start=start, in_thread=self.in_thread
+                self._robot,
+                known,
+                start=start,
+                in_thread=self.in_thread,
+                traffic=self._traffic,
+                name=self._called,
             )
             navigator = self._navigator
             self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map

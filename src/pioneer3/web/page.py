@@ -10,6 +10,7 @@ from pioneer3 import __version__
 from pioneer3.errors import CommandError
 from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.traffic import Traffic
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
@@ -125,6 +126,7 @@ class Page:
         self._count = count(1)
         self._map: LineMap | None = None
         self._drawn: LineMap | None = None
+        self._traffic = Traffic()
         self.retained = RetainedChannel()
         self.snapshots = FrameChannel(self._wake)
         self.scans = ScanChannel(self._wake)
@@ -267,7 +269,15 @@ class Page:
 
         control = Control(robot, scene, tell)
         navigation = RobotNavigation(
-            number, robot, scene, control, tell=tell, show=show, publish=publish
+            number,
+            robot,
+            scene,
+            control,
+            tell=tell,
+            show=show,
+            publish=publish,
+            traffic=self._traffic,
+            name=name,
         )
         return RobotView(number, name, robot, scene=scene, control=control, navigation=navigation)
 

@@ -1,0 +1,131 @@
+"""Several robots on one map: who comes near to whom, and places to let others pass."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.beams import Beams
+from pioneer3.nav.costs import CostMap
+from pioneer3.nav.planner import CostToGo
+
+Float = NDArray[np.float64]
+
+BESIDE = 0.2
+"""Room between two robots that pass each other [m]."""
+SOON = 5.0
+"""So much of the ways of others counts [m]."""
+NEAR = 3.0
+"""So much of the own way is looked at [m]."""
+EVERY = 4
+"""Of a way's points one of so many counts."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Traveller:
+    """A robot among others.
+
+    Attributes:
+        name: For people.
+        robot_in_map: Where it is [m, rad].
+        corner: From its middle to its farthest corner [m].
+        way: The rest of its way [m] in the map's frame, shape (N, 2); empty where it stays.
+        since: When it set out [s]; of two robots the one that set out first goes first.
+    """
+
+    name: str
+    robot_in_map: Pose2
+    corner: float
+    way: Float
+    since: float
+
+    @property
+    def body(self) -> Float:
+        """Points around it [m], shape (K, 2)."""
+        angles = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
+        ring = 0.8 * self.corner * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        around: Float = ring + np.array([self.robot_in_map.x, self.robot_in_map.y])
+        return around
+
+    def ahead(self, length: float = inf) -> Float:
+        """Return where it is and will be on the next stretch of its way [m], shape (M, 2)."""
+        here = np.array([[self.robot_in_map.x, self.robot_in_map.y]])
+        return np.concatenate([here, _stretch(self.way, length)[::EVERY], self.way[-1:]])
+
+
+def without_robots(beams: Beams, robot_in_map: Pose2, others: Iterable[Traveller]) -> Beams:
+    """Return a scan without the echoes of other robots: nobody has to remember where they were.
+
+    Args:
+        beams: The scan.
+        robot_in_map: The robot's pose at the scan's last reading.
+        others: Those robots.
+    """
+    keep = np.ones(len(beams.points), dtype=np.bool_)
+    for other in others:
+        there = robot_in_map.inverse() @ other.robot_in_map
+        away = np.hypot(beams.points[:, 0] - there.x, beams.points[:, 1] - there.y)
+        keep &= away > other.corner + BESIDE
+    return beams if keep.all() else replace(beams, points=beams.points[keep])
+
+
+def meeting(mine: Traveller, other: Traveller) -> float | None:
+    """Return how far one may drive on its way before it comes too near to another [m].
+
+    0 where it is in the way of the other already; `None` if they do not meet soon.
+    """
+    apart = mine.corner + other.corner + BESIDE
+    here = mine.robot_in_map
+    way = np.concatenate([[(here.x, here.y)], _stretch(mine.way, NEAR)])
+    theirs = other.ahead(SOON)
+    away = np.hypot(way[:, None, 0] - theirs[None, :, 0], way[:, None, 1] - theirs[None, :, 1]).min(
+        axis=1
+    )
+    close = away < apart
+    if not close.any():
+        return None
+    steps = np.hypot(*np.diff(way, axis=0).T)
+    return float(steps[: int(close.argmax())].sum())
+
+
+def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) -> CostToGo | None:
+    """Return the way to the nearest place where a robot is in the way of none of the others.
+
+    Args:
+        costs: Of the map, with all that is seen.
+        mine: The robot that lets the others pass.
+        others: Those.
+    """
+    here = mine.robot_in_map
+    around = costs.with_obstacles(np.concatenate([other.body for other in others]))
+    prices = around.costs()
+    raster = costs.raster
+    from_here = CostToGo.of(prices, raster, here.x, here.y)
+    if from_here is None:
+        return None
+    fits = np.isfinite(from_here.values) & (around.clearance >= costs.turning) & ~around.closed
+    rows, columns = np.nonzero(fits)
+    places = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell + (raster.x, raster.y)
+    cost = from_here.values[rows, columns].astype(np.float64)
+    for other in others:
+        apart = mine.corner + other.corner + BESIDE
+        for point in other.ahead():
+            cost[np.hypot(*(places - point).T) < apart] = np.inf
+    if not len(cost) or not np.isfinite(cost).any():
+        return None
+    x, y = places[int(cost.argmin())].tolist()
+    to_go = CostToGo.of(prices, raster, x, y)
+    return to_go if to_go is not None and np.isfinite(to_go.at(here.x, here.y)) else None
+
+
+def _stretch(way: Float, length: float) -> Float:
+    """Return the first points of a way, up to a length [m]."""
+    if len(way) < 2:
+        return way
+    steps = np.hypot(*np.diff(way, axis=0).T)
+    count = int(np.searchsorted(np.cumsum(steps), length)) + 1
+    part: Float = way[:count]
+    return part
