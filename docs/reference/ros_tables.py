@@ -10,9 +10,13 @@ from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
+from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
+from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
 from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.node.goals import STATUS_EVERY
 from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
-from pioneer3.ros.node.services import SERVICES
+from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
+from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
 from pioneer3.ros.node.topics import TOPICS, Direction, Topic, laser_topic, transducer_topic
 
 PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
@@ -22,6 +26,11 @@ EVERY = {
     ScanUpdate: "with every scan",
     SensorUpdate: "with every sample",
     DiagnosticsUpdate: "",
+    MapUpdate: "once",
+    NavigationUpdate: "with every snapshot",
+    GoalsUpdate: f"every {STATUS_EVERY:g} s, on change",
+    FeedbackUpdate: "with every snapshot on the way",
+    ResultUpdate: "at the end of a goal",
 }
 
 
@@ -56,6 +65,14 @@ def topics() -> str:
     return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
 
 
+def navigation_topics() -> str:
+    """Return the table of topics of a node that has a map."""
+    rows = [
+        (code(each.standard), each.type_name, when(each), each.note) for each in NAVIGATION_TOPICS
+    ]
+    return table(("topic", "type", "when", ""), rows)
+
+
 def services() -> str:
     """Return the table of services."""
     rows = [
@@ -63,6 +80,12 @@ def services() -> str:
         for each in SERVICES
     ]
     return table(("`compatibility`", "`standard`", "type", ""), rows)
+
+
+def navigation_services() -> str:
+    """Return the table of services of a node that has a map."""
+    rows = [(code(each.standard), each.type_name, each.note) for each in NAVIGATION_SERVICES]
+    return table(("service", "type", ""), rows)
 
 
 def laser_parameters() -> str:
@@ -77,7 +100,13 @@ def laser_parameters() -> str:
 
 def filled(text: str) -> str:
     """Return the page with its tables made anew."""
-    makers = {"topics": topics, "services": services, "laser parameters": laser_parameters}
+    makers = {
+        "topics": topics,
+        "services": services,
+        "navigation topics": navigation_topics,
+        "navigation services": navigation_services,
+        "laser parameters": laser_parameters,
+    }
 
     def made(block: re.Match[str]) -> str:
         return f"<!-- made: {block[1]} -->\n\n{makers[block[1]]()}\n\n<!-- end -->\n"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, NO_LASERS, PORT, Baud, LaserOptions
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros1_demos import (
     MODE_DEMOS,
     android_teleop,
@@ -51,14 +51,19 @@ def ros1(
     port: Annotated[str | None, PORT] = None,
     baud: Baud = None,
     lasers: LaserOptions = NO_LASERS,
+    map_: Annotated[
+        str | None, Parameter(name=["--map", "-m"], env_var="PIONEER3_MAP", metavar="MAP")
+    ] = None,
+    start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
     install_package: Path | None = None,
 ) -> int:
     """Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
 
     Without a port it takes the simulator at localhost:8101, else the robot at a
-    serial port.
+    serial port. With a map it takes goals, too, as move_base does.
 
     Example: pioneer3 ros1 --port /dev/ttyUSB0 _cmd_vel_timeout:=0.5
+    Example: pioneer3 ros1 --map office --start Lab
 
     Args:
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
@@ -66,11 +71,24 @@ def ros1(
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
+        map_: To navigate on: a file, or the name of one that ships; needs a laser.
+        start: Where the robot is: a name, or x,y,heading; without it at the map's home.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:
         return _install(install_package)
-    return run_until_told_to_leave(_serve(arguments, port, baud, lasers))
+    from pioneer3.ros.ros1.start import Options, serve
+
+    options = Options(
+        port=port,
+        baud=baud,
+        laser_ports=lasers.laser,
+        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
+        line_map=map_,
+        start=start,
+        arguments=arguments,
+    )
+    return run_until_told_to_leave(serve(options, write_line))
 
 
 @ros1_app.command
@@ -95,7 +113,6 @@ def laser(
 
 
 async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
-    from pioneer3.cli.process import write_line
     from pioneer3.ros.ros1.laser import serve_laser
 
     def find(ports: Sequence[str]) -> "Awaitable[Sequence[LaserSpec]]":
@@ -104,24 +121,7 @@ async def _serve_laser(arguments: tuple[str, ...], port: str) -> int:
     return await serve_laser(arguments, find, write_line)
 
 
-async def _serve(
-    arguments: tuple[str, ...], port: str | None, baud: int | None, lasers: LaserOptions
-) -> int:
-    from pioneer3.cli.process import write_line
-    from pioneer3.ros.ros1.start import Options, serve
-
-    options = Options(
-        port=port,
-        baud=baud,
-        laser_ports=lasers.laser,
-        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
-        arguments=arguments,
-    )
-    return await serve(options, write_line)
-
-
 def _install(folder: Path) -> int:
-    from pioneer3.cli.process import write_line
     from pioneer3.ros.ros1.package import install_package
 
     package = install_package(folder)

@@ -9,6 +9,14 @@ from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Response, Sender
 from tests.unit.ros.support import Blank
 
+
+class Moment(float):
+    """A time of a middleware [s]."""
+
+    def to_nsec(self) -> int:
+        return round(self * 1e9)
+
+
 SOMEBODY = Sender("/somebody", object())
 
 
@@ -64,7 +72,7 @@ class FakeMiddleware:
         return name.replace("~", "/RosAria/") if name[0] in "~/" else f"/{name}"
 
     def stamp(self, age: float) -> Any:
-        return -age
+        return Moment(-age)
 
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE

@@ -85,6 +85,7 @@ class Health:
         why_not_moving: A sentence, or `None` while the robot moves.
         refused: Why commands are ignored, or `None`.
         lasers: State of each laser range finder at the computer.
+        navigation: State of localization and of the goal, if there is a map.
     """
 
     info: RobotInfo
@@ -95,6 +96,7 @@ class Health:
     why_not_moving: str | None = None
     refused: str | None = None
     lasers: tuple[DiagnosticStatus, ...] = ()
+    navigation: tuple[DiagnosticStatus, ...] = ()
 
 
 def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
@@ -109,9 +111,9 @@ def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
             DiagnosticStatus(part=part, level=STALE, message="no robot is connected")
             for part in PARTS
         )
-        return link, *stale, *health.lasers
+        return link, *stale, *health.lasers, *health.navigation
     parts = (check(health, snapshot) for check in PARTS.values())
-    return _link(health, snapshot), *parts, *health.lasers
+    return _link(health, snapshot), *parts, *health.lasers, *health.navigation
 
 
 def hardware_id(info: RobotInfo) -> str:

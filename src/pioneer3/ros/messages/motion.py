@@ -47,18 +47,25 @@ def wanted_twist(message: Any) -> Twist2:
 
 
 def moving_transforms(message: Any, update: StateUpdate) -> None:
-    """Fill a tf2_msgs/TFMessage: the robot in the odom frame, and turning wheels if wanted."""
-    options = update.options
+    """Fill a tf2_msgs/TFMessage: the robot in the odom frame, that in the map, turning wheels."""
+    options, frames = update.options, update.frames
     message.transforms = []
     if options.odometry_tf:
-        transform = update.make("geometry_msgs/TransformStamped")
-        fill_header(transform, update.stamp, update.frames.odom)
-        transform.child_frame_id = update.frames.base
-        inner = transform.transform
-        fill_pose(inner.translation, inner.rotation, update.snapshot.odometry.robot_in_odom)
-        message.transforms.append(transform)
+        pose = update.snapshot.odometry.robot_in_odom
+        message.transforms.append(_moving(update, update.stamp, frames.odom, frames.base, pose))
+    if update.odom_in_map is not None:
+        stamp, pose = update.odom_in_map
+        message.transforms.append(_moving(update, stamp, options.map_frame, frames.odom, pose))
     if options.wheels_tf:
         message.transforms += wheels(update, update.turned)
+
+
+def _moving(update: StateUpdate, stamp: Any, parent: str, child: str, pose: Pose2) -> Any:
+    transform = update.make("geometry_msgs/TransformStamped")
+    fill_header(transform, stamp, parent)
+    transform.child_frame_id = child
+    fill_pose(transform.transform.translation, transform.transform.rotation, pose)
+    return transform
 
 
 def fixed_transforms(message: Any, update: StateUpdate) -> None:

@@ -65,6 +65,10 @@ class MessageOptions:
         beam: Of the sonars.
         sonar_height: Above the floor [m]; `None` for the model's.
         wheel_joints: Names of joints: left before right, front before rear; none for the default.
+        map_frame: Of the map; robots may share it, so it has no prefix.
+        map_tf: Whether `/tf` has the odom frame in the map.
+        tolerance: So far into the future that transform is stamped [s], as AMCL does: it holds
+            until the next one.
     """
 
     frames: Frames = field(default_factory=Frames)
@@ -79,6 +83,9 @@ class MessageOptions:
     beam: Beam = field(default_factory=Beam)
     sonar_height: float | None = None
     wheel_joints: tuple[str, ...] = ()
+    map_frame: str = "map"
+    map_tf: bool = False
+    tolerance: float = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +100,8 @@ class StateUpdate:
         options: Of messages.
         turned: Angles of the left wheels and of the right ones [rad].
         emergency: Whether the emergency stop is latched.
+        odom_in_map: Pose of the odom frame in the map, as its stamp and itself; `None` where it is
+            not known, or not wanted.
         stamp: When the snapshot arrived, as the middleware writes times; so in all updates.
         make: Returns an empty message of the type named, such as `geometry_msgs/Point32`.
     """
@@ -104,8 +113,14 @@ class StateUpdate:
     options: MessageOptions
     turned: tuple[float, float] = (0.0, 0.0)
     emergency: bool = False
+    odom_in_map: tuple[Any, Pose2] | None = None
     stamp: Any
     make: Callable[[str], Any]
+
+    @property
+    def moment(self) -> float:
+        """When the snapshot arrived [s, monotonic]."""
+        return self.snapshot.stamp
 
     @property
     def stopped(self) -> bool:

@@ -83,8 +83,11 @@ class Middleware(Topics, Protocol):
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
 
-    def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
-        """Offer a service; `handle` is called with requests, in any thread."""
+    def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
+        """Offer a service; `handle` is called with requests, in any thread.
+
+        It returns an object that has the fields of the response.
+        """
 
     def describe(self, urdf: str) -> None:
         """Publish the description of the robot."""

@@ -3,9 +3,10 @@
 import asyncio
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from math import inf
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError
@@ -37,12 +38,15 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import running
 
+if TYPE_CHECKING:
+    from pioneer3.ros.node.navigation import NodeNavigation
+
 LONGEST_PERIOD: Final = 1.0
 """Scans that are farther apart [s] have no period."""
 
 
 class RobotNode:
-    """Publishes the state of `robot` and drives it by `cmd_vel`.
+    """Publishes the state of `robot` and drives it by `cmd_vel`, and by goals if it has a map.
 
     Args:
         robot: Connected.
@@ -63,7 +67,10 @@ class RobotNode:
         self._middleware = middleware
         self._raw = dict(raw or {})
         self._loop = asyncio.get_running_loop()
-        options, self._model = parameters.options, robot.info.model
+        self._options = options = replace(
+            parameters.options, map_tf=parameters.map_tf and robot.navigator is not None
+        )
+        self._model = robot.info.model
         self._frames = options.frames.with_prefix(options.prefix)
         self._tree = self._tree_of(self._model)
         self._wheels = WheelAngles()
@@ -74,8 +81,10 @@ class RobotNode:
         names = [laser.name for laser in robot.lasers]
         topics = published(self._model, options, parameters.profile, names)
         self._publishing = Publishing(topics, parameters.profile, middleware)
+        self._navigation = self._navigation_of(robot)
         self._services = Services(
             robot,
+            navigation=self._navigation,
             sonar=parameters.sonar,
             diagnose=self._diagnose,
             moved=self._wheels.jumped,
@@ -97,6 +106,7 @@ class RobotNode:
             async with running(
                 self._publish_state(),
                 self._publish_diagnostics(),
+                *([self._navigation.run()] if self._navigation else []),
                 *(
                     self._publishing.publish_device(
                         ScanUpdate, laser.values, partial(self._scan_update, number), laser.name
@@ -119,7 +129,7 @@ class RobotNode:
 
     def describe_robot(self) -> None:
         """Publish its description, in a thread: with bumpers and laser if the robot has them."""
-        options = self._parameters.options
+        options = self._options
         if not options.description:
             return
         latest = self._robot.supervisor.snapshots.latest
@@ -137,6 +147,8 @@ class RobotNode:
         """Tell the others, in a thread: that may take its time, and the robot must not wait."""
         profile, info = self._parameters.profile, self._robot.info
         self._publishing.advertise(self._is_available)
+        if self._navigation is not None:
+            self._navigation.advertise()
         self._services.advertise(profile, self._middleware)
         self.describe_robot()
         topics = command_topics(profile, self._parameters.lab_name)
@@ -156,6 +168,8 @@ class RobotNode:
     async def _publish_state(self) -> None:
         async for snapshot in self._robot.snapshots(patience=inf):
             self._publishing.publish(self._state_update(snapshot))
+            if self._navigation is not None:
+                self._navigation.publish(snapshot)
 
     def _state_update(self, snapshot: Snapshot) -> StateUpdate:
         model = self._robot.info.model
@@ -166,9 +180,10 @@ class RobotNode:
             model=model,
             tree=self._tree,
             frames=self._frames,
-            options=self._parameters.options,
+            options=self._options,
             turned=self._wheels.update(snapshot.odometry, model),
             emergency=self._robot.supervisor.pilot.emergency,
+            odom_in_map=self._navigation.odom_in_map(snapshot) if self._navigation else None,
             stamp=self._stamp(snapshot.stamp),
             make=self._middleware.make,
         )
@@ -215,6 +230,7 @@ class RobotNode:
                 lasers=tuple(
                     laser_status(laser) for laser in robot.lasers if isinstance(laser, LaserDriver)
                 ),
+                navigation=self._navigation.diagnose() if self._navigation else (),
             )
         )
 
@@ -258,8 +274,23 @@ class RobotNode:
         """Return the ROS time of `moment` [s, monotonic]."""
         return self._middleware.stamp(self._loop.time() - moment)
 
+    def _navigation_of(self, robot: Robot) -> "NodeNavigation | None":
+        """Return the navigation of a robot that has a map."""
+        if robot.navigator is None:
+            return None
+        from pioneer3.ros.node.navigation import NodeNavigation  # and with it numpy
+
+        return NodeNavigation(
+            robot,
+            robot.navigator,
+            speed=self._parameters.goal_speed,
+            options=self._options,
+            profile=self._parameters.profile,
+            middleware=self._middleware,
+        )
+
     def _tree_of(self, model: RobotModel) -> Tree:
-        options = self._parameters.options
+        options = self._options
         asked = self._robot.laser is not self._robot.devices.laser
         return tree_of(
             model,

@@ -8,11 +8,22 @@ from math import inf, isfinite, pi
 from typing import Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
 from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
 from pioneer3.ros.node.names import Profile, checked_lab_name
-from pioneer3.ros.node.values import RawParameters, choice, flag, frame, number, numbers, words
+from pioneer3.ros.node.values import (
+    RawParameters,
+    choice,
+    flag,
+    frame,
+    number,
+    numbers,
+    place,
+    text,
+    words,
+)
 
 TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
 """Silence of cmd_vel after which the robot stops [s]."""
@@ -20,6 +31,8 @@ SHORTEST: Final = 0.1
 """No publisher keeps pace with a shorter timeout [s]."""
 LONG: Final = 2.0
 """With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
+GOAL_SPEED: Final = 0.3
+"""On the way to goals [m/s], as on the page and in the API."""
 FRAMES: Final = {
     Profile.COMPATIBILITY: ("odom_frame", "base_link_frame"),
     Profile.STANDARD: ("odom_frame_id", "base_frame_id"),
@@ -59,6 +72,12 @@ OTHERS: Final = (
     "auto_enable_motors",
     "max_linear_velocity",
     "max_angular_velocity",
+    "map",
+    "start",
+    "goal_speed",
+    "global_frame_id",
+    "transform_tolerance",
+    "tf_broadcast",
     BELOW,
 )
 MODEL: Final = "robot_model"
@@ -84,6 +103,10 @@ class NodeParameters:
         auto_enable: Whether a fresh command switches the motors on.
         sonar: Whether the sonars ping.
         laser: Of the laser range finder at the computer.
+        line_map: To navigate on: a file, or the name of a map that ships; `None` for none.
+        start: Where the robot is on it, as :func:`place` reads it; `None` for the map's home.
+        map_tf: Whether `/tf` has the odom frame in the map, if there is one.
+        goal_speed: On the way to goals at most [m/s].
         options: Of messages.
     """
 
@@ -97,6 +120,10 @@ class NodeParameters:
     auto_enable: bool = True
     sonar: bool = True
     laser: LaserParameters = field(default_factory=LaserParameters)
+    line_map: str | None = None
+    start: Pose2 | str | None = None
+    map_tf: bool = True
+    goal_speed: float = GOAL_SPEED
     options: MessageOptions = field(
         default_factory=lambda: MessageOptions(frames=Frames(laser="laser_frame"))
     )
@@ -120,6 +147,10 @@ def read_parameters(raw: RawParameters) -> NodeParameters:
         auto_enable=flag(raw, "auto_enable_motors", default=True),
         sonar=flag(raw, "use_sonar", default=True),
         laser=read_laser_parameters(laser_part(raw)),
+        line_map=text(raw, "map"),
+        start=place(told) if (told := text(raw, "start")) else None,
+        map_tf=flag(raw, "tf_broadcast", default=True),
+        goal_speed=number(raw, "goal_speed", GOAL_SPEED, 0.01, 5.0),
         options=_options(raw, profile),
     )
 
@@ -182,6 +213,8 @@ def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
         beam=beam,
         sonar_height=None if high is None else number(raw, "sonar_z_offset_m", 0, -1, 3),
         wheel_joints=words(raw, "wheel_joint_names"),
+        map_frame=frame(raw, "global_frame_id", MessageOptions().map_frame),
+        tolerance=number(raw, "transform_tolerance", MessageOptions().tolerance, 0.0, 10.0),
     )
 
 

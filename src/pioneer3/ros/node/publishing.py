@@ -8,6 +8,7 @@ from math import inf
 from typing import Any, Final, TypeVar
 
 from pioneer3.errors import DeviceError
+from pioneer3.ros.messages.navigation import NavigationUpdate
 from pioneer3.ros.messages.update import StateUpdate
 from pioneer3.ros.node.middleware import Middleware, Publisher
 from pioneer3.ros.node.names import Profile
@@ -43,10 +44,10 @@ class _Row:
         topic = self.topic
         if not (topic.latched or self.subscribed) or not topic.has_data(update):
             return False
-        if topic.changes is None or not isinstance(update, StateUpdate):
+        if topic.changes is None or not isinstance(update, StateUpdate | NavigationUpdate):
             self.content = None
             return True
-        content, now = topic.changes(update), update.snapshot.stamp
+        content, now = topic.changes(update), update.moment
         waited = topic.period is not None and now - self.at >= topic.period - EARLY
         if content == self.content and not waited:
             return False

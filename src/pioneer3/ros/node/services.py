@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import TimeoutError as NoAnswerError
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.arcos import commands
 from pioneer3.errors import CommandError
@@ -15,11 +15,21 @@ from pioneer3.ros.node.middleware import Middleware, Response
 from pioneer3.ros.node.names import Profile
 from pioneer3.runtime.robot import Robot
 
+if TYPE_CHECKING:
+    from pioneer3.ros.node.navigation import NodeNavigation
+
 PATIENCE: Final = 2.0
 """Longest wait for the loop [s]."""
 EMPTY: Final = "std_srvs/Empty"
 TRIGGER: Final = "std_srvs/Trigger"
 SET_BOOL: Final = "std_srvs/SetBool"
+
+
+@dataclass(frozen=True, slots=True)
+class MapResponse:
+    """Response of nav_msgs/GetMap: a nav_msgs/OccupancyGrid."""
+
+    map: Any
 
 
 class Services:
@@ -31,6 +41,7 @@ class Services:
         diagnose: Returns the state of each part of the robot.
         moved: Called when odometry has been set.
         warn: Given a sentence when something is refused that has no response.
+        navigation: Of the node, if it has a map.
     """
 
     def __init__(
@@ -41,8 +52,10 @@ class Services:
         diagnose: Callable[[], Sequence[DiagnosticStatus]],
         moved: Callable[[], None],
         warn: Callable[[str], None],
+        navigation: "NodeNavigation | None" = None,
     ) -> None:
         self._robot = robot
+        self._navigation = navigation
         self._sonar = sonar
         self._diagnose = diagnose
         self._moved = moved
@@ -52,7 +65,7 @@ class Services:
 
     def advertise(self, profile: Profile, middleware: Middleware) -> None:
         """Offer the services of `profile`, in a thread."""
-        for service in SERVICES:
+        for service in (*SERVICES, *(NAVIGATION_SERVICES if self._navigation else ())):
             for name in service.names(profile):
                 middleware.serve(name, service.type_name, partial(self._serve, service))
 
@@ -103,17 +116,31 @@ class Services:
         broken = any(each.level is not DiagnosticLevel.WARN for each in wrong)
         return Response(not broken, "; ".join(str(each) for each in wrong) or "all is well")
 
-    def _serve(self, service: "Service", request: Any) -> Response:
-        """Act in the loop; return the response. In a thread of the middleware."""
+    def get_map(self) -> MapResponse:
+        """Return the map."""
+        assert self._navigation is not None
+        return MapResponse(self._navigation.make_map())
 
-        async def acting() -> Response:
+    def localize_globally(self) -> Response:
+        """Have the whole map searched for the robot."""
+        assert self._navigation is not None
+        self._navigation.lose()
+        return Response(True, "looks for the robot on the whole map")
+
+    def _serve(self, service: "Service", request: Any) -> Response | MapResponse:
+        """Act in the loop; return the response. In a thread of the middleware."""
+        if service is MAP:
+            return self.get_map()  # which takes long for large maps
+
+        async def acting() -> Response | MapResponse:
             return service.act(self, request)
 
+        response: Response | MapResponse
         try:
             response = asyncio.run_coroutine_threadsafe(acting(), self._loop).result(PATIENCE)
         except (RuntimeError, NoAnswerError, asyncio.CancelledError):
             response = Response(False, "the node is ending")
-        if service.type_name == EMPTY and not response.success:
+        if isinstance(response, Response) and service.type_name == EMPTY and not response.success:
             self._warn(f"{service.standard} is refused: {response.message}")
         return response
 
@@ -133,7 +160,7 @@ class Service:
     compatibility: str | None = None
     standard: str
     type_name: str
-    act: Callable[[Services, Any], Response]
+    act: Callable[[Services, Any], Response | MapResponse]
     note: str = ""
 
     def names(self, profile: Profile) -> tuple[str, ...]:
@@ -185,3 +212,21 @@ SERVICES: Final = (
         note="the faults in `/diagnostics`, in a sentence",
     ),
 )
+MAP: Final = Service(
+    compatibility="static_map",
+    standard="static_map",
+    type_name="nav_msgs/GetMap",
+    act=lambda services, _: services.get_map(),
+    note="as on `map`",
+)
+NAVIGATION_SERVICES: Final = (
+    MAP,
+    Service(
+        compatibility="global_localization",
+        standard="global_localization",
+        type_name=EMPTY,
+        act=lambda services, _: services.localize_globally(),
+        note="searches the whole map for the robot, which must then be driven a metre",
+    ),
+)
+"""Those of map_server and AMCL; of nodes that have a map."""

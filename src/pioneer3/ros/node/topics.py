@@ -5,17 +5,28 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Final
 
-from pioneer3.geometry import Twist2
 from pioneer3.models import RobotModel
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
+from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
+from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
 from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands
 from pioneer3.state import Charging
 
 SLOWLY: Final = 1.0
 """Between two messages of a topic that hardly changes [s]; of diagnostics too (REP 107)."""
-Update = StateUpdate | ScanUpdate | SensorUpdate | DiagnosticsUpdate
+Update = (
+    StateUpdate
+    | ScanUpdate
+    | SensorUpdate
+    | DiagnosticsUpdate
+    | MapUpdate
+    | NavigationUpdate
+    | GoalsUpdate
+    | FeedbackUpdate
+    | ResultUpdate
+)
 """Anything that topics are published from."""
 
 
@@ -39,9 +50,10 @@ class Topic:
         source: Kind of update that it is published from.
         sensor: Name of the sensor whose readings are published; empty for all other topics.
         fill: Puts such an update into an empty message; `None` for a topic that is subscribed to.
-        parse: Returns the command in a message; `None` for a topic that is published.
+        parse: Returns the content of a message that is received, or raises a CommandError; `None`
+            for a topic that is published.
         changes: Returns the content that matters, where a message is sent only when that is new;
-            `None` for a topic that is sent with every update.
+            `None` for a topic that is sent with every update. Updates then have a `moment`.
         latched: Whether a late subscriber gets the last message.
         period: Longest pause between two messages [s]; `None` where only changes are sent.
         when_lost: Content of a latched topic while there is no robot; `None` if it stays true.
@@ -56,7 +68,7 @@ class Topic:
     source: type[Update] = StateUpdate
     sensor: str = ""
     fill: Callable[[Any, Any], None] | None = None
-    parse: Callable[[Any], Twist2] | None = None
+    parse: Callable[[Any], Any] | None = None
     changes: Callable[[Any], object] | None = None
     latched: bool = False
     period: float | None = None
@@ -131,8 +143,12 @@ TOPICS: Final = (
         standard="/tf",
         type_name="tf2_msgs/TFMessage",
         fill=motion.moving_transforms,
-        enabled=lambda options: options.odometry_tf or options.wheels_tf,
-        note="`odom` to `base_link`, same stamp as the pose; in `standard` the turning wheels too",
+        has_data=lambda update: (
+            update.options.odometry_tf or update.options.wheels_tf or bool(update.odom_in_map)
+        ),
+        enabled=lambda options: options.odometry_tf or options.wheels_tf or options.map_tf,
+        note="`odom` to `base_link`, same stamp as the pose; in `standard` the turning wheels too;"
+        " with a map `map` to `odom`",
     ),
     Topic(
         compatibility="/tf_static",

@@ -6,8 +6,11 @@ from math import isfinite
 from typing import TypeGuard, TypeVar
 
 from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.units import ANGLE, LENGTH
 
 E = TypeVar("E", bound=StrEnum)
+UNITS = LENGTH, LENGTH, ANGLE
 RawParameters = Mapping[str, object]
 """Parameters as somebody has written them below the node's name: anything may be there."""
 
@@ -60,6 +63,30 @@ def words(raw: RawParameters, name: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(each, str) and each for each in value):
         raise ConfigError(f"~{name} must be a list of names, not {value!r}")
     return tuple(value)
+
+
+def text(raw: RawParameters, name: str) -> str | None:
+    """Return a text; `None` where there is none, or an empty one."""
+    value = raw.get(name) or None
+    if value is not None and not isinstance(value, str):
+        raise ConfigError(f"~{name} must be text, not {value!r}")
+    return value
+
+
+def place(words: str) -> Pose2 | str:
+    """Return the pose `x,y,heading` in metres and degrees, unless another unit is given.
+
+    Words that begin with no number are the name of a place.
+    """
+    if not words.lstrip(" +-")[:1].isdigit():
+        return words
+    parts = words.split(",")
+    if len(parts) not in (2, 3):
+        raise ConfigError(f"start {words}: give x,y or x,y,heading, or the name of a place")
+    try:
+        return Pose2(*(unit.read(part) for unit, part in zip(UNITS, parts, strict=False)))
+    except ValueError as error:
+        raise ConfigError(f"start {words}: {error}") from None
 
 
 def frame(raw: RawParameters, name: str, default: str) -> str:

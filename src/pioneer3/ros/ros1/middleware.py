@@ -12,7 +12,7 @@ from typing import Any, Final
 from pioneer3.errors import ConfigError
 from pioneer3.ros.description.urdf import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
-from pioneer3.ros.node.middleware import QUEUE, Response, Sender
+from pioneer3.ros.node.middleware import QUEUE, Sender
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
 DESCRIPTION: Final = "robot_description"
@@ -26,10 +26,16 @@ PACKAGES: Final = (
     "python3-roslaunch python3-rospy rosout python3-rostopic python3-rosservice python3-rosparam"
     " python3-rosnode python3-rosmsg rosbash python3-rosbag python3-dynamic-reconfigure"
     " python3-nav-msgs python3-sensor-msgs python3-geometry-msgs python3-std-srvs python3-tf2-msgs"
-    " python3-diagnostic-msgs ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs"
-    " ros-std-srvs ros-tf2-msgs ros-diagnostic-msgs"
+    " python3-diagnostic-msgs python3-actionlib-msgs python3-move-base-msgs"
+    " ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs"
+    " ros-std-srvs ros-tf2-msgs ros-diagnostic-msgs ros-actionlib-msgs ros-move-base-msgs"
 )
 """Packages of Debian 12 for the node and ROS's own command-line tools."""
+NAVIGATION_PACKAGES: Final = {
+    "actionlib_msgs": "python3-actionlib-msgs",
+    "move_base_msgs": "python3-move-base-msgs",
+}
+"""What a node with a map imports, and the packages that have it."""
 BUMPER_TYPE: Final = "rosaria/BumperState"
 BUMPER_STATE: Final = """Header header
 bool[] front_bumpers
@@ -61,6 +67,21 @@ def find_rospy(places: Sequence[Path] = PLACES) -> None:
         "ROS 1 is not installed on this computer; on Debian 12 run:\n"
         f"sudo apt-get update && sudo apt-get install -y --no-install-recommends {PACKAGES}"
     )
+
+
+def find_move_base() -> None:
+    """Make sure that the messages of move_base are there; :func:`find_rospy` comes first.
+
+    Raises:
+        ConfigError: They are not installed; the message has the command that installs them.
+    """
+    missing = [name for name in NAVIGATION_PACKAGES if find_spec(name) is None]
+    if missing:
+        raise ConfigError(
+            f"a map needs the messages of {' and '.join(missing)}; on Debian 12 run:\n"
+            "sudo apt-get update && sudo apt-get install -y --no-install-recommends"
+            f" {' '.join(NAVIGATION_PACKAGES.values())}"
+        )
 
 
 @cache
@@ -156,12 +177,12 @@ class RospyMiddleware(RospyTopics):
 
         return rospy.Time.from_sec(max(0.0, rospy.get_rostime().to_sec() - age))
 
-    def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:
-        """Offer a service of the package `std_srvs`."""
+    def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
+        """Offer a service."""
         import rospy
-        from std_srvs import srv
 
-        kind = type_name.removeprefix("std_srvs/")
+        package, kind = type_name.split("/")
+        srv = import_module(f"{package}.srv")
 
         def handled(request: Any) -> Any:
             response, result = getattr(srv, f"{kind}Response")(), handle(request)

@@ -32,9 +32,9 @@ from pioneer3.ros.node.parameters import (
     read_parameters,
     unused_parameters,
 )
-from pioneer3.ros.node.values import RawParameters
+from pioneer3.ros.node.values import RawParameters, place
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
-from pioneer3.ros.ros1.middleware import RospyMiddleware, find_rospy
+from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
 from pioneer3.runtime.connect import connect_async
 
 LAB_NAME: Final = "_lab_name:="
@@ -58,6 +58,8 @@ class Options:
         baud: Serial speed to try first.
         laser_ports: Of the robot's laser range finders.
         lasers: Looks for them.
+        line_map: To navigate on: a file, or the name of a map that ships.
+        start: Where the robot is on it: the name of a place, or `x,y,heading`.
         arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
     """
 
@@ -65,6 +67,8 @@ class Options:
     baud: int | None = None
     laser_ports: Sequence[str] = ()
     lasers: FindLasers = _of_parameters
+    line_map: str | None = None
+    start: str | None = None
     arguments: Sequence[str] = ()
 
 
@@ -130,6 +134,9 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
         port = options.port or parameters.port or await simulator_or_robot(tell)
         baud = options.baud or parameters.baud
         lasers = await options.lasers(port, parameters.laser.ports)
+        line_map = options.line_map or parameters.line_map
+        if line_map:
+            find_move_base()
         async with connect_async(
             port,
             baud=baud,
@@ -137,8 +144,12 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
             max_turn_rate=parameters.max_turn_rate,
             auto_enable=parameters.auto_enable,
             lasers=parameters.laser.applied_to(lasers),
+            line_map=line_map,
+            start=place(options.start) if options.start else parameters.start,
         ) as robot:
             tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
+            if robot.navigator is not None and robot.laser.presence.there is False:
+                rospy.logwarn(f"no laser to find the robot by: {robot.laser.presence}")
             await asyncio.to_thread(_introduce, robot.info)
             node = RobotNode(robot, parameters, RospyMiddleware(), raw)
             watch.on_registered = node.describe_robot

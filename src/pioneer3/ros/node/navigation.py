@@ -1,0 +1,248 @@
+"""The navigation of a node: publishes map, place and way; takes starts and goals."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+from pioneer3.errors import CommandError, MotionError
+from pioneer3.geometry import Pose2
+from pioneer3.maps.line_map import OccupancyGrid
+from pioneer3.maps.occupancy import occupancy_of
+from pioneer3.ros.messages.diagnostics import DiagnosticStatus
+from pioneer3.ros.messages.goals import FeedbackUpdate
+from pioneer3.ros.messages.navigation import (
+    MapUpdate,
+    NavigationUpdate,
+    Placed,
+    Start,
+    occupancy_grid,
+)
+from pioneer3.ros.messages.navigation_diagnostics import navigation_status
+from pioneer3.ros.messages.update import MessageOptions
+from pioneer3.ros.node.goals import Goals
+from pioneer3.ros.node.middleware import Middleware, Sender
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.navigation_topics import (
+    ACTION_CANCEL,
+    ACTION_GOAL,
+    GOAL_NAME,
+    INITIAL_POSE,
+    NAVIGATION_TOPICS,
+    SIMPLE_GOAL,
+)
+from pioneer3.ros.node.publishing import Publishing
+from pioneer3.ros.node.topics import Direction, Topic
+from pioneer3.runtime.robot import Robot
+from pioneer3.state import Snapshot
+
+if TYPE_CHECKING:
+    from pioneer3.nav.places import Destination
+    from pioneer3.nav.planner import Way
+    from pioneer3.runtime.navigator import Navigator
+
+QUEUE: Final = 10
+"""Messages that wait in a connection."""
+SPARSE: Final = 4
+"""Of a way's points every so many-th is published: they are half a cell apart."""
+
+
+class NodeNavigation:
+    """Navigation on topics.
+
+    Args:
+        robot: Connected.
+        navigator: Its own.
+        speed: On the way to goals at most [m/s].
+        options: Of messages.
+        profile: Which names the node uses.
+        middleware: Of the node.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        navigator: "Navigator",
+        *,
+        speed: float,
+        options: MessageOptions,
+        profile: Profile,
+        middleware: Middleware,
+    ) -> None:
+        self._robot, self._navigator = robot, navigator
+        self._options, self._profile, self._middleware = options, profile, middleware
+        self._frames = options.frames.with_prefix(options.prefix)
+        published = [t for t in NAVIGATION_TOPICS if t.direction is Direction.PUBLISHED]
+        self._publishing = Publishing(published, profile, middleware)
+        self._goals = Goals(robot, navigator, speed, self._publishing, middleware)
+        self._grid: OccupancyGrid | None = None
+        self._way: tuple[Way | None, tuple[tuple[float, float], ...]] = (None, ())
+        self._loop = asyncio.get_running_loop()
+        self._clock = self._loop.time
+
+    def advertise(self) -> None:
+        """Publish the map, and subscribe to starts and goals; in a thread."""
+        self._grid = occupancy_of(self._navigator.line_map)
+        self._publishing.advertise(lambda topic: True)
+        self._publishing.publish(self._map())
+        for topic, take in (
+            (INITIAL_POSE, self._take_start),
+            (SIMPLE_GOAL, self._take_simple_goal),
+            (GOAL_NAME, self._take_name),
+            (ACTION_GOAL, self._take_action_goal),
+            (ACTION_CANCEL, self._take_cancel),
+        ):
+            for name in topic.names(self._profile):
+                receive = partial(self._receive, take)
+                self._middleware.subscribe(name, topic.type_name, receive, queue=QUEUE)
+
+    async def run(self) -> None:
+        """Carry out goals until cancelled."""
+        await self._goals.run()
+
+    def odom_in_map(self, snapshot: Snapshot) -> tuple[Any, Pose2] | None:
+        """Return the transform to publish and its stamp, or `None`.
+
+        As in AMCL it is the most likely one, sure or not, so that people see it; and none where the
+        robot may be anywhere.
+        """
+        estimate = self._navigator.estimate
+        if not self._options.map_tf or estimate.odom_in_map is None or estimate.stage == "lost":
+            return None
+        age = self._clock() - snapshot.stamp - self._options.tolerance
+        return self._middleware.stamp(age), estimate.odom_in_map
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Publish where the robot is at `snapshot`, and its way."""
+        estimate, navigation = self._navigator.estimate, self._navigator.state.latest
+        if estimate.odom_in_map is None or navigation is None:
+            return
+        robot_in_map = estimate.odom_in_map @ snapshot.odometry.robot_in_odom
+        stamp = self._middleware.stamp(self._clock() - snapshot.stamp)
+        self._publishing.publish(
+            NavigationUpdate(
+                robot_in_map=robot_in_map,
+                odom_in_map=estimate.odom_in_map,
+                covariance=estimate.covariance,
+                sure=estimate.sure,
+                way=self._points(navigation.way),
+                heading=navigation.goal.heading if navigation.goal else None,
+                frame=self._options.map_frame,
+                moment=snapshot.stamp,
+                stamp=stamp,
+                make=self._middleware.make,
+            )
+        )
+        if self._goals.current is not None:
+            self._publishing.publish(
+                FeedbackUpdate(
+                    goal=self._goals.current,
+                    robot_in_map=robot_in_map,
+                    frame=self._options.map_frame,
+                    stamp=stamp,
+                )
+            )
+
+    def diagnose(self) -> tuple[DiagnosticStatus, ...]:
+        """Return the state of localization and of the goal."""
+        state = self._navigator.state.latest
+        return navigation_status(self._navigator.line_map.name, self._navigator.estimate, state)
+
+    def make_map(self) -> Any:
+        """Return a message with the map."""
+        message = self._middleware.make("nav_msgs/OccupancyGrid")
+        occupancy_grid(message, self._map())
+        return message
+
+    def lose(self) -> None:
+        """Have the whole map searched for the robot, as AMCL does."""
+        self._navigator.lose()
+
+    def _map(self) -> MapUpdate:
+        assert self._grid is not None
+        stamp = self._middleware.stamp(0.0)
+        return MapUpdate(grid=self._grid, frame=self._options.map_frame, stamp=stamp)
+
+    def _points(self, way: "Way | None") -> tuple[tuple[float, float], ...]:
+        """Return some of the points of a way, the last one among them."""
+        if way is not self._way[0]:
+            points = [] if way is None else [*way.points[:-1:SPARSE], way.points[-1]]
+            self._way = way, tuple((float(x), float(y)) for x, y in points)
+        return self._way[1]
+
+    def _receive(self, take: Callable[[Any], None], message: Any, _: Sender) -> None:
+        """Take a message, in any thread."""
+        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+            self._loop.call_soon_threadsafe(take, message)
+
+    def _take_start(self, message: Any) -> None:
+        assert INITIAL_POSE.parse is not None
+        refused, map_frame = "", self._options.map_frame
+        try:
+            start: Start = INITIAL_POSE.parse(message)
+        except CommandError as error:
+            refused = str(error)
+        else:
+            if start.frame != map_frame:
+                refused = f"it is in the frame {start.frame}, not in {map_frame}"
+        if refused:
+            self._middleware.warn(f"initialpose is ignored: {refused}")
+            return
+        if start.spread or start.turn_spread:
+            self._navigator.place(start.pose, start.spread, start.turn_spread)
+        else:
+            self._navigator.place(start.pose)
+
+    def _take_simple_goal(self, message: Any) -> None:
+        self._goals.send(self._place_in(SIMPLE_GOAL, message))
+
+    def _take_action_goal(self, message: Any) -> None:
+        where = self._place_in(ACTION_GOAL, message)
+        self._goals.take(str(message.goal_id.id), message.goal_id.stamp, where)
+
+    def _take_name(self, message: Any) -> None:
+        from pioneer3.nav.places import find_place
+
+        assert GOAL_NAME.parse is not None
+        name = GOAL_NAME.parse(message)
+        self._goals.send(lambda: find_place(self._navigator.line_map, name))
+
+    def _take_cancel(self, message: Any) -> None:
+        assert ACTION_CANCEL.parse is not None
+        self._goals.cancel(*ACTION_CANCEL.parse(message))
+
+    def _place_in(self, topic: Topic, message: Any) -> "Callable[[], Destination]":
+        """Return a function that returns the place of a goal, and raises if it is wrong."""
+        assert topic.parse is not None
+        parse = topic.parse
+        return lambda: self._place_of(parse(message))
+
+    def _place_of(self, goal: Placed) -> "Destination":
+        """Return the place of a goal on the map.
+
+        Raises:
+            CommandError: Nothing is known of its frame.
+            MotionError: The robot does not know where it is, and the frame is not the map's.
+        """
+        from pioneer3.nav.places import Destination
+
+        pose = self._in_map(goal.frame) @ goal.pose
+        return Destination(x=pose.x, y=pose.y, heading=pose.theta)
+
+    def _in_map(self, frame: str) -> Pose2:
+        """Return the pose of a frame in the map."""
+        frames, map_frame = self._frames, self._options.map_frame
+        if frame == map_frame:
+            return Pose2()
+        if frame not in (frames.odom, frames.base, frames.footprint):
+            raise CommandError(
+                f"the goal is in the frame {frame}: give it in {map_frame}, {frames.odom} or"
+                f" {frames.base}"
+            )
+        estimate, snapshot = self._navigator.estimate, self._robot.snapshot
+        if not estimate.sure or estimate.odom_in_map is None or snapshot is None:
+            raise MotionError(f"it is not sure where the robot is: {estimate.reason}")
+        if frame == frames.odom:
+            return estimate.odom_in_map
+        return estimate.odom_in_map @ snapshot.odometry.robot_in_odom
