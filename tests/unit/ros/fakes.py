@@ -1,7 +1,9 @@
 """A ROS middleware without ROS: it keeps all that is published, offered and logged."""
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from threading import Thread
 from types import SimpleNamespace
 from typing import Any
 
@@ -64,6 +66,17 @@ class FakeMiddleware:
         zero = SimpleNamespace(x=0.0, y=0.0, z=0.0)
         linear = SimpleNamespace(x=speed, y=0.0, z=0.0)
         self.receivers[name](SimpleNamespace(linear=linear, angular=zero), SOMEBODY)
+
+    async def call(self, name: str, **request: bool) -> Any:
+        """Call a service as a middleware does, in another thread; return the response."""
+        responses: list[Any] = []
+        handle = self.services[name]
+        thread = Thread(target=lambda: responses.append(handle(SimpleNamespace(**request))))
+        thread.start()
+        while thread.is_alive():
+            thread.join(0.001)
+            await asyncio.sleep(0.001)
+        return responses[0]
 
     def make(self, type_name: str) -> Any:
         return Blank(kind=type_name)

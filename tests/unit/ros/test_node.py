@@ -4,8 +4,6 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from threading import Thread
-from types import SimpleNamespace
 
 import pytest
 
@@ -35,15 +33,9 @@ class Running:
         return publisher.messages
 
     async def call(self, name: str, **request: bool) -> Response:
-        """Call a service as a middleware does, in another thread."""
-        responses: list[Response] = []
-        handle = self.middleware.services[name]
-        thread = Thread(target=lambda: responses.append(handle(SimpleNamespace(**request))))
-        thread.start()
-        while thread.is_alive():
-            thread.join(0.001)
-            await asyncio.sleep(0.001)
-        return responses[0]
+        """Call a service."""
+        response: Response = await self.middleware.call(name, **request)
+        return response
 
 
 @asynccontextmanager

@@ -21,10 +21,12 @@ class Sender:
     Attributes:
         node: Its node.
         connection: The same object for all messages over one connection.
+        latched: Whether new subscribers get its last message, however old that is.
     """
 
     node: str
     connection: object
+    latched: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import CommandError, MotionError
@@ -42,6 +43,9 @@ if TYPE_CHECKING:
     from pioneer3.nav.planner import Way
     from pioneer3.runtime.navigator import Navigator
 
+GOALS: Final = (SIMPLE_GOAL, GOAL_NAME, ACTION_GOAL)
+SETTLED: Final = 3.0
+"""A node has all connections to publishers that were there before it after so long [s]."""
 QUEUE: Final = 10
 """Messages that wait in a connection."""
 SPARSE: Final = 4
@@ -80,12 +84,14 @@ class NodeNavigation:
         self._way: tuple[Way | None, tuple[tuple[float, float], ...]] = (None, ())
         self._loop = asyncio.get_running_loop()
         self._clock = self._loop.time
+        self._began = inf
 
     def advertise(self) -> None:
         """Publish the map, and subscribe to starts and goals; in a thread."""
         self._grid = occupancy_of(self._navigator.line_map)
         self._publishing.advertise(lambda topic: True)
         self._publishing.publish(self._map())
+        self._began = self._clock()
         for topic, take in (
             (INITIAL_POSE, self._take_start),
             (SIMPLE_GOAL, self._take_simple_goal),
@@ -94,7 +100,7 @@ class NodeNavigation:
             (ACTION_CANCEL, self._take_cancel),
         ):
             for name in topic.names(self._profile):
-                receive = partial(self._receive, take)
+                receive = partial(self._receive, topic, take)
                 self._middleware.subscribe(name, topic.type_name, receive, queue=QUEUE)
 
     async def run(self) -> None:
@@ -171,8 +177,16 @@ class NodeNavigation:
             self._way = way, tuple((float(x), float(y)) for x, y in points)
         return self._way[1]
 
-    def _receive(self, take: Callable[[Any], None], message: Any, _: Sender) -> None:
+    def _receive(
+        self, topic: Topic, take: Callable[[Any], None], message: Any, sender: Sender
+    ) -> None:
         """Take a message, in any thread."""
+        if sender.latched and topic in GOALS and self._clock() - self._began < SETTLED:
+            self._middleware.warn(
+                f"a goal of {sender.node} is ignored: it is latched, and may be older than this"
+                " node; send it again"
+            )
+            return
         with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
             self._loop.call_soon_threadsafe(take, message)
 

@@ -150,7 +150,8 @@ class RospyTopics:
 
         def received(message: Any) -> None:
             header = message._connection_header
-            receive(message, Sender(header.get("callerid", ""), header))
+            latched = header.get("latching") == "1"
+            receive(message, Sender(header.get("callerid", ""), header, latched))
 
         return rospy.Subscriber(
             name, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
