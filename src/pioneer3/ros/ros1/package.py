@@ -55,11 +55,16 @@ LAUNCH: Final = """<launch>
   <arg name="name" default="RosAria" />
   <arg name="cmd_vel_timeout" default="0.6" />
   <arg name="profile" default="compatibility" />
+  <!-- to go to places of a map: its file or name, and where the robot is; empty for none -->
+  <arg name="map" default="" />
+  <arg name="start" default="" />
   <arg name="rviz" default="false" />
   <node pkg="pioneer3" type="RosAria" name="$(arg name)" output="screen">
     <param name="port" value="$(arg port)" />
     <param name="cmd_vel_timeout" value="$(arg cmd_vel_timeout)" />
     <param name="profile" value="$(arg profile)" />
+    <param name="map" value="$(arg map)" type="str" />
+    <param name="start" value="$(arg start)" type="str" />
   </node>
   <include if="$(arg rviz)" file="$(find pioneer3)/launch/rviz.launch" />
 </launch>
@@ -95,6 +100,10 @@ Visualization Manager:
     - Class: rviz/MoveCamera
     - Class: rviz/FocusCamera
     - Class: rviz/Measure
+    - Class: rviz/SetInitialPose
+      Topic: initialpose
+    - Class: rviz/SetGoal
+      Topic: move_base_simple/goal
   Views:
     Current:
       Class: rviz/ThirdPersonFollower
@@ -164,6 +173,9 @@ def _urdf(name: str) -> str:
 
 
 def _displays() -> Iterator[str]:
+    yield _display("Map", "Map", {"Topic": "map", "Alpha": 0.7})
+    yield _display("Path", "Way", {"Topic": "move_base/NavfnROS/plan", "Color": "0; 120; 0"})
+    yield _display("PoseWithCovariance", "Place", {"Topic": "amcl_pose"})
     yield _display("Grid", "Grid", {"Color": "160; 160; 160", "Plane Cell Count": 20})
     yield _display("RobotModel", "Robot", {"Robot Description": "robot_description"})
     yield _display("TF", "Frames", {"Marker Scale": 0.3, "Show Names": "true"}, enabled=False)
