@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from pioneer3.cli.options import AUTO, NO_LASERS, PORT, Baud, LaserOptions
+from pioneer3.cli.places import MapName, StartPlace, pose_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros1_demos import (
     MODE_DEMOS,
@@ -51,10 +52,8 @@ def ros1(
     port: Annotated[str | None, PORT] = None,
     baud: Baud = None,
     lasers: LaserOptions = NO_LASERS,
-    map_: Annotated[
-        str | None, Parameter(name=["--map", "-m"], env_var="PIONEER3_MAP", metavar="MAP")
-    ] = None,
-    start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
+    map_: MapName = None,
+    start: StartPlace = None,
     install_package: Path | None = None,
 ) -> int:
     """Be the robot's ROS 1 node, in the place of RosAria; Ctrl-C stops the robot.
@@ -71,8 +70,8 @@ def ros1(
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
-        map_: To navigate on: a file, or the name of one that ships; needs a laser.
-        start: Where the robot is: a name, or x,y,heading; without it at the map's home.
+        map_: To navigate on: a file, or the name of one that ships.
+        start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
     """
     if install_package is not None:
@@ -85,7 +84,7 @@ def ros1(
         laser_ports=lasers.laser,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
         line_map=map_,
-        start=start,
+        start=None if start is None else pose_of(start, "ros1"),
         arguments=arguments,
     )
     return run_until_told_to_leave(serve(options, write_line))

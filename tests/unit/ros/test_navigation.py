@@ -4,7 +4,7 @@ The test is a program that goes somewhere: it sees what move_base's clients see.
 """
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from math import atan2, cos, hypot, nan, pi, sin
@@ -28,7 +28,7 @@ from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware, Moment
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
 from pioneer3.runtime.navigator import Navigator
-from tests.unit.web.test_navigation import BEGIN, ROOMS, at_once
+from tests.unit.web.test_navigation import BEGIN, ROOMS
 
 NOW = Moment(0.0)
 """In a goal: not stamped."""
@@ -53,6 +53,8 @@ class Going:
     robot: Robot
     navigator: Navigator
     middleware: Clocked
+    free: asyncio.Event
+    """Set while threads get on."""
 
     @property
     def here(self) -> Pose2:
@@ -123,19 +125,25 @@ def start_at(x: float, y: float, heading: float = 0.0, frame: str = "map") -> Si
 @asynccontextmanager
 async def going(start: Pose2 | None = BEGIN, **raw: object) -> AsyncIterator[Going]:
     """Run a node with a map of two rooms, and a robot in one of them."""
-    middleware = Clocked()
+    middleware, free = Clocked(), asyncio.Event()
+    free.set()
+
+    async def in_thread(function: Callable[..., Any], *arguments: Any) -> Any:
+        await free.wait()
+        return function(*arguments)
+
     sim = SimulatedRobot(ROOMS, home=BEGIN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(asyncio, "to_thread", middleware.at_once)
         async with sim, connect_async(sim.open) as robot:
             rng = np.random.default_rng(1)
-            navigator = await Navigator.on(robot, ROOMS, start=start, rng=rng, in_thread=at_once)
+            navigator = await Navigator.on(robot, ROOMS, start=start, rng=rng, in_thread=in_thread)
             robot.navigator = navigator
             ready, named = asyncio.Event(), {"profile": "standard", "goal_speed": 0.6, **raw}
             node = RobotNode(robot, read_parameters(named), middleware, named)
             async with running(navigator.run(), node.run(ready.set)):
                 await ready.wait()
-                the = Going(sim, robot, navigator, middleware)
+                the = Going(sim, robot, navigator, middleware, free)
                 the.listen("move_base/result")
                 await asyncio.sleep(1.0)
                 yield the
@@ -369,7 +377,7 @@ async def test_a_start_that_is_wrong_is_ignored(wrong: SimpleNamespace) -> None:
 async def test_a_robot_that_may_be_anywhere_has_no_transform() -> None:
     async with going() as the:
         the.listen("/tf")
-        the.navigator._in_thread = never  # the search goes on and on
+        the.free.clear()  # the search goes on and on
         assert (await the.middleware.call("global_localization")).success
         await asyncio.sleep(1.0)
         count = len(the.heard("amcl_pose"))
@@ -377,10 +385,6 @@ async def test_a_robot_that_may_be_anywhere_has_no_transform() -> None:
         children = {each.child_frame_id for each in the.heard("/tf")[-1].transforms}
         assert "odom" not in children
         assert len(the.heard("amcl_pose")) == count
-
-
-async def never(*_: object) -> None:
-    await asyncio.get_running_loop().create_future()
 
 
 async def test_diagnostics_tell_of_the_goal() -> None:

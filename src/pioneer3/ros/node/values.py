@@ -78,7 +78,7 @@ def place(words: str) -> Pose2 | str:
 
     Words that begin with no number are the name of a place.
     """
-    if not words.lstrip(" +-")[:1].isdigit():
+    if not words.lstrip(" +-.")[:1].isdigit():
         return words
     parts = words.split(",")
     if len(parts) not in (2, 3):

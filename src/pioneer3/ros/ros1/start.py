@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 from pioneer3.doctor.ports import list_ports
 from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
 from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.geometry import Pose2
 from pioneer3.robot.identity import is_simulator, kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
 from pioneer3.robot.supervisor import RobotInfo
@@ -32,7 +33,7 @@ from pioneer3.ros.node.parameters import (
     read_parameters,
     unused_parameters,
 )
-from pioneer3.ros.node.values import RawParameters, place
+from pioneer3.ros.node.values import RawParameters
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
 from pioneer3.runtime.connect import connect_async
@@ -59,7 +60,7 @@ class Options:
         laser_ports: Of the robot's laser range finders.
         lasers: Looks for them.
         line_map: To navigate on: a file, or the name of a map that ships.
-        start: Where the robot is on it: the name of a place, or `x,y,heading`.
+        start: Where the robot is on it: a pose, the name of a place, or `unknown`.
         arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
     """
 
@@ -68,7 +69,7 @@ class Options:
     laser_ports: Sequence[str] = ()
     lasers: FindLasers = _of_parameters
     line_map: str | None = None
-    start: str | None = None
+    start: Pose2 | str | None = None
     arguments: Sequence[str] = ()
 
 
@@ -145,11 +146,9 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
             auto_enable=parameters.auto_enable,
             lasers=parameters.laser.applied_to(lasers),
             line_map=line_map,
-            start=place(options.start) if options.start else parameters.start,
+            start=options.start or parameters.start,
         ) as robot:
             tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
-            if robot.navigator is not None and robot.laser.presence.there is False:
-                rospy.logwarn(f"no laser to find the robot by: {robot.laser.presence}")
             await asyncio.to_thread(_introduce, robot.info)
             node = RobotNode(robot, parameters, RospyMiddleware(), raw)
             watch.on_registered = node.describe_robot
