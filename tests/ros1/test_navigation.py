@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
+from pioneer3.ros.node.navigation import SETTLED
 from tests.e2e.processes import running
 from tests.ros1.master import ros, script, until_said
 from tests.ros1.office import ROBOT, Office
@@ -99,6 +100,7 @@ async def test_map_tree_and_place_are_those_of_map_server_and_amcl(office: Offic
 async def test_a_place_is_named_by_a_tool_of_ros_and_a_cancel_stops(office: Office) -> None:
     status = ("rostopic", "echo", "-n", "1", "/move_base/status")
     latched = "publishing and latching"
+    await asyncio.sleep(SETTLED)  # a latched goal that is there before the node does not drive
     async with until_said(latched, "rostopic", "pub", "/goal_name", "std_msgs/String", "Kitchen"):
         await asyncio.sleep(1.5)
         assert "on its way" in await ros(*status)

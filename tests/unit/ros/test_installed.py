@@ -10,6 +10,7 @@ import pytest
 from pioneer3.cli.ros1 import ros1_app
 from pioneer3.errors import ConfigError
 from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
 from pioneer3.ros.node.topics import topics_of
 from pioneer3.ros.ros1 import middleware
 from pioneer3.ros.ros1.package import install_package
@@ -102,6 +103,7 @@ def test_the_package_shows_every_model_it_describes(tmp_path: Path) -> None:
     }
     shown = (package / "rviz" / "pioneer3.rviz").read_text()
     told = {name for topic in topics_of(P3AT) for name in topic.names(Profile.BOTH)}
+    told |= {name for topic in NAVIGATION_TOPICS for name in topic.names(Profile.BOTH)}
     told |= {"scan", "RosAria/sonar"}
     topics = re.findall(r"Topic: (.*)", shown)
     assert len(topics) > 16
