@@ -387,6 +387,20 @@ async def test_a_robot_that_may_be_anywhere_has_no_transform() -> None:
         assert len(the.heard("amcl_pose")) == count
 
 
+async def test_odometry_that_is_set_leaves_the_robot_where_it_is_on_the_map() -> None:
+    async with going() as the:
+        the.goal("a", -1.0, 1.5)
+        await the.ended()
+        assert (await the.middleware.call("reset_odometry")).success
+        await asyncio.sleep(2.0)
+        assert the.navigator.estimate.sure
+        found = the.navigator.estimate.robot_in_map
+        assert found is not None
+        assert hypot(found.x - the.here.x, found.y - the.here.y) < 0.05
+        the.goal("b", 2.5, 0.0)
+        assert (await the.ended())[1] is GoalState.SUCCEEDED
+
+
 async def test_diagnostics_tell_of_the_goal() -> None:
     async with going() as the:
         the.listen("/diagnostics")

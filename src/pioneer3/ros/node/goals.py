@@ -75,7 +75,9 @@ class Goals:
     def send(self, where: "Callable[[], Destination]") -> None:
         """Take a goal that came without an id; see :meth:`take`."""
         self._count += 1
-        self.take(f"{self._middleware.name}-{self._count}", self._middleware.stamp(0.0), where)
+        now = self._middleware.stamp(0.0)
+        seconds, rest = divmod(now.to_nsec(), 10**9)
+        self.take(f"{self._middleware.name}-{self._count}-{seconds}.{rest:09d}", now, where)
 
     def take(self, id_: str, stamp: Any, where: "Callable[[], Destination]") -> None:
         """Take a goal in place of the one before, unless it is known already.
