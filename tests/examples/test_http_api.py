@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3 import connect_async
+from pioneer3.maps import shipped_map
 from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
@@ -17,8 +18,11 @@ from tests.support import SimulatedRobot
 
 REFERENCE = Path(__file__).parents[2] / "docs/reference/http-api.md"
 EXAMPLES = re.findall(r"```sh\n(.*?)```", REFERENCE.read_text(), re.DOTALL)
+OFFICE = shipped_map("office")
 PATIENCE = 60.0
 
+pytest.importorskip("numba")
+pytest.importorskip("scipy")
 pytestmark = [
     pytest.mark.realtime,
     pytest.mark.skipif(shutil.which("curl") is None, reason="curl is not installed"),
@@ -28,9 +32,9 @@ pytestmark = [
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
 async def test_an_example_of_the_reference_runs(example: str) -> None:
     async with (
-        SimulatedRobot() as sim,
+        SimulatedRobot(OFFICE, home=OFFICE.homes[0]) as sim,
         connect_async(sim.open) as robot,
-        (page := Page()).hosting(robot, Scene()),
+        (page := Page()).hosting(robot, Scene(map=OFFICE, odom_in_map=OFFICE.homes[0])),
         serve(page, port=0) as served,
     ):
         _, token = page.access.sessions.open("survey", Role.DRIVER, Kind.SCRIPT)
@@ -49,7 +53,7 @@ async def test_an_example_of_the_reference_runs(example: str) -> None:
         assert bash.returncode == 0, err.decode()
         assert out.startswith((b"[", b"{"))
         if "for i in" in example:
-            assert sim.body.robot_in_world.x > 0.05
+            assert sim.body.robot_in_world.x - OFFICE.homes[0].x > 0.05
 
 
 def test_every_operation_on_robots_is_in_the_reference() -> None:

@@ -6,6 +6,7 @@ is found ends the request.
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from contextlib import AsyncExitStack, suppress
 from importlib.util import find_spec
@@ -13,13 +14,14 @@ from math import dist, inf
 from typing import TYPE_CHECKING, Any
 
 from pioneer3.behaviors.action import Stack
-from pioneer3.errors import PioneerError, how_to_get
+from pioneer3.errors import MotionError, PioneerError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.runtime.robot import Robot
 from pioneer3.tasks import running
 from pioneer3.web import messages, requests
 from pioneer3.web.control import GOTO_TIME, Control, Operator
+from pioneer3.web.errand import Errand, PlaceOn
 from pioneer3.web.scene import Scene
 
 if TYPE_CHECKING:
@@ -90,6 +92,7 @@ class RobotNavigation:
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
         self._navigator: Navigator | None = None
         self._asked: tuple[Operator, Asked, int] | None = None
+        self._errands: deque[Errand] = deque()
         self._news = asyncio.Event()
 
     @property
@@ -119,13 +122,36 @@ class RobotNavigation:
         self._asked = operator, request, self._robot.arbiter.last_stop.number
         self._news.set()
 
+    async def answer(
+        self, operator: Operator, place: PlaceOn, speed: float, *, drives: bool
+    ) -> messages.Way:
+        """Plan a way for a script, and have the robot drive along it if it `drives`; return it.
+
+        Raises:
+            PioneerError: There is no way, or the robot may not drive; see the message.
+        """
+        answer: asyncio.Future[messages.Way] = asyncio.get_running_loop().create_future()
+        after = self._robot.arbiter.last_stop.number
+        self._errands.append(Errand(operator, place, speed, drives, after, answer))
+        self._news.set()
+        return await answer
+
+    @property
+    def state(self) -> messages.Navigation | None:
+        """The robot's knowledge of its place, and the rest of its way; `None` at first."""
+        latest = self._navigator.state.latest if self._navigator else None
+        return self._message(latest) if latest else None
+
     async def run(self) -> None:
         """Carry out requests until cancelled."""
-        async with AsyncExitStack() as stack:
+        async with AsyncExitStack() as ended, AsyncExitStack() as stack:
+            ended.callback(self._refuse_errands)
             await self._find_real_robot(stack)
             while True:
                 await self._news.wait()
                 self._news.clear()
+                while self._errands:
+                    await self._run_errand(self._errands.popleft(), stack)
                 asked, self._asked = self._asked, None
                 if asked is None:
                     continue
@@ -172,6 +198,44 @@ class RobotNavigation:
             case requests.Patrol(places=places, speed=speed):
                 goals = [self._destination(each) for each in places]
                 await self._drive(operator, navigator, goals, speed, after)
+
+    def _refuse_errands(self) -> None:
+        while self._errands:
+            self._errands.popleft().refuse(MotionError("the robot has gone"))
+
+    async def _run_errand(self, errand: Errand, stack: AsyncExitStack) -> None:
+        """Answer a script, unless it has gone."""
+        error: PioneerError = MotionError("the robot has gone")
+        try:
+            way = await self._way_of(errand, stack)
+        except PioneerError as found:
+            error = found
+        except Exception:
+            log.exception("planning failed")
+            error = MotionError("planning a way failed; the log has the details")
+        else:
+            if not errand.answer.done():
+                errand.answer.set_result(way)
+        finally:
+            errand.refuse(error)
+
+    async def _way_of(self, errand: Errand, stack: AsyncExitStack) -> messages.Way:
+        from pioneer3.nav.planner import NoWay
+
+        navigator = await self._ready(stack)
+        goal = errand.place(navigator.line_map)
+        await navigator.find()  # planning says why not
+        way = await navigator.plan(goal)
+        if isinstance(way, NoWay):
+            raise MotionError(way.why)
+        if errand.drives and not errand.answer.done():
+            last = self._robot.arbiter.last_stop
+            mode = navigator.mode(goal, way, errand.speed)
+            refused = last.why if last.number != errand.after else None
+            refused = refused or self._control.start(errand.operator, mode, GOTO_TIME, patience=inf)
+            if refused:
+                raise MotionError(refused)
+        return self._shown(goal, way, errand.speed)
 
     async def _drive(
         self,

@@ -12,12 +12,13 @@ from pioneer3.errors import CommandError
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.access_operations import ACCESS
+from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import ApiRequest, Operation, decode, openapi
 from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
 from pioneer3.web.robot_view import RobotView
 
-OPERATIONS = (*ROBOTS, *ACCESS)
+OPERATIONS = (*ROBOTS, *NAVIGATION, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 

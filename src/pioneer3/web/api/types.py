@@ -9,6 +9,8 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.state import Battery, Bumpers
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.messages import Motors, Sonar
+from pioneer3.web.requests import Metre, Radian
+from pioneer3.web.requests import Speed as MapSpeed
 
 Name = Annotated[str, Meta(max_length=40)]
 
@@ -34,6 +36,52 @@ class ControlRequest(Body):
     """Whether to take control from another who has it: the robot stops first."""
 
     take_over: bool = False
+
+
+class Place(Body):
+    """A place of the map: its `name`, or `x` and `y` [m] with a `heading` to turn to [rad]."""
+
+    name: Annotated[str, Meta(max_length=80)] | None = None
+    x: Metre | None = None
+    y: Metre | None = None
+    heading: Radian | None = None
+    speed: MapSpeed = 0.3
+
+
+class MapPlace(msgspec.Struct):
+    """A place of the map that has a name; `heading` is null where any will do."""
+
+    name: str
+    x: float
+    y: float
+    heading: float | None
+
+
+class Way(msgspec.Struct):
+    """A way to a place: some of its points in the map's frame, and how long it is and takes."""
+
+    points: tuple[tuple[float, float], ...]
+    length: float
+    seconds: int
+
+
+class Navigation(msgspec.Struct):
+    """The robot's knowledge of its place on the map, and the rest of its way.
+
+    `agreement` is the share of readings that agree with the map, 0 to 1; `reason` says why the
+    robot is `sure` of its place, or is not. `left` [m] and `seconds` are null without a goal, and
+    `problem` says why the robot does not come on.
+    """
+
+    sure: bool
+    reason: str
+    agreement: float = 0.0
+    pose: tuple[float, float, float] | None = None
+    goal: str = ""
+    left: float | None = None
+    seconds: int | None = None
+    problem: str = ""
+    way: tuple[tuple[float, float], ...] = ()
 
 
 class CommandResult(msgspec.Struct):
