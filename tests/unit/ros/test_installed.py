@@ -110,3 +110,11 @@ def test_the_package_shows_every_model_it_describes(tmp_path: Path) -> None:
     assert set(topics) <= told
     for launch in (package / "launch").iterdir():
         assert ET.parse(launch).getroot().tag == "launch"
+
+
+def test_a_map_without_the_messages_of_move_base_says_how_to_get_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(middleware, "find_spec", lambda name: None)
+    with pytest.raises(ConfigError, match=r"apt-get install .* python3-move-base-msgs"):
+        middleware.find_move_base()

@@ -1,9 +1,10 @@
-from math import inf, nan
+from math import inf, nan, pi
 
 import pytest
 
 from docs.reference.ros_tables import PAGE
 from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
 from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages.update import NoEcho
 from pioneer3.ros.node.driving_parameters import NAMES
@@ -45,6 +46,46 @@ def test_without_any_it_is_as_rosaria() -> None:
 )
 def test_ports_may_be_written_as_for_rosaria(port: str, url: str | None) -> None:
     assert read_parameters({"port": port}).port == url
+
+
+@pytest.mark.parametrize(
+    ("start", "found"),
+    [
+        ("", None),
+        ("Office A", "Office A"),
+        ("unknown", "unknown"),
+        ("1.5,-2,90", Pose2(1.5, -2.0, pi / 2)),
+        ("-1.5, .5", Pose2(-1.5, 0.5)),
+        ("-.5,1", Pose2(-0.5, 1.0)),
+    ],
+)
+def test_a_start_is_a_name_or_a_pose_in_degrees(start: str, found: Pose2 | str | None) -> None:
+    assert read_parameters({"start": start}).start == found
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("start", "1"),
+        ("start", "1,2,3,4"),
+        ("start", "1,two"),
+        ("start", 3),
+        ("map", 3),
+        ("goal_speed", 0),
+        ("goal_speed", nan),
+        ("transform_tolerance", -0.1),
+        ("tf_broadcast", "yes"),
+        ("global_frame_id", "/"),
+    ],
+)
+def test_what_navigation_cannot_use_is_refused(name: str, value: object) -> None:
+    with pytest.raises(ConfigError):
+        read_parameters({name: value})
+
+
+def test_the_frame_of_the_map_has_no_prefix() -> None:
+    options = read_parameters({"frame_prefix": "robot1/", "global_frame_id": "/site"}).options
+    assert (options.map_frame, options.prefix) == ("site", "robot1/")
 
 
 @pytest.mark.parametrize("value", [0, 0.0])
