@@ -197,6 +197,37 @@ async def test_a_goal_is_reached_and_told_of_on_the_way() -> None:
         assert the.heard("move_base/NavfnROS/plan")[-1].poses == []
 
 
+async def test_robots_with_a_prefix_share_the_frame_of_the_map() -> None:
+    async with going(frame_prefix="robot1/") as the:
+        the.listen("/tf")
+        the.goal("a", 0.5, 0.0, "base_link")
+        _, state, text = await the.ended(1.0)
+        assert state is GoalState.ABORTED
+        assert "give it in map, robot1/odom or robot1/base_link" in text
+        the.goal("b", 0.5, 0.0, "robot1/base_link")
+        assert (await the.ended())[1] is GoalState.SUCCEEDED
+        edges = {(t.header.frame_id, t.child_frame_id) for t in the.heard("/tf")[-1].transforms}
+        assert {("map", "robot1/odom"), ("robot1/odom", "robot1/base_link")} <= edges
+
+
+@pytest.mark.parametrize("profile", ["compatibility", "both"])
+async def test_the_names_are_the_same_in_every_profile(profile: str) -> None:
+    async with going(profile=profile) as the:
+        the.goal("a", -1.5, -1.0)
+        assert await the.ended() == ("a", GoalState.SUCCEEDED, "arrived")
+        assert {"map", "amcl_pose", "move_base/status"} <= set(the.middleware.publishers)
+        assert "static_map" in the.middleware.services
+
+
+async def test_others_may_publish_the_transforms() -> None:
+    async with going(tf_broadcast=False) as the:
+        the.listen("/tf")
+        await asyncio.sleep(1.0)
+        children = {each.child_frame_id for each in the.heard("/tf")[-1].transforms}
+        assert "odom" not in children
+        assert "base_link" in children
+
+
 @pytest.mark.parametrize(("frame", "x", "y"), [("base_link", 0.8, 0.0), ("odom", 0.8, 0.0)])
 async def test_goals_of_other_frames_are_transformed(frame: str, x: float, y: float) -> None:
     async with going() as the:
