@@ -32,6 +32,8 @@ found, and of one that it was told: there may be things that are not on the map.
 beams that go through walls tell of another place."""
 CONTRADICTS, TIMES = 0.7, 3
 """A robot that agrees with the map less than this, so many times in turn, was carried away."""
+JUMP, JUMP_TURN, LATE = 3.0, 8.0, 0.2
+"""Odometry that moves faster, times may be wrong by the third, was set anew [m/s, rad/s, s]."""
 WHIRLS = 0.6
 """A scan of a robot that turns faster does not count for that [rad/s]: a pose that is 50 ms late is
 some degrees off."""
@@ -122,6 +124,7 @@ class Localizer:
         self._errors = errors or MotionErrors()
         self._beams: Beams | None = None
         self._odom: Pose2 | None = None
+        self._stamp = inf
         self._odom_in_map: Pose2 | None = None
         self._now = _Progress(stage="lost", reason="the robot may be anywhere")
 
@@ -159,7 +162,8 @@ class Localizer:
     def take(self, beams: Beams) -> None:
         """Take a scan."""
         now, whirls = self._now, self._whirls(beams)
-        self._beams, self._odom = beams, beams.robot_in_odom
+        self._follow(beams.robot_in_odom, beams.stamp)
+        self._beams = beams
         if now.start is not None:
             self._begin(beams, *now.start)
         elif now.stage == "lost":
@@ -183,13 +187,14 @@ class Localizer:
 
     def take_sonar(self, pings: Pings) -> None:
         """Take pings. The start must have been told: pings alone do not tell rooms apart."""
-        now, self._odom = self._now, pings.robot_in_odom
+        now = self._now
+        self._follow(pings.robot_in_odom, pings.stamp)
         if now.start is not None:
             begin = now.start
             now.sonar = SonarTrack(self._echoes, begin, self._count, self._rng, self._errors)
             now.start, now.at = None, self._odom
             now.reason = "has to drive a little"
-            self._odom_in_map = pose_of(begin[0]) @ self._odom.inverse()
+            self._odom_in_map = pose_of(begin[0]) @ pings.robot_in_odom.inverse()
         if now.sonar is None:
             return
         now.sonar.listen(pings)
@@ -256,6 +261,22 @@ class Localizer:
     @cached_property
     def _places(self) -> Places:
         return Places.of(self._walls.field, self._model.width / 2 - 0.05)
+
+    def _follow(self, odom: Pose2, stamp: float) -> None:
+        """Take the robot's pose in odometry's frame; if that was set anew, the robot stands."""
+        last, seconds = self._odom, max(0.0, stamp - self._stamp) + LATE
+        self._odom, self._stamp = odom, stamp
+        if last is None:
+            return
+        motion = last.inverse() @ odom
+        far = hypot(motion.x, motion.y) > JUMP * seconds
+        if not far and abs(motion.theta) <= JUMP_TURN * seconds:
+            return
+        frame = odom @ last.inverse()
+        if self._now.at is not None:
+            self._now.at = frame @ self._now.at
+        if self._odom_in_map is not None:
+            self._odom_in_map = self._odom_in_map @ frame.inverse()
 
     def _has_moved(self) -> bool:
         assert self._odom is not None

@@ -89,6 +89,20 @@ def test_the_transform_of_odometry_goes_on_between_scans_that_count() -> None:
     assert drive.off < 0.01
 
 
+@pytest.mark.parametrize("sonar", [False, True])
+def test_odometry_that_is_set_anew_moves_nothing_on_the_map(sonar: bool) -> None:
+    drive = Drive()
+    sense = drive.listen if sonar else drive.look
+    drive.localizer.start(BEGIN)
+    sense()
+    drive.go(0.5, sonar=sonar)
+    before = drive.off
+    drive.odom = ORIGIN
+    sense()
+    drive.go(0.5, sonar=sonar)
+    assert drive.off == pytest.approx(before, abs=0.05)
+
+
 def test_an_unknown_start_is_found_by_a_search_and_a_little_driving() -> None:
     drive = Drive()
     assert drive.localizer.search() is None

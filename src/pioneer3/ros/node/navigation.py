@@ -46,10 +46,6 @@ if TYPE_CHECKING:
 GOALS: Final = (SIMPLE_GOAL, GOAL_NAME, ACTION_GOAL)
 SETTLED: Final = 3.0
 """A node has all connections to publishers that were there before it after so long [s]."""
-JUMP: Final = 0.5
-"""So long after odometry was set no scan is of before [s]."""
-STANDS: Final = 0.1, 0.05
-"""Standard deviations of a robot that was known and stands [m, rad]."""
 QUEUE: Final = 10
 """Messages that wait in a connection."""
 SPARSE: Final = 4
@@ -168,13 +164,6 @@ class NodeNavigation:
     def lose(self) -> None:
         """Have the whole map searched for the robot, as AMCL does."""
         self._navigator.lose()
-
-    def odometry_jumps(self) -> None:
-        """Keep the robot where it is on the map while somebody sets its odometry."""
-        estimate, snapshot = self._navigator.estimate, self._robot.snapshot
-        if estimate.sure and estimate.odom_in_map is not None and snapshot is not None:
-            here = estimate.odom_in_map @ snapshot.odometry.robot_in_odom
-            self._loop.call_later(JUMP, self._navigator.place, here, *STANDS)
 
     def _map(self) -> MapUpdate:
         assert self._grid is not None

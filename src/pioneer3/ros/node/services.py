@@ -106,8 +106,6 @@ class Services:
     def reset_odometry(self) -> Response:
         """Stop, and call the present place 0, 0, 0; the robot itself does not know."""
         self._robot.stop()
-        if self._navigation is not None:
-            self._navigation.odometry_jumps()
         self._robot.supervisor.assembler.odometer.restart(ORIGIN)
         self._moved()
         return Response(True, "this place is 0, 0, 0 now")
