@@ -85,11 +85,21 @@ def tell_cuts(limits: "Limits", speed: float | None, turn_rate: float | None) ->
 
 
 async def show_while(
-    robot: "Driven", motion: Coroutine[Any, Any, None], *, json: bool = False
+    robot: "Driven",
+    motion: Coroutine[Any, Any, None],
+    *,
+    json: bool = False,
+    words: "Callable[[Driven], str] | None" = None,
 ) -> None:
     """Run `motion`; meanwhile rewrite a line, or write one each second, or JSON for each snapshot.
 
     In a terminal any key stops it, and k is the emergency stop.
+
+    Args:
+        robot: The robot.
+        motion: The motion.
+        json: Whether a program reads.
+        words: Returns the line; if not given, :func:`line` does.
 
     Raises:
         MotionError: as `motion` does.
@@ -100,7 +110,7 @@ async def show_while(
     from pioneer3.teleop.terminal import is_in_front
 
     listens, pressed = is_in_front(), list[str]()
-    tasks = [asyncio.ensure_future(_show(robot, json=json))]
+    tasks = [asyncio.ensure_future(_show(robot, words or line, json=json))]
     if listens:
         tasks.append(asyncio.ensure_future(_obey_keys(robot, pressed)))
     try:
@@ -201,7 +211,7 @@ def rewrite(text: str) -> None:
     sys.stdout.flush()
 
 
-async def _show(robot: "Driven", *, json: bool) -> None:
+async def _show(robot: "Driven", words: "Callable[[Driven], str]", *, json: bool) -> None:
     if json:
         async for snapshot in looks(robot):
             mode = robot.arbiter.mode
@@ -215,7 +225,7 @@ async def _show(robot: "Driven", *, json: bool) -> None:
             )
     elif sys.stdout.isatty():
         async for _ in looks(robot):
-            rewrite(line(robot))
+            rewrite(words(robot))
     else:
         import asyncio
 
@@ -224,4 +234,4 @@ async def _show(robot: "Driven", *, json: bool) -> None:
         async for snapshot in looks(robot):
             if clock() >= due or there != (snapshot is not None):
                 there, due = snapshot is not None, clock() + QUIET
-                write_line(line(robot))
+                write_line(words(robot))

@@ -1,4 +1,4 @@
-"""`pioneer3 map`: look at maps and worlds, check them, convert them."""
+"""`pioneer3 map`: make maps, look at maps and worlds, check them, convert them."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 from cyclopts.validators import Number
 
-from pioneer3.cli.options import Flag
+from pioneer3.cli.map_build import build
+from pioneer3.cli.options import UNITS, Flag
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 map_app = App(
     name="map",
-    help="""Show, check and convert maps and worlds.
+    help="""Make, show, check and convert maps and worlds.
 
     They are ARIA .map files, ROS map_server .yaml files with their picture,
     and .toml worlds: a map with robots, boxes and people.
@@ -25,6 +26,7 @@ map_app = App(
     """,
     help_format="plaintext",
 )
+map_app.command(build, help_epilogue=UNITS)
 
 
 @map_app.command

@@ -20,10 +20,17 @@ def new_loop() -> "AbstractEventLoop":
     return asyncio.SelectorEventLoop() if sys.platform == "win32" else asyncio.new_event_loop()
 
 
-def run_until_told_to_leave(command: Coroutine[Any, Any, int | None]) -> int:
+def run_until_told_to_leave(
+    command: Coroutine[Any, Any, int | None],
+    loop_factory: "Callable[[], AbstractEventLoop]" = new_loop,
+) -> int:
     """Run `command`; return its exit code, or 128 + the signal that ended it.
 
     A hang-up that is ignored, as under nohup, stays ignored.
+
+    Args:
+        command: The command.
+        loop_factory: Makes the event loop.
     """
     import asyncio  # 40 ms that `--help` need not wait
 
@@ -49,7 +56,7 @@ def run_until_told_to_leave(command: Coroutine[Any, Any, int | None]) -> int:
                 signal.signal(each, handler)
 
     try:
-        with asyncio.Runner(loop_factory=new_loop) as runner:
+        with asyncio.Runner(loop_factory=loop_factory) as runner:
             code = runner.run(guarded()) or 0
     except asyncio.CancelledError:
         if not received:

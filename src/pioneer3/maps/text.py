@@ -1,5 +1,6 @@
 """Lines and numbers of a map file, with the line numbers of errors."""
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -101,13 +102,25 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file.
+    """Write a file; one that is there stays whole until the new one is.
 
     Raises:
         ConfigError: It cannot be written.
     """
     try:
-        path.write_bytes(data)
+        if path.exists() and not path.is_file():  # a pipe, a terminal
+            path.write_bytes(data)
+            return
+        target = path.resolve()
+        beside = target.with_name(f".{target.name}.{os.getpid()}")
+        try:
+            with beside.open("wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(target)
+        finally:
+            beside.unlink(missing_ok=True)
     except (OSError, ValueError) as error:
         raise wrong(path, f" cannot be written: {_reason(error)}") from None
 

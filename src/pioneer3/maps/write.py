@@ -11,13 +11,15 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps.aria_objects import STANDARD_LINES, STANDARD_SOLIDS
 from pioneer3.maps.grid import EDGE, MOST_CELLS, shape_of, touched
 from pioneer3.maps.image import to_pgm
-from pioneer3.maps.line_map import Bounds, LineMap, MapObject, solid_walls
+from pioneer3.maps.line_map import FREE as FREE_CELL
+from pioneer3.maps.line_map import OCCUPIED as OCCUPIED_CELL
+from pioneer3.maps.line_map import Bounds, LineMap, MapObject, OccupancyGrid, solid_walls
 from pioneer3.maps.text import write_bytes
 from pioneer3.units import MM
 
 RESOLUTION = 0.05
 """Default side of a pixel [m], as usual with ROS's own map saver."""
-OCCUPIED, FREE = 0, 254
+OCCUPIED, UNKNOWN, FREE = 0, 205, 254
 """Shades of map_saver."""
 KNOWN = frozenset(
     {"Goal", "GoalWithHeading", "Dock", "RobotHome", "ForbiddenLine", "ForbiddenArea"}
@@ -30,8 +32,9 @@ POINTS = ("LocationType", "GoalType", "DockType")
 def write_aria_map(line_map: LineMap, path: Path) -> None:
     """Write an ARIA map; coordinates are rounded to whole millimetres, as ARIA reads them.
 
-    Scanned points and pictures become LINES. Reading it back gives walls within half a millimetre,
-    and the same objects.
+    The occupied cells of grids become scanned points, as long as no grid is turned and all have
+    cells of one size; else their outlines become LINES. Reading it back gives walls within half a
+    millimetre, and the same objects.
 
     Raises:
         ConfigError: The file cannot be written.
@@ -40,8 +43,16 @@ def write_aria_map(line_map: LineMap, path: Path) -> None:
 
 
 def _aria_lines(line_map: LineMap) -> Iterator[str]:
-    walls_mm = np.rint(_drawn(line_map) / MM).astype(np.int64)
+    resolution = _resolution_mm(line_map)
+    walls = line_map.walls if resolution is None else line_map.lines
+    walls_mm = np.rint(_drawn(walls, line_map.objects) / MM).astype(np.int64)
+    points_mm = np.empty((0, 2), dtype=np.int64) if resolution is None else _points_mm(line_map)
     yield "2D-Map"
+    if len(points_mm):
+        yield f"MinPos: {points_mm[:, 0].min()} {points_mm[:, 1].min()}"
+        yield f"MaxPos: {points_mm[:, 0].max()} {points_mm[:, 1].max()}"
+        yield f"NumPoints: {len(points_mm)}"
+        yield f"Resolution: {resolution}"
     if len(walls_mm):
         x_mm, y_mm = walls_mm[:, ::2], walls_mm[:, 1::2]
         yield f"LineMinPos: {x_mm.min()} {y_mm.min()}"
@@ -54,13 +65,35 @@ def _aria_lines(line_map: LineMap) -> Iterator[str]:
         yield " ".join(map(str, row))
     # ARIA reads on until it has found this heading
     yield "DATA"
+    for x, y in points_mm.tolist():
+        yield f"{x} {y}"
 
 
-def _drawn(line_map: LineMap) -> NDArray[np.float64]:
+def _resolution_mm(line_map: LineMap) -> int | None:
+    """Return the side of the cells of all grids [mm], if their points can be written."""
+    sides = {grid.resolution for grid in line_map.grids}
+    if len(sides) != 1 or any(grid.origin.theta for grid in line_map.grids):
+        return None
+    side = sides.pop() / MM
+    return round(side) if side >= 1 and abs(side - round(side)) < EDGE else None
+
+
+def _points_mm(line_map: LineMap) -> NDArray[np.int64]:
+    """Return the middles of the occupied cells [mm], shape (N, 2)."""
+    corners = [(grid.origin.x, grid.origin.y) for grid in line_map.grids]
+    parts: list[NDArray[np.float64]] = [np.empty((0, 2))]
+    for grid, corner in zip(line_map.grids, corners, strict=True):
+        rows, columns = np.nonzero(grid.states == OCCUPIED_CELL)
+        middles = (np.stack([columns, rows], axis=1) + 0.5) * grid.resolution
+        parts.append(middles + np.array(corner))
+    return np.rint(np.concatenate(parts) / MM).astype(np.int64)
+
+
+def _drawn(walls: NDArray[np.float64], objects: tuple[MapObject, ...]) -> NDArray[np.float64]:
     """Return the walls that are not sides of a solid object."""
-    solid = {tuple(side) for side in solid_walls(line_map.objects).tolist()}
-    kept = [tuple(wall) not in solid for wall in line_map.walls.tolist()]
-    drawn: NDArray[np.float64] = line_map.walls[np.array(kept, dtype=np.bool_)]
+    solid = {tuple(side) for side in solid_walls(objects).tolist()}
+    kept = [tuple(wall) not in solid for wall in walls.tolist()]
+    drawn: NDArray[np.float64] = walls[np.array(kept, dtype=np.bool_)]
     return drawn
 
 
@@ -113,7 +146,8 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
 
     Walls become black pixels, all else is free: which side of a wall is unknown, lines don't
     say. Objects are lost, map_server has none. Reading it back gives outlines that lie within
-    a pixel's diagonal of the walls.
+    a pixel's diagonal of the walls. A map that is one grid of this resolution, with free cells, is
+    written as it is.
 
     Args:
         line_map: The map.
@@ -126,15 +160,22 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
     import yaml
 
     image = path.with_suffix(".pgm")
-    bounds = framed(line_map.bounds, resolution)
+    grid = _only_grid(line_map, resolution)
+    bounds = _bounds_of(grid) if grid else framed(line_map.bounds, resolution)
     height, width = shape_of(bounds, resolution)
     if height * width > MOST_CELLS:
         raise ConfigError(
             f"{path}: resolution: {resolution:g} m makes {width} x {height} pixels, more than "
             f"{MOST_CELLS / 1e6:.0f} million; take larger ones"
         )
-    occupied = touched(line_map.walls, bounds, resolution)[::-1]
-    write_bytes(image, to_pgm(np.where(occupied, OCCUPIED, FREE).astype(np.uint8)))
+    if grid:
+        shades = np.full(grid.states.shape, UNKNOWN, dtype=np.uint8)
+        shades[grid.states == FREE_CELL] = FREE
+        shades[grid.states == OCCUPIED_CELL] = OCCUPIED
+    else:
+        occupied = touched(line_map.walls, bounds, resolution)
+        shades = np.where(occupied, OCCUPIED, FREE).astype(np.uint8)
+    write_bytes(image, to_pgm(shades[::-1]))
     text = yaml.safe_dump(
         {
             "image": image.name,
@@ -150,6 +191,21 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
     )
     write_bytes(path, text.encode())
     return image
+
+
+def _only_grid(line_map: LineMap, resolution: float) -> OccupancyGrid | None:
+    """Return the grid that a map consists of, if it can be written as it is."""
+    if len(line_map.grids) != 1 or len(line_map.lines):
+        return None
+    (grid,) = line_map.grids
+    as_it_is = grid.resolution == resolution and not grid.origin.theta
+    return grid if as_it_is and (grid.states == FREE_CELL).any() else None
+
+
+def _bounds_of(grid: OccupancyGrid) -> Bounds:
+    height, width = grid.states.shape
+    x, y, cell = grid.origin.x, grid.origin.y, grid.resolution
+    return Bounds(x, y, x + width * cell, y + height * cell)
 
 
 def framed(bounds: Bounds, cell: float) -> Bounds:

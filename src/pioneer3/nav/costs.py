@@ -7,8 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.maps import LineMap
+from pioneer3.maps import Bounds, LineMap
 from pioneer3.maps.line_map import FREE, UNKNOWN, MapObject
 from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
@@ -67,7 +68,7 @@ class CostMap:
 
         A robot is as wide as it is: it turns towards its way before a narrow place.
         """
-        raster = Raster.around(line_map.bounds, cell)
+        raster = Raster.around(_extent(line_map), cell)
         needed = min(model.width / 2, model.length_front, model.length_rear) + MARGIN
         clearance = np.full(raster.shape, max(needed, model.corner) + COMFORTABLE, dtype=np.float32)
         lines = [side for item in line_map.objects if item.forbidden for side in item.sides]
@@ -148,6 +149,25 @@ def inside(item: MapObject, raster: Raster) -> Bool:
     out = np.zeros(raster.shape, dtype=np.bool_)
     out[low[1] : high[1], low[0] : high[0]] = crossed
     return out
+
+
+def _extent(line_map: LineMap) -> Bounds:
+    """Return the box around the walls and the known parts of grids that know what is free."""
+    boxes = [line_map.bounds] if len(line_map.walls) else []
+    for grid in line_map.grids:
+        rows, columns = np.nonzero(grid.states == FREE)
+        if len(rows):
+            at, cell, (low, left) = grid.origin, grid.resolution, (rows.min(), columns.min())
+            high, right = rows.max() + 1, columns.max() + 1
+            corners = [
+                at @ Pose2(float(x) * cell, float(y) * cell)
+                for x in (left, right)
+                for y in (low, high)
+            ]
+            x, y = [corner.x for corner in corners], [corner.y for corner in corners]
+            boxes.append(Bounds(min(x), min(y), max(x), max(y)))
+    sides = np.array(boxes or [line_map.bounds])
+    return Bounds(*sides[:, :2].min(axis=0).tolist(), *sides[:, 2:].max(axis=0).tolist())
 
 
 def _unknown(line_map: LineMap, raster: Raster) -> Bool:

@@ -50,13 +50,17 @@ class Frontier:
         return self.way - WORTH * min(self.length, MOST_WORTH)
 
 
-def find_frontiers(grid: OccupancyGrid, robot_in_map: Pose2, radius: float) -> tuple[Frontier, ...]:
+def find_frontiers(
+    grid: OccupancyGrid, robot_in_map: Pose2, radius: float, passes: float | None = None
+) -> tuple[Frontier, ...]:
     """Return the frontiers that a robot can get to see, the most worth while first.
 
     Args:
         grid: What is known; not turned.
         robot_in_map: Where the robot is.
-        radius: Of its turning circle [m].
+        radius: Of its turning circle [m]: it looks at frontiers from where it can turn.
+        passes: It gets through where walls are farther than this from its middle [m]; if not
+            given, where it can turn.
     """
     states = np.pad(grid.states, 1, constant_values=UNKNOWN)
     corner = np.array([grid.origin.x, grid.origin.y]) - grid.resolution
@@ -64,11 +68,13 @@ def find_frontiers(grid: OccupancyGrid, robot_in_map: Pose2, radius: float) -> t
     edge = (states == FREE) & ndimage.binary_dilation(states == UNKNOWN)
     labels, count = ndimage.label(edge, structure=np.ones((3, 3)))
     at = (np.array([robot_in_map.x, robot_in_map.y]) - corner) / cell
-    ways = _ways(states, at, radius / cell, BEGIN / cell)
+    clear = ndimage.distance_transform_edt(states != OCCUPIED)
+    passable = (states == FREE) & (clear > (radius if passes is None else passes) / cell)
+    ways = _ways(passable, at, (radius + BEGIN) / cell)
     if not count or ways is None:
         return ()
     off, nearest = ndimage.distance_transform_edt(~edge, return_indices=True)
-    near = np.argwhere(np.isfinite(ways) & (off <= LOOK / cell))
+    near = np.argwhere(np.isfinite(ways) & (clear > radius / cell) & (off <= LOOK / cell))
     rows, columns = near.T
     ends = nearest[:, rows, columns].T
     owner = labels[ends[:, 0], ends[:, 1]]
@@ -97,30 +103,27 @@ def find_frontiers(grid: OccupancyGrid, robot_in_map: Pose2, radius: float) -> t
     return tuple(sorted(found, key=lambda frontier: frontier.cost))
 
 
-def _ways(states: NDArray[np.uint8], at: Float, radius: float, begin: float) -> Float | None:
-    """Return the ways from a place to all cells where a robot can turn, `None` if it is at none.
+def _ways(passable: Flags, at: Float, begin: float) -> Float | None:
+    """Return the ways from a place to all cells that a robot gets to, `None` if it is at none.
 
     Args:
-        states: Of the cells, shape (H, W); those at the edges are unknown.
+        passable: Whether it can be at each cell, shape (H, W); at none of the edges.
         at: The place [cells], x and y.
-        radius: [cells].
-        begin: The robot may be farther than that from the nearest of these by so much [cells].
+        begin: The nearest of these cells may be farther than that by so much [cells].
     """
-    clear = ndimage.distance_transform_edt(states != OCCUPIED)
-    free = (states == FREE) & (clear > radius)
-    cells = np.argwhere(free)
+    cells = np.argwhere(passable)
     if not len(cells):
         return None
     away = np.hypot(cells[:, 1] + 0.5 - at[0], cells[:, 0] + 0.5 - at[1])
     nearest = int(away.argmin())
-    if away[nearest] > radius + begin:
+    if away[nearest] > begin:
         return None
-    size, width = free.size, free.shape[1]
+    size, width = passable.size, passable.shape[1]
     start = int(cells[nearest, 0]) * width + int(cells[nearest, 1])
     out = np.full(size, inf)
     queue, queued = np.empty(size, dtype=np.int64), np.zeros(size, dtype=np.bool_)
-    fast(ways_from, CACHE)(free, start, queue, queued, out)
-    return out.reshape(free.shape)
+    fast(ways_from, CACHE)(passable, start, queue, queued, out)
+    return out.reshape(passable.shape)
 
 
 def _extent(cells: Int) -> float:

@@ -1,6 +1,8 @@
 """Draws the map of a survey: which cells are free, and which are walls."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil
 
 import numpy as np
@@ -9,9 +11,9 @@ from scipy import ndimage
 
 from pioneer3.geometry import Pose2
 from pioneer3.jit import fast
-from pioneer3.maps import LineMap, OccupancyGrid
+from pioneer3.maps import LineMap, MapObject, OccupancyGrid
 from pioneer3.maps.grid import raster_outline
-from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
+from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN, solid_walls
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.frames import Survey
 from pioneer3.nav.kernels import CACHE
@@ -179,11 +181,71 @@ def render(survey: Survey, cell: float = CELL) -> OccupancyGrid:
     return renderer.grid
 
 
-def line_map_of(grid: OccupancyGrid, name: str) -> LineMap:
-    """Return a map whose walls outline the occupied cells of a grid that is not turned."""
+def drawn(
+    survey: Survey, room: float, *, name: str = "map", objects: Sequence[MapObject] = ()
+) -> LineMap:
+    """Return the map of a survey.
+
+    Args:
+        survey: The survey.
+        room: Of what is free around the robot's places [m].
+        name: Of the map.
+        objects: Of the map.
+    """
+    return line_map_of(trodden(render(survey), survey.poses, room), name, objects)
+
+
+def trodden(grid: OccupancyGrid, places: Sequence[Pose2], radius: float) -> OccupancyGrid:
+    """Return a grid that is not turned with what is unknown around `places` free.
+
+    A robot stood there, though its laser did not see it: it looks ahead.
+
+    Args:
+        grid: The grid.
+        places: Of the robot.
+        radius: Of what is free around the robot [m].
+    """
+    cell, corner = grid.resolution, np.array([grid.origin.x, grid.origin.y])
+    if not places:
+        return grid
+    points = (np.array([(place.x, place.y) for place in places]) - corner) / cell
+    reach = ceil(radius / cell) + 1
+    height, width = grid.states.shape
+    low = np.minimum(0, np.floor(points.min(axis=0)).astype(int) - reach)
+    high = np.maximum((width, height), np.floor(points.max(axis=0)).astype(int) + reach + 1)
+    (left, right), (below, above) = ((-low[i], high[i] - n) for i, n in ((0, width), (1, height)))
+    states = np.pad(grid.states, ((below, above), (left, right)), constant_values=UNKNOWN)
+    points -= low
+    for x, y in np.unique(np.floor(points).astype(int), axis=0).tolist():
+        around = states[y - reach + 1 : y + reach, x - reach + 1 : x + reach]
+        around[_disk(reach, radius / cell) & (around == UNKNOWN)] = FREE
+    x, y = (corner + cell * low).tolist()
+    return OccupancyGrid(states=states, resolution=cell, origin=Pose2(x, y))
+
+
+@lru_cache
+def _disk(reach: int, radius: float) -> NDArray[np.bool_]:
+    off = np.arange(1 - reach, reach)
+    disk: NDArray[np.bool_] = np.hypot(off[:, None], off) <= radius
+    return disk
+
+
+def line_map_of(grid: OccupancyGrid, name: str, objects: Sequence[MapObject] = ()) -> LineMap:
+    """Return a map whose walls outline the occupied cells of a grid that is not turned.
+
+    Sides of solid objects are walls, too.
+    """
     edges = raster_outline(grid.states == OCCUPIED) * grid.resolution
-    walls = edges + np.array([grid.origin.x, grid.origin.y] * 2)
-    return LineMap(name=name, walls=walls, grids=(grid,))
+    solid = solid_walls(objects)
+    outlines = edges + np.array([grid.origin.x, grid.origin.y] * 2)
+    return LineMap(
+        name=name,
+        walls=np.concatenate([outlines, solid]),
+        homes=tuple(item.pose for item in objects if item.kind == "RobotHome"),
+        objects=tuple(objects),
+        grids=(grid,),
+        lines=solid,
+    )
 
 
 def _is_near(a: Pose2, b: Pose2) -> bool:

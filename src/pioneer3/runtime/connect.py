@@ -80,7 +80,7 @@ async def connect_async(
         return limits.lowered_to(max_speed, max_turn_rate)
 
     if line_map is not None:
-        await _prepare_navigation()
+        await prepare_navigation()
     remark: Callable[[str], None] | None = None
     open_ = url if callable(url) else opener(url, baud=baud)
     with ExitStack() as stack:
@@ -133,7 +133,7 @@ async def connect_laser_async(
             yield driver
 
 
-async def _prepare_navigation() -> None:
+async def prepare_navigation() -> None:
     """Load the kernels of navigation before there is a robot that waits.
 
     Raises:

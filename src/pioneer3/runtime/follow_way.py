@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.behaviors.action import MODE, Desire, Goal, Ranked, Situation, Stack
+from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situation, Stack
 from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
@@ -148,13 +148,13 @@ class FollowWay:
         return np.pad(points[chosen], ((0, 0), (0, 2)))
 
 
-def follow_way(action: FollowWay, *, patrol: bool = False) -> Stack:
+def follow_way(
+    action: Action, name: str = "goto", hint: str = "drives to a place of the map"
+) -> Stack:
     """Return the mode that drives along a way, kept clear of what is not seen in time."""
     actions = [
         Ranked(110, StallRecover()),
         Ranked(100, LimiterTableSensor()),
         Ranked(50, action),
     ]
-    if patrol:
-        return Stack.of("patrol", MODE, actions, "drives from place to place of the map")
-    return Stack.of("goto", MODE, actions, "drives to a place of the map")
+    return Stack.of(name, MODE, actions, hint)

@@ -63,6 +63,9 @@ APART_EVERY, BEFORE = 0.3, 0.4
 CHARGER = 5.0
 """A charger answers within this [s]."""
 
+PATROL = "patrol", "drives from place to place of the map"
+"""Name of the mode, and what it does."""
+
 Float = NDArray[np.float64]
 NOWHERE: Float = np.empty((0, 2))
 
@@ -475,7 +478,7 @@ class Navigator:
             top_speed=min(speed or limits.max_speed, limits.max_speed),
             last=legs <= 1,
         )
-        mode = follow_way(action, patrol=bool(after))
+        mode = follow_way(action, *PATROL) if after else follow_way(action)
         self._drive = _Drive(goals, legs, action, mode, way, self._clock())
         return mode
 

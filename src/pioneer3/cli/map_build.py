@@ -1,0 +1,347 @@
+"""`pioneer3 map build`: make a map while somebody drives, or while the robot explores."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from pioneer3.cli.live import announce, how_to_stop, line, rewrite, show_while, tell_cuts
+from pioneer3.cli.options import LINK, Flag, LinkOptions, Speed
+from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_line, write_warning
+
+if TYPE_CHECKING:
+    from pioneer3.geometry import Pose2
+    from pioneer3.maps import LineMap
+    from pioneer3.maps.line_map import MapObject
+    from pioneer3.nav.exploring import GivenUp
+    from pioneer3.nav.mapper import Mapper
+    from pioneer3.runtime.driven import Driven
+    from pioneer3.runtime.map_builder import MapBuilder
+    from pioneer3.runtime.robot import Robot
+
+SPEED, TURN_RATE = 0.4, radians(30)
+"""[m/s, rad/s]."""
+KEEP_EVERY = 30.0
+"""The survey is saved so often while it grows [s]."""
+ROOM = 0.3
+"""A robot of a log had so much free ground around it [m]."""
+KEYS = "arrows: drive   + -: speed   space: stop   k: emergency stop   q: save the map and quit"
+
+
+def build(
+    *,
+    link: LinkOptions = LINK,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], metavar="FILE")] = None,
+    explore: Flag = False,
+    continue_: Annotated[Path | None, Parameter(name="--continue", metavar="FILE")] = None,
+    from_: Annotated[Path | None, Parameter(name="--from", metavar="FILE")] = None,
+    start: Annotated[str | None, Parameter(metavar="PLACE", allow_leading_hyphen=True)] = None,
+    speed: Speed = SPEED,
+    max_speed: Speed | None = None,
+    force: Flag = False,
+) -> int:
+    """Make a map with the laser, while you drive with the keys, or the robot by itself.
+
+    The map is saved at the end, whatever ends it, for ARIA (.map), ROS (.yaml with a .pgm picture)
+    or as a world (.toml). A file beside it, .survey.npz, lets --continue go on another day.
+
+    With --explore the robot MOVES by itself until the map has no open edges: stand by its
+    stop button. Space stops it, k is the emergency stop.
+
+    Example: pioneer3 map build -o lab.map
+    Example: pioneer3 map build -o lab.map --explore --port /dev/ttyUSB0 --laser auto
+    Example: pioneer3 map build -o intel.map --from intel.log.gz
+
+    Args:
+        link: The robot.
+        output: The new map: .map, .yaml or .toml. Without it a .map named after the time.
+        explore: The robot drives by itself to where the map ends.
+        continue_: Go on with this map, and save there unless -o says otherwise.
+        from_: Make it of a log of CARMEN, or of what --record has written, without a robot.
+        start: Where the robot is on the map that is continued: a name, or x,y,heading; without
+            it at the map's home, or else it is looked for while you drive.
+        speed: Of the forward key, or at most.
+        max_speed: Keep below this in any case.
+        force: Write over files that are there.
+    """
+    target = _target(output, continue_, force=force)
+    if from_ is not None:
+        return _from_file(from_, target, link)
+    begin = _Begin.of(continue_, start)
+    keeper = _Keeper(target)
+    with keeper.saved_at_the_end():
+        return run_until_told_to_leave(
+            _explore(keeper, begin, link, speed, max_speed)
+            if explore
+            else _drive(keeper, begin, link, speed, max_speed)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Begin:
+    """What a map begins with.
+
+    Attributes:
+        line_map: The map that is continued, or `None`.
+        state: Its survey.
+        start: Where the robot is on it, if that was told.
+    """
+
+    line_map: "LineMap | None" = None
+    state: dict[str, Any] | None = None
+    start: "Pose2 | None" = None
+
+    @classmethod
+    def of(cls, old: Path | None, start: str | None) -> "_Begin":
+        from pioneer3.cli.places import pose_of
+        from pioneer3.errors import ConfigError
+        from pioneer3.geometry import Pose2
+        from pioneer3.nav.places import find_place
+        from pioneer3.runtime.map_files import load_survey
+        from pioneer3.sim.worldfile import load_map
+
+        if old is None:
+            if start is not None:
+                raise ConfigError(
+                    "--start: a new map begins where the robot is; only with --continue"
+                )
+            return cls()
+        state, line_map = load_survey(old), load_map(old)
+        told = pose_of(start, "map build") if start is not None else None
+        if isinstance(told, str):
+            place = find_place(line_map, told)
+            told = Pose2(place.x, place.y, place.heading or 0.0)
+        return cls(line_map, state, told)
+
+    @property
+    def objects(self) -> "tuple[MapObject, ...]":
+        """The places of the map: those of the old one, or a home where the robot begins."""
+        from pioneer3.geometry import ORIGIN
+        from pioneer3.maps import MapObject
+
+        if self.line_map is not None:
+            return self.line_map.objects
+        return (MapObject(kind="RobotHome", name="Home", pose=ORIGIN),)
+
+    async def builder(self, robot: "Robot", patience: float) -> "MapBuilder":
+        """Return the builder, once the robot is found on the map that is continued.
+
+        Raises:
+            MotionError: It was not found within `patience` [s].
+        """
+        from pioneer3.nav.mapper import Mapper
+        from pioneer3.runtime.map_builder import MapBuilder, whereabouts
+
+        mapper = None
+        if self.line_map is not None and self.state is not None:
+            here = self.start or await whereabouts(robot, self.line_map, patience)
+            mapper = Mapper.of(self.state, here)
+        return MapBuilder(robot, mapper, objects=self.objects)
+
+
+class _Keeper:
+    """Saves a map on every way out.
+
+    Attributes:
+        builder: Of the map; `None` before the robot is connected and found.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self.builder: MapBuilder | None = None
+        self._target = target
+
+    async def keep(self) -> None:
+        """Save the survey now and then: a computer may lose its power."""
+        import asyncio
+
+        from pioneer3.runtime.map_files import save_survey
+
+        while True:
+            await asyncio.sleep(KEEP_EVERY)
+            if self.builder is not None and self.builder.mapper.survey.frames:
+                await asyncio.to_thread(save_survey, self.builder.mapper, self._target)
+
+    @contextmanager
+    def saved_at_the_end(self) -> Iterator[None]:
+        """Save the map at the end of the block, whatever ends it."""
+        try:
+            yield
+        finally:
+            if self.builder is not None:
+                with _deaf():
+                    self._save(self.builder)
+
+    def _save(self, builder: "MapBuilder") -> None:
+        from pioneer3.runtime.map_files import save_survey
+
+        if not builder.mapper.survey.frames:
+            write_warning("no scan has come: there is no map to save")
+            return
+        write_line(f"saving {self._target} ...")
+        save_survey(builder.mapper, self._target)
+        finished = builder.finished()
+        _save(finished, builder.mapper, self._target)
+
+    def words(self) -> str:
+        """Return how far the map is, in a few words."""
+        state = self.builder.state.latest if self.builder else None
+        if state is None:
+            return "looks for itself on the map: drive a metre  "
+        edges = f", {state.edges} edges" if state.exploring and state.edges is not None else ""
+        return f"{state.driven:.0f} m, {state.area:.0f} m², {state.loops} loops{edges}  "
+
+
+async def _drive(
+    keeper: _Keeper, begin: _Begin, link: LinkOptions, speed: float, max_speed: float | None
+) -> None:
+    from math import inf
+
+    from pioneer3.tasks import running
+    from pioneer3.teleop.keyboard import Keyboard
+    from pioneer3.teleop.keyboard_drive import KeyboardDriver
+    from pioneer3.teleop.terminal import keys, raw_terminal
+
+    await _prepare()
+    with raw_terminal() as terminal:
+        async with link.connect(max_speed=max_speed) as robot:
+            _require_laser(robot)
+            limits = robot.info.limits
+            tell_cuts(limits, speed, None)
+            keyboard = Keyboard.within(limits, speed, TURN_RATE)
+            announce(robot, "makes a map while you drive")
+            write_line(KEYS)
+
+            async def making() -> None:
+                keeper.builder = await begin.builder(robot, inf)
+                await keeper.builder.run()
+
+            driver = KeyboardDriver(robot, keyboard, lambda text: rewrite(keeper.words() + text))
+            async with running(making(), keeper.keep()):
+                await driver.run(keys(terminal))
+    write_line("")
+
+
+async def _explore(
+    keeper: _Keeper, begin: _Begin, link: LinkOptions, speed: float, max_speed: float | None
+) -> None:
+    from pioneer3.tasks import running
+
+    await _prepare()
+    async with link.connect(max_speed=max_speed) as robot:
+        _require_laser(robot)
+        tell_cuts(robot.info.limits, speed, None)
+        announce(robot, f"explores; {how_to_stop()}")
+        builder = keeper.builder = await begin.builder(robot, 0.0)
+        found: list[GivenUp] = []
+
+        async def exploring() -> None:
+            found.extend(await builder.explore(speed))
+
+        def words(robot: "Driven") -> str:
+            return keeper.words() + line(robot)
+
+        async with running(builder.run(), keeper.keep()):
+            await show_while(robot, exploring(), words=words)
+    for each in found:
+        x, y = each.frontier.points.mean(axis=0).tolist()
+        write_line(f"not explored: ({x:.1f}, {y:.1f}): {each.why}")
+
+
+async def _prepare() -> None:
+    from pioneer3.runtime.connect import prepare_navigation
+
+    await prepare_navigation()
+
+
+def _require_laser(robot: "Robot") -> None:
+    from pioneer3.errors import DeviceError
+
+    if not robot.laser.presence.there:
+        raise DeviceError(f"a map needs a laser: {robot.laser.presence}")
+
+
+def _from_file(source: Path, target: Path, link: LinkOptions) -> int:
+    from pioneer3.nav.rendering import drawn
+    from pioneer3.runtime.fast_time import FastTimeLoop
+    from pioneer3.runtime.map_logs import is_recording, map_log, map_recording
+
+    made: list[Mapper] = []
+    with busy_sign(f"reading {source}") as tell:
+
+        def progress(share: float) -> None:
+            tell(f"making a map of {source}: {100 * share:.0f} %")
+
+        if is_recording(source):
+
+            async def play() -> None:
+                await _prepare()
+                made.append(await map_recording(source, progress, link.lasers.laser))
+
+            code = run_until_told_to_leave(play(), FastTimeLoop)
+            if code:
+                return code
+        else:
+            made.append(map_log(source, progress))
+        (mapper,) = made
+        tell("drawing the map")
+        line_map = drawn(mapper.survey, ROOM, objects=_Begin().objects)
+    _save(line_map, mapper, target)
+    return 0
+
+
+def _save(line_map: "LineMap", mapper: "Mapper", target: Path) -> None:
+    """Write a map and its survey; say which files, and what is in them."""
+    from pioneer3.runtime.map_files import files_of, save_map, save_survey
+
+    save_survey(mapper, target)
+    save_map(line_map, target)
+    bounds, survey = line_map.bounds, mapper.survey
+    size = f"{bounds.x_max - bounds.x_min:.1f} x {bounds.y_max - bounds.y_min:.1f} m"
+    loops = sum(edge.loop for edge in survey.edges)
+    write_line(f"{size}, of {survey.frames[-1].way:.0f} m driven, {loops} loops closed")
+    for path in files_of(target):
+        write_line(f"wrote {path}")
+
+
+def _target(output: Path | None, old: Path | None, *, force: bool) -> Path:
+    """Return the name of the new map.
+
+    Raises:
+        ConfigError: A file is there that must not be written over, or the name is no map's.
+    """
+    from datetime import datetime
+
+    from pioneer3.errors import ConfigError
+    from pioneer3.runtime.map_files import files_of
+
+    now = datetime.now().astimezone()
+    target = output or old or Path(f"map-{now:%Y-%m-%d-%H%M%S}.map")
+    files = files_of(target)
+    if not target.parent.is_dir():
+        raise ConfigError(f"{target}: there is no folder {target.parent}")
+    kept = () if force or target == old else files
+    for path in kept:
+        if path.exists():
+            raise ConfigError(
+                f"{path}: is there already; --continue goes on with it, --force writes over it"
+            )
+    return target
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Ignore signals that would end the program: a map is being saved."""
+    import signal
+
+    from pioneer3.runtime.signals import LEAVE
+
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in LEAVE}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

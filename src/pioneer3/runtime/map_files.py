@@ -1,0 +1,94 @@
+"""Saves maps that robots made, with all that is needed to go on with them another day."""
+
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.errors import ConfigError
+from pioneer3.maps import LineMap, write_aria_map, write_map_server
+from pioneer3.maps.text import read_bytes, write_bytes, wrong
+from pioneer3.nav.mapper import Mapper
+from pioneer3.sim.worldfile import WorldFile, write_world
+
+FORMATS = (".map", ".yaml", ".toml")
+"""ARIA's map; map_server's YAML with a picture; a world on a map."""
+LARGEST_SURVEY = 1 << 30
+"""[bytes]; a day of driving has 0.1 GB."""
+
+
+def files_of(path: Path) -> tuple[Path, ...]:
+    """Return all files of a map of this name, that of the survey last.
+
+    Raises:
+        ConfigError: The ending of the name is none of :data:`FORMATS`.
+    """
+    ending = path.suffix.lower().replace(".yml", ".yaml")
+    if ending not in FORMATS:
+        raise ConfigError(f"{path}: the ending tells the format: {', '.join(FORMATS)}")
+    beside = {".map": (), ".yaml": (path.with_suffix(".pgm"),), ".toml": (_map_of(path),)}
+    return (path, *beside[ending], survey_path(path))
+
+
+def survey_path(path: Path) -> Path:
+    """Return the file of the survey that belongs to a map."""
+    return path.with_suffix(".survey.npz")
+
+
+def save_map(line_map: LineMap, path: Path) -> None:
+    """Write a map in the format that the ending of its name tells.
+
+    A file that is there stays whole until the new one is.
+
+    Raises:
+        ConfigError: A file cannot be written, or the ending is none of :data:`FORMATS`.
+    """
+    files_of(path)
+    named = replace(line_map, name=path.stem)
+    match path.suffix.lower():
+        case ".map":
+            write_aria_map(named, path)
+        case ".toml":
+            write_aria_map(named, _map_of(path))
+            write_world(WorldFile(name=path.stem, map=_map_of(path)), path)
+        case _:
+            write_map_server(named, path, named.grids[0].resolution)
+
+
+def save_survey(mapper: Mapper, path: Path) -> None:
+    """Write the key frames and edges of a map beside it, for another day.
+
+    Raises:
+        ConfigError: The file cannot be written.
+    """
+    data = BytesIO()
+    np.savez_compressed(data, **mapper.state)
+    write_bytes(survey_path(path), data.getvalue())
+
+
+def load_survey(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the survey of a map, for :meth:`Mapper.of`.
+
+    Raises:
+        ConfigError: There is none, or it cannot be read.
+    """
+    file = survey_path(path)
+    if not file.exists():
+        raise ConfigError(f"{path}: to go on with a map, {file.name} has to lie beside it")
+    data = read_bytes(file, LARGEST_SURVEY)
+    try:
+        with np.load(BytesIO(data), allow_pickle=False) as arrays:
+            state = {name: arrays[name] for name in arrays.files}
+        Mapper.of(state)
+    except (BadZipFile, EOFError, KeyError, IndexError, ValueError, TypeError, OSError) as error:
+        raise wrong(file, f" is no survey of a map: {error}") from None
+    return state
+
+
+def _map_of(path: Path) -> Path:
+    """Return the map that a world stands on."""
+    return path.with_suffix(".map")
