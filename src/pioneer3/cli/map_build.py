@@ -44,16 +44,17 @@ def build(
     max_speed: Speed | None = None,
     force: Flag = False,
 ) -> int:
-    """Make a map with the laser, while you drive with the keys, or the robot by itself.
+    """Make a map with the laser while you drive by the keys, or the robot explores.
 
-    The map is saved at the end, whatever ends it, for ARIA (.map), ROS (.yaml with a .pgm picture)
-    or as a world (.toml). A file beside it, .survey.npz, lets --continue go on another day.
+    It is saved at the end, whatever ends it: for ARIA (.map), ROS (.yaml with a
+    picture), or as a world (.toml). With the .survey.npz beside it, --continue
+    goes on with it another day.
 
-    With --explore the robot MOVES by itself until the map has no open edges: stand by its
-    stop button. Space stops it, k is the emergency stop.
+    With --explore the robot MOVES by itself until the map has no open edges: stand
+    by its stop button. Any key stops it, k is the emergency stop.
 
     Example: pioneer3 map build -o lab.map
-    Example: pioneer3 map build -o lab.map --explore --port /dev/ttyUSB0 --laser auto
+    Example: pioneer3 map build -o lab.map --explore --port /dev/ttyUSB0
     Example: pioneer3 map build -o intel.map --from intel.log.gz
 
     Args:

@@ -1,6 +1,5 @@
 """Chooses the edge of a map that a robot looks at next, until none is left."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf
 
@@ -102,15 +101,12 @@ class Exploration:
             now: [s].
         """
         self._watch(grid, now)
-        found = find_frontiers(grid, robot_in_map, costs.turning + CELL, costs.needed)
-        left = self._without_given_up(found)
+        left = self._find(grid, costs, robot_in_map)
         if not left and self.unreachable and not self._tried_again:
             # somebody who stood in a door may have gone
             self._tried_again = True
             self.given_up = [each for each in self.given_up if not each.why]
-            left = [
-                each for each in found if not any(_same(each, g.frontier) for g in self.given_up)
-            ]
+            left = self._find(grid, costs, robot_in_map)
         present = self._target
         if present is not None:
             left.sort(key=lambda each: not _same(each, present))
@@ -129,9 +125,10 @@ class Exploration:
         self._target = None
         return Outlook(target=None, left=0)
 
-    def _without_given_up(self, found: Sequence[Frontier]) -> list[Frontier]:
-        old = [each.frontier for each in self.given_up]
-        return [each for each in found if not any(_same(each, other) for other in old)]
+    def _find(self, grid: OccupancyGrid, costs: CostMap, robot_in_map: Pose2) -> list[Frontier]:
+        old = np.array([each.frontier.end for each in self.given_up]).reshape(-1, 2)
+        turning = costs.turning + CELL
+        return list(find_frontiers(grid, robot_in_map, turning, costs.needed, old))
 
     def wait(self, now: float) -> None:
         """Note that the robot does not drive to its target, as hands drive it elsewhere."""

@@ -20,10 +20,15 @@ Flags = NDArray[np.bool_]
 
 LEAST = 0.4
 """Shorter frontiers are gaps between beams [m]."""
+BESIDE = 0.15
+"""What is unknown so near to a wall is the wall itself [m]: few beams graze along it."""
 LOOK = 2.0
 """A frontier is looked at from this near [m]."""
 WORTH, MOST_WORTH = 1.0, 6.0
 """A longer frontier is worth so much more way, up to a length [m]."""
+IGNORED = 0.5
+"""Around a place where nothing is looked for [m]."""
+NOWHERE: Float = np.empty((0, 2))
 BEGIN = 0.5
 """A robot nearer to walls than it can turn begins at a place within this [m]."""
 
@@ -36,12 +41,14 @@ class Frontier:
         points: The middles of its cells [m], shape (N, 2).
         length: [m].
         view: Where the robot looks at it from, and its heading there [m, rad].
+        end: The part of it that the robot looks at [m], shape (2,).
         way: To that place [m].
     """
 
     points: Float
     length: float
     view: Pose2
+    end: Float
     way: float
 
     @property
@@ -51,7 +58,11 @@ class Frontier:
 
 
 def find_frontiers(
-    grid: OccupancyGrid, robot_in_map: Pose2, radius: float, passes: float | None = None
+    grid: OccupancyGrid,
+    robot_in_map: Pose2,
+    radius: float,
+    passes: float | None = None,
+    without: Float = NOWHERE,
 ) -> tuple[Frontier, ...]:
     """Return the frontiers that a robot can get to see, the most worth while first.
 
@@ -61,14 +72,17 @@ def find_frontiers(
         radius: Of its turning circle [m]: it looks at frontiers from where it can turn.
         passes: It gets through where walls are farther than this from its middle [m]; if not
             given, where it can turn.
+        without: Places where nothing is looked for [m], shape (N, 2).
     """
     states = np.pad(grid.states, 1, constant_values=UNKNOWN)
     corner = np.array([grid.origin.x, grid.origin.y]) - grid.resolution
     cell = grid.resolution
-    edge = (states == FREE) & ndimage.binary_dilation(states == UNKNOWN)
+    clear = ndimage.distance_transform_edt(states != OCCUPIED)
+    unknown = (states == UNKNOWN) & (clear > BESIDE / cell)
+    edge = (states == FREE) & ndimage.binary_dilation(unknown)
+    _leave_out(edge, (without - corner) / cell, IGNORED / cell)
     labels, count = ndimage.label(edge, structure=np.ones((3, 3)))
     at = (np.array([robot_in_map.x, robot_in_map.y]) - corner) / cell
-    clear = ndimage.distance_transform_edt(states != OCCUPIED)
     passable = (states == FREE) & (clear > (radius if passes is None else passes) / cell)
     ways = _ways(passable, at, (radius + BEGIN) / cell)
     if not count or ways is None:
@@ -97,10 +111,19 @@ def find_frontiers(
                 points=corner + (member[:, ::-1] + 0.5) * cell,
                 length=length,
                 view=Pose2(float(place[0]), float(place[1]), heading),
+                end=corner + (end[::-1] + 0.5) * cell,
                 way=float(ways[at[0], at[1]]) * cell,
             )
         )
     return tuple(sorted(found, key=lambda frontier: frontier.cost))
+
+
+def _leave_out(edge: Flags, places: Float, radius: float) -> None:
+    """Take the cells around places [cells] out of an edge."""
+    cells = np.argwhere(edge)
+    for x, y in places.tolist():
+        near = np.hypot(cells[:, 1] + 0.5 - x, cells[:, 0] + 0.5 - y) < radius
+        edge[cells[near, 0], cells[near, 1]] = False
 
 
 def _ways(passable: Flags, at: Float, begin: float) -> Float | None:

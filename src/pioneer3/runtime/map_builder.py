@@ -279,15 +279,26 @@ class MapBuilder:
         )
 
 
-async def whereabouts(robot: Scanned, line_map: LineMap, patience: float) -> Pose2:
+async def whereabouts(
+    robot: Scanned,
+    line_map: LineMap,
+    patience: float,
+    in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread,
+) -> Pose2:
     """Return where a robot is on a map: at its home, or else where it is found.
 
     To be found it has to be driven a metre meanwhile.
 
+    Args:
+        robot: The robot.
+        line_map: The map.
+        patience: Longest wait for a robot that is not at home [s].
+        in_thread: Runs what takes long.
+
     Raises:
         MotionError: It is not at the map's home, and was not found within `patience` [s].
     """
-    navigator = await Navigator.on(robot, line_map, start=home(line_map))
+    navigator = await Navigator.on(robot, line_map, start=home(line_map), in_thread=in_thread)
     async with running(navigator.run()):
         if not await navigator.find(AT_HOME):
             navigator.lose()

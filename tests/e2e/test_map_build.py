@@ -1,0 +1,252 @@
+"""Maps that robots make: driven by hand, by themselves, from logs; and what is saved of them."""
+
+import asyncio
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from math import hypot
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pioneer3.errors import ConfigError, MotionError
+from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.maps import LineMap, read_map
+from pioneer3.maps.grid import samples
+from pioneer3.maps.line_map import distances
+from pioneer3.nav.mapper import Mapper
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.fast_time import FastTimeLoop
+from pioneer3.runtime.map_builder import MapBuilder, whereabouts
+from pioneer3.runtime.map_files import files_of, load_survey, save_map, save_survey
+from pioneer3.runtime.map_logs import is_recording, map_log, map_recording
+from pioneer3.runtime.robot import Robot
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile import load_map
+from pioneer3.tasks import running
+from tests.e2e.processes import free_port, p3
+from tests.e2e.processes import running as started
+from tests.support import SimulatedRobot
+from tests.unit.web.test_navigation import at_once
+
+pytest.importorskip("numba")
+pytest.importorskip("scipy")
+SIDES = [[-4, -3, 4, -3], [4, -3, 4, 3], [4, 3, -4, 3], [-4, 3, -4, -3]]
+BETWEEN = [[0, -3, 0, 0.6], [0, 1.6, 0, 3], [-2, -3, -2, -2], [2.2, 3, 2.2, 1.8]]
+ROOMS = LineMap(name="rooms", walls=np.array([*SIDES, *BETWEEN], dtype=np.float64))
+"""Two rooms with a door of 1 m between them."""
+BEGIN = Pose2(-2.5, 0.0, 0.5)
+
+
+@asynccontextmanager
+async def in_the_rooms(
+    begin: Pose2 = BEGIN, mapper: Mapper | None = None, record: Path | None = None
+) -> AsyncIterator[tuple[SimulatedRobot, Robot, MapBuilder]]:
+    sim = SimulatedRobot(ROOMS, home=begin, seed=1, realism=Realism(), model="p3dx-sh")
+    async with sim, connect_async(sim.open, record=record) as robot:
+        builder = MapBuilder(robot, mapper, in_thread=at_once)
+        async with running(builder.run()):
+            yield sim, robot, builder
+
+
+def off(line_map: LineMap, begin: Pose2) -> list[float]:
+    """Return how far points of a map that began at a pose are from the walls of the rooms [m]."""
+    points = samples(line_map.walls, 0.05)
+    c, s = np.cos(begin.theta), np.sin(begin.theta)
+    placed = points @ np.array([[c, s], [-s, c]]) + (begin.x, begin.y)
+    return [float(distances(point, ROOMS.walls).min()) for point in placed]
+
+
+def found(line_map: LineMap, begin: Pose2) -> float:
+    """Return the share of the rooms' walls that a map shows within 5 cm."""
+    points, here = samples(ROOMS.walls, 0.1), begin.inverse()
+    c, s = np.cos(here.theta), np.sin(here.theta)
+    placed = points @ np.array([[c, s], [-s, c]]) + (here.x, here.y)
+    return float(np.mean([distances(p, line_map.walls).min() < 0.05 for p in placed]))
+
+
+async def test_a_robot_explores_all_rooms_and_its_map_shows_their_walls() -> None:
+    async with in_the_rooms() as (sim, robot, builder):
+        unreachable = await builder.explore(0.6)
+        assert unreachable == ()
+        assert robot.arbiter.mode is None
+        await asyncio.sleep(1.0)
+        assert sim.body.drive.linear.velocity == 0.0
+        state = builder.state.latest
+    assert state is not None
+    assert not state.exploring
+    assert state.area == pytest.approx(46.0, rel=0.04)
+    line_map = builder.finished()
+    assert np.mean(np.array(off(line_map, BEGIN)) < 0.05) > 0.98
+    assert found(line_map, BEGIN) > 0.9
+
+
+async def test_the_state_tells_where_the_robot_is_and_what_is_left() -> None:
+    async with in_the_rooms() as (sim, _, builder):
+        exploring = asyncio.ensure_future(builder.explore(0.5))
+        await asyncio.sleep(8.0)
+        state = builder.state.latest
+        assert state is not None
+        assert state.exploring
+        assert state.edges
+        assert state.way is not None
+        here, true = BEGIN @ state.robot_in_map, sim.body.robot_in_world
+        assert hypot(here.x - true.x, here.y - true.y) < 0.15
+        exploring.cancel()
+        await asyncio.gather(exploring, return_exceptions=True)
+
+
+async def test_a_stop_ends_the_exploration_also_while_it_looks_for_the_next_edge() -> None:
+    for seconds in (0.5, 6.0):
+        async with in_the_rooms() as (sim, robot, builder):
+            exploring = asyncio.ensure_future(builder.explore())
+            await asyncio.sleep(seconds)
+            robot.stop()
+            with pytest.raises(MotionError):
+                await exploring
+            here = sim.body.robot_in_world
+            await asyncio.sleep(4.0)
+            now = sim.body.robot_in_world
+            assert hypot(now.x - here.x, now.y - here.y) < 0.3
+            assert sim.body.drive.linear.velocity == 0.0
+
+
+async def test_hands_on_the_stick_come_first_and_then_it_goes_on() -> None:
+    async with in_the_rooms() as (sim, robot, builder):
+        exploring = asyncio.ensure_future(builder.explore(0.6))
+        await asyncio.sleep(4.0)
+        for _ in range(20):
+            robot.drive(0.0, 0.4)
+            await asyncio.sleep(0.1)
+        assert sim.body.drive.linear.velocity == pytest.approx(0.0, abs=0.01)
+        await exploring
+
+
+async def test_a_map_grows_while_a_program_drives() -> None:
+    async with in_the_rooms() as (_, robot, builder):
+        await asyncio.sleep(3.0)
+        before = builder.state.latest
+        await robot.turn(3.0)
+        await asyncio.sleep(3.0)
+        after = builder.state.latest
+    assert before is not None
+    assert after is not None
+    assert after.area > 1.3 * before.area > 0.0
+    assert after.edges is None
+
+
+@pytest.mark.parametrize("name", ["rooms.map", "rooms.yaml", "rooms.toml"])
+async def test_what_is_saved_is_read_again_as_it_was(tmp_path: Path, name: str) -> None:
+    async with in_the_rooms() as (_, robot, builder):
+        await robot.turn(3.0)
+        await asyncio.sleep(2.0)
+    line_map, path = builder.finished(), tmp_path / name
+    save_survey(builder.mapper, path)
+    save_map(line_map, path)
+    assert all(file.exists() for file in files_of(path))
+    again = load_map(path)
+    ends = samples(again.walls, 0.1)
+    assert max(distances(end, line_map.walls).min() for end in ends) < 0.002
+    assert len(again.walls) == pytest.approx(len(line_map.walls), rel=0.02)
+    mapper = Mapper.of(load_survey(path))
+    assert mapper.survey.poses == builder.mapper.survey.poses
+
+
+async def test_a_map_is_continued_from_another_place(tmp_path: Path) -> None:
+    async with in_the_rooms() as (_, robot, builder):
+        await robot.turn(3.0)
+        await robot.turn(3.0)
+        await asyncio.sleep(2.0)
+    old, path = builder.finished(), tmp_path / "rooms.map"
+    save_survey(builder.mapper, path)
+    begin = Pose2(-1.5, 1.0, 0.0)
+    told = BEGIN.inverse() @ begin
+    mapper = Mapper.of(load_survey(path), told @ Pose2(0.3, -0.2, 0.1))
+    async with in_the_rooms(begin, mapper) as (_, robot, builder):
+        await asyncio.sleep(1.0)
+        await builder.explore(0.6)
+    line_map = builder.finished()
+    assert found(old, BEGIN) < 0.8
+    assert found(line_map, BEGIN) > 0.9
+    assert np.mean(np.array(off(line_map, BEGIN)) < 0.05) > 0.97
+
+
+async def test_a_robot_that_is_not_at_home_is_not_taken_to_be_there() -> None:
+    sim = SimulatedRobot(ROOMS, home=Pose2(2.0, -1.0, 2.0), seed=1, model="p3dx-sh")
+    async with sim, connect_async(sim.open) as robot:
+        with pytest.raises(MotionError, match="not at the map's home"):
+            await whereabouts(robot, ROOMS, 0.0, at_once)
+
+
+def test_a_recording_becomes_a_map(tmp_path: Path) -> None:
+    path = tmp_path / "drive.txt"
+
+    async def drive() -> None:
+        async with in_the_rooms(record=path) as (_, robot, _builder):
+            await asyncio.sleep(1.0)
+            await robot.turn(3.0)
+            await robot.turn(3.0)
+
+    async def play() -> Mapper:
+        return await map_recording(path, told.append)
+
+    told: list[float] = []
+    with asyncio.Runner(loop_factory=FastTimeLoop) as runner:
+        runner.run(drive())
+    assert is_recording(path)
+    with asyncio.Runner(loop_factory=FastTimeLoop) as runner:
+        mapper = runner.run(play())
+    assert len(mapper.survey.frames) > 15
+    assert told == sorted(told)
+    assert told[-1] > 0.8
+
+
+def test_a_log_becomes_a_map_and_damaged_files_are_refused(tmp_path: Path) -> None:
+    ranges = " ".join(["2.0"] * 181)
+    log, told = tmp_path / "a.log", list[float]()
+    scans = (f"FLASER 181 {ranges} {x} 0 0 {x} 0 0 {x} host {x}" for x in (0.0, 0.3, 0.6))
+    log.write_text("PARAM x y\n" + "\n".join(scans))
+    assert not is_recording(log)
+    assert map_log(log, told.append).survey.frames[0].beams.points.shape == (181, 2)
+    log.write_text("nothing\n")
+    with pytest.raises(ConfigError, match="has no scans"):
+        map_log(log, told.append)
+    with pytest.raises(ConfigError, match="cannot be read"):
+        is_recording(tmp_path / "none.log")
+    survey = tmp_path / "a.survey.npz"
+    with pytest.raises(ConfigError, match=r"a.survey.npz has to lie beside it"):
+        load_survey(tmp_path / "a.map")
+    survey.write_bytes(b"no")
+    with pytest.raises(ConfigError, match="is no survey"):
+        load_survey(tmp_path / "a.map")
+
+
+def test_nothing_is_written_over_unless_asked_for(tmp_path: Path) -> None:
+    old = tmp_path / "lab.map"
+    old.write_text("2D-Map\n")
+    ended = p3("map", "build", "-o", str(old))
+    assert ended.returncode == 2
+    assert "is there already; --continue goes on with it" in ended.stderr
+    ended = p3("map", "build", "-o", str(tmp_path / "lab.bmp"))
+    assert (ended.returncode, "the ending tells the format" in ended.stderr) == (2, True)
+    assert [path.name for path in tmp_path.iterdir()] == ["lab.map"]
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+async def test_a_map_is_saved_whatever_ends_it(tmp_path: Path, number: signal.Signals) -> None:
+    port, path = free_port(), tmp_path / "lab.map"
+    async with started("sim", "--map", "office", "--port", str(port)) as simulator:
+        assert "SIMULATOR" in await simulator.line()
+        url = f"localhost:{port}"
+        asked = ("map", "build", "--explore", "-o", str(path), "--port", url)
+        async with started(*asked) as building:
+            while "loops" not in await building.line():
+                pass
+            await asyncio.sleep(2.0)
+            code, _ = await building.end(number)
+        assert code == 128 + number
+    assert len(read_map(path).walls) > 50
+    assert len(Mapper.of(load_survey(path)).survey.frames) >= 1
+    assert [home.theta for home in read_map(path).homes] == [ORIGIN.theta]
