@@ -66,7 +66,7 @@ def save_survey(mapper: Mapper, path: Path) -> None:
         ConfigError: The file cannot be written.
     """
     data = BytesIO()
-    np.savez_compressed(data, **mapper.state)
+    np.savez_compressed(data, **mapper.state)  # type: ignore[arg-type]
     write_bytes(survey_path(path), data.getvalue())
 
 
