@@ -170,6 +170,11 @@ class MapBuilder:
         self._trip = _Trip(mode, action, min(speed or top, top), Exploration())
         return mode
 
+    @property
+    def exploring(self) -> bool:
+        """Whether the robot drives by itself."""
+        return self._trip is not None and self._robot.arbiter.mode is self._trip.mode
+
     def finished(self) -> LineMap:
         """Close the last loops and return the map. This takes a while."""
         self.mapper.apply(self.mapper.snapshot.improve())
@@ -195,7 +200,7 @@ class MapBuilder:
                 driven=survey.frames[-1].way if survey.frames else 0.0,
                 area=drawing.area if drawing else 0.0,
                 loops=sum(edge.loop for edge in survey.edges),
-                exploring=trip is not None and self._robot.arbiter.mode is trip.mode,
+                exploring=self.exploring,
                 edges=outlook.left if outlook else None,
                 way=outlook.target.way if outlook and outlook.target else None,
             )
@@ -228,7 +233,7 @@ class MapBuilder:
     async def _choose(self) -> None:
         """Let an exploring robot drive to an edge of the map as it is drawn now."""
         trip, drawing = self._trip, self._drawing
-        if trip is None or drawing is None or self._robot.arbiter.mode is not trip.mode:
+        if trip is None or drawing is None or not self.exploring:
             return
         now, leg, arbiter = self._clock(), trip.action.leg, self._robot.arbiter
         if leg is not None and leg.done:

@@ -218,7 +218,12 @@ class Client:
             case requests.PlanWay():
                 self._page.robot(request.robot).navigation.ask(self, request)
                 return None
-            case requests.StartMode() | requests.GotoPlace() | requests.EndMode():
+            case (
+                requests.StartMode()
+                | requests.GotoPlace()
+                | requests.MakeMap()
+                | requests.EndMode()
+            ):
                 refused = self._change_mode(self._page.robot(request.robot), request)
             case requests.Patrol() | requests.LookAround() | requests.PlaceRobot():
                 refused = self._navigate(self._page.robot(request.robot), request)
@@ -264,6 +269,8 @@ class Client:
                 return view.control.start_mode(self, mode)
             case requests.EndMode():
                 return view.control.end_mode(self)
+            case requests.MakeMap():
+                return view.mapping.ask(self, request)
         if view.navigation.possible:
             return self._navigate(view, request)
         found = view.control.goto(self, request)

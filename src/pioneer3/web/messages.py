@@ -233,6 +233,24 @@ class Navigation(Message, tag="navigation", frozen=True):
     seconds: int | None = None
 
 
+class Mapping(Message, tag="mapping", frozen=True):
+    """The map that is being made with a robot; only where one can be made.
+
+    `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to
+    explore, null before they are known; `way` leads to the next; `saved` is the file saved last.
+    """
+
+    robot: int
+    making: bool
+    exploring: bool = False
+    driven: float = 0.0
+    area: float = 0.0
+    loops: int = 0
+    edges: int | None = None
+    way: tuple[tuple[float, float], ...] = ()
+    saved: str = ""
+
+
 class Robots(Message, tag="robots", frozen=True):
     """New snapshots, of one or several robots."""
 
@@ -519,6 +537,18 @@ class Config(Message, tag="config", frozen=True):
 
 EVERY = (
     *(Hello, Status, Robots, Scans, Map, World, People),
-    *(Way, Navigation, Told, Refused, EditRefused, Added, Pong, Details, NoDetails, Config),
+    *(
+        Way,
+        Navigation,
+        Mapping,
+        Told,
+        Refused,
+        EditRefused,
+        Added,
+        Pong,
+        Details,
+        NoDetails,
+        Config,
+    ),
 )
 """All messages."""

@@ -109,7 +109,7 @@ class RobotNavigation:
         info = self._robot.supervisor.info
         if not self._robot.laser.presence.there and not (info and info.model.sonars):
             return "the robot has neither a laser nor sonars"
-        return "" if _installed() else f"navigation is not installed: {how_to_get('nav')}"
+        return "" if installed() else f"navigation is not installed: {how_to_get('nav')}"
 
     def ask(self, operator: Operator, request: Asked) -> None:
         """Plan a way for `operator`, and drive along it or only show it; or find the robot.
@@ -385,6 +385,6 @@ def _seconds(length: float, speed: float) -> int:
     return round(length / (CRUISE * speed))
 
 
-def _installed() -> bool:
+def installed() -> bool:
     """Whether the extra `nav` is."""
     return all(find_spec(name) is not None for name in ("numba", "scipy"))

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from functools import partial
 from itertools import count
 from typing import Protocol
 
@@ -19,6 +20,7 @@ from pioneer3.web.access.sessions import Role, Session, free_name
 from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.editor import Editor
+from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.robot_view import RobotView
 from pioneer3.web.scene import Scene
@@ -157,6 +159,7 @@ class Page:
                 view.publish_snapshots(self.snapshots, self.clients),
                 view.details.run(),
                 view.navigation.run(),
+                view.mapping.run(),
                 view.details.ask(),
                 self.scans.follow(number, robot.lasers, view.sensor_in_map),
             ):
@@ -260,8 +263,8 @@ class Page:
             if client is not None:
                 client.show(message)
 
-        def publish(state: messages.Navigation | None) -> None:
-            key = f"navigation {number}"
+        def publish(kind: str, state: messages.Navigation | messages.Mapping | None) -> None:
+            key = f"{kind} {number}"
             if state is None:
                 self.retained.forget(key)
             elif self.retained.put(key, messages.encode(state)):
@@ -275,11 +278,22 @@ class Page:
             control,
             tell=tell,
             show=show,
-            publish=publish,
+            publish=partial(publish, "navigation"),
             traffic=self._traffic,
             name=name,
         )
-        return RobotView(number, name, robot, scene=scene, control=control, navigation=navigation)
+        mapping = RobotMapping(
+            number, robot, scene, control, tell=tell, publish=partial(publish, "mapping")
+        )
+        return RobotView(
+            number,
+            name,
+            robot,
+            scene=scene,
+            control=control,
+            navigation=navigation,
+            mapping=mapping,
+        )
 
     def _add(self, view: RobotView, scene: Scene) -> int:
         """Add a robot, with its world if it is the first; return its number."""
@@ -327,7 +341,10 @@ class Page:
             self._wake()
 
     def _map_now(self) -> LineMap | None:
-        """Return the map of the simulated world, or the first that a robot's scene has."""
+        """Return the map that is made, that of the simulated world, or the first of a scene."""
+        made = (view.mapping.drawing for view in self.robots.values())
+        if (drawing := next((each for each in made if each is not None), None)) is not None:
+            return drawing
         if self.world is not None:
             return self.world.simulation.world.map
         maps = (view.scene.map_now for view in self.robots.values())

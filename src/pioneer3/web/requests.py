@@ -18,6 +18,8 @@ Side = Annotated[float, Meta(ge=0.1, le=20.0)]
 Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
 """Highest speed [m/s]."""
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+FileName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]{0,39}$")]
+"""Of a file, without its ending."""
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 
 
@@ -129,6 +131,14 @@ class PlanWay(RobotRequest, tag="plan_way"):
     speed: Speed = 0.3
 
 
+class MakeMap(RobotRequest, tag="make_map"):
+    """Begin a map, explore, or end it: save it under a name in the server's folder, or not."""
+
+    step: Literal["begin", "explore", "save", "discard"]
+    name: FileName = "map"
+    speed: Speed = 0.4
+
+
 class EndMode(RobotRequest, tag="end_mode"):
     """End the mode; its motion ends at once."""
 
@@ -238,7 +248,7 @@ DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
 ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
 """Changes who has control of a robot."""
-ModeRequest = StartMode | GotoPlace | EndMode
+ModeRequest = StartMode | GotoPlace | MakeMap | EndMode
 """Starts or ends a mode."""
 MapRequest = Patrol | LookAround | PlaceRobot
 """Needs a map on which the robot can be found."""

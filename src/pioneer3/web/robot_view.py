@@ -17,6 +17,7 @@ from pioneer3.web import messages
 from pioneer3.web.broadcast import FrameChannel
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import Details
+from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.scene import Scene
 
@@ -45,6 +46,7 @@ class RobotView:
         control: Decides who drives it.
         scene: The map around it.
         navigation: Takes it to places of the map.
+        mapping: Makes maps with it.
         details: Told to clients that subscribe to them.
     """
 
@@ -57,12 +59,14 @@ class RobotView:
         scene: Scene,
         control: Control,
         navigation: RobotNavigation,
+        mapping: RobotMapping,
     ) -> None:
         self.number = number
         self.name = name
         self.robot = robot
         self.control = control
         self.navigation = navigation
+        self.mapping = mapping
         self.scene = scene
         self.details = Details(number, robot, scene)
 

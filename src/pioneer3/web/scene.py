@@ -54,6 +54,10 @@ class RemoteWorld:
         self._tell = tell
         self._names: asyncio.Queue[str] = asyncio.Queue()
 
+    def adopt(self, line_map: LineMap) -> None:
+        """Show this map from now on, whatever the simulator says."""
+        self.map, self._given = line_map, True
+
     async def follow(self) -> None:
         """Ask at every connection, and read the answers; ends by cancellation."""
         forget = self._robot.supervisor.reports.hand_to(self._take, MapChanged, SimStat)

@@ -25,7 +25,7 @@ SOON = 0.25
 @pytest.fixture(autouse=True)
 def _straight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the extra nav, robots drive straight."""
-    monkeypatch.setattr("pioneer3.web.navigation._installed", lambda: False)
+    monkeypatch.setattr("pioneer3.web.navigation.installed", lambda: False)
 
 
 def newest(page: Browser) -> dict[str, Any]:

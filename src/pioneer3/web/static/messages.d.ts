@@ -353,6 +353,20 @@ export interface Navigation {
   seconds: number | null;
 }
 
+/** The map that is being made with a robot; only where one can be made. `driven` is in metres, `area` in square metres; `edges` is the number of edges that are left to explore, null before they are known; `way` leads to the next; `saved` is the file saved last. */
+export interface Mapping {
+  type: "mapping";
+  robot: number;
+  making: boolean;
+  exploring: boolean;
+  driven: number;
+  area: number;
+  loops: number;
+  edges: number | null;
+  way: [number, number][];
+  saved: string;
+}
+
 /** News for this client alone. */
 export interface Told {
   type: "told";
@@ -602,6 +616,15 @@ export interface GotoPlace {
   robot?: number | null;
 }
 
+/** Begin a map, explore, or end it: save it under a name in the server's folder, or not. */
+export interface MakeMap {
+  type: "make_map";
+  step: "begin" | "discard" | "explore" | "save";
+  name?: string;
+  speed?: number;
+  robot?: number | null;
+}
+
 /** End the mode; its motion ends at once. */
 export interface EndMode {
   type: "end_mode";
@@ -752,6 +775,6 @@ export interface SetSpeed {
   speed: number;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Way | Navigation | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;

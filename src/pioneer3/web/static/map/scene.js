@@ -158,7 +158,7 @@ export class Scene {
   #paintTargets(placed) {
     for (const [robot, pose] of placed) {
       const target = robot.snapshot?.target;
-      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.navigation?.way);
+      if (target && this.#model.isLive(robot)) drawTarget(this.#context, this.view, this.#palette, target, pose, robot.mapping?.exploring ? robot.mapping.way : robot.navigation?.way);
     }
   }
 

@@ -25,6 +25,7 @@ export class Model {
     else if (message.type === "robots") this.#takeSnapshots(message);
     else if (message.type === "scans") this.#takeScans(message);
     else if (message.type === "navigation") this.#takeNavigation(message);
+    else if (message.type === "mapping") this.#takeMapping(message);
     else if (message.type === "world") this.world.receive(message);
   }
 
@@ -123,6 +124,11 @@ export class Model {
   #takeNavigation(navigation) {
     const robot = this.robots.get(navigation.robot);
     if (robot) robot.navigation = navigation;
+  }
+
+  #takeMapping(mapping) {
+    const robot = this.robots.get(mapping.robot);
+    if (robot) robot.mapping = mapping;
   }
 
   #takeSnapshots({ snapshots }) {

@@ -16,6 +16,8 @@ export class Robot {
   status = null;
   /** Its place on the map and the rest of its way, as told last. @type {import("../messages.d.ts").Navigation | null} */
   navigation = null;
+  /** The map that is being made with it, as told last. @type {import("../messages.d.ts").Mapping | null} */
+  mapping = null;
   /** Whether the user drags it in the editor: that leaves no trail. */
   lifted = false;
   /** Trail of [x, y] in the map; null separates pieces. */

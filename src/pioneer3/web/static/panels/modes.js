@@ -4,7 +4,7 @@ import { byId, degrees, make, makeButton, put, putLines, set } from "../dom.js";
 import { part } from "./widgets.js";
 
 const TIMES = [["60", "1 minute"], ["300", "5 minutes"], ["900", "15 minutes"], ["3600", "1 hour"]];
-const GOING = { goto: "Looks for the way", patrol: "Stands at a place of its patrol", "look around": "Drives until it knows where it is", follow: "Looks for somebody to follow" }; // while there is no target
+const GOING = { explore: "Looks where the map ends", goto: "Looks for the way", patrol: "Stands at a place of its patrol", "look around": "Drives until it knows where it is", follow: "Looks for somebody to follow" }; // while there is no target
 const LEAVE = "A mode runs for as long as this page is connected: close it, lose the connection or lock the phone, "
   + "and the robot stops within 5 seconds. Another tab in front does not end it. STOP and E-STOP end it at once, for everybody.";
 const RETRY = 2000; // [ms]
@@ -49,6 +49,7 @@ export class ModesView {
   #motors;
   #time;
   #forms = make("div", {});
+  #map;
   #starts = [];
 
   /**
@@ -63,20 +64,23 @@ export class ModesView {
     this.#time = time;
     time.value = "300";
     this.#end = button("mode-end", "End", end, "danger wide");
+    this.#map = new MapMaking({ send, notify });
     this.#motors = button("motors-switch", "Switch the motors on", () => motors(this.#motors.dataset.on !== "true"));
     container.append(
       part("Now", this.#running, this.#decided, this.#end),
       make("div", { class: "for-drivers" },
         part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
         part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
+        this.#map.element,
         this.#forms,
       ),
     );
     this.#load();
   }
 
-  /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name */
-  show(snapshot, usable, startedBy) {
+  /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name; @param mapping of the robot, or null */
+  show(snapshot, usable, startedBy, mapping) {
+    this.#map.show(mapping, usable && !snapshot.emergency_stop);
     const { mode, ended, decided, motors, emergency_stop: latched } = snapshot;
     this.#pose = snapshot.pose;
     const runs = mode !== null;
@@ -145,6 +149,44 @@ export class ModesView {
       this.#notify(wrong.validationMessage || "A number is missing.");
     }
     return wrong === undefined;
+  }
+}
+
+/** Begins a map, lets the robot explore, and saves it. */
+class MapMaking {
+  element;
+  #state = make("p", { class: "words", id: "map-state", role: "status" });
+  #begin;
+  #explore;
+  #save;
+  #discard;
+  #name = make("input", { id: "map-name", class: "small", value: "lab", maxlength: "40", pattern: "[A-Za-z0-9][A-Za-z0-9 _\\-]*", required: "" });
+  #named = make("label", { class: "field" }, make("span", {}, "Name of the map"), this.#name);
+
+  constructor({ send, notify }) {
+    const ask = (step, rest = {}) => send({ type: "make_map", step, ...rest }) || notify("Not connected: nothing was changed.");
+    this.#begin = button("map-begin", "Begin a map", () => ask("begin"));
+    this.#explore = button("map-explore", "Explore", () => ask("explore"));
+    this.#save = button("map-save", "Finish and save", () => {
+      if (this.#name.checkValidity()) ask("save", { name: this.#name.value });
+      else (this.#name.focus(), notify("The name has letters, digits, blanks, - and _ only."));
+    });
+    this.#discard = button("map-discard", "Discard", () => ask("discard"), "danger");
+    this.element = part("Make a map", this.#state, this.#named, make("div", { class: "row" }, this.#begin, this.#explore, this.#save, this.#discard));
+  }
+
+  show(mapping, usable) {
+    const { making, exploring, driven, area, loops, edges, saved } = mapping ?? {};
+    this.element.hidden = !mapping;
+    this.#begin.hidden = making;
+    for (const one of [this.#explore, this.#save, this.#discard, this.#named]) one.hidden = !making;
+    for (const one of [this.#begin, this.#save, this.#discard]) one.disabled = !usable;
+    this.#explore.disabled = !usable || exploring;
+    const left = exploring && edges !== null ? `, ${edges} edges left to explore` : "";
+    const before = saved ? `Saved ${saved}. ` : "";
+    put(this.#state, making
+      ? `${area?.toFixed(0)} m² known, ${driven?.toFixed(0)} m driven, ${loops} loops closed${left}. Drive through all rooms, or let the robot explore: it MOVES by itself.`
+      : `${before}The laser draws the map here while you drive, or while the robot explores by itself.`);
   }
 }
 

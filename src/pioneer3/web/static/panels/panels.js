@@ -67,7 +67,7 @@ export class Panels {
   show(snapshot, { usable, startedBy, going, roundTrip }) {
     this.#startedBy = startedBy;
     this.#card.show(snapshot, startedBy, going);
-    if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy);
+    if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy, this.#selected?.mapping ?? null);
     if (this.view !== "robot") return;
     this.#view.showSnapshot(snapshot, roundTrip);
     this.#view.showBattery(this.#history(this.#selected?.id).battery);

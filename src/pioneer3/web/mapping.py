@@ -1,0 +1,204 @@
+"""Makes maps with a robot of the page, and saves them in the server's folder."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pioneer3.errors import PioneerError
+from pioneer3.geometry import ORIGIN
+from pioneer3.maps import LineMap, MapObject
+from pioneer3.runtime.robot import Robot
+from pioneer3.tasks import running
+from pioneer3.web import messages, navigation, requests
+from pioneer3.web.control import Control, Operator
+from pioneer3.web.navigation import points_of
+from pioneer3.web.scene import Scene
+
+if TYPE_CHECKING:
+    from pioneer3.runtime.map_builder import MapBuilder
+
+log = logging.getLogger(__name__)
+
+PERIOD = 0.5
+"""Clients hear of the map so often [s]."""
+LONGEST = 7200.0
+"""Time limit of an exploration [s]."""
+
+
+class RobotMapping:
+    """Makes maps with one robot.
+
+    Args:
+        number: Of the robot on the page.
+        robot: The robot.
+        scene: Its surroundings.
+        control: Decides who drives it.
+        tell: Called with an operator and a sentence.
+        publish: Called with the state, and with `None` when the robot leaves the page.
+
+    Attributes:
+        folder: Maps are saved there.
+        in_thread: Runs what takes long.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        robot: Robot,
+        scene: Scene,
+        control: Control,
+        *,
+        tell: Callable[[Operator, str], None],
+        publish: Callable[[messages.Mapping | None], None],
+    ) -> None:
+        self.folder = Path()
+        self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
+        self._number, self._robot = number, robot
+        self._scene, self._control = scene, control
+        self._tell, self._publish = tell, publish
+        self._builder: MapBuilder | None = None
+        self._begin, self._end = asyncio.Event(), asyncio.Event()
+        self._name = ""
+        self._saved = ""
+        self._asked_by: Operator | None = None
+
+    @property
+    def drawing(self) -> LineMap | None:
+        """The map that is being made, as drawn last."""
+        state = self._builder.state.latest if self._builder else None
+        return state.line_map if state else None
+
+    @property
+    def possible(self) -> bool:
+        """Whether maps can be made: there is a laser, and the extra `nav`."""
+        return bool(self._robot.laser.presence.there) and navigation.installed()
+
+    def ask(self, operator: Operator, request: requests.MakeMap) -> str | None:
+        """Carry out a request; return the refusal, or `None`."""
+        self._asked_by = operator
+        match request.step:
+            case "begin" | "explore" if not self.possible:
+                return "a map needs a robot with a laser, and the extra nav"
+            case "begin":
+                self._begin.set()
+            case "explore" if self._builder is None:
+                return "begin a map first"
+            case "explore":
+                assert self._builder is not None
+                mode = self._builder.mode(request.speed)
+                return self._control.start(operator, mode, LONGEST)
+            case step if self._builder is None:
+                return "no map is being made"
+            case step:
+                if refused := self._control.take(operator):
+                    return refused
+                self._name = request.name if step == "save" else ""
+                self._end.set()
+        return None
+
+    async def run(self) -> None:
+        """Make maps when asked to, until cancelled."""
+        try:
+            async with running(self._tell_state()):
+                while True:
+                    await self._begin.wait()
+                    await self._try_to_make()
+                    self._begin.clear()
+                    self._end.clear()
+        finally:
+            self._publish(None)
+
+    async def _try_to_make(self) -> None:
+        try:
+            await self._make()
+        except PioneerError as error:
+            self._answer(str(error))
+        except Exception:
+            log.exception("making a map failed")
+            self._answer("Making the map failed; the log has the details.")
+
+    async def _make(self) -> None:
+        from pioneer3.nav.mapper import Mapper
+        from pioneer3.nav.warm_up import warm_up
+        from pioneer3.runtime.map_builder import MapBuilder
+        from pioneer3.runtime.navigator import compile_kernels
+
+        await compile_kernels()
+        await self.in_thread(warm_up)
+        snapshot = self._robot.snapshot
+        if snapshot is None:
+            return
+        here = self._scene.robot_in_map(snapshot.odometry.robot_in_odom)
+        home = MapObject(kind="RobotHome", name="Home", pose=self._scene.robot_in_map(ORIGIN))
+        builder = self._builder = MapBuilder(
+            self._robot, Mapper(here), objects=(home,), in_thread=self.in_thread
+        )
+        self._saved, self._name = "", "unfinished map"
+        try:
+            async with running(builder.run()):
+                await self._end.wait()
+            if builder.exploring:
+                self._robot.arbiter.end_mode("the map is finished")
+            if self._name and builder.mapper.survey.frames:
+                path = _free(self.folder / f"{self._name}.map")
+                self._adopt(await self.in_thread(_write, builder, path), path)
+        except asyncio.CancelledError:  # the program ends, and the map is kept all the same
+            if self._name and builder.mapper.survey.frames:
+                _write(builder, _free(self.folder / f"{self._name}.map"))
+            raise
+        finally:
+            self._builder = None
+
+    def _adopt(self, line_map: LineMap, path: Path) -> None:
+        """Use a map that was saved from now on, where no simulator has one."""
+        if self._scene.remote is not None:
+            self._scene.remote.adopt(line_map)
+        self._saved = path.name
+        self._answer(f"Saved {path.name}, in the folder of this program.")
+
+    async def _tell_state(self) -> None:
+        while True:
+            making = self._builder is not None
+            self._publish(self._message() if making or self.possible else None)
+            await asyncio.sleep(PERIOD)
+
+    def _message(self) -> messages.Mapping:
+        state = self._builder.state.latest if self._builder else None
+        if state is None:
+            making = self._builder is not None
+            return messages.Mapping(self._number, making=making, saved=self._saved)
+        return messages.Mapping(
+            self._number,
+            making=True,
+            exploring=state.exploring,
+            driven=round(state.driven, 1),
+            area=round(state.area, 1),
+            loops=state.loops,
+            edges=state.edges,
+            way=points_of(state.way) if state.exploring and state.way else (),
+        )
+
+    def _answer(self, news: str) -> None:
+        if self._asked_by is not None:
+            self._tell(self._asked_by, news)
+
+
+def _write(builder: "MapBuilder", path: Path) -> LineMap:
+    """Save a map and its survey; return it."""
+    from pioneer3.runtime.map_files import save_map, save_survey
+
+    save_survey(builder.mapper, path)
+    finished = builder.finished()
+    save_map(finished, path)
+    return finished
+
+
+def _free(path: Path) -> Path:
+    """Return the path, or one like it that is not taken."""
+    number, free = 1, path
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
