@@ -4,6 +4,7 @@ Logs of real robots are compared with gmapping's poses, simulated drives with th
 """
 
 import argparse
+import gc
 import gzip
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -222,9 +223,15 @@ def _rms(errors: Float) -> float:
     return float(np.sqrt((errors**2).mean()))
 
 
+def _ready() -> None:
+    """Load the kernels, and keep what was imported out of the search for garbage, as robots do."""
+    prepare()
+    gc.freeze()
+
+
 def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
     """Yield all figures."""
-    prepare()
+    _ready()
     for name in LOGS:
         yield from rows_of_log(name)
     groups = [
@@ -237,7 +244,7 @@ def rows(seconds: float = SECONDS, seeds: int = SEEDS) -> Iterator[Row]:
         for name, conditions in groups
         for seed in range(1, seeds + 1)
     ]
-    with Pool(initializer=prepare) as pool:
+    with Pool(initializer=_ready) as pool:
         found = pool.imap(Trial.run, trials)
         for name, conditions in groups:
             outcomes = [outcome for _ in range(seeds) if (outcome := next(found)) is not None]

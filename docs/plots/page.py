@@ -37,6 +37,8 @@ WITH_LASER = WorldFile(
 )
 PLACES = (7.0, 5.1), (9.0, 7.05), (18.0, 7.0)
 """Where each of three is sent [m]."""
+EXPLORING = 90.0
+"""A few rooms have to be on the map [s]."""
 WANDERING = 45.0
 """Something has to be seen in the plots [s]."""
 
@@ -51,6 +53,8 @@ async def pictures(folder: Path) -> None:
             await look(browser, address, folder)
         async with serving(WITH_LASER) as address:
             await look_at_the_laser(browser, address, folder)
+        async with serving(ONE) as address:
+            await look_at_a_map_that_is_made(browser, address, folder)
         async with serving(THREE) as address:
             await look_at_the_map(browser, address, folder)
         await browser.close()
@@ -97,6 +101,20 @@ async def look_at_the_laser(browser: Browser, address: str, folder: Path) -> Non
     await desk.goto(address)
     await desk.wait_for_timeout(3000)
     await desk.screenshot(path=folder / "page-laser.png")
+
+
+async def look_at_a_map_that_is_made(browser: Browser, address: str, folder: Path) -> None:
+    """Let the robot explore, and take a picture of what it has seen."""
+    desk = await browser.new_page(viewport=DESKTOP, color_scheme="dark")
+    await desk.goto(address)
+    await desk.wait_for_timeout(2000)
+    await desk.click(".views [data-view=modes]")
+    await desk.click("#map-begin")
+    await desk.wait_for_timeout(3000)
+    await desk.click("#map-explore")
+    await desk.wait_for_timeout(1000 * EXPLORING)
+    await desk.screenshot(path=folder / "page-making-a-map.png")
+    await desk.click("#map-discard")
 
 
 async def look(browser: Browser, address: str, folder: Path) -> None:

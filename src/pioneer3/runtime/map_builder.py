@@ -132,6 +132,7 @@ class MapBuilder:
         self.state: Feed[MapState] = Feed()
         self._robot, self._in_thread = robot, in_thread
         self._name, self._objects = name, tuple(objects)
+        self._named: list[tuple[str, int, Pose2]] = []
         self._renderer = Renderer()
         self._drawing: _Drawing | None = None
         self._sightings: Sightings | None = None
@@ -141,8 +142,7 @@ class MapBuilder:
 
     async def run(self) -> None:
         """Take scans and draw the map, until cancelled or the robot's readings end."""
-        gc.collect()
-        gc.freeze()  # else all that was imported is searched for garbage, 50 ms, between two scans
+        gc.freeze()  # else all that was imported is searched for garbage, 60 ms, between two scans
         with self._robot.laser.wanted():
             async with running(self._work()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
@@ -170,6 +170,28 @@ class MapBuilder:
         self._trip = _Trip(mode, action, min(speed or top, top), Exploration())
         return mode
 
+    def name_place(self, name: str) -> None:
+        """Make the place where the robot is a goal of the map; it moves as loops bend the map.
+
+        Raises:
+            MotionError: No scan has come yet, so the robot is nowhere.
+        """
+        survey = self.mapper.survey
+        if not survey.frames:
+            raise MotionError("no scan has come yet: there is no map to name places of")
+        here = survey.poses[-1].inverse() @ self.mapper.robot_in_map
+        self._named.append((name, len(survey.frames) - 1, here))
+
+    @property
+    def objects(self) -> tuple[MapObject, ...]:
+        """The objects of the map."""
+        poses = self.mapper.survey.poses
+        named = (
+            MapObject(kind="GoalWithHeading", name=name, pose=poses[number] @ here)
+            for name, number, here in self._named
+        )
+        return (*self._objects, *named)
+
     @property
     def exploring(self) -> bool:
         """Whether the robot drives by itself."""
@@ -179,7 +201,7 @@ class MapBuilder:
         """Close the last loops and return the map. This takes a while."""
         self.mapper.apply(self.mapper.snapshot.improve())
         room = self._robot.info.model.corner
-        return drawn(self.mapper.survey, room, name=self._name, objects=self._objects)
+        return drawn(self.mapper.survey, room, name=self._name, objects=self.objects)
 
     def _take(self, snapshot: Snapshot) -> None:
         """Look at the newest scan."""
@@ -227,7 +249,7 @@ class MapBuilder:
     def _draw(self, survey: Survey) -> _Drawing:
         self._renderer.update(survey)
         grid = trodden(self._renderer.grid, survey.poses, self._robot.info.model.corner)
-        line_map = line_map_of(grid, self._name, self._objects)
+        line_map = line_map_of(grid, self._name, self.objects)
         return _Drawing(line_map, grid, float((grid.states == FREE).sum()) * grid.resolution**2)
 
     async def _choose(self) -> None:

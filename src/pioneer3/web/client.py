@@ -13,7 +13,7 @@ from contextlib import suppress
 from msgspec import MsgspecError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from pioneer3.errors import CommandError
+from pioneer3.errors import CommandError, MotionError
 from pioneer3.robot.limits import checked
 from pioneer3.web import requests
 from pioneer3.web.access.sessions import Role, Session
@@ -188,6 +188,8 @@ class Client:
             return self._check_permission(request) or await self._carry_out(request)
         except (MsgspecError, CommandError) as error:
             return Refused(f"not understood: {error}")
+        except MotionError as error:
+            return Refused(str(error))
 
     def _answer(self, message: Message) -> None:
         if self._queue is not None:

@@ -77,20 +77,21 @@ class RobotMapping:
 
     def ask(self, operator: Operator, request: requests.MakeMap) -> str | None:
         """Carry out a request; return the refusal, or `None`."""
-        self._asked_by = operator
+        self._asked_by, builder = operator, self._builder
         match request.step:
             case "begin" | "explore" if not self.possible:
                 return "a map needs a robot with a laser, and the extra nav"
             case "begin":
                 self._begin.set()
-            case "explore" if self._builder is None:
+            case "explore" if builder is None:
                 return "begin a map first"
-            case "explore":
-                assert self._builder is not None
-                mode = self._builder.mode(request.speed)
-                return self._control.start(operator, mode, LONGEST)
-            case step if self._builder is None:
+            case _ if builder is None:
                 return "no map is being made"
+            case "explore":
+                mode = builder.mode(request.speed)
+                return self._control.start(operator, mode, LONGEST)
+            case "name_place":
+                builder.name_place(request.name)
             case step:
                 if refused := self._control.take(operator):
                     return refused

@@ -132,9 +132,12 @@ class PlanWay(RobotRequest, tag="plan_way"):
 
 
 class MakeMap(RobotRequest, tag="make_map"):
-    """Begin a map, explore, or end it: save it under a name in the server's folder, or not."""
+    """Begin a map, explore, or end it: save it under `name` in the server's folder, or not.
 
-    step: Literal["begin", "explore", "save", "discard"]
+    `name_place` makes the place where the robot is a goal of the map.
+    """
+
+    step: Literal["begin", "explore", "name_place", "save", "discard"]
     name: FileName = "map"
     speed: Speed = 0.4
 

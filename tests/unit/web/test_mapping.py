@@ -45,6 +45,7 @@ async def test_a_map_grows_on_the_page_and_is_saved(tmp_path: Path) -> None:
         assert not begun["exploring"]
         assert ann.latest("map")["map"]["cells"]
         assert the.simulation.robots[0].body.robot_in_world == pytest.approx(BEGIN)
+        ann.say("make_map", step="name_place", name="Start")
         ann.say("make_map", step="explore", speed=0.6)
         await ann.stay(4.0)
         assert ann.latest("mapping")["exploring"]
@@ -58,6 +59,10 @@ async def test_a_map_grows_on_the_page_and_is_saved(tmp_path: Path) -> None:
         assert (after["making"], after["saved"]) == (False, "lab.map")
         assert ann.latest("map")["map"]["name"] == "room"
     saved = read_map(tmp_path / "lab.map")
+    home, start = saved.objects
+    assert (home.kind, start.kind, start.name) == ("RobotHome", "GoalWithHeading", "Start")
+    assert (start.pose.x, start.pose.y) == pytest.approx((BEGIN.x, BEGIN.y), abs=0.02)
+    assert start.pose.theta == pytest.approx(BEGIN.theta, abs=0.02)
     assert saved.bounds == pytest.approx(ROOM.bounds, abs=0.06)
     assert (tmp_path / "lab.survey.npz").exists()
 

@@ -616,10 +616,10 @@ export interface GotoPlace {
   robot?: number | null;
 }
 
-/** Begin a map, explore, or end it: save it under a name in the server's folder, or not. */
+/** Begin a map, explore, or end it: save it under `name` in the server's folder, or not. `name_place` makes the place where the robot is a goal of the map. */
 export interface MakeMap {
   type: "make_map";
-  step: "begin" | "discard" | "explore" | "save";
+  step: "begin" | "discard" | "explore" | "name_place" | "save";
   name?: string;
   speed?: number;
   robot?: number | null;

@@ -161,26 +161,32 @@ class MapMaking {
   #save;
   #discard;
   #name = make("input", { id: "map-name", class: "small", value: "lab", maxlength: "40", pattern: "[A-Za-z0-9][A-Za-z0-9 _\\-]*", required: "" });
+  #place = make("input", { id: "map-place", class: "small", placeholder: "Kitchen", maxlength: "40", pattern: "[A-Za-z0-9][A-Za-z0-9 _\\-]*", required: "" });
+  #placed = make("label", { class: "field" }, make("span", {}, "This place is"), this.#place);
+  #here;
   #named = make("label", { class: "field" }, make("span", {}, "Name of the map"), this.#name);
 
   constructor({ send, notify }) {
     const ask = (step, rest = {}) => send({ type: "make_map", step, ...rest }) || notify("Not connected: nothing was changed.");
     this.#begin = button("map-begin", "Begin a map", () => ask("begin"));
     this.#explore = button("map-explore", "Explore", () => ask("explore"));
-    this.#save = button("map-save", "Finish and save", () => {
-      if (this.#name.checkValidity()) ask("save", { name: this.#name.value });
-      else (this.#name.focus(), notify("The name has letters, digits, blanks, - and _ only."));
-    });
+    const askNamed = (step, input) => {
+      if (input.checkValidity()) ask(step, { name: input.value });
+      else (input.focus(), notify("A name has letters, digits, blanks, - and _ only."));
+    };
+    this.#here = button("map-name-place", "Name this place", () => askNamed("name_place", this.#place));
+    this.#save = button("map-save", "Finish and save", () => askNamed("save", this.#name));
     this.#discard = button("map-discard", "Discard", () => ask("discard"), "danger");
-    this.element = part("Make a map", this.#state, this.#named, make("div", { class: "row" }, this.#begin, this.#explore, this.#save, this.#discard));
+    this.element = part("Make a map", this.#state, make("div", { class: "row" }, this.#begin, this.#explore),
+      this.#placed, make("div", { class: "row" }, this.#here), this.#named, make("div", { class: "row" }, this.#save, this.#discard));
   }
 
   show(mapping, usable) {
     const { making, exploring, driven, area, loops, edges, saved } = mapping ?? {};
     this.element.hidden = !mapping;
     this.#begin.hidden = making;
-    for (const one of [this.#explore, this.#save, this.#discard, this.#named]) one.hidden = !making;
-    for (const one of [this.#begin, this.#save, this.#discard]) one.disabled = !usable;
+    for (const one of [this.#explore, this.#placed, this.#here, this.#named, this.#save, this.#discard]) one.hidden = !making;
+    for (const one of [this.#begin, this.#here, this.#save, this.#discard]) one.disabled = !usable;
     this.#explore.disabled = !usable || exploring;
     const left = exploring && edges !== null ? `, ${edges} edges left to explore` : "";
     const before = saved ? `Saved ${saved}. ` : "";
