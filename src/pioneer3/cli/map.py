@@ -12,12 +12,13 @@ from pioneer3.cli.options import UNITS, Flag
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from pioneer3.maps import Bounds
     from pioneer3.sim.map_check import Finding
     from pioneer3.sim.map_convert import MapInfo
 
 map_app = App(
     name="map",
-    help="""Make, show, check and convert maps and worlds.
+    help="""Make, show, check, edit and convert maps and worlds.
 
     They are ARIA .map files, ROS map_server .yaml files with their picture,
     and .toml worlds: a map with robots, boxes and people.
@@ -105,6 +106,71 @@ def convert(
     if done.left_out:
         write_line(f"left out, a {target.suffix} has no place for it: {', '.join(done.left_out)}")
     return 0
+
+
+@map_app.command
+def edit(
+    file: Path,
+    *,
+    erase: Annotated[
+        tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())
+    ] = (),
+    goal: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
+) -> int:
+    """Erase walls of a map, or name places of it; the file is written anew.
+
+    Example: pioneer3 map edit lab.map --goal Kitchen=4.4,3.9,90
+    Example: pioneer3 map edit lab.map --erase 1.2,0.5,2,1.5
+
+    Args:
+        file: A .map or .yaml file.
+        erase: x,y,x,y: two corners of a box in which no wall is to be; once for each.
+        goal: NAME=x,y or NAME=x,y,heading: a goal, new or moved; once for each.
+    """
+    from pioneer3.cli.process import write_line
+    from pioneer3.errors import ConfigError
+    from pioneer3.maps import read_map
+    from pioneer3.maps.edit import erased, with_goal
+    from pioneer3.runtime.map_files import save_map
+
+    if file.suffix.lower() == ".toml":
+        raise ConfigError(f"{file}: is a world; edit the map that it stands on")
+    line_map = read_map(file)
+    for box in erase:
+        line_map = erased(line_map, _box(box))
+    for words in goal:
+        name, _, place = words.partition("=")
+        x, y, *heading = _numbers(words, place, 2, 3)
+        line_map = with_goal(line_map, name.strip(), x, y, heading[0] if heading else None)
+    save_map(line_map, file)
+    write_line(f"wrote {file}")
+    return 0
+
+
+def _box(text: str) -> "Bounds":
+    from pioneer3.maps import Bounds
+
+    a, b, c, d = _numbers(text, text, 4, 4)
+    return Bounds(min(a, c), min(b, d), max(a, c), max(b, d))
+
+
+def _numbers(text: str, numbers: str, least: int, most: int) -> list[float]:
+    """Return the lengths of a list [m], and the heading that is the third of three [rad].
+
+    Raises:
+        ConfigError: They are too few or too many, or one of them is no number.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.units import ANGLE, LENGTH
+
+    words = numbers.split(",")
+    if not least <= len(words) <= most:
+        raise ConfigError(f"{text}: expected {'x,y,x,y' if least == 4 else 'NAME=x,y[,heading]'}")
+    quantities = [LENGTH, LENGTH, ANGLE if most == 3 else LENGTH, LENGTH]
+    try:
+        return [quantity.read(word) for quantity, word in zip(quantities, words, strict=False)]
+    except ValueError as error:
+        raise ConfigError(f"{text}: {error}") from None
 
 
 def _print_map(info: "MapInfo", console: "Console") -> None:

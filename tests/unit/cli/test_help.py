@@ -95,10 +95,13 @@ def test_an_example_of_a_help_can_be_copied(
     app.parse_args(tokens, exit_on_error=False, print_error=False)
     for token in tokens:
         if OPENED.fullmatch(token):
-            made = tokens[:2] in (["map", "convert"], ["map", "build"])
+            made = tokens[0] == "map" and tokens[1] in {"convert", "build", "edit"}
             assert made, f"{token} is not there for who copies this"
-            assert token == tokens[-1] or tokens[tokens.index(token) - 1] == "-o"
-    if tokens[0] == "map" and tokens[1] != "build":  # they only read, and write what they name
+            assert token == tokens[-1] or tokens[tokens.index(token) - 1] in {"-o", "edit"}
+    if tokens[0] == "map" and tokens[1] not in {
+        "build",
+        "edit",
+    }:  # they only read, and write what they name
         monkeypatch.chdir(tmp_path)
         assert execute(tokens) == 0
     for flag, value in pairwise(tokens):

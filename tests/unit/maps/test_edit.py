@@ -1,0 +1,97 @@
+"""Maps are edited: walls erased, places named."""
+
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pioneer3.cli.main import execute
+from pioneer3.errors import ConfigError
+from pioneer3.geometry import Pose2
+from pioneer3.maps import Bounds, LineMap, OccupancyGrid, read_map, write_aria_map, write_map_server
+from pioneer3.maps.edit import erased, with_goal
+from pioneer3.maps.grid import raster_outline
+from pioneer3.maps.line_map import FREE, OCCUPIED, MapObject
+
+STATES = np.full((20, 40), FREE, dtype=np.uint8)
+STATES[0] = STATES[-1] = OCCUPIED
+STATES[8:10, 20:22] = OCCUPIED
+GRID = OccupancyGrid(states=STATES, resolution=0.1, origin=Pose2(-1.0, -1.0))
+OUTLINE = raster_outline(STATES == OCCUPIED) * 0.1 - 1.0
+LINES = np.array([[0.0, 0.5, 1.0, 0.5], [0.2, 0.5, 5.0, 0.5]])
+HOME = MapObject(kind="RobotHome", name="Home", pose=Pose2(0.5, 0.1))
+MAP = LineMap(
+    name="lab",
+    walls=np.concatenate([LINES, OUTLINE]),
+    objects=(HOME,),
+    homes=(HOME.pose,),
+    grids=(GRID,),
+    lines=LINES,
+)
+CHAIR = Bounds(0.9, -0.3, 1.3, 0.1)
+
+
+def test_cells_in_the_box_are_free_and_walls_that_cross_it_stay() -> None:
+    after = erased(MAP, CHAIR)
+    (grid,) = after.grids
+    assert (GRID.states == OCCUPIED).sum() - (grid.states == OCCUPIED).sum() == 4
+    assert (grid.states[8:10, 20:22] == FREE).all()
+    assert len(after.lines) == 2
+    assert len(after.walls) == len(MAP.walls) - 4
+    assert after.objects == MAP.objects
+    both = erased(MAP, Bounds(-0.1, -0.3, 1.3, 0.6))
+    assert both.lines.tolist() == [LINES[1].tolist()]
+
+
+def test_an_empty_box_and_a_turned_grid_are_refused() -> None:
+    with pytest.raises(ConfigError, match="no wall is inside of x 2 to 3 m"):
+        erased(MAP, Bounds(2.0, 0.0, 3.0, 0.3))
+    turned = replace(MAP, grids=(replace(GRID, origin=Pose2(0.0, 0.0, 1.0)),))
+    with pytest.raises(ConfigError, match="turned"):
+        erased(turned, CHAIR)
+
+
+def test_a_goal_is_new_or_moved() -> None:
+    once = with_goal(MAP, "Kitchen", 1.0, 2.0, None)
+    again = with_goal(once, "kitchen", 3.0, 2.0, pi / 2)
+    assert [(i.kind, i.name) for i in once.objects] == [("RobotHome", "Home"), ("Goal", "Kitchen")]
+    assert [i.pose for i in again.objects] == [HOME.pose, Pose2(3.0, 2.0, pi / 2)]
+    assert again.objects[1].kind == "GoalWithHeading"
+    assert with_goal(MAP, "Home", 0.0, 0.0, None).homes == ()
+
+
+def test_points_stay_points_in_files(tmp_path: Path) -> None:
+    path = tmp_path / "lab.map"
+    write_aria_map(MAP, path)
+    told = execute(["map", "edit", str(path), "--erase", "0.9,-0.3,1.3,10cm", "--goal", "A=1,2,90"])
+    assert told == 0
+    after = read_map(path)
+    assert (after.grids[0].states == OCCUPIED).sum() == 80
+    assert after.lines == pytest.approx(LINES)
+    assert [item.name for item in after.objects] == ["Home", "A"]
+    assert after.objects[1].pose.theta == pytest.approx(pi / 2)
+    assert path.read_text().count("Resolution: 100\n") == 1
+
+
+def test_a_grid_keeps_what_is_unknown_in_pictures(tmp_path: Path) -> None:
+    states = STATES.copy()
+    states[12:, 30:] = 0
+    grid = replace(GRID, states=states)
+    walls = raster_outline(states == OCCUPIED) * 0.1 - 1.0
+    only = LineMap(name="lab", walls=walls, grids=(grid,), lines=np.empty((0, 4)))
+    path = tmp_path / "lab.yaml"
+    write_map_server(only, path, 0.1)
+    assert (read_map(path).grids[0].states == states).all()
+    assert execute(["map", "edit", str(path), "--erase", "0.9,-0.3,1.3,0.1"]) == 0
+    assert (read_map(path).grids[0].states != states).sum() == 4
+
+
+@pytest.mark.parametrize("words", [("--erase", "1,2,3"), ("--goal", "A=1"), ("--goal", "A=1,x")])
+def test_wrong_words_are_refused_and_the_file_stays(tmp_path: Path, words: tuple[str, ...]) -> None:
+    path = tmp_path / "lab.map"
+    write_aria_map(MAP, path)
+    before = path.read_bytes()
+    assert execute(["map", "edit", str(path), *words]) == 2
+    assert path.read_bytes() == before
