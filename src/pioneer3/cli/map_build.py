@@ -1,6 +1,6 @@
 """`pioneer3 map build`: make a map while somebody drives, or while the robot explores."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import radians
@@ -14,6 +14,8 @@ from pioneer3.cli.options import LINK, Flag, LinkOptions, Speed
 from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_line, write_warning
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from pioneer3.geometry import Pose2
     from pioneer3.maps import LineMap
     from pioneer3.maps.line_map import MapObject
@@ -93,7 +95,7 @@ class _Begin:
     """
 
     line_map: "LineMap | None" = None
-    state: dict[str, Any] | None = None
+    state: "Mapping[str, NDArray[Any]] | None" = None
     start: "Pose2 | None" = None
 
     @classmethod
