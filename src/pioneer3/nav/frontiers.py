@@ -24,6 +24,8 @@ BESIDE = 0.15
 """What is unknown so near to a wall is the wall itself [m]: few beams graze along it."""
 LOOK = 2.0
 """A frontier is looked at from this near [m]."""
+APART = 0.1
+"""Places to look from lie so far apart [m]."""
 WORTH, MOST_WORTH = 1.0, 6.0
 """A longer frontier is worth so much more way, up to a length [m]."""
 IGNORED = 0.5
@@ -88,7 +90,9 @@ def find_frontiers(
     if not count or ways is None:
         return ()
     off, nearest = ndimage.distance_transform_edt(~edge, return_indices=True)
-    near = np.argwhere(np.isfinite(ways) & (clear > radius / cell) & (off <= LOOK / cell))
+    every = max(1, round(APART / cell))
+    views = np.isfinite(ways) & (clear > radius / cell) & (off <= LOOK / cell)
+    near = np.argwhere(views[::every, ::every]) * every
     rows, columns = near.T
     ends = nearest[:, rows, columns].T
     owner = labels[ends[:, 0], ends[:, 1]]

@@ -15,6 +15,7 @@ from pioneer3.web import messages, navigation, requests
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.navigation import points_of
 from pioneer3.web.scene import Scene
+from pioneer3.web.world import map_message
 
 if TYPE_CHECKING:
     from pioneer3.runtime.map_builder import MapBuilder
@@ -39,6 +40,8 @@ class RobotMapping:
         publish: Called with the state, and with `None` when the robot leaves the page.
 
     Attributes:
+        drawing: The map that is being made, as drawn last; `None` while none is.
+        drawing_text: The message for it.
         folder: Maps are saved there.
         in_thread: Runs what takes long.
     """
@@ -63,12 +66,8 @@ class RobotMapping:
         self._name = ""
         self._saved = ""
         self._asked_by: Operator | None = None
-
-    @property
-    def drawing(self) -> LineMap | None:
-        """The map that is being made, as drawn last."""
-        state = self._builder.state.latest if self._builder else None
-        return state.line_map if state else None
+        self.drawing: LineMap | None = None
+        self.drawing_text = ""
 
     @property
     def possible(self) -> bool:
@@ -150,7 +149,7 @@ class RobotMapping:
                 _write(builder, _free(self.folder / f"{self._name}.map"))
             raise
         finally:
-            self._builder = None
+            self._builder = self.drawing = None
 
     def _adopt(self, line_map: LineMap, path: Path) -> None:
         """Use a map that was saved from now on, where no simulator has one."""
@@ -163,7 +162,17 @@ class RobotMapping:
         while True:
             making = self._builder is not None
             self._publish(self._message() if making or self.possible else None)
+            await self._encode()
             await asyncio.sleep(PERIOD)
+
+    async def _encode(self) -> None:
+        """Encode what was drawn, in a thread: a large picture takes half a second."""
+        state = self._builder.state.latest if self._builder else None
+        drawing = state.line_map if state else None
+        if drawing is not None and drawing is not self.drawing:
+            text = await self.in_thread(_text_of, drawing)
+            if self._builder is not None:
+                self.drawing, self.drawing_text = drawing, text
 
     def _message(self) -> messages.Mapping:
         state = self._builder.state.latest if self._builder else None
@@ -184,6 +193,10 @@ class RobotMapping:
     def _answer(self, news: str) -> None:
         if self._asked_by is not None:
             self._tell(self._asked_by, news)
+
+
+def _text_of(line_map: LineMap) -> str:
+    return messages.encode(map_message(line_map))
 
 
 def _write(builder: "MapBuilder", path: Path) -> LineMap:

@@ -336,9 +336,16 @@ class Page:
         changed = self.retained.put("hello", messages.encode(hello))
         if self._drawn is not self._map:  # a map may be large
             self._drawn = self._map
-            changed |= self.retained.put("map", messages.encode(map_message(self._map)))
+            changed |= self.retained.put("map", self._map_text())
         if changed:
             self._wake()
+
+    def _map_text(self) -> str:
+        """Return the message for the map."""
+        for view in self.robots.values():
+            if view.mapping.drawing is not None and view.mapping.drawing is self._map:
+                return view.mapping.drawing_text
+        return messages.encode(map_message(self._map))
 
     def _map_now(self) -> LineMap | None:
         """Return the map that is made, that of the simulated world, or the first of a scene."""
