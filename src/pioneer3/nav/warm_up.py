@@ -15,9 +15,11 @@ from pioneer3.nav import mapper
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.localizer import Localizer
 from pioneer3.nav.planner import Way, plan
+from pioneer3.nav.rendering import Renderer, trodden
 from pioneer3.nav.sightings import Sightings
 
 SIDE = 4.0
@@ -52,7 +54,16 @@ def warm_up() -> None:
     follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
     follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 2))))
     mapper.prepare()
+    _draw()
     CACHE.complete()
+
+
+def _draw() -> None:
+    """Draw a map of the room, and look where it ends."""
+    made, renderer = mapper.Mapper(), Renderer()
+    made.add(_beams(ORIGIN, 0.0))
+    renderer.update(made.survey)
+    find_frontiers(trodden(renderer.grid, made.survey.poses, 0.4), ORIGIN, 0.3)
 
 
 def _beams(robot_in_room: Pose2, stamp: float) -> Beams:
