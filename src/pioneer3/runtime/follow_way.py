@@ -29,6 +29,11 @@ LOOK = 2.0
 """Things farther than this are not looked at [m]."""
 
 
+def any_speed(x: float, y: float) -> float:
+    """Return the speed that is wanted everywhere [m/s]: any."""
+    return inf
+
+
 @dataclass(slots=True, kw_only=True)
 class FollowWay:
     """Drives along the way of a :class:`Follower`, in the map's frame.
@@ -54,7 +59,7 @@ class FollowWay:
     unsure: Callable[[], str | None]
     sightings: Sightings
     walls: Float
-    preferred_speed: Callable[[float, float], float]
+    preferred_speed: Callable[[float, float], float] = any_speed
     top_speed: float = inf
     last: bool = True
     name: str = "follow way"
