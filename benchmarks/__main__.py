@@ -1,4 +1,7 @@
-"""Runs every benchmark, or those named on the command line."""
+"""Runs every benchmark, or those named on the command line.
+
+That of navigation takes hours, and is run only where it is named.
+"""
 
 import argparse
 
@@ -18,6 +21,7 @@ from benchmarks import (
     hostile,
     laser_link,
     laser_recovery,
+    nav,
     ros1,
 )
 
@@ -39,6 +43,8 @@ BENCHMARKS = {
     "laser_link": laser_link,
     "laser_recovery": laser_recovery,
 }
+LONG = {"nav": nav}
+"""These are run only where they are named, and have a quick form."""
 
 
 def main() -> int:
@@ -48,13 +54,20 @@ def main() -> int:
         description="Print what was measured beside its bar.",
         epilog="Example: chrt -r 1 python -m benchmarks latency web",
     )
-    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS))
-    names = parser.parse_args().names
-    if unknown := set(names) - BENCHMARKS.keys():
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(BENCHMARKS | LONG))
+    parser.add_argument("--quick", action="store_true", help=f"a small {', '.join(LONG)}")
+    parser.add_argument("--jobs", type=int, help="processes for that; one for each processor")
+    given = parser.parse_args()
+    names = given.names
+    if unknown := set(names) - BENCHMARKS.keys() - LONG.keys():
         parser.error(f"no benchmark is called {', '.join(sorted(unknown))}")
     missed = 0
     for name in names or BENCHMARKS:
-        for row in BENCHMARKS[name].rows():
+        if name in LONG:
+            rows = LONG[name].rows(quick=given.quick, jobs=given.jobs)
+        else:
+            rows = BENCHMARKS[name].rows()
+        for row in rows:
             print(row, flush=True)
             missed += not row.met
     return int(missed > 0)

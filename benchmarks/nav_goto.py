@@ -1,242 +1,117 @@
 """Going to places of a map: run as `python -m benchmarks.nav_goto`.
 
-Each pair of places is driven by a whole robot in virtual time: driver, link, firmware, world with
-all errors. Prints a line per goal, then the figures beside their bars.
+Each pair of places is driven by a whole robot in virtual time (`nav_goals.py`). Prints the drives
+that failed, then the figures beside their bars.
 """
 
 import argparse
-import asyncio
-import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
-from math import hypot, inf, pi
-from pathlib import Path
-from typing import Any
+from itertools import product
+from multiprocessing import Pool
 
 import numpy as np
-from numpy.typing import NDArray
 
+from benchmarks.nav_goals import MAPS, MODELS, Drive, Outcome, Trial, maps, run
 from benchmarks.table import Row
-from pioneer3.errors import MotionError
-from pioneer3.geometry import Pose2, wrap
-from pioneer3.maps import LineMap, read_map, shipped_map
-from pioneer3.maps.grid import samples
-from pioneer3.models import load_model
-from pioneer3.nav.costs import CostMap
-from pioneer3.nav.places import Destination
-from pioneer3.nav.planner import CostToGo
-from pioneer3.runtime.connect import connect_async
-from pioneer3.runtime.navigator import Navigator
-from pioneer3.sim.kernels import Kernels
-from pioneer3.sim.realism import Realism
-from pioneer3.sim.worldfile import Box
-from pioneer3.tasks import running
-from tests.conftest import VirtualTimeLoop
-from tests.support import SimulatedRobot
-from tests.wandering import Watch, places_of
 
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "maps"
 TOP = 0.75
 """Of both robots, as they are delivered [m/s]."""
-PATIENCE = 240.0
-"""Longest drive to one goal [s]."""
-FAR = 3.0
-"""Goals are farther away than this [m]."""
-Float = NDArray[np.float64]
+SONAR_SHARE, FAST = 0.9, 0.05
+"""Of the goals that a robot without a laser reaches, and speed of the contacts that it must not
+have [m/s]."""
+TICK, WORST_TICK = 3.0, 20.0
+"""Bars of the processor time of navigation in a tick [ms]."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drive:
-    """One way, driven.
+def rows_of(what: str, outcomes: Sequence[Outcome], share: float = 1.0) -> Iterator[Row]:
+    """Yield the figures of some trials of the same kind.
 
-    Attributes:
-        arrived: Whether it got there.
-        why: The reason if not.
-        shortest: Length of the shortest way [m].
-        way: Driven [m].
-        seconds: Taken.
-        hardest: Speed of the hardest contact [m/s]; 0 without any.
-        contacts: Number of them.
-        off: Distance from the goal in the end [m].
-        turned: Angle off the heading in the end [rad].
+    Args:
+        what: The trials, in a few words.
+        outcomes: Of them.
+        share: Of the goals that is to be reached.
     """
-
-    arrived: bool
-    why: str
-    shortest: float
-    way: float
-    seconds: float
-    hardest: float
-    contacts: int
-    off: float
-    turned: float
-
-
-def load(name: str) -> LineMap:
-    """Return a map that ships, or one beside the project."""
-    return shipped_map(name) if name == "office" else read_map(SHARED / f"{name}.map")
-
-
-def open_costs(costs: CostMap) -> NDArray[np.float32]:
-    """Return costs of 1 per metre wherever the robot fits."""
-    fits = (costs.clearance >= costs.needed) & ~costs.closed
-    return np.where(fits, costs.raster.cell, np.inf).astype(np.float32)
-
-
-class Course:
-    """Goals on one map, one after the other."""
-
-    def __init__(self, name: str, model: str, seed: int, boxes: int) -> None:
-        self.map, self.model, self.seed = load(name), load_model(model), seed
-        self.costs = CostMap.of(self.map, self.model)
-        self._rng = np.random.default_rng(seed)
-        self._places = places_of(self.map, model)
-        self.boxes: list[Box] = []
-        self._add_boxes(boxes)
-        self.home = Pose2(*self._place(), float(self._rng.uniform(-pi, pi)))
-
-    def _place(self) -> tuple[float, float]:
-        while True:
-            x, y = self._places.sample(self._rng)
-            near = any(hypot(x - box.pose.x, y - box.pose.y) < 1.0 for box in self.boxes)
-            if self.costs.can_turn(x, y) and not near:
-                return x, y
-
-    def _add_boxes(self, count: int) -> None:
-        for _ in range(count):
-            pose = Pose2(*self._place(), float(self._rng.uniform(-pi, pi)))
-            self.boxes.append(Box(pose=pose, size=(0.4, 0.3), name=f"box {len(self.boxes)}"))
-
-    def goals(self, start: Pose2, count: int) -> Iterator[tuple[Pose2, float]]:
-        """Yield goals that can be reached, with the length of the shortest way."""
-        open_ways = open_costs(self.with_boxes())
-        here = start
-        while count:
-            x, y = self._place()
-            there = Pose2(x, y, float(self._rng.uniform(-pi, pi)))
-            to_go = CostToGo.of(open_ways, self.costs.raster, x, y)
-            shortest = to_go.at(here.x, here.y) if to_go else inf
-            if FAR < shortest < inf:
-                yield there, shortest
-                here, count = there, count - 1
-
-    def with_boxes(self) -> CostMap:
-        """Return the costs, boxes included."""
-        sides = [box.outline for box in self.boxes]
-        return (
-            self.costs.with_obstacles(samples(np.concatenate(sides), 0.02)) if sides else self.costs
-        )
-
-
-async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Call `function` here: in virtual time nothing takes long."""
-    return function(*arguments)
-
-
-async def drive_all(course: Course, count: int, verbose: bool) -> list[Drive]:
-    """Drive to `count` goals."""
-    sim = SimulatedRobot(
-        course.map,
-        home=course.home,
-        seed=course.seed,
-        realism=Realism(),
-        kernels=Kernels(),
-        model=course.model.name,
-    )
-    for box in course.boxes:
-        sim.world.add_obstacle(box)
-    watch = sim.stepped = Watch(sim)
-    drives: list[Drive] = []
-    async with sim, connect_async(sim.open) as robot:
-        rng = np.random.default_rng(course.seed)
-        navigator = await Navigator.on(
-            robot, course.map, start=course.home, rng=rng, in_thread=at_once
-        )
-        async with running(navigator.run()):
-            await until_sure(navigator)
-            watch.begin()
-            for goal, shortest in course.goals(course.home, count):
-                done = await drive(sim, navigator, watch, goal, shortest)
-                drives.append(done)
-                if verbose or not done.arrived or done.contacts:
-                    print(f"  {len(drives):>3} {done}", flush=True)
-    return drives
-
-
-async def until_sure(navigator: Navigator) -> None:
-    """Wait until the navigator knows where the robot is."""
-    async for state in navigator.state.values():
-        if state.estimate.sure:
-            return
-
-
-async def drive(
-    sim: SimulatedRobot, navigator: Navigator, watch: Watch, goal: Pose2, shortest: float
-) -> Drive:
-    """Drive to one goal."""
-    began, contacts, way = sim.world.time, len(watch.log.impacts), watch.total
-    why, place = "", Destination(x=goal.x, y=goal.y, heading=goal.theta)
-    try:
-        async with asyncio.timeout(PATIENCE):
-            await navigator.goto(place)
-    except (MotionError, TimeoutError) as error:
-        why = str(error) or "took too long"
-    impacts = watch.log.impacts[contacts:]
-    at = sim.body.robot_in_world
-    return Drive(
-        arrived=not why,
-        why=why,
-        shortest=shortest,
-        way=watch.total - way,
-        seconds=sim.world.time - began,
-        hardest=max((impact.speed for impact in impacts), default=0.0),
-        contacts=len(impacts),
-        off=hypot(at.x - goal.x, at.y - goal.y),
-        turned=abs(wrap(at.theta - goal.theta)),
-    )
-
-
-def rows(drives: Sequence[Drive], top: float) -> Iterator[Row]:
-    """Say what counts."""
+    drives = [each for outcome in outcomes for each in outcome.drives]
     done = [each for each in drives if each.arrived]
-    yield Row(f"goals not reached, of {len(drives)}", len(drives) - len(done), "", 0)
-    yield Row("contacts", sum(each.contacts for each in drives), "", 0)
-    yield Row("hardest contact", max(each.hardest for each in drives), "m/s", 0)
-    if not done:
-        return
+    missed = len(drives) - len(done)
+    allowed = round(len(drives) * (1 - share), 6)
+    yield Row(f"{what}: goals not reached, of {len(drives)}", missed, "", allowed)
+    contacts = [speed for each in drives for speed in each.contacts]
+    yield Row(f"{what}: contacts while it moves", len(contacts), "", 0)
+    if contacts:
+        fast = sum(speed > FAST for speed in contacts)
+        yield Row(f"{what}: of them above {FAST:g} m/s", fast, "", 0)
+        yield Row(f"{what}: hardest", max(contacts), "m/s", None)
+    ticks = 1000 * np.concatenate([outcome.ticks for outcome in outcomes])
+    yield Row(f"{what}: a tick, median", float(np.median(ticks)), "ms", TICK)
+    yield Row(f"{what}: a tick, 99.9 %", float(np.quantile(ticks, 0.999)), "ms", WORST_TICK)
+    if done:
+        yield from _rows_of_ways(what, done, alone=share == 1.0)
+
+
+def _rows_of_ways(what: str, done: Sequence[Drive], *, alone: bool) -> Iterator[Row]:
     ratio = sum(each.way for each in done) / sum(each.shortest for each in done)
-    yield Row("way by the shortest", ratio, "", 1.05)
-    times = np.array([each.seconds / (each.shortest / top) for each in done])
-    yield Row("time by the shortest at top speed, median", float(np.median(times)), "", 1.6)
-    yield Row("the same, 95 %", float(np.quantile(times, 0.95)), "", 2.5)
-    yield Row("off the goal, worst", 100 * max(each.off for each in done), "cm", 5)
-    yield Row("off the heading, worst", np.degrees(max(each.turned for each in done)), "deg", 3)
+    yield Row(f"{what}: way by the shortest", ratio, "", 1.05 if alone else None)
+    times = np.array([each.seconds / (each.shortest / TOP) for each in done])
+    median, most = float(np.median(times)), float(np.quantile(times, 0.95))
+    yield Row(f"{what}: time at top speed, median", median, "", 1.6 if alone else None)
+    yield Row(f"{what}: the same, 95 %", most, "", 2.5 if alone else None)
+    off, turned = max(each.off for each in done), max(each.turned for each in done)
+    yield Row(f"{what}: off the goal, worst", 100 * off, "cm", 5)
+    yield Row(f"{what}: off the heading, worst", np.degrees(turned), "deg", 3)
+
+
+def outcomes_of(
+    trials: Sequence[Trial], jobs: int | None, *, verbose: bool = False
+) -> Iterator[tuple[Trial, Outcome]]:
+    """Yield the outcome of each trial, in order, from a pool of processes."""
+    with Pool(jobs, maxtasksperchild=1) as pool:
+        work = partial(run, verbose=verbose)
+        yield from zip(trials, pool.imap(work, trials), strict=True)
 
 
 def main() -> int:
     """Run all; return 1 if a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--map", action="append", choices=("office", "AMROffice", "columbia"))
-    parser.add_argument("--model", action="append", choices=("p3at-sh", "p3dx-sh"))
+    parser.add_argument("--map", action="append", choices=MAPS)
+    parser.add_argument("--model", action="append", choices=MODELS)
     parser.add_argument("--goals", type=int, default=50)
-    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--seeds", type=int, default=1, help="how many; %(default)s")
+    parser.add_argument("--seed", type=int, default=0, help="the first; %(default)s")
     parser.add_argument("--boxes", type=int, default=0)
+    parser.add_argument("--people", type=int, default=0)
+    parser.add_argument("--hard", action="store_true", help="laser and odometry err more")
+    parser.add_argument("--sonar", action="store_true", help="a robot without a laser")
+    parser.add_argument("--jobs", type=int, default=1, help="processes; %(default)s")
     parser.add_argument("--verbose", action="store_true")
-    given = parser.parse_args()
-    missed = 0
-    for name in given.map or ("office", "AMROffice", "columbia"):
-        for model in given.model or ("p3at-sh", "p3dx-sh"):
-            for seed in range(given.seeds):
-                course = Course(name, model, seed, given.boxes)
-                began = time.perf_counter()
-                with asyncio.Runner(loop_factory=partial(VirtualTimeLoop, inf)) as runner:
-                    drives = runner.run(drive_all(course, given.goals, given.verbose))
-                took = time.perf_counter() - began
-                print(f"{name} {model} seed {seed}, {given.boxes} boxes: {took:.0f} s")
-                for row in rows(drives, TOP):
-                    print("  ", row)
-                    missed += not row.met
+    given, missed = parser.parse_args(), 0
+    trials = [
+        Trial(
+            where=where,
+            model=model,
+            seed=seed,
+            goals=given.goals,
+            boxes=given.boxes,
+            people=given.people,
+            hard=given.hard,
+            sonar=given.sonar,
+        )
+        for where, model, seed in product(
+            given.map or maps(), given.model or MODELS, range(given.seed, given.seed + given.seeds)
+        )
+    ]
+    share = 48 / 50 if given.people or given.hard else 1.0
+    share = SONAR_SHARE if given.sonar else share
+    outcomes = []
+    for trial, outcome in outcomes_of(trials, given.jobs, verbose=given.verbose):
+        outcomes.append(outcome)
+        for row in rows_of(str(trial), [outcome], share):
+            print(row, flush=True)
+            missed += not row.met
+    if len(outcomes) > 1:
+        for row in rows_of("all", outcomes, share):
+            print(row)
     return int(missed > 0)
 
 
