@@ -12,12 +12,15 @@ from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import arcs
+from pioneer3.nav.kernels.ways import walk_down
 from pioneer3.nav.planner import CostToGo
 
 Float = NDArray[np.float64]
 
-HOLD, STEP = 1.0, 0.1
+HOLD, SHORT_HOLD, STEP = 1.0, 0.4, 0.1
 """A command is judged as if it were held so long, then braked; in these steps [s]."""
+HOLD_PER_METRE = 0.6
+"""Near the goal commands are held no longer than this [s/m]: else the robot creeps up to it."""
 DELAY = 0.15
 """From the sensors' readings until the robot obeys [s]."""
 SPEEDS, TURNS = 8, 17
@@ -30,8 +33,10 @@ NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
 """Worth of a heading along the way [m/rad], of room [m/m], of not changing the turn [m s/rad]."""
-FASTEST_TURN = 1.5
-"""[rad/s]."""
+CHANGE_ASIDE = 0.1
+"""The same where the robot may drive either way [m s/rad]: else it dithers."""
+FASTEST_TURN, TURN_ASIDE = 1.5, 0.6
+"""[rad/s]; the latter beside people, who may stand where nothing sees them yet."""
 TURN_FIRST = 1.0
 """Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
 BETTER = 0.03
@@ -40,8 +45,10 @@ HESITATES, INSISTS = 30, 15
 """After so many steps without headway it does not turn where it stands, for so many more."""
 BACK = 0.1
 """Speed backwards, where nothing else goes on [m/s]."""
-LOOK = 2.5
-"""Obstacles farther than this are not looked at [m]."""
+FAR = 0.35
+"""Farther obstacles are not told apart [m]."""
+AHEAD = 0.3
+"""The way's direction is that to a place so far along it [m]."""
 
 ARRIVING = 0.35
 """Nearer than this it goes straight for the goal [m]."""
@@ -49,7 +56,9 @@ THERE, ALIGNED = 0.02, radians(1.0)
 """Near enough [m, rad]."""
 FACING = radians(25)
 """Farther off the goal it turns first [rad]."""
-SLOWING = 0.2
+BRISK = 0.7
+"""Share of the robot's deceleration that it brakes its last turn with."""
+SLOWING = 0.3
 """Deceleration towards the goal [m/s^2]."""
 STANDING, TURNING = 0.01, radians(2)
 SLOWEST, SLOWEST_TURN = 0.02, radians(3)
@@ -75,7 +84,7 @@ class Step:
     blocked: bool = False
 
 
-NO_OBSTACLES: Float = np.empty((0, 4))
+NO_OBSTACLES: Float = np.empty((0, 5))
 
 
 @dataclass(slots=True)
@@ -91,12 +100,14 @@ class Follower:
         limits: Bounds on its motion.
         goal: Point [m] in the map's frame, and heading to end with, or `None`.
         cost_to_go: To the goal; replaced whenever a better one is known.
+        either_way: Whether it may as well drive backwards, as somebody comes.
     """
 
     model: RobotModel
     limits: Limits
     goal: tuple[float, float, float | None]
     cost_to_go: CostToGo
+    either_way: bool = False
     _turn: float = field(default=0.0, init=False)
     _at_place: bool = field(default=False, init=False)
     _best: float = field(default=inf, init=False)
@@ -114,27 +125,26 @@ class Follower:
         Args:
             robot_in_map: Where the robot is [m, rad].
             twist: Its measured motion.
-            obstacles: x, y [m] and velocity [m/s] in the map's frame, shape (N, 4).
+            obstacles: x, y [m], velocity [m/s] and radius [m] in the map's frame, shape (N, 5).
             top_speed: No faster than this [m/s].
         """
         x, y, _ = self.goal
-        near = obstacles[
-            np.hypot(obstacles[:, 0] - robot_in_map.x, obstacles[:, 1] - robot_in_map.y) < LOOK
-        ]
         distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
         if self._at_place or distance < ARRIVING:
-            step = self._arrive(robot_in_map, twist, distance, near)
+            step = self._arrive(robot_in_map, twist, distance, obstacles)
             if step is not None:
                 return step
-        return self._drive(robot_in_map, twist, near, top_speed)
+        return self._drive(robot_in_map, twist, obstacles, top_speed)
 
     def _drive(
         self, robot_in_map: Pose2, twist: Twist2, obstacles: Float, top_speed: float
     ) -> Step:
         top = min(top_speed, self.limits.max_speed)
         commands = self._commands(top)
-        judged = self._judge(robot_in_map, twist, commands, obstacles)
+        judged = self._judge(robot_in_map, twist, commands, obstacles, self._hold(robot_in_map))
         to_go, off, gap, bare = judged.T
+        if self.either_way:
+            off = np.minimum(off, pi - off)
         # nearer to something than it should be, a robot may go on slowly, but no nearer
         least = min(KEEP, self._gap_now(robot_in_map, obstacles)) - SLACK
         slow = (np.abs(commands[:, 0]) <= SLOW) & (bare >= least)
@@ -156,9 +166,11 @@ class Follower:
             self._turn = 0.0
             return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
         cost = to_go + HEADING * off + ROOM * (NEAR - gap)
-        cost += CHANGE * np.abs(commands[:, 1] - self._turn)
-        cost[commands[:, 0] < 0] += 1.0
-        if off_way > TURN_FIRST:
+        change = CHANGE_ASIDE if self.either_way else CHANGE
+        cost += change * np.abs(commands[:, 1] - self._turn)
+        if not self.either_way:
+            cost[commands[:, 0] < 0] += 1.0
+        if off_way > TURN_FIRST and not self.either_way:
             cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
@@ -180,16 +192,24 @@ class Follower:
 
     def _commands(self, top: float) -> Float:
         """Return the velocities to try, shape (C, 2)."""
-        rate = min(self.limits.max_turn_rate, FASTEST_TURN)
+        rate = min(self.limits.max_turn_rate, TURN_ASIDE if self.either_way else FASTEST_TURN)
         shares = np.linspace(-1.0, 1.0, TURNS)
         turns = rate * shares * np.abs(shares)  # finer where small
-        speeds = np.append(np.linspace(0.0, top, SPEEDS), -min(BACK, top))
+        back = [-min(BACK, top)]
+        if self.either_way:
+            back = [-top, -top / 2, *back]
+        speeds = np.append(np.linspace(0.0, top, SPEEDS), back)
         pairs = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1)
         commands: Float = pairs.reshape(-1, 2)
         return commands
 
     def _judge(
-        self, robot_in_map: Pose2, twist: Twist2, commands: Float, obstacles: Float
+        self,
+        robot_in_map: Pose2,
+        twist: Twist2,
+        commands: Float,
+        obstacles: Float,
+        hold: float = HOLD,
     ) -> Float:
         """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4)."""
         at, limits = robot_in_map, self.limits
@@ -209,17 +229,22 @@ class Follower:
                 limits.deceleration,
                 limits.turn_acceleration,
                 limits.turn_deceleration,
-                HOLD,
+                hold,
                 STEP,
             ]
         )
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
-        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED])
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
         fast(arcs, CACHE)(commands, state, motion, outline, obstacles, values, frame, out)
         return out
+
+    def _hold(self, at: Pose2) -> float:
+        """Return for how long commands are judged [s]."""
+        x, y, _ = self.goal
+        return min(HOLD, max(SHORT_HOLD, HOLD_PER_METRE * hypot(x - at.x, y - at.y)))
 
     @property
     def _outline(self) -> tuple[float, float, float]:
@@ -235,22 +260,16 @@ class Follower:
         x, y = c * dx + s * dy, c * dy - s * dx
         off_x = np.maximum(np.maximum(x - front, -rear - x), 0.0)
         off_y = np.maximum(np.abs(y) - half, 0.0)
-        return float(np.hypot(off_x, off_y).min())
+        return float((np.hypot(off_x, off_y) - obstacles[:, 4]).min())
 
     def _off_way(self, at: Pose2) -> float:
         """Return the angle between the robot's heading and its way [rad], 0 to pi."""
-        ahead = self._ahead(at)
-        return 0.0 if ahead is None else abs(wrap(ahead - at.theta))
-
-    def _ahead(self, at: Pose2) -> float | None:
-        from pioneer3.nav.planner import way_from
-
-        way = way_from(self.cost_to_go, (at.x, at.y))
-        if way is None:
-            return None
-        reach = int(np.searchsorted(way.length - way.to_go, 0.3))
-        x, y = way.points[min(reach, len(way.points) - 1)]
-        return atan2(y - at.y, x - at.x)
+        raster = self.cost_to_go.raster
+        begin, there = raster.in_cells(np.array([[at.x, at.y]]))[0], np.empty(2)
+        steps = round(AHEAD / raster.cell / 0.5)
+        fast(walk_down, CACHE)(self.cost_to_go.values, begin, 0.5, steps, there)
+        dx, dy = (there - begin).tolist()
+        return abs(wrap(atan2(dy, dx) - at.theta)) if hypot(dx, dy) > 0.5 else 0.0
 
     def _arrive(self, at: Pose2, twist: Twist2, distance: float, obstacles: Float) -> Step | None:
         """Return the last moments: to the point, then to the heading; `None` if it may not."""
@@ -264,7 +283,10 @@ class Follower:
             if abs(off) <= ALIGNED:
                 still = abs(twist.v) < STANDING and abs(twist.w) < TURNING
                 return Step(v=0.0, w=0.0, reason="there", arrived=still)
-            return Step(v=0.0, w=self._rate(off), reason="turns to its heading")
+            turn = 0.0, self._rate(off)
+            if self._touches(at, twist, turn, obstacles):
+                return Step(v=0.0, w=0.0, reason="something is beside it", blocked=True)
+            return Step(v=0.0, w=turn[1], reason="turns to its heading")
         bearing = wrap(atan2(y - at.y, x - at.x) - at.theta)
         back = abs(bearing) > pi - FACING and distance < 0.15
         off = wrap(bearing - pi) if back else bearing
@@ -274,13 +296,20 @@ class Follower:
             v = min(sqrt(2 * SLOWING * distance), self.limits.max_speed)
             v = max(SLOWEST, v * (1 - abs(off) / FACING))
             command = (-v if back else v, 2.0 * off)
-        judged = self._judge(at, twist, np.array([command]), obstacles)
-        if judged[0, 3] < min(SLACK, self._gap_now(at, obstacles) - SLACK):
+        if self._touches(at, twist, command, obstacles):
             return None
         return Step(v=command[0], w=command[1], reason=f"{distance:.2f} m to go")
 
+    def _touches(
+        self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float
+    ) -> bool:
+        """Whether a motion would touch something, or come nearer to what it touches."""
+        judged = self._judge(at, twist, np.array([command]), obstacles)
+        return bool(judged[0, 3] < min(SLACK, self._gap_now(at, obstacles) - SLACK))
+
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""
-        rate = sqrt(self.limits.turn_deceleration * abs(off))
-        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, FASTEST_TURN))
+        rate = sqrt(2 * BRISK * self.limits.turn_deceleration * abs(off))
+        most = TURN_ASIDE if self.either_way else FASTEST_TURN
+        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, most))
         return rate if off > 0 else -rate

@@ -91,10 +91,12 @@ class NoWay:
     Attributes:
         why: In words, for people.
         where: The place that closes the way [m], if it is one.
+        free: The way that there would be without things that are not on the map, if they close it.
     """
 
     why: str
     where: tuple[float, float] | None = None
+    free: Way | None = None
 
 
 def plan(costs: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> Way | NoWay:

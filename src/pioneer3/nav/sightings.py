@@ -1,5 +1,7 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
+from math import pi
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +11,10 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
+from pioneer3.nav.moving import RADIUS, Movers
 
 Float = NDArray[np.float64]
+Int = NDArray[np.int64]
 
 EXPLAINED = 0.12
 """An echo so near to a wall of the map is of that wall [m]."""
@@ -20,6 +24,20 @@ FAR = 6.0
 """Things farther away are not noted [m]."""
 AGE = 60.0
 """Things not seen for so long may have gone [s]."""
+DOUBT = 0.05
+"""A wall may be off so much more for each metre from the laser, and is no walker for that."""
+HEARD, HEARD_AGE = 3, 15.0
+"""Plans avoid what sonars have heard so often, until so long after the last time [s]."""
+ECHO, ECHO_AGE = 1.5, 3.0
+"""Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
+ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
+"""Directions off the axis of a sonar from which an echo may come."""
+BODY = 0.2
+"""Echoes so near to somebody's middle and radius are of them [m]."""
+STOOD = 2.0
+"""Walkers who have stood for so long are in the way of plans [s]."""
+RING = 12
+"""Points around one of these."""
 
 
 class Sightings:
@@ -27,11 +45,18 @@ class Sightings:
 
     Args:
         costs: Of the map alone, for its cells and clearances.
+
+    Attributes:
+        costs: The same.
+        movers: People, and all else that may move; those who walk leave no cells behind.
     """
 
     def __init__(self, costs: CostMap) -> None:
+        self.costs, self.movers = costs, Movers()
         self._raster, self._clearance = costs.raster, costs.clearance
         self._seen: Float = np.zeros(costs.raster.shape)
+        self._heard: Float = np.zeros(costs.raster.shape)
+        self._times = np.zeros(costs.raster.shape, dtype=np.uint8)
 
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
@@ -40,38 +65,141 @@ class Sightings:
             beams: The scan.
             robot_in_map: The robot's pose at the scan's last reading.
         """
-        raster = self._raster
+        raster, now = self._raster, max(beams.stamp, 1e-9)
+        from_laser = np.hypot(*(beams.points - beams.origin).T)
+        echoes = in_map(robot_in_map, beams.points)
+        walking = self._follow(beams, robot_in_map, echoes, from_laser)
         origin = raster.in_cells(in_map(robot_in_map, beams.origin[None]))[0]
-        near = np.hypot(*(beams.points - beams.origin).T) < FAR
-        ends = raster.in_cells(in_map(robot_in_map, beams.points))
+        near = from_laser < FAR
+        ends = raster.in_cells(echoes)
         clear = raster.in_cells(in_map(robot_in_map, _shortened(beams)))
         short = SHORT / raster.cell
         fast(clear_beams, CACHE)(origin, np.concatenate([ends[near], clear]), short, self._seen)
-        fast(mark_echoes, CACHE)(
-            ends[near], self._clearance, EXPLAINED, max(beams.stamp, 1e-9), self._seen
-        )
+        near[walking] = False
+        fast(mark_echoes, CACHE)(ends[near], self._clearance, EXPLAINED, now, self._seen)
 
-    def points(self, now: float, age: float = AGE) -> Float:
-        """Return the middles of cells with things seen within `age` [s], shape (N, 2) [m]."""
-        rows, columns = np.nonzero((self._seen > 0) & (self._seen >= now - age))
+    def hear(self, transducers: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
+        """Note the echoes of sonars that neither the map nor people explain.
+
+        Lasers look through glass and over low boxes, so that they do not clear what was heard.
+
+        Args:
+            transducers: x, y [m] and direction [rad] on the robot of those that fired, (F, 3).
+            ranges: That they measured [m]; `inf` where nothing echoed, shape (F,).
+            robot_in_map: The robot's pose then.
+            now: [s].
+        """
+        raster, people = self._raster, self.movers.people()
+        for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
+            at = robot_in_map @ Pose2(x, y, theta)
+            axis = np.array((np.cos(at.theta), np.sin(at.theta)))
+            place = np.array((at.x, at.y))
+            free = np.arange(0.1, min(metres, ECHO) - SHORT, raster.cell)
+            rows, columns = self._cells(place + free[:, None] * axis)
+            self._heard[rows, columns], self._times[rows, columns] = 0.0, 0
+            if not 0.0 < metres < ECHO:
+                continue
+            bearings = at.theta + ARC
+            arc = place + metres * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
+            rows, columns = self._cells(arc)
+            if len(rows) < len(arc) or (self._clearance[rows, columns] < EXPLAINED).any():
+                continue
+            echo = place + metres * axis
+            if any(np.hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + BODY for p in people):
+                continue
+            around = self._around(float(echo[0]), float(echo[1]), raster.cell)
+            self._times[around] = np.minimum(self._times[around], 200) + 1
+            row, column = rows[2], columns[2]
+            self._heard[row, column] = now
+
+    def _cells(self, points: Float) -> tuple[Int, Int]:
+        """Return rows and columns of those of `points` (N, 2) [m] that are on the map."""
         raster = self._raster
-        middles: Float = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell
-        middles += raster.x, raster.y
-        return middles
+        columns, rows = np.floor(raster.in_cells(points)).astype(int).T
+        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
+        return rows[inside], columns[inside]
+
+    def _follow(self, beams: Beams, robot_in_map: Pose2, echoes: Float, from_laser: Float) -> Int:
+        """Follow all that moves; return the indices of the echoes of walkers."""
+        raster = self._raster
+        columns, rows = np.floor(raster.in_cells(echoes)).astype(int).T
+        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
+        apart = np.zeros(len(echoes))
+        apart[inside] = self._clearance[rows[inside], columns[inside]]
+        unknown = np.flatnonzero(apart > EXPLAINED + DOUBT * from_laser)
+        walked = {id(thing) for thing in self.movers.things if thing.walks}
+        own = self.movers.take(
+            echoes[unknown],
+            in_map(robot_in_map, beams.origin[None])[0],
+            np.array([robot_in_map.theta, pi / 2]),
+            beams.stamp,
+        )
+        for thing in self.movers.things:
+            if thing.walks:
+                for x, y in thing.past[-1:] if id(thing) in walked else thing.past:
+                    self._seen[self._around(x, y, RADIUS)] = 0.0
+        return unknown[own]
+
+    def points(self, now: float, age: float = AGE, *, people: bool = True) -> Float:
+        """Return the middles of cells with things seen within `age` [s], shape (N, 2) [m].
+
+        Somebody who walks is not among them; with `people`, who has stood for a while is.
+        """
+        whole = slice(0, self._raster.height), slice(0, self._raster.width)
+        seen = self._middles(self._seen, whole, now - age)
+        often = np.where(self._times >= HEARD, self._heard, 0.0)
+        heard = self._middles(often, whole, now - min(age, HEARD_AGE))
+        return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
+
+    def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
+        """Return the same around a place [m], without walkers, and all echoes of now, (N, 2)."""
+        part = self._around(x, y, within)
+        heard = self._middles(self._heard, part, now - min(age, ECHO_AGE))
+        return np.concatenate([self._middles(self._seen, part, now - age), heard])
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
+        part = self._around(x, y, within)
+        seen = [float(times[part].max(initial=0.0)) for times in (self._seen, self._heard)]
+        reach = within + RADIUS
+        standing = (thing for thing in self.movers.walking() if thing.stands is not None)
+        seen += [t.seen for t in standing if np.hypot(t.x - x, t.y - y) < reach]
+        return max(seen) or None
+
+    def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
+        raster, seen = self._raster, times[part]
+        rows, columns = np.nonzero((seen > 0) & (seen >= since))
+        middles: Float = np.stack(
+            [columns + part[1].start + 0.5, rows + part[0].start + 0.5], axis=1
+        )
+        middles *= raster.cell
+        middles += raster.x, raster.y
+        return middles
+
+    def _around(self, x: float, y: float, within: float) -> tuple[slice, slice]:
+        """Return the cells within a distance of a place [m]."""
         raster = self._raster
         u, v = raster.in_cells(np.array([[x, y]]))[0]
         reach = within / raster.cell
-        left, right = max(0, int(u - reach)), max(0, int(u + reach) + 1)
-        low, high = max(0, int(v - reach)), max(0, int(v + reach) + 1)
-        latest = float(self._seen[low:high, left:right].max(initial=0.0))
-        return latest or None
+        rows = slice(max(0, int(v - reach)), max(0, int(v + reach) + 1))
+        return rows, slice(max(0, int(u - reach)), max(0, int(u + reach) + 1))
+
+    def _standing(self, now: float) -> Float:
+        """Return points around walkers who have stood for a while [m], shape (N, 2)."""
+        angles = np.linspace(-pi, pi, RING, endpoint=False)
+        ring = RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        standing = [
+            ring + np.array((thing.x, thing.y))
+            for thing in self.movers.walking()
+            if thing.stands is not None and now - thing.stands > STOOD
+        ]
+        return np.concatenate([np.empty((0, 2)), *standing])
 
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""
-        self._seen[:] = 0.0
+        self._seen[:] = self._heard[:] = 0.0
+        self._times[:] = 0
+        self.movers.forget()
 
 
 def in_map(robot_in_map: Pose2, points: Float) -> Float:

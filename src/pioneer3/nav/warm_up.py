@@ -52,7 +52,7 @@ def warm_up() -> None:
     assert isinstance(way, Way)
     limits = Limits(max_speed=0.5, max_turn_rate=1.0)
     follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
-    follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 2))))
+    follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 3))))
     mapper.prepare()
     _draw()
     CACHE.complete()

@@ -6,6 +6,7 @@ from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from pioneer3.behaviors.action import MODE, Action, Desire, Goal, Ranked, Situation, Stack
 from pioneer3.behaviors.actions.limiters import LimiterTableSensor
@@ -14,6 +15,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.sightings import Sightings, in_map
+from pioneer3.runtime.going_aside import GoingAside
 
 Float = NDArray[np.float64]
 
@@ -24,9 +26,13 @@ NEARER = 0.1
 AHEAD = 0.5
 """Speeds that are wanted so far ahead count already [m]."""
 CELL = 0.05
-"""Of points so near to each other one is enough [m]."""
+"""Of points so near to each other one is enough [m], of farther ones of twice that."""
+CLOSE = 1.0
+"""Up to here points are not far [m]."""
 LOOK = 2.0
 """Things farther than this are not looked at [m]."""
+LEGS = 0.1
+"""Echoes so near to a walker are of its legs [m]."""
 
 
 def any_speed(x: float, y: float) -> float:
@@ -69,8 +75,15 @@ class FollowWay:
     failed: str | None = None
     blocked: bool = False
     waits: str = ""
+    _aside: GoingAside = field(init=False)
+    _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        """Arrange the walls by their places."""
+        self._aside = GoingAside(self.sightings)
+        self._walls = cKDTree(self.walls)
 
     @property
     def goal(self) -> Goal:
@@ -97,16 +110,22 @@ class FollowWay:
             self._best, self._since = inf, None
             return Desire(v=0.0, w=0.0, reason=self.waits)
         robot_in_map = self.odom_in_map() @ situation.pose
-        step = self.follower.step(
-            robot_in_map,
-            situation.twist,
-            self._obstacles(situation, robot_in_map),
-            min(self.top_speed, self._preferred_speed(robot_in_map)),
-        )
+        self._listen(situation, robot_in_map)
+        obstacles = self._obstacles(situation, robot_in_map)
+        if aside := self._aside.decide(situation, robot_in_map, obstacles):
+            self._since = None if self._since is None else self._since + self._aside.forgiven
+            return aside
+        top_speed = min(self.top_speed, self._preferred_speed(robot_in_map))
+        step = self.follower.step(robot_in_map, situation.twist, obstacles, top_speed)
         self.arrived, self.blocked = step.arrived, step.blocked
         self.done = self.arrived and self.last
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
+
+    def renew(self, walls: Float, sightings: Sightings) -> None:
+        """Go on with a map that has grown."""
+        self.walls, self.sightings = walls, sightings
+        self._walls, self._aside = cKDTree(walls), GoingAside(sightings)
 
     def held_up(self, now: float) -> float:
         """Return for how long it has come no nearer [s]."""
@@ -137,20 +156,38 @@ class FollowWay:
         elif now - self._since > PATIENCE:
             self.failed = "it comes no nearer: something is in the way"
 
+    def _listen(self, situation: Situation, robot_in_map: Pose2) -> None:
+        """Note things that sonars hear: a laser sees no glass, and nothing below or behind it."""
+        mounts, sonar = situation.model.sonars, situation.snapshot.sonar
+        fresh = [n for n in sonar.fresh if n < len(mounts) and sonar.ranges[n] >= 0]
+        if situation.scan is not None and fresh:
+            at = np.array([(mounts[n].x, mounts[n].y, mounts[n].theta) for n in fresh])
+            ranges = np.array([sonar.ranges[n] for n in fresh])
+            self.sightings.hear(at, ranges, robot_in_map, situation.now)
+
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
-        """Return obstacles nearby: x, y in the map [m] and velocity [m/s], shape (N, 4)."""
-        parts = [self.walls, self.sightings.points(situation.now)]
+        """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
+        x, y, now = robot_in_map.x, robot_in_map.y, situation.now
+        walkers = self.sightings.movers.discs(now)
         if situation.scan is not None:
             beams = beams_of(situation.scan)
-            parts.append(in_map(self.odom_in_map() @ beams.robot_in_odom, beams.points))
+            seen = in_map(self.odom_in_map() @ beams.robot_in_odom, beams.points)
         else:
             echoes = [(point.x, point.y) for point in situation.around.points()]
-            parts.append(in_map(robot_in_map, np.array(echoes).reshape(-1, 2)))
+            seen = in_map(robot_in_map, np.array(echoes).reshape(-1, 2))
+        parts = [
+            self._walls.data[self._walls.query_ball_point((x, y), LOOK)],
+            self.sightings.near(x, y, LOOK, now),
+            seen[np.hypot(seen[:, 0] - x, seen[:, 1] - y) < LOOK],
+        ]
         points = np.concatenate(parts)
-        away = np.hypot(points[:, 0] - robot_in_map.x, points[:, 1] - robot_in_map.y)
-        points = points[away < LOOK]
-        _, chosen = np.unique(np.round(points / CELL), axis=0, return_index=True)
-        return np.pad(points[chosen], ((0, 0), (0, 2)))
+        for walker in walkers:
+            points = points[np.hypot(*(points - walker[:2]).T) > walker[4] + LEGS]
+        off = points - (x, y)
+        size = np.where(np.hypot(off[:, 0], off[:, 1]) < CLOSE, CELL, 2 * CELL)
+        cells = np.round(off / size[:, None]).astype(np.int64)
+        _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
+        return np.concatenate([np.pad(points[chosen], ((0, 0), (0, 3))), walkers])
 
 
 def follow_way(

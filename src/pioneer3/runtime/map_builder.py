@@ -292,7 +292,7 @@ class MapBuilder:
                     way.cost_to_go,
                     (view.x, view.y, view.theta),
                 )
-                leg.walls, leg.sightings = walls, sightings
+                leg.renew(walls, sightings)
                 return
         info = self._robot.info
         follower = Follower(info.model, info.limits, goal, way.cost_to_go)

@@ -410,14 +410,19 @@ class Navigator:
             return NoWay(f"it is not sure where the robot is: {estimate.reason}")
         now, here = self._clock(), estimate.robot_in_map
         self._avoided = [each for each in self._avoided if now - each[2] < AVOIDED]
-        seen = self._sightings.points(now)
+        seen, things = (self._sightings.points(now, people=people) for people in (True, False))
         avoided = np.array(self._avoided).reshape(-1, 3)[:, :2]
-        # without another way it tries again where it was held up, and waits for robots that stay
-        tries = [np.concatenate([seen, self._robots(), avoided])]
-        tries += [np.concatenate([seen, self._robots()])] if len(avoided) else []
-        tries += [seen] if len(tries[-1]) > len(seen) else []
+        # without another way: where it was held up before, through robots and people, who may go on
+        tries = [
+            np.concatenate([seen, self._robots(), avoided]),
+            np.concatenate([seen, self._robots()]),
+            seen,
+            things,
+        ]
         way: Way | NoWay = NoWay("")
-        for obstacles in tries:
+        for obstacles, before in zip(tries, [NOWHERE, *tries], strict=False):
+            if before is not NOWHERE and len(obstacles) == len(before):
+                continue
             around = self.costs.with_obstacles(obstacles)
             way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
             if isinstance(way, Way):
@@ -440,8 +445,8 @@ class Navigator:
             if seen is not None:
                 left = hypot(goal.x - x, goal.y - y)
                 words = f"the way to {goal} is closed {left:.1f} m from it, at ({x:.1f}, {y:.1f})"
-                return NoWay(f"{words}: seen {max(0.0, now - seen):.0f} s ago", (x, y))
-        return NoWay(f"things in the way leave none to {goal}")
+                return NoWay(f"{words}: seen {max(0.0, now - seen):.0f} s ago", (x, y), way)
+        return NoWay(f"things in the way leave none to {goal}", free=way)
 
     async def find(self, patience: float = PATIENCE) -> bool:
         """Wait for up to `patience` [s] until it is sure where the robot is; return whether."""
@@ -524,7 +529,9 @@ class Navigator:
         await self.find()
         way = await self.plan(goal)
         if isinstance(way, NoWay):
-            raise MotionError(f"goto {goal}: {way.why}")
+            if way.free is None:
+                raise MotionError(f"goto {goal}: {way.why}")
+            return way.free  # doors open, and people go on
         return way
 
     async def _drive_along(self, mode: Stack) -> None:

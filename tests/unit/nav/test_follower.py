@@ -44,7 +44,7 @@ def drive(
 ) -> tuple[Pose2, float, float]:
     """Drive; return where it ended, the least gap to walls, and how long it took."""
     at, v, w, least = start, 0.0, 0.0, 9.0
-    obstacles = np.pad(walls, ((0, 0), (0, 2)))
+    obstacles = np.pad(walls, ((0, 0), (0, 3)))
     for tick in range(round(seconds / DT)):
         step = by.step(at, Twist2(v, w), obstacles)
         if step.arrived:
@@ -99,7 +99,7 @@ def test_it_stops_for_a_thing_right_ahead_that_nobody_planned_for() -> None:
 
 def test_a_robot_beside_a_thing_is_not_frozen() -> None:
     begin = Pose2(3.0, 3.0, 0.0)
-    beside = np.array([[3.0, 3.0 + AT.width / 2 + KEEP / 2, 0.0, 0.0]])
+    beside = np.array([[3.0, 3.0 + AT.width / 2 + KEEP / 2, 0.0, 0.0, 0.0]])
     step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(), beside)
     assert step.v > 0.0
 
@@ -108,7 +108,7 @@ def test_it_lets_a_person_pass_who_walks_into_its_way() -> None:
     begin = Pose2(3.0, 3.0, 0.0)
     by = follower(room(), begin, (8.0, 3.0, None))
     free = by.step(begin, Twist2(0.7, 0.0), NO_OBSTACLES)
-    walking = np.array([[4.3, 3.9, 0.0, -0.9]])
+    walking = np.array([[4.3, 3.9, 0.0, -0.9, 0.0]])
     crossed = by.step(begin, Twist2(0.7, 0.0), walking)
     assert (crossed.v, crossed.w) != (free.v, free.w)
 
@@ -117,3 +117,22 @@ def test_no_faster_than_asked() -> None:
     begin = Pose2(1.0, 3.0, 0.0)
     step = follower(room(), begin, (8.0, 3.0, None)).step(begin, Twist2(0.2, 0), top_speed=0.2)
     assert 0 < step.v <= 0.2
+
+
+def test_it_does_not_turn_into_somebody_who_stands_beside_it() -> None:
+    begin = Pose2(6.0, 3.0, 0.0)
+    by = follower(room(), begin, (6.0, 3.0, pi / 2))
+    beside = np.array([[6.0, 3.0 + AT.width / 2 + 0.05 + 0.28, 0.0, 0.0, 0.28]])
+    assert by.step(begin, Twist2()).w > 0.0
+    step = by.step(begin, Twist2(), beside)
+    assert (step.v, step.w) == (0.0, 0.0)
+    assert step.blocked
+
+
+def test_a_robot_that_goes_aside_backs_off() -> None:
+    begin = Pose2(5.0, 3.0, 0.0)
+    way = plan(costs(room()), (begin.x, begin.y), (3.5, 3.0))
+    assert isinstance(way, Way)
+    by = Follower(AT, LIMITS, (3.5, 3.0, None), way.cost_to_go, either_way=True)
+    somebody = np.array([[5.0 + AT.length_front + 0.45, 3.0, 0.0, 0.0, 0.28]])
+    assert by.step(begin, Twist2(), somebody, 0.3).v < -0.1

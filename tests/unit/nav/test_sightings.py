@@ -66,3 +66,62 @@ def test_everything_can_be_forgotten(sightings: Sightings) -> None:
     sightings.take(beams(5.0, (3.0, 0.0)), HERE)
     sightings.forget()
     assert not len(sightings.points(5.0))
+
+
+AXIS = np.array([[0.2, 0.0, 0.0]])
+"""A sonar that listens ahead."""
+
+
+def hear(sightings: Sightings, metres: float, at: Pose2, now: float) -> None:
+    sightings.hear(AXIS, np.array([metres]), at, now)
+
+
+def test_glass_that_only_sonars_hear_is_kept_clear_of_and_planned_around(
+    sightings: Sightings,
+) -> None:
+    for now in (5.0, 5.1, 5.2):
+        sightings.take(beams(now, (5.0, 0.0)), HERE)  # the laser looks through it
+        hear(sightings, 0.8, HERE, now)
+    there = pytest.approx(np.array([[3.0, 3.0]]), abs=0.05)
+    assert sightings.near(2.5, 3.0, 1.0, 5.2) == there
+    assert any(np.hypot(*(point - (3.0, 3.0))) < 0.05 for point in sightings.points(5.2))
+
+
+def test_a_single_echo_of_a_sonar_changes_no_plan(sightings: Sightings) -> None:
+    hear(sightings, 0.8, HERE, 5.0)
+    assert not len(sightings.points(5.0))
+
+
+def test_the_echo_of_a_wall_of_the_map_is_no_thing(sightings: Sightings) -> None:
+    by_the_wall = Pose2(9.0, 3.0, 0.0)
+    for now in (5.0, 5.1, 5.2):
+        hear(sightings, 0.8, by_the_wall, now)
+    assert not len(sightings.points(5.2))
+    assert not len(sightings.near(9.0, 3.0, 1.5, 5.2))
+
+
+def test_what_a_sonar_does_not_hear_any_more_has_gone(sightings: Sightings) -> None:
+    for now in (5.0, 5.1, 5.2):
+        hear(sightings, 0.8, HERE, now)
+    hear(sightings, np.inf, HERE, 5.3)
+    assert not len(sightings.points(5.3))
+
+
+def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) -> None:
+    for step in range(15):
+        y = -1.0 + 0.08 * step
+        legs = [(2.5, y + side + off) for side in (-0.12, 0.12) for off in (-0.04, 0.0, 0.04)]
+        sightings.take(beams(5.0 + 0.1 * step, *legs), HERE)
+    assert len(sightings.movers.walking()) == 1
+    assert not len(sightings.points(6.4))
+
+
+def test_a_walker_who_stands_is_planned_around_unless_it_is_the_only_way(
+    sightings: Sightings,
+) -> None:
+    for step in range(60):
+        y = -1.0 + 0.08 * min(step, 15)
+        legs = [(2.5, y + side + off) for side in (-0.12, 0.12) for off in (-0.04, 0.0, 0.04)]
+        sightings.take(beams(5.0 + 0.1 * step, *legs), HERE)
+    assert len(sightings.points(10.9)) > 5
+    assert not len(sightings.points(10.9, people=False))

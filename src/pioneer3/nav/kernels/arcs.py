@@ -47,20 +47,22 @@ def arcs(
         motion: Acceleration and deceleration [m/s^2], the same of turns [rad/s^2], how long a
             command is held, and the step of time [s], shape (6,).
         outline: Front, rear, half of the width, distance to be kept [m], and how much more of it
-            per speed [s], shape (5,).
-        obstacles: x, y [m] in the map's frame, their velocity [m/s], shape (N, 4).
+            per speed [s]; gaps beyond the last number are not told apart [m], shape (6,).
+        obstacles: x, y [m] in the map's frame, their velocity [m/s] and radius [m], shape (N, 5).
         values: Cost to go [m], shape (H, W).
         frame: x, y of the lower left corner and side of a cell [m], shape (3,).
         out: For each command: cost to go at the end, heading off the way there [rad], the least
             gap to an obstacle less the distance to be kept, and the least gap [m]; shape (C, 4).
+            A robot that stands keeps no distance: others may come near it.
     """
     acceleration, deceleration = motion[0], motion[1]
     turn_acceleration, turn_deceleration = motion[2], motion[3]
     hold, dt = motion[4], motion[5]
-    front, rear, half = outline[0], outline[1], outline[2]
+    front, rear, half, far = outline[0], outline[1], outline[2], outline[5]
+    around = sqrt(max(front, rear) ** 2 + half * half) + far
     for i in range(len(commands)):
         x, y, theta, v, w = state[0], state[1], state[2], state[3], state[4]
-        least, bare, time = inf, inf, 0.0
+        least, bare, time = far, far, 0.0
         while True:
             ends = time >= hold
             wanted_v = 0.0 if ends else commands[i, 0]
@@ -74,12 +76,17 @@ def arcs(
             y += v * dt * sin(middle)
             theta += w * dt
             time += dt
+            if abs(v) < 1e-9 and abs(w) < 1e-9:
+                continue
             c, s = cos(theta), sin(theta)
             keep = outline[3] + outline[4] * abs(v)
             for j in range(len(obstacles)):
                 dx = obstacles[j, 0] + obstacles[j, 2] * time - x
                 dy = obstacles[j, 1] + obstacles[j, 3] * time - y
-                gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half)
+                reach = around + obstacles[j, 4]
+                if dx * dx + dy * dy > reach * reach:
+                    continue
+                gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) - obstacles[j, 4]
                 bare = min(bare, gap)
                 least = min(least, gap - keep)
         u, t = (x - frame[0]) / frame[2], (y - frame[1]) / frame[2]

@@ -53,6 +53,46 @@ def direction(values: Float32, x: float, y: float) -> tuple[float, float]:
     return to_x, to_y
 
 
+@inlined
+def downhill(values: Float32, x: float, y: float, step: float) -> tuple[float, float]:
+    """Return the place one step [cells] down from another; the same place if none is lower."""
+    height, width = values.shape
+    to_x, to_y = direction(values, x, y)
+    steep = hypot(to_x, to_y)
+    next_x, next_y = x, y
+    if steep > 1e-3:
+        next_x, next_y = x + step * to_x / steep, y + step * to_y / steep
+    column, row = floor(next_x), floor(next_y)
+    inside = 0 <= column < width and 0 <= row < height
+    if steep <= 1e-3 or not inside or values[row, column] == inf:
+        # between two ways, or beside a wall: to the middle of the lowest cell near
+        best = inf
+        column, row = floor(x), floor(y)
+        next_x, next_y = x, y
+        for r in range(max(0, row - 1), min(height, row + 2)):
+            for c in range(max(0, column - 1), min(width, column + 2)):
+                if values[r, c] < best:
+                    best, next_x, next_y = values[r, c], c + 0.5, r + 0.5
+    return next_x, next_y
+
+
+@kernel
+def walk_down(values: Float32, start: Float, step: float, count: int, out: Float) -> None:
+    """Walk `count` steps down `values`.
+
+    Args:
+        values: Cost to go, shape (H, W); `inf` where there is no way.
+        start: In cells, shape (2,).
+        step: [cells].
+        count: Number of steps.
+        out: The last place [cells], shape (2,).
+    """
+    x, y = start[0], start[1]
+    for _ in range(count):
+        x, y = downhill(values, x, y, step)
+    out[0], out[1] = x, y
+
+
 @kernel
 def descend(values: Float32, start: Float, goal: Float, step: float, out: Float) -> int:
     """Walk down `values` from `start` to `goal`; return how many points of `out` are filled.
@@ -67,30 +107,15 @@ def descend(values: Float32, start: Float, goal: Float, step: float, out: Float)
     Returns:
         0 if no way is found within the room of `out`.
     """
-    height, width = values.shape
     x, y = start[0], start[1]
     out[0, 0], out[0, 1] = x, y
     for count in range(1, len(out) - 1):
         if hypot(x - goal[0], y - goal[1]) < 1.5:
             out[count, 0], out[count, 1] = goal[0], goal[1]
             return count + 1
-        to_x, to_y = direction(values, x, y)
-        steep = hypot(to_x, to_y)
-        next_x, next_y = x, y
-        if steep > 1e-3:
-            next_x, next_y = x + step * to_x / steep, y + step * to_y / steep
-        column, row = floor(next_x), floor(next_y)
-        inside = 0 <= column < width and 0 <= row < height
-        if steep <= 1e-3 or not inside or values[row, column] == inf:
-            # between two ways, or beside a wall: to the middle of the lowest cell near
-            best = inf
-            column, row = floor(x), floor(y)
-            for r in range(max(0, row - 1), min(height, row + 2)):
-                for c in range(max(0, column - 1), min(width, column + 2)):
-                    if values[r, c] < best:
-                        best, next_x, next_y = values[r, c], c + 0.5, r + 0.5
-            if best == inf:
-                return 0
+        next_x, next_y = downhill(values, x, y, step)
+        if next_x == x and next_y == y:
+            return 0
         x, y = next_x, next_y
         out[count, 0], out[count, 1] = x, y
     return 0

@@ -1,0 +1,95 @@
+"""Lets people pass who wait for a robot that does not come on."""
+
+from dataclasses import dataclass, field
+from math import atan2, hypot, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.geometry import Pose2
+from pioneer3.nav.follower import Follower
+from pioneer3.nav.giving_way import WINDOW, refuge
+from pioneer3.nav.moving import Mover
+from pioneer3.nav.sightings import Sightings
+
+Float = NDArray[np.float64]
+
+MOVED, STUCK = 0.1, 1.0
+"""A robot that has not come so far [m] in so long [s] is stuck."""
+STUCK_ASIDE = 3.0
+"""One that has gone aside, or does not get there, looks for another place after this [s]."""
+MEETS, GONE = 0.95, 0.7
+"""Who stands so near [m] waits for the robot; it goes on once nobody has for the latter [s]."""
+ASIDE = 0.3
+"""Speed of a robot that goes aside [m/s]."""
+LONGEST = 120.0
+"""Time spent aside that is forgiven on one way [s]."""
+
+
+@dataclass(slots=True)
+class GoingAside:
+    """Drives to a place beside the way of people, and waits there until they have passed.
+
+    Attributes:
+        sightings: Tells who is near.
+        forgiven: Time spent aside in the last moment that does not count as waiting in vain [s].
+    """
+
+    sightings: Sightings
+    forgiven: float = field(default=0.0, init=False)
+    _to: Follower | None = field(default=None, init=False)
+    _anchor: tuple[float, float, float] = field(default=(inf, inf, inf), init=False)
+    _asked: float = field(default=0.0, init=False)
+    _before: float = field(default=0.0, init=False)
+    _spent: float = field(default=0.0, init=False)
+
+    def decide(self, situation: Situation, robot_in_map: Pose2, obstacles: Float) -> Desire | None:
+        """Return the velocity of a robot that goes aside, or `None` if nobody waits for it.
+
+        Args:
+            situation: Of now.
+            robot_in_map: Where the robot is.
+            obstacles: Nearby, as a follower takes them.
+        """
+        now, here = situation.now, (robot_in_map.x, robot_in_map.y)
+        self.forgiven = 0.0
+        if hypot(here[0] - self._anchor[0], here[1] - self._anchor[1]) > MOVED:
+            self._anchor = (*here, now)
+        stuck, waiting = now - self._anchor[2], self._waiting(here, now)
+        if waiting:
+            self._asked = now
+        if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
+            self._anchor = (*here, now)
+            self._to = self._place(situation, robot_in_map, waiting) or self._to
+        elif self._to is not None and now - self._asked > GONE:
+            self._to, self._anchor = None, (*here, now)
+        passed, self._before = max(0.0, min(now - self._before, 1.0)), now
+        if self._to is None:
+            return None
+        self._spent += passed
+        self.forgiven = passed if self._spent < LONGEST else 0.0
+        step = self._to.step(robot_in_map, situation.twist, obstacles, ASIDE)
+        reason = "lets somebody pass" if step.arrived else "goes aside for somebody"
+        return Desire(v=step.v, w=step.w, reason=reason)
+
+    def _place(self, situation: Situation, at: Pose2, near: list[Mover]) -> Follower | None:
+        """Return the follower to a place where nobody goes, if there is one."""
+        seen = self.sightings.near(at.x, at.y, WINDOW, situation.now)
+        model = situation.model
+        to_go = refuge(self.sightings.costs, model.corner, at, near, seen)
+        if to_go is None:
+            return None
+        nearest = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
+        facing = atan2(nearest.y - to_go.y, nearest.x - to_go.x)  # to see when they have passed
+        goal = to_go.x, to_go.y, facing
+        return Follower(model, situation.limits, goal, to_go, either_way=True)
+
+    def _waiting(self, here: tuple[float, float], now: float) -> list[Mover]:
+        """Return the people who stand so near that the robot may be in their way."""
+        return [
+            each
+            for each in self.sightings.movers.people()
+            if hypot(each.x - here[0], each.y - here[1]) < MEETS
+            and (each.stands is not None or now - each.seen > STUCK)
+        ]

@@ -1,0 +1,106 @@
+"""People in scans: where they are, and how fast they walk."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pioneer3.nav.moving import HIDDEN, OFTEN, RADIUS, Movers
+
+Float = NDArray[np.float64]
+LASER = np.zeros(2)
+AHEAD = np.array([0.0, pi / 2])
+"""The laser looks along x, and sees a half circle."""
+DT = 0.1
+
+
+def legs(x: float, y: float) -> Float:
+    """Return the echoes of somebody's two legs, each a small arc, from right to left."""
+    arc = np.linspace(-1.0, 1.0, 5)[:, None] * (0.0, 0.04)
+    return np.concatenate([arc + np.array((x, y + side)) for side in (-0.12, 0.12)])
+
+
+def box(x: float, y: float) -> Float:
+    return np.stack([np.full(10, x), np.linspace(y - 0.2, y + 0.2, 10)], axis=1)
+
+
+def walk(movers: Movers, begin: tuple[float, float], velocity: tuple[float, float], n: int) -> None:
+    for step in range(n):
+        x, y = (p + v * DT * step for p, v in zip(begin, velocity, strict=True))
+        movers.take(legs(x, y), LASER, AHEAD, DT * step)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.floats(2.0, 3.0), st.floats(-1.0, 1.0), st.floats(0.4, 1.2), st.floats(-pi, pi))
+def test_who_walks_has_a_place_and_a_velocity(
+    x: float, y: float, speed: float, heading: float
+) -> None:
+    movers, velocity = Movers(), (speed * np.cos(heading), speed * np.sin(heading))
+    walk(movers, (x, y), velocity, 16)
+    [person] = movers.walking()
+    assert (person.x, person.y) == pytest.approx(
+        (x + 1.5 * velocity[0], y + 1.5 * velocity[1]), abs=0.15
+    )
+    assert (person.vx, person.vy) == pytest.approx(velocity, abs=0.25)
+    assert movers.discs(1.5)[0, 4] == RADIUS
+
+
+def test_the_echoes_of_who_walks_are_told_apart_from_a_box() -> None:
+    movers = Movers()
+    for step in range(12):
+        points = np.concatenate([box(2.0, -1.0), legs(3.0 - 0.08 * step, 1.0)])
+        own = movers.take(points, LASER, AHEAD, DT * step)
+    assert set(own.tolist()) == set(range(10, 20))
+
+
+def test_a_box_never_walks_and_is_nobody() -> None:
+    movers = Movers()
+    for step in range(30):
+        movers.take(box(2.0, 0.01 * (step % 2)), LASER, AHEAD, DT * step)
+    assert not movers.people()
+
+
+def test_who_stands_on_legs_is_a_person_before_they_walk() -> None:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
+    assert len(movers.people()) == 1
+    assert not movers.walking()
+
+
+def test_who_stops_stands_where_they_stopped() -> None:
+    movers = Movers()
+    walk(movers, (3.0, 0.0), (-0.8, 0.0), 15)
+    for step in range(15, 30):
+        movers.take(legs(3.0 - 0.8 * 1.4, 0.0), LASER, AHEAD, DT * step)
+    [person] = movers.walking()
+    assert person.stands is not None
+    assert movers.discs(3.0)[0, 2:4].tolist() == [0.0, 0.0]
+
+
+def test_two_who_meet_stay_two() -> None:
+    movers = Movers()
+    for step in range(30):
+        away = max(0.3, 1.5 - 0.08 * step)
+        points = np.concatenate([legs(2.5, -away), legs(2.5, away)])
+        movers.take(points, LASER, AHEAD, DT * step)
+    assert len(movers.walking()) == 2
+
+
+def test_who_is_behind_the_laser_is_remembered_for_a_while() -> None:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (-0.8, 0.0), 15)
+    nothing, behind = np.empty((0, 2)), np.array([pi, pi / 2])
+    movers.take(nothing, LASER, behind, 5.0)
+    assert len(movers.walking()) == 1
+    movers.take(nothing, LASER, behind, 1.6 + HIDDEN)
+    assert not movers.walking()
+
+
+def test_who_is_not_where_the_laser_looks_has_gone() -> None:
+    movers = Movers()
+    walk(movers, (3.0, 0.0), (-0.8, 0.0), 15)
+    movers.take(np.empty((0, 2)), LASER, AHEAD, 2.5)
+    assert not movers.things

@@ -1,0 +1,68 @@
+"""A robot that somebody waits for."""
+
+import pytest
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.follower import NO_OBSTACLES
+from pioneer3.nav.moving import Mover
+from pioneer3.nav.sightings import Sightings
+from pioneer3.runtime.going_aside import GONE, LONGEST, STUCK, GoingAside
+from tests.unit.behaviors.support import seen
+from tests.unit.nav.offices import costs, room
+
+HERE = Pose2(5.0, 3.0, 0.0)
+DT = 0.1
+
+
+@pytest.fixture
+def aside() -> GoingAside:
+    return GoingAside(Sightings(costs(room())))
+
+
+def meet(aside: GoingAside, x: float, now: float) -> Mover:
+    """Put somebody in front of the robot, who walked towards it and stands."""
+    somebody = Mover(
+        x, 3.0, 0.0, 0.0, now, (x + 2.0, 3.0), walks=True, stands=now, heading=(-1.0, 0.0)
+    )
+    aside.sightings.movers.things = [somebody]
+    return somebody
+
+
+def reasons(aside: GoingAside, begin: float, seconds: float) -> list[str]:
+    """Return what a robot does that stands at the same place."""
+    found = []
+    for tick in range(round(seconds / DT)):
+        desire = aside.decide(seen(begin + tick * DT), HERE, NO_OBSTACLES)
+        found.append(desire.reason if desire else "")
+    return found
+
+
+def test_a_robot_that_is_alone_goes_on(aside: GoingAside) -> None:
+    assert not any(reasons(aside, 0.0, 10.0))
+
+
+def test_it_goes_aside_for_somebody_who_waits_once_it_is_stuck(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    found = reasons(aside, 0.0, STUCK + 1.0)
+    assert not any(found[: round(STUCK / DT)])
+    assert found[-1] == "goes aside for somebody"
+
+
+def test_who_stands_farther_away_is_let_be(aside: GoingAside) -> None:
+    meet(aside, 7.0, 0.0)
+    assert not any(reasons(aside, 0.0, 5.0))
+
+
+def test_it_goes_on_when_they_have_gone(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    assert reasons(aside, 0.0, 2.0)[-1]
+    aside.sightings.movers.forget()
+    assert not reasons(aside, 2.0, GONE + 0.5)[-1]
+
+
+def test_the_time_it_spends_aside_is_forgiven_but_not_for_ever(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    reasons(aside, 0.0, 5.0)
+    assert aside.forgiven == pytest.approx(DT)
+    reasons(aside, 5.0, LONGEST)
+    assert aside.forgiven == 0.0
