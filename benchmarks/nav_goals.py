@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Iterator
+from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import product
@@ -25,6 +26,8 @@ from pioneer3.models import load_model
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.places import Destination
 from pioneer3.nav.planner import CostToGo
+from pioneer3.robot.devices.laser import Laser
+from pioneer3.robot.devices.presence import Presence
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.follow_way import FollowWay
 from pioneer3.runtime.navigator import Navigator
@@ -52,6 +55,7 @@ WALK = 0.8
 """Speed of people [m/s]."""
 AWAY = 1.5
 """Nobody begins nearer to the robot than this [m]."""
+NO_LASER = property(lambda _: Presence(False, "This robot has none."))
 Float = NDArray[np.float64]
 
 
@@ -274,12 +278,14 @@ async def drive_all(course: Course, tell: Callable[[int, Drive], None]) -> Outco
     things: list[Box | Person] = [*course.boxes, *course.people]
     for thing in things:
         sim.world.add_obstacle(thing)
-    if course.trial.sonar:
-        sim.firmware.use_own_name()  # robots have no laser in their own stream
     watch, stopwatch = Watch(sim), Stopwatch()
     sim.stepped = watch
     drives: list[Drive] = []
-    async with sim, connect_async(sim.open) as robot:
+    async with AsyncExitStack() as stack:
+        if course.trial.sonar:
+            stack.enter_context(patch.object(Laser, "presence", NO_LASER))
+        await stack.enter_async_context(sim)
+        robot = await stack.enter_async_context(connect_async(sim.open))
         rng = np.random.default_rng(course.trial.seed)
         navigator = await Navigator.on(
             robot, course.map, start=course.home, rng=rng, in_thread=at_once
@@ -287,7 +293,7 @@ async def drive_all(course: Course, tell: Callable[[int, Drive], None]) -> Outco
         navigator._take = partial(stopwatch.take, navigator)  # type: ignore[method-assign]
         with stopwatch.running():
             async with running(navigator.run()):
-                await until_sure(navigator)
+                await (navigator.look_around() if course.trial.sonar else until_sure(navigator))
                 watch.begin()
                 for goal, shortest in course.goals(sim.body):
                     drives.append(await drive(sim, navigator, watch, goal, shortest))

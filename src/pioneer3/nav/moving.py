@@ -27,13 +27,17 @@ PLACE, SPEED = 0.5, 0.2
 that corrects the speed."""
 FADES = 0.8
 """Share of its speed that is left in each scan of a thing of which a part is seen."""
+COMPANY = 0.15
+"""An echo without another one so near is a mistake of the laser, or too little of a thing [m]."""
+SAME = 0.3
+"""Things nearer to each other are one: the legs of one person [m]."""
 JUMP = 0.3
 """Larger errors are no motion [m]."""
 CAME, TIMES, WALKING = 0.3, 4, 0.25
 """A thing walks that has come so far [m], in so many scans, at this speed at least [m/s]."""
 STILL = 0.15
 """Slower than this it stands [m/s]."""
-SHANK, WIDE, CLOSE, OFTEN = 0.04, 0.2, 2.5, 4
+SHANK, WIDE, CLOSE, OFTEN = 0.04, 0.15, 2.5, 4
 """Radius of a leg [m], and how wide parts of a thing are at most that are legs; in so many scans
 from nearer than the third [m]."""
 APART = 0.08
@@ -42,6 +46,8 @@ UNSEEN, HIDDEN = 0.6, 15.0
 """A thing is forgotten that is not seen for so long [s]: in plain sight, and elsewhere."""
 AT_EDGE = 0.1
 """So near to the edge of what the laser sees a thing is not seen whole [rad]."""
+KNOWN = 10
+"""Who was seen no more often than this is forgotten at once."""
 COASTS = 0.4
 """So long after it was seen last a thing is expected to go on; then to stand [s]."""
 RADIUS = 0.28
@@ -155,7 +161,7 @@ class Movers:
             The indices of the points that are of walkers.
         """
         away = np.hypot(*(points - origin).T)
-        near = np.flatnonzero(away < NEAR)
+        near = np.flatnonzero((away < NEAR) & _has_company(points))
         owner = self._owners(points[near], now)
         own: list[Int] = []
         for number, thing in enumerate(self.things):
@@ -171,6 +177,7 @@ class Movers:
         for part in _clusters(points[new]):
             middle = _middle(points[new[part]], origin)
             self.things.append(Mover(*middle, 0.0, 0.0, now, middle))
+        self._merge()
         self._forget(points, origin, limit, now)
         return np.concatenate([*own, np.empty(0, dtype=np.int64)])
 
@@ -184,6 +191,14 @@ class Movers:
         owner: Int = off.argmin(axis=1)
         owner[off.min(axis=1) > GATE] = -1
         return owner
+
+    def _merge(self) -> None:
+        """Drop the younger one of two things that are too near to each other to be two people."""
+        kept: list[Mover] = []
+        for thing in sorted(self.things, key=lambda each: -each.times):
+            if all(hypot(thing.x - k.x, thing.y - k.y) > SAME for k in kept):
+                kept.append(thing)
+        self.things = kept
 
     def walking(self) -> list[Mover]:
         """Return the things that have come some way."""
@@ -218,7 +233,8 @@ class Movers:
                 aside = atan2(GATE, away) + AT_EDGE
                 beside = np.abs((bearings - bearing + np.pi) % (2 * np.pi) - np.pi) < 0.1
                 hidden = abs(off) > limit[1] - aside or bool((ranges[beside] < away - 0.2).any())
-                patience = HIDDEN if hidden or away < GATE else UNSEEN
+                known = thing.times > KNOWN and (hidden or away < GATE)
+                patience = HIDDEN if known else UNSEEN
             if age <= patience:
                 kept.append(thing)
         self.things = kept
@@ -234,6 +250,15 @@ def _middle(points: Float, origin: Float) -> tuple[float, float]:
     dx, dy = x - float(origin[0]), y - float(origin[1])
     share = SHANK / max(hypot(dx, dy), SHANK)
     return x + share * dx, y + share * dy
+
+
+def _has_company(points: Float) -> NDArray[np.bool_]:
+    """Return which of the points (N, 2) have a neighbour in the scan's order near them."""
+    close = np.hypot(*np.diff(points, axis=0).T) < COMPANY
+    company = np.zeros(len(points), dtype=np.bool_)
+    company[1:] |= close
+    company[:-1] |= close
+    return company
 
 
 def _is_whole(points: Float, origin: Float, limit: Float) -> bool:
