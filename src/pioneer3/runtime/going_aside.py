@@ -89,7 +89,7 @@ class GoingAside:
         """Return the people who stand so near that the robot may be in their way."""
         return [
             each
-            for each in self.sightings.movers.walking()
+            for each in self.sightings.movers.people()
             if hypot(each.x - here[0], each.y - here[1]) < MEETS
             and (each.stands is not None or now - each.seen > STUCK)
         ]
