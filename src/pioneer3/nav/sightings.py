@@ -79,7 +79,7 @@ class Sightings:
         fast(mark_echoes, CACHE)(ends[near], self._clearance, EXPLAINED, now, self._seen)
 
     def hear(self, transducers: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
-        """Note the echoes of sonars that neither the map nor people explain.
+        """Note the echoes of sonars that neither the map, nor the laser, nor people explain.
 
         Lasers look through glass and over low boxes, so that they do not clear what was heard.
 
@@ -104,6 +104,8 @@ class Sightings:
             rows, columns = self._cells(arc)
             if len(rows) < len(arc) or (self._clearance[rows, columns] < EXPLAINED).any():
                 continue
+            if any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist()):
+                continue  # the laser sees it, and knows better where it is
             echo = place + metres * axis
             if any(np.hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + BODY for p in people):
                 continue

@@ -100,6 +100,14 @@ def test_the_echo_of_a_wall_of_the_map_is_no_thing(sightings: Sightings) -> None
     assert not len(sightings.near(9.0, 3.0, 1.5, 5.2))
 
 
+def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Sightings) -> None:
+    beside = (1.0, 0.15)
+    for now in (5.0, 5.1, 5.2):
+        sightings.take(beams(now, beside), HERE)
+        hear(sightings, 0.8, HERE, now)
+    assert sightings.points(5.2) == pytest.approx(np.array([[3.0, 3.15]]), abs=0.05)
+
+
 def test_what_a_sonar_does_not_hear_any_more_has_gone(sightings: Sightings) -> None:
     for now in (5.0, 5.1, 5.2):
         hear(sightings, 0.8, HERE, now)
