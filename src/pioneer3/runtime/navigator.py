@@ -420,9 +420,9 @@ class Navigator:
             things,
         ]
         way: Way | NoWay = NoWay("")
-        for obstacles, before in zip(tries, [NOWHERE, *tries], strict=False):
-            if before is not NOWHERE and len(obstacles) == len(before):
-                continue
+        for number, obstacles in enumerate(tries):
+            if number and len(obstacles) == len(tries[number - 1]):
+                continue  # the same once more
             around = self.costs.with_obstacles(obstacles)
             way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
             if isinstance(way, Way):
