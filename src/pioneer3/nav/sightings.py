@@ -147,6 +147,7 @@ class Sightings:
 
         Somebody who walks is not among them; with `people`, who has stood for a while is.
         """
+        self._seen[self._seen < now - AGE] = 0.0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
         seen = self._middles(self._seen, whole, now - age)
         often = np.where(self._times >= HEARD, self._heard, 0.0)
