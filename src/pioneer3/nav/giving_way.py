@@ -1,6 +1,6 @@
-"""Places beside the way of somebody who walks, where a robot can wait until they have passed."""
+"""Places beside the ways of others, where a robot can wait until they have passed."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import hypot, isfinite
 
@@ -14,6 +14,7 @@ from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
 
 Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
 
 WINDOW = 5.0
 """Places so far from the robot in x or y are looked at [m]."""
@@ -39,35 +40,51 @@ def refuge(
         walkers: Who come, or stand because of the robot.
         seen: Other things that are not on the map [m], shape (N, 2).
     """
-    robot = robot_in_map.x, robot_in_map.y
-    around = _window(costs, *robot).with_obstacles(_with_bodies(seen, walkers))
-    raster, prices = around.raster, around.costs()
-    from_robot = CostToGo.of(prices, raster, *robot)
+    here = robot_in_map.x, robot_in_map.y
+    around = _window(costs, *here).with_obstacles(_with_bodies(seen, walkers))
+    apart = corner + RADIUS + BESIDE
+
+    def free(places: Float) -> Bool:
+        beside = np.ones(len(places), dtype=np.bool_)
+        for walker in walkers:
+            to_robot = np.array(here) - (walker.x, walker.y)
+            to_robot /= max(hypot(*to_robot.tolist()), 1e-9)
+            for ahead in (np.array(walker.heading), to_robot):
+                beside &= _from_way(walker, ahead, places) > apart
+        return beside
+
+    return nearest_place(around, robot_in_map, free)
+
+
+def nearest_place(
+    costs: CostMap, robot_in_map: Pose2, free: Callable[[Float], Bool]
+) -> CostToGo | None:
+    """Return the way to the nearest place where a robot can turn and wait, if there is one.
+
+    Args:
+        costs: Of the map, with all that is seen.
+        robot_in_map: Where the robot is [m, rad].
+        free: Returns which of some places are in nobody's way, (N, 2) [m] to (N,).
+    """
+    raster, prices = costs.raster, costs.costs()
+    from_robot = CostToGo.of(prices, raster, robot_in_map.x, robot_in_map.y)
     if from_robot is None:
         return None
-    rows, columns = np.nonzero(
-        np.isfinite(from_robot.values) & (around.clearance >= costs.turning + SPARE)
-    )
+    fits = np.isfinite(from_robot.values) & (costs.clearance >= costs.turning + SPARE)
+    rows, columns = np.nonzero(fits)
     places = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell + (raster.x, raster.y)
-    apart = corner + RADIUS + BESIDE
-    free = np.ones(len(places), dtype=np.bool_)
-    for walker in walkers:
-        to_robot = np.array(robot) - (walker.x, walker.y)
-        to_robot /= max(hypot(*to_robot.tolist()), 1e-9)
-        for ahead in (np.array(walker.heading), to_robot):
-            free &= _from_way(walker, ahead, places) > apart
-    if not free.any():
-        return None
     cost = from_robot.values[rows, columns].astype(np.float64)
-    # between people it has no room to turn, and drives either way as well
-    there = places - robot
-    along = np.abs(np.cos(np.arctan2(there[:, 1], there[:, 0]) - robot_in_map.theta))
+    # in a crowd it has no room to turn, and drives either way as well
+    bearing = np.arctan2(places[:, 1] - robot_in_map.y, places[:, 0] - robot_in_map.x)
+    along = np.abs(np.cos(bearing - robot_in_map.theta))
     cost += TURN * np.arccos(np.minimum(along, 1.0))
-    cost[~free] = np.inf
-    best = int(cost.argmin())
-    x, y = places[best].tolist()
+    cost[~free(places)] = np.inf
+    if not np.isfinite(cost).any():
+        return None
+    x, y = places[int(cost.argmin())].tolist()
     to_go = CostToGo.of(prices, raster, x, y)
-    return to_go if to_go is not None and isfinite(to_go.at(*robot)) else None
+    here = robot_in_map.x, robot_in_map.y
+    return to_go if to_go is not None and isfinite(to_go.at(*here)) else None
 
 
 def _from_way(walker: Mover, ahead: Float, places: Float) -> Float:

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
+from pioneer3.nav.giving_way import nearest_place
 from pioneer3.nav.planner import CostToGo
 
 Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
 
 BESIDE = 0.2
 """Room between two robots that pass each other [m]."""
@@ -53,7 +55,8 @@ class Traveller:
     def ahead(self, length: float = inf) -> Float:
         """Return where it is and will be on the next stretch of its way [m], shape (M, 2)."""
         here = np.array([[self.robot_in_map.x, self.robot_in_map.y]])
-        return np.concatenate([here, _stretch(self.way, length)[::EVERY], self.way[-1:]])
+        way = _stretch(self.way, length)
+        return np.concatenate([here, way[::EVERY], way[-1:]])
 
 
 def without_robots(beams: Beams, robot_in_map: Pose2, others: Iterable[Traveller]) -> Beams:
@@ -99,26 +102,17 @@ def passing_place(costs: CostMap, mine: Traveller, others: Sequence[Traveller]) 
         mine: The robot that lets the others pass.
         others: Those.
     """
-    here = mine.robot_in_map
     around = costs.with_obstacles(np.concatenate([other.body for other in others]))
-    prices = around.costs()
-    raster = costs.raster
-    from_here = CostToGo.of(prices, raster, here.x, here.y)
-    if from_here is None:
-        return None
-    fits = np.isfinite(from_here.values) & (around.clearance >= costs.turning) & ~around.closed
-    rows, columns = np.nonzero(fits)
-    places = np.stack([columns + 0.5, rows + 0.5], axis=1) * raster.cell + (raster.x, raster.y)
-    cost = from_here.values[rows, columns].astype(np.float64)
-    for other in others:
-        apart = mine.corner + other.corner + BESIDE
-        for point in other.ahead():
-            cost[np.hypot(*(places - point).T) < apart] = np.inf
-    if not len(cost) or not np.isfinite(cost).any():
-        return None
-    x, y = places[int(cost.argmin())].tolist()
-    to_go = CostToGo.of(prices, raster, x, y)
-    return to_go if to_go is not None and np.isfinite(to_go.at(here.x, here.y)) else None
+
+    def free(places: Float) -> Bool:
+        beside = np.ones(len(places), dtype=np.bool_)
+        for other in others:
+            apart = mine.corner + other.corner + BESIDE
+            for point in other.ahead():
+                beside &= np.hypot(*(places - point).T) >= apart
+        return beside
+
+    return nearest_place(around, mine.robot_in_map, free)
 
 
 def _stretch(way: Float, length: float) -> Float:

@@ -345,7 +345,7 @@ class Navigator:
 
     async def _replan(self, drive: _Drive) -> None:
         now = self._clock()
-        if drive.action.held_up(now) > HELD_UP:
+        if drive.action.held_up(now) > HELD_UP and not self._sightings.movers.people():
             self._avoid(drive.way, now)
         way = await self.plan(drive.goal)
         if isinstance(way, Way):
