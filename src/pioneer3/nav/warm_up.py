@@ -18,6 +18,7 @@ from pioneer3.nav.follower import Follower
 from pioneer3.nav.frontiers import find_frontiers
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.localizer import Localizer
+from pioneer3.nav.manoeuvre import find_manoeuvre
 from pioneer3.nav.planner import Way, plan
 from pioneer3.nav.rendering import Renderer, trodden
 from pioneer3.nav.sightings import Sightings
@@ -53,6 +54,7 @@ def warm_up() -> None:
     limits = Limits(max_speed=0.5, max_turn_rate=1.0)
     follower = Follower(model, limits, (-1.2, 0.0, None), way.cost_to_go)
     follower.step(ORIGIN, Twist2(), np.pad(seen, ((0, 0), (0, 3))))
+    find_manoeuvre(ORIGIN, model, seen, way.cost_to_go)
     mapper.prepare()
     _draw()
     CACHE.complete()

@@ -14,6 +14,7 @@ from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
 
@@ -21,6 +22,8 @@ Float = NDArray[np.float64]
 
 PATIENCE = 40.0
 """A robot that comes no nearer for so long gives up [s]."""
+HELD_UP, SEARCH_AGAIN = 4.0, 2.0
+"""One that comes no nearer for so long looks for a manoeuvre, every so often [s]."""
 NEARER = 0.1
 """Less of a way is no progress [m]."""
 AHEAD = 0.5
@@ -76,6 +79,8 @@ class FollowWay:
     blocked: bool = False
     waits: str = ""
     _aside: GoingAside = field(init=False)
+    _manoeuvre: Manoeuvre | None = field(default=None, init=False)
+    _searched: float = field(default=-inf, init=False)
     _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
@@ -115,12 +120,35 @@ class FollowWay:
         if aside := self._aside.decide(situation, robot_in_map, obstacles):
             self._since = None if self._since is None else self._since + self._aside.forgiven
             return aside
+        if lines_up := self._line_up(situation, robot_in_map, obstacles):
+            return lines_up
         top_speed = min(self.top_speed, self._preferred_speed(robot_in_map))
         step = self.follower.step(robot_in_map, situation.twist, obstacles, top_speed)
         self.arrived, self.blocked = step.arrived, step.blocked
         self.done = self.arrived and self.last
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
+
+    def _line_up(
+        self, situation: Situation, robot_in_map: Pose2, obstacles: Float
+    ) -> Desire | None:
+        """Return the next velocity of a manoeuvre, or `None` where none is wanted or found."""
+        now, points = situation.now, obstacles[:, :2]
+        held_up = self.held_up(now) > HELD_UP and now - self._searched > SEARCH_AGAIN
+        if self._manoeuvre is None and held_up and not self.sightings.movers.people():
+            self._searched = now
+            to_go = self.follower.cost_to_go
+            poses = find_manoeuvre(robot_in_map, situation.model, points, to_go)
+            if poses is not None:
+                self._manoeuvre = Manoeuvre(poses, situation.model, situation.limits)
+        if self._manoeuvre is None:
+            return None
+        v, w = self._manoeuvre.step(robot_in_map, points)
+        if self._manoeuvre.done:
+            self._manoeuvre = None
+            return None
+        self._check_progress(now, robot_in_map)
+        return Desire(v=v, w=w, reason="lines up with a narrow place")
 
     def renew(self, walls: Float, sightings: Sightings) -> None:
         """Go on with a map that has grown."""
@@ -133,7 +161,7 @@ class FollowWay:
 
     def send_on(self, follower: Follower, *, last: bool) -> None:
         """Drive to the next goal."""
-        self.follower, self.last = follower, last
+        self.follower, self.last, self._manoeuvre = follower, last, None
         self.arrived, self._best, self._since = False, inf, None
 
     def _preferred_speed(self, robot_in_map: Pose2) -> float:

@@ -1,0 +1,150 @@
+"""Short drives to and fro, found by a search over places and headings."""
+
+from math import cos, floor, inf, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.jit import inlined, kernel
+from pioneer3.nav.kernels.arcs import gap_to
+
+Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
+Int32 = NDArray[np.int32]
+
+
+@inlined
+def _state_of(x: float, y: float, theta: float, middle: Float, cell: float, sizes: Int32) -> int:
+    """Return the number of the state of a pose; -1 outside."""
+    side, headings = sizes[0], sizes[1]
+    column = floor((x - middle[0]) / cell) + side // 2
+    row = floor((y - middle[1]) / cell) + side // 2
+    if column < 0 or row < 0 or column >= side or row >= side:
+        return -1
+    turned = floor(theta / (2 * pi) * headings + 0.5) % headings
+    return int((row * side + column) * headings + turned)
+
+
+@inlined
+def _room(x: float, y: float, theta: float, outline: Float, points: Float) -> float:
+    """Return the gap between a robot and the nearest of `points` (N, 2) [m]."""
+    c, s = cos(theta), sin(theta)
+    least = inf
+    for i in range(len(points)):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        gap = gap_to(c * dx + s * dy, c * dy - s * dx, outline[0], outline[1], outline[2])
+        least = min(least, gap)
+    return least
+
+
+@inlined
+def _push(heap: Int32, keys: Float32, size: int, state: int) -> int:
+    """Put a state into the heap, which has `size`; return the new size. A state may be twice in."""
+    at = size
+    while at > 0:
+        above = (at - 1) // 2
+        if keys[heap[above]] <= keys[state]:
+            break
+        heap[at] = heap[above]
+        at = above
+    heap[at] = state
+    return size + 1
+
+
+@inlined
+def _pop(heap: Int32, keys: Float32, size: int) -> int:
+    """Take the top off the heap, which has `size`; return the new size."""
+    state = heap[size - 1]
+    at = 0
+    while True:
+        below = 2 * at + 1
+        if below >= size - 1:
+            break
+        if below + 1 < size - 1 and keys[heap[below + 1]] < keys[heap[below]]:
+            below += 1
+        if keys[heap[below]] >= keys[state]:
+            break
+        heap[at] = heap[below]
+        at = below
+    heap[at] = state
+    return size - 1
+
+
+@kernel
+def manoeuvre(
+    start: Float,
+    moves: Float,
+    outline: Float,
+    points: Float,
+    to_go: Float32,
+    frame: Float,
+    sizes: Int32,
+    poses: Float,
+    costs: Float32,
+    keys: Float32,
+    before: Int32,
+    heap: Int32,
+) -> int:
+    """Search for the cheapest drive to a pose from which the way goes on without one.
+
+    Args:
+        start: x, y [m] and heading [rad] in the map's frame, shape (3,).
+        moves: Way [m], negative backwards, turn [rad] and cost of each move, shape (M, 3).
+        outline: Front, rear, half of the width, least gap, the gap around its middle with which it
+            may turn anywhere, and the cost to go that the drive has to get below [m], shape (6,).
+        points: Obstacles in the map's frame [m], shape (N, 2).
+        to_go: Cost to go [m], shape (H, W).
+        frame: x, y of its lower left corner, side of its cells, side of a state's place [m], (4,).
+        sizes: Places along a side of the window around the start, headings, shape (2,).
+        poses: Work space: pose of each state, shape (S, 3).
+        costs: Filled with `inf`: the cheapest cost of each state, shape (S,).
+        keys: Work space: cost and cost to go, shape (S,).
+        before: Work space: the state before each, shape (S,); negative once it is settled:
+            `-2 - before`.
+        heap: Work space, shape (4 S,).
+
+    Returns:
+        The last state of the drive, from which `before` leads back; -1 if there is none.
+    """
+    cell = frame[3]
+    first = _state_of(start[0], start[1], start[2], start, cell, sizes)
+    poses[first] = start
+    costs[first], keys[first], before[first] = 0.0, 0.0, first
+    size = _push(heap, keys, 0, first)
+    while size > 0:
+        state = heap[0]
+        size = _pop(heap, keys, size)
+        if before[state] < -1:
+            continue
+        x, y, theta = poses[state, 0], poses[state, 1], poses[state, 2]
+        before[state] = -2 - before[state]
+        row, column = floor((y - frame[1]) / frame[2]), floor((x - frame[0]) / frame[2])
+        left = to_go[row, column]
+        around = inf
+        for i in range(len(points)):
+            dx, dy = points[i, 0] - x, points[i, 1] - y
+            around = min(around, dx * dx + dy * dy)
+        if left < outline[5] and around >= outline[4] * outline[4]:
+            return state
+        for move in range(len(moves)):
+            way, turn = moves[move, 0], moves[move, 1]
+            middle = theta + turn / 2.0
+            nx, ny, heading = x + way * cos(middle), y + way * sin(middle), theta + turn
+            other = _state_of(nx, ny, heading, start, cell, sizes)
+            if other < 0 or before[other] < -1:
+                continue
+            row, column = floor((ny - frame[1]) / frame[2]), floor((nx - frame[0]) / frame[2])
+            if row < 0 or column < 0 or row >= to_go.shape[0] or column >= to_go.shape[1]:
+                continue
+            cost = costs[state] + moves[move, 2]
+            if cost >= costs[other] or to_go[row, column] == inf:
+                continue
+            if _room(nx, ny, heading, outline, points) < outline[3]:
+                continue
+            if size >= len(heap):
+                return -1
+            poses[other, 0], poses[other, 1], poses[other, 2] = nx, ny, heading
+            costs[other], before[other] = cost, state
+            keys[other] = cost + to_go[row, column]
+            size = _push(heap, keys, size, other)
+    return -1

@@ -1,0 +1,193 @@
+"""Manoeuvres: out of places where a robot that is longer than wide has to line up with a gap."""
+
+from dataclasses import dataclass, field
+from math import atan2, cos, hypot, pi, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2, wrap
+from pioneer3.jit import fast
+from pioneer3.limits import Limits
+from pioneer3.models import RobotModel
+from pioneer3.nav.kernels import CACHE
+from pioneer3.nav.kernels.manoeuvres import manoeuvre
+from pioneer3.nav.planner import CostToGo
+
+Float = NDArray[np.float64]
+
+SIDE, CELL, HEADINGS = 64, 0.05, 64
+"""Of the window that is searched, and of its cells [m]; and how many headings."""
+STEP, SHARP = 0.08, 0.5
+"""Length of a move, and the radius of its arcs [m]."""
+BACKWARDS, TURN, AGAIN = 1.5, 0.3, 0.01
+"""A way backwards counts so many times; a turn so much [m/rad]; and each move [m]."""
+GAP = 0.03
+"""Kept from everything [m]; less where the robot has less already."""
+PROGRESS = 0.3
+"""A manoeuvre brings the robot so much nearer to its goal [m in the open]."""
+FREE = 0.02
+"""With so much room around its farthest corner it turns as it likes [m]."""
+SPEED, TURN_RATE = 0.1, 0.5
+"""Of a manoeuvre [m/s, rad/s]."""
+AHEAD = 0.15
+"""Arcs are steered by a point so far ahead [m]."""
+THERE, ALIGNED = 0.015, 0.03
+"""Near enough [m, rad]."""
+TOUCHES = 0.01
+"""Nearer to something it gives up [m]."""
+SLOWEST_TURN = 0.06
+"""Wheels stick below this [rad/s]."""
+
+
+def find_manoeuvre(
+    robot_in_map: Pose2, model: RobotModel, obstacles: Float, cost_to_go: CostToGo
+) -> Float | None:
+    """Return the poses of a drive to where the way goes on, or `None` if there is none.
+
+    Args:
+        robot_in_map: Where the robot is [m, rad].
+        model: Its outline.
+        obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+        cost_to_go: To its goal.
+
+    Returns:
+        x, y [m] and heading [rad] in the map's frame, one after the other, shape (K, 3).
+    """
+    here = robot_in_map
+    reach = SIDE * CELL / 2 + model.corner
+    points = obstacles[np.hypot(obstacles[:, 0] - here.x, obstacles[:, 1] - here.y) < reach]
+    count = SIDE * SIDE * HEADINGS
+    poses, before = np.empty((count, 3)), np.full(count, -1, dtype=np.int32)
+    costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
+    raster, least = cost_to_go.raster, cost_to_go.at(here.x, here.y) - PROGRESS
+    gap = min(GAP, _gap(here, model, points) - 0.002)
+    outline = (model.length_front, model.length_rear, model.width / 2, gap, model.corner + FREE)
+    last = fast(manoeuvre, CACHE)(
+        np.array([here.x, here.y, here.theta]),
+        _moves(),
+        np.array([*outline, least]),
+        points,
+        cost_to_go.values,
+        np.array([raster.x, raster.y, raster.cell, CELL]),
+        np.array([SIDE, HEADINGS], dtype=np.int32),
+        poses,
+        costs,
+        keys,
+        before,
+        np.empty(4 * count, dtype=np.int32),
+    )
+    if last < 0:
+        return None
+    path = [last]
+    while (state := -2 - int(before[path[-1]])) != path[-1]:
+        path.append(state)
+    found: Float = poses[path[::-1]]
+    return found
+
+
+@dataclass(slots=True)
+class Manoeuvre:
+    """Drives along the poses of a manoeuvre, slowly.
+
+    Attributes:
+        poses: As found, shape (K, 3).
+        model: The outline of the robot.
+        limits: Bounds on its motion.
+        done: Whether it is over, for good or ill.
+    """
+
+    poses: Float
+    model: RobotModel
+    limits: Limits
+    done: bool = False
+    _at: int = field(default=0, init=False)
+
+    def step(self, robot_in_map: Pose2, obstacles: Float) -> tuple[float, float]:
+        """Return the next velocity [m/s, rad/s].
+
+        Args:
+            robot_in_map: Where the robot is [m, rad].
+            obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+        """
+        while not self.done:
+            end, way = self._run()
+            command = self._drive(robot_in_map, end, way) if way else self._turn(robot_in_map, end)
+            if command is not None:
+                v, w = command
+                ahead = robot_in_map @ Pose2(0.3 * v, 0.0, 0.3 * w)
+                now = _gap(robot_in_map, self.model, obstacles)
+                if _gap(ahead, self.model, obstacles) < min(TOUCHES, now):
+                    break
+                return command
+            self._at = end
+            self.done = end + 1 >= len(self.poses)
+        self.done = True
+        return 0.0, 0.0
+
+    def _run(self) -> tuple[int, int]:
+        """Return the last pose of the present run, and its direction: 1 or -1, 0 for a turn."""
+        kind = self._kind(self._at)
+        end = self._at + 1
+        while end + 1 < len(self.poses) and self._kind(end) == kind:
+            end += 1
+        return end, kind
+
+    def _kind(self, at: int) -> int:
+        x, y, theta = self.poses[at]
+        dx, dy = self.poses[at + 1, 0] - x, self.poses[at + 1, 1] - y
+        if hypot(dx, dy) < STEP / 2:
+            return 0
+        return 1 if dx * cos(theta) + dy * sin(theta) > 0 else -1
+
+    def _turn(self, at: Pose2, end: int) -> tuple[float, float] | None:
+        off = wrap(float(self.poses[end, 2]) - at.theta)
+        if abs(off) < ALIGNED:
+            return None
+        rate = max(SLOWEST_TURN, sqrt(self.limits.turn_deceleration * abs(off)))
+        rate = min(rate, TURN_RATE, self.limits.max_turn_rate)
+        return 0.0, rate if off > 0 else -rate
+
+    def _drive(self, at: Pose2, end: int, way: int) -> tuple[float, float] | None:
+        """Return the velocity along a run of arcs, or `None` at its end."""
+        x, y, theta = self.poses[end]
+        left = way * ((x - at.x) * cos(theta) + (y - at.y) * sin(theta))
+        if left < THERE:
+            return None
+        run = self.poses[self._at : end + 1]
+        nearest = int(np.hypot(run[:, 0] - at.x, run[:, 1] - at.y).argmin())
+        ahead = nearest + max(1, round(AHEAD / STEP))
+        if ahead < len(run):
+            to_x, to_y = run[ahead, :2]
+        else:  # beyond the end, straight on
+            beyond = way * (AHEAD - min(AHEAD, left))
+            to_x, to_y = x + beyond * cos(theta), y + beyond * sin(theta)
+        dx, dy = to_x - at.x, to_y - at.y
+        bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
+        curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
+        v = min(SPEED, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
+        w = max(-TURN_RATE, min(TURN_RATE, v * curvature))
+        return way * v, w
+
+
+def _moves() -> Float:
+    bend, turn = STEP / SHARP, 2 * pi / HEADINGS
+    rows = [(way * STEP, side * bend) for way in (1, -1) for side in (0, 1, -1)]
+    rows += [(0.0, turn), (0.0, -turn)]
+    costs = [
+        abs(way) * (1.0 if way > 0 else BACKWARDS) + TURN * abs(angle) + AGAIN
+        for way, angle in rows
+    ]
+    return np.column_stack([rows, costs])
+
+
+def _gap(at: Pose2, model: RobotModel, points: Float) -> float:
+    """Return the distance between the robot and the nearest of `points` (N, 2) [m]."""
+    if not len(points):
+        return 1.0
+    c, s = cos(at.theta), sin(at.theta)
+    dx, dy = points[:, 0] - at.x, points[:, 1] - at.y
+    x, y = c * dx + s * dy, c * dy - s * dx
+    away_x = np.maximum(np.maximum(x - model.length_front, -model.length_rear - x), 0.0)
+    away_y = np.maximum(np.abs(y) - model.width / 2, 0.0)
+    return float(np.hypot(away_x, away_y).min())

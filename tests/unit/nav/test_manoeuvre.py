@@ -1,0 +1,120 @@
+"""Manoeuvres out of narrow places."""
+
+from math import cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2, arc, wrap
+from pioneer3.limits import Limits
+from pioneer3.maps import LineMap
+from pioneer3.maps.grid import samples
+from pioneer3.nav.manoeuvre import (
+    BACKWARDS,
+    GAP,
+    PROGRESS,
+    STEP,
+    Manoeuvre,
+    find_manoeuvre,
+)
+from pioneer3.nav.planner import CostToGo
+from tests.unit.nav.offices import AT, box, costs, room
+
+Float = NDArray[np.float64]
+LIMITS = Limits(max_speed=0.7, max_turn_rate=1.5)
+POCKET = room(*box(5.35, 3.4, 5.75, 3.9), *box(4.0, 2.2, 5.2, 2.6), *box(4.0, 3.4, 4.6, 6.0))
+"""Out of the upper right a P3-AT has to turn between three boxes."""
+
+
+def to_go(line_map: LineMap, x: float, y: float) -> CostToGo:
+    on = costs(line_map)
+    found = CostToGo.of(on.costs(), on.raster, x, y)
+    assert found is not None
+    return found
+
+
+def gap(pose: Float, points: Float) -> float:
+    """Return the distance between a P3-AT and the nearest of some points, by its sides."""
+    x, y, theta = pose
+    c, s = cos(theta), sin(theta)
+    ahead = c * (points[:, 0] - x) + s * (points[:, 1] - y)
+    left = c * (points[:, 1] - y) - s * (points[:, 0] - x)
+    beyond_x = np.clip(np.maximum(ahead - AT.length_front, -AT.length_rear - ahead), 0, None)
+    beyond_y = np.clip(abs(left) - AT.width / 2, 0, None)
+    return float(np.hypot(beyond_x, beyond_y).min())
+
+
+@pytest.mark.parametrize("theta", np.linspace(-pi, pi, 9)[:-1].tolist())
+@pytest.mark.parametrize("at", [(5.0, 3.0), (4.98, 3.1)])
+def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: float) -> None:
+    points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
+    here = Pose2(*at, theta)
+    least = min(GAP, gap(np.array([*at, theta]), points) - 0.002)
+    poses = find_manoeuvre(here, AT, points, there)
+    assert poses is not None
+    assert poses[0] == pytest.approx([*at, theta])
+    for before, after in zip(poses[:-1], poses[1:], strict=True):
+        dx, dy = after[:2] - before[:2]
+        turn = wrap(float(after[2] - before[2]))
+        way = hypot(dx, dy)
+        assert way == pytest.approx(STEP, abs=1e-6) or way == pytest.approx(0, abs=1e-6)
+        if way > STEP / 2:  # never sideways
+            middle = before[2] + turn / 2
+            assert abs(dx * sin(middle) - dy * cos(middle)) < 1e-6
+        assert abs(turn) < 0.2
+        assert gap(after, points) >= least - 1e-9
+    assert there.at(*poses[-1, :2]) < there.at(*at) - PROGRESS + 0.1
+    around = np.hypot(*(points - poses[-1, :2]).T).min()
+    assert around >= AT.corner
+
+
+def test_there_is_none_out_of_a_place_without_a_way() -> None:
+    closed = room(*box(4.5, 2.5, 5.5, 3.5))
+    poses = find_manoeuvre(
+        Pose2(5.0, 3.0), AT, samples(closed.walls, 0.05), to_go(room(), 1.0, 3.0)
+    )
+    assert poses is None
+
+
+def test_backwards_is_taken_where_it_is_shorter() -> None:
+    alley = room([3.0, 2.65, 7.0, 2.65], [3.0, 3.35, 7.0, 3.35], [5.4, 2.65, 5.4, 3.35])
+    points, there = samples(alley.walls, 0.05), to_go(alley, 1.0, 3.0)
+    poses = find_manoeuvre(Pose2(4.2, 3.0, 0.0), AT, points, there)
+    assert poses is not None
+    assert poses[-1, 0] < 3.0
+    assert np.allclose(poses[:, 2] % (2 * pi), 0.0, atol=0.3)
+    assert BACKWARDS > 1.0
+
+
+@pytest.mark.parametrize("theta", [0.0, 1.5, -1.6, 3.0])
+def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
+    points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
+    at = Pose2(4.98, 3.0, theta)
+    poses = find_manoeuvre(at, AT, points, there)
+    assert poses is not None
+    drive, v, w, nearest = Manoeuvre(poses, AT, LIMITS), 0.0, 0.0, 1.0
+    for _ in range(1500):
+        wanted_v, wanted_w = drive.step(at, points)
+        if drive.done:
+            break
+        v += float(np.clip(wanted_v - v, -0.03, 0.03))
+        w += float(np.clip(wanted_w - w, -0.15, 0.15))
+        at = at @ arc(v * 0.1, w * 0.1, 1.0)
+        nearest = min(nearest, gap(np.array([at.x, at.y, at.theta]), points))
+    assert drive.done
+    assert hypot(at.x - poses[-1, 0], at.y - poses[-1, 1]) < 0.05
+    assert nearest > 0.0
+
+
+def test_it_gives_up_where_something_has_come_into_its_way() -> None:
+    there = to_go(POCKET, 1.0, 3.0)
+    at = Pose2(5.0, 3.0, pi)
+    poses = find_manoeuvre(at, AT, samples(POCKET.walls, 0.05), there)
+    assert poses is not None
+    drive = Manoeuvre(poses, AT, LIMITS)
+    near = poses[min(2, len(poses) - 1)]
+    thing = np.array([[at.x + (AT.length_front + 0.012) * cos(at.theta), at.y]])
+    assert near is not None
+    assert drive.step(at, thing) == (0.0, 0.0)
+    assert drive.done
