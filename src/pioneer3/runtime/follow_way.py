@@ -14,16 +14,14 @@ from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
-from pioneer3.nav.manoeuvre import Manoeuvre, find_manoeuvre
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
+from pioneer3.runtime.lining_up import LiningUp
 
 Float = NDArray[np.float64]
 
 PATIENCE = 40.0
 """A robot that comes no nearer for so long gives up [s]."""
-HELD_UP, SEARCH_AGAIN = 4.0, 2.0
-"""One that comes no nearer for so long looks for a manoeuvre, every so often [s]."""
 NEARER = 0.1
 """Less of a way is no progress [m]."""
 AHEAD = 0.5
@@ -79,8 +77,7 @@ class FollowWay:
     blocked: bool = False
     waits: str = ""
     _aside: GoingAside = field(init=False)
-    _manoeuvre: Manoeuvre | None = field(default=None, init=False)
-    _searched: float = field(default=-inf, init=False)
+    _lining_up: LiningUp = field(default_factory=LiningUp, init=False)
     _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
@@ -109,19 +106,14 @@ class FollowWay:
         if unsure := self.unsure():
             self._wait(situation.now)
             return Desire(v=0.0, w=0.0, reason=f"not sure where it is: {unsure}")
-        if self.arrived:
-            return Desire(v=0.0, w=0.0, reason="has arrived there")
-        if self.waits:
+        if self.arrived or self.waits:
             self._best, self._since = inf, None
-            return Desire(v=0.0, w=0.0, reason=self.waits)
+            return Desire(v=0.0, w=0.0, reason=self.waits or "has arrived there")
         robot_in_map = self.odom_in_map() @ situation.pose
         self._listen(situation, robot_in_map)
         obstacles = self._obstacles(situation, robot_in_map)
-        if aside := self._aside.decide(situation, robot_in_map, obstacles):
-            self._since = None if self._since is None else self._since + self._aside.forgiven
-            return aside
-        if lines_up := self._line_up(situation, robot_in_map, obstacles):
-            return lines_up
+        if recovers := self._recover(situation, robot_in_map, obstacles):
+            return recovers
         top_speed = min(self.top_speed, self._preferred_speed(robot_in_map))
         step = self.follower.step(robot_in_map, situation.twist, obstacles, top_speed)
         self.arrived, self.blocked = step.arrived, step.blocked
@@ -129,26 +121,20 @@ class FollowWay:
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
 
-    def _line_up(
+    def _recover(
         self, situation: Situation, robot_in_map: Pose2, obstacles: Float
     ) -> Desire | None:
-        """Return the next velocity of a manoeuvre, or `None` where none is wanted or found."""
-        now, points = situation.now, obstacles[:, :2]
-        held_up = self.held_up(now) > HELD_UP and now - self._searched > SEARCH_AGAIN
-        if self._manoeuvre is None and held_up and not self.sightings.movers.people():
-            self._searched = now
-            to_go = self.follower.cost_to_go
-            poses = find_manoeuvre(robot_in_map, situation.model, points, to_go)
-            if poses is not None:
-                self._manoeuvre = Manoeuvre(poses, situation.model, situation.limits)
-        if self._manoeuvre is None:
-            return None
-        v, w = self._manoeuvre.step(robot_in_map, points)
-        if self._manoeuvre.done:
-            self._manoeuvre = None
-            return None
-        self._check_progress(now, robot_in_map)
-        return Desire(v=v, w=w, reason="lines up with a narrow place")
+        """Return the velocity of a robot that does not simply go on: for people, or to line up."""
+        aside = self._aside.decide(situation, robot_in_map, obstacles)
+        if aside is not None:
+            self._since = None if self._since is None else self._since + self._aside.forgiven
+            return aside
+        held_up = 0.0 if self.sightings.movers.people() else self.held_up(situation.now)
+        to_go, points = self.follower.cost_to_go, obstacles[:, :2]
+        lines_up = self._lining_up.decide(situation, robot_in_map, points, to_go, held_up)
+        if lines_up is not None:
+            self._check_progress(situation.now, robot_in_map)
+        return lines_up
 
     def renew(self, walls: Float, sightings: Sightings) -> None:
         """Go on with a map that has grown."""
@@ -161,7 +147,7 @@ class FollowWay:
 
     def send_on(self, follower: Follower, *, last: bool) -> None:
         """Drive to the next goal."""
-        self.follower, self.last, self._manoeuvre = follower, last, None
+        self.follower, self.last, self._lining_up = follower, last, LiningUp()
         self.arrived, self._best, self._since = False, inf, None
 
     def _preferred_speed(self, robot_in_map: Pose2) -> float:

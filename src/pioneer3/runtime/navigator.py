@@ -48,8 +48,8 @@ PATIENCE = 3.0
 """Longest wait for a robot that knows where it is [s]."""
 REPLAN_EVERY = 1.0
 """[s]."""
-BLOCKED_FOR = 15.0
-"""A way that has been closed for so long is given up [s]."""
+BLOCKED_FOR, BY_PEOPLE = 15.0, 45.0
+"""A way that has been closed for so long is given up, the latter while people are about [s]."""
 PAUSE = 3.0
 """A robot on patrol stands so long at each place [s]."""
 HELD_UP = 6.0
@@ -345,7 +345,8 @@ class Navigator:
 
     async def _replan(self, drive: _Drive) -> None:
         now = self._clock()
-        if drive.action.held_up(now) > HELD_UP and not self._sightings.movers.people():
+        people = bool(self._sightings.movers.people())
+        if drive.action.held_up(now) > HELD_UP and not people:
             self._avoid(drive.way, now)
         way = await self.plan(drive.goal)
         if isinstance(way, Way):
@@ -353,7 +354,7 @@ class Navigator:
             drive.closed_since = None
         elif drive.closed_since is None:
             drive.closed_since = now
-        elif now - drive.closed_since > BLOCKED_FOR:
+        elif now - drive.closed_since > (BY_PEOPLE if people else BLOCKED_FOR):
             if drive.is_last:
                 drive.action.failed = way.why
             else:

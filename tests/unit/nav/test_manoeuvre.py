@@ -1,5 +1,6 @@
 """Manoeuvres out of narrow places."""
 
+from itertools import pairwise
 from math import cos, hypot, pi, sin
 
 import numpy as np
@@ -54,7 +55,7 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
     poses = find_manoeuvre(here, AT, points, there)
     assert poses is not None
     assert poses[0] == pytest.approx([*at, theta])
-    for before, after in zip(poses[:-1], poses[1:], strict=True):
+    for before, after in pairwise(poses):
         dx, dy = after[:2] - before[:2]
         turn = wrap(float(after[2] - before[2]))
         way = hypot(dx, dy)

@@ -125,7 +125,7 @@ def manoeuvre(
             dx, dy = points[i, 0] - x, points[i, 1] - y
             around = min(around, dx * dx + dy * dy)
         if left < outline[5] and around >= outline[4] * outline[4]:
-            return state
+            return int(state)
         for move in range(len(moves)):
             way, turn = moves[move, 0], moves[move, 1]
             middle = theta + turn / 2.0
