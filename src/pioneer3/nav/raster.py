@@ -7,9 +7,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from pioneer3.errors import ConfigError
 from pioneer3.maps import Bounds
 
 Float = NDArray[np.float64]
+
+MOST = 64_000_000
+"""Most cells: 400 by 400 m at 5 cm."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,9 +39,15 @@ class Raster:
         """Return the cells that cover `bounds` and `margin` [m] around them.
 
         Edges lie on multiples of `cell`, so that rasters of the same cells fit together.
+
+        Raises:
+            ConfigError: There are too many of them.
         """
         left, low = (floor((edge - margin) / cell) for edge in bounds[:2])
         right, high = (ceil((edge + margin) / cell) for edge in bounds[2:])
+        if (high - low + 1) * (right - left + 1) > MOST:
+            size = f"{bounds.x_max - bounds.x_min:.0f} x {bounds.y_max - bounds.y_min:.0f} m"
+            raise ConfigError(f"the map is {size}, too large to find ways on")
         return cls(
             x=left * cell, y=low * cell, cell=cell, height=high - low + 1, width=right - left + 1
         )

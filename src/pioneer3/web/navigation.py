@@ -170,7 +170,10 @@ class RobotNavigation:
         while not self._news.is_set():
             ready = self._robot.snapshot is not None and self.possible
             if ready and not self._scene.tells_truth:
-                await self._ready(stack)
+                try:
+                    await self._ready(stack)
+                except PioneerError as error:
+                    log.warning("the robot is not looked for: %s", error)
                 return
             if ready:
                 return

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import Bounds, LineMap, OccupancyGrid
 from pioneer3.maps.grid import outline
@@ -185,3 +186,9 @@ def test_outside_of_the_raster_no_way_leads_anywhere() -> None:
     found = CostToGo.of(each, raster, 0.5, 0.5)
     assert found is not None
     assert found.at(9.0, 9.0) == inf
+
+
+def test_a_map_of_kilometres_is_refused() -> None:
+    far = LineMap(name="far", walls=np.array([[0.0, 0.0, 9e3, 9e3]]))
+    with pytest.raises(ConfigError, match="the map is 9000 x 9000 m"):
+        costs(far)
