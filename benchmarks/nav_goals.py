@@ -15,7 +15,7 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.nav_course import Ways
+from benchmarks.nav_course import BOXES, Ways
 from benchmarks.nav_hard import Errors, HardRobot
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.errors import MotionError
@@ -153,6 +153,7 @@ class Course:
         self.costs = CostMap.of(self.map, self.model)
         self._rng = np.random.default_rng(trial.seed)
         self._places = places_of(self.map, trial.model)
+        self._bounds = BOXES.get(trial.where, self.map.bounds)
         self.boxes: list[Box] = []
         self._add_boxes(trial.boxes)
         self.home = Pose2(*self._place(), float(self._rng.uniform(-pi, pi)))
@@ -162,7 +163,9 @@ class Course:
         while True:
             x, y = self._places.sample(self._rng)
             near = any(hypot(x - box.pose.x, y - box.pose.y) < 1.0 for box in self.boxes)
-            if self.costs.can_turn(x, y) and not near:
+            inside = self._bounds.x_min < x < self._bounds.x_max
+            inside &= self._bounds.y_min < y < self._bounds.y_max
+            if inside and self.costs.can_turn(x, y) and not near:
                 return x, y
 
     def _add_boxes(self, count: int) -> None:

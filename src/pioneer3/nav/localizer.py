@@ -40,6 +40,8 @@ some degrees off."""
 SEEN_THROUGH = 0.1
 """So large a share of beams through walls tells of another place. A robot that stands and sees less
 was not carried away: it may be crowded."""
+ENOUGH = 10
+"""Fewer beams that meet anything contradict nothing: the robot looks out into the open."""
 CERTAIN = 0.98
 """Share of the weight that the best hypothesis of a sure robot has."""
 DRIVEN = 1.0
@@ -178,9 +180,9 @@ class Localizer:
                 self._compare(now.hypotheses, now.hypotheses.agreement)
             elif now.laser is not None:
                 now.laser.move(motion)
-                fix, _ = now.laser.take(ScanLikelihood.of(self._walls, beams))
+                fix, verdict = now.laser.take(ScanLikelihood.of(self._walls, beams))
                 self._place(fix)
-                if not whirls:
+                if not whirls and _tells(verdict):
                     self._watch(contradicts=fix.agreement < CONTRADICTS)
         elif beams.stamp >= now.looked + LOOK_AGAIN:
             self._look_again(beams)
@@ -351,7 +353,8 @@ class Localizer:
         elif now.laser is not None:
             now.fix = replace(now.fix, agreement=agreement)
             crowded = _share_through(verdict) < SEEN_THROUGH
-            self._watch(contradicts=agreement < CONTRADICTS and not crowded)
+            if _tells(verdict):
+                self._watch(contradicts=agreement < CONTRADICTS and not crowded)
 
     def _watch(self, *, contradicts: bool) -> None:
         """Give up a place that has contradicted the readings several times in turn."""
@@ -379,5 +382,13 @@ class Localizer:
 
 
 def _share_through(verdict: Verdict) -> float:
-    count = verdict.agree + verdict.short + verdict.through
-    return float(verdict.through[0] / max(1.0, float(count[0])))
+    return float(verdict.through[0]) / max(1.0, _count(verdict))
+
+
+def _tells(verdict: Verdict) -> bool:
+    """Whether a scan has seen enough of anything to contradict the map."""
+    return _count(verdict) >= ENOUGH
+
+
+def _count(verdict: Verdict) -> float:
+    return float((verdict.agree + verdict.short + verdict.through)[0])

@@ -189,6 +189,18 @@ def test_a_crowd_is_no_reason_to_be_lost() -> None:
     assert drive.off < 0.02
 
 
+def test_a_robot_that_looks_out_into_the_open_is_not_lost() -> None:
+    walls = [[0.0, -3.0, 0.0, 3.0], [0.0, 3.0, 3.0, 3.0], [0.0, -3.0, 3.0, -3.0]]
+    drive = Drive(LineMap(name="open", walls=np.array(walls)), Pose2(2.0, 0.0, pi))
+    drive.localizer.start(drive.truth)
+    drive.look()
+    drive.go(0.0, pi)
+    drive.go(3.0)
+    estimate = drive.localizer.estimate
+    assert estimate.sure, estimate.reason
+    assert drive.off < 0.1
+
+
 def test_slip_of_every_turn_is_followed() -> None:
     drive = Drive(slip=0.05)
     drive.localizer.start(BEGIN)
