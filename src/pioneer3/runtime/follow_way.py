@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
 from pioneer3.runtime.lining_up import LiningUp
@@ -22,6 +23,8 @@ Float = NDArray[np.float64]
 
 PATIENCE = 40.0
 """A robot that comes no nearer for so long gives up [s]."""
+DETOUR, DETOURS = 1.0, 8
+"""A way that is so much longer [m] is a detour; after so many it has to come nearer on any."""
 NEARER = 0.1
 """Less of a way is no progress [m]."""
 AHEAD = 0.5
@@ -81,6 +84,9 @@ class FollowWay:
     _walls: cKDTree = field(init=False)
     _best: float = field(default=inf, init=False)
     _since: float | None = field(default=None, init=False)
+    _way: CostToGo | None = field(default=None, init=False)
+    _nearest: float = field(default=inf, init=False)
+    _detours: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         """Arrange the walls by their places."""
@@ -149,6 +155,7 @@ class FollowWay:
         """Drive to the next goal."""
         self.follower, self.last, self._lining_up = follower, last, LiningUp()
         self.arrived, self._best, self._since = False, inf, None
+        self._way, self._nearest, self._detours = None, inf, 0
 
     def _preferred_speed(self, robot_in_map: Pose2) -> float:
         """Return the speed that is wanted here and a little ahead [m/s]."""
@@ -164,7 +171,17 @@ class FollowWay:
             self.failed = "nobody knows where the robot is"
 
     def _check_progress(self, now: float, robot_in_map: Pose2) -> None:
-        left = self.follower.cost_to_go.at(robot_in_map.x, robot_in_map.y)
+        """Give up a robot that has come no nearer for a while, on the ways as they were planned."""
+        x, y, way = robot_in_map.x, robot_in_map.y, self.follower.cost_to_go
+        left = way.at(x, y)
+        if way is not self._way:
+            longer = left - self._way.at(x, y) if self._way else 0.0
+            self._detours += longer > DETOUR
+            if isfinite(longer) and (longer < 0 or self._detours <= DETOURS):
+                self._best += longer
+            self._way = way
+        if left < self._nearest - NEARER:
+            self._nearest, self._detours = left, 0
         if self._since is None or left < self._best - NEARER:
             self._best, self._since = left, now
         elif now - self._since > PATIENCE:
