@@ -44,7 +44,7 @@ def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Produc
     expect(office.locator("#card-going")).to_contain_text("To 4.0")
     target = state(office, "snapshot.target")
     assert hypot(target["x"] - 4.0, target["y"] - 3.4) < 0.1
-    until(lambda: state(office, "snapshot.mode") is None, 20.0)
+    until(lambda: state(office, "snapshot.mode") is None, 60.0)
     assert away(product, 4.0, 3.4) < 0.25
     expect(office.locator("#mode-card")).to_be_hidden()
 
@@ -86,7 +86,7 @@ def test_the_knob_turns_the_heading(office: Page, product: Product) -> None:
     drag(office, (offer["x"] + arm, offer["y"]), (offer["x"], offer["y"] + 3 * arm))
     office.locator("#goto-go").click()
     until(lambda: state(office, "snapshot.mode") == "goto")
-    until(lambda: state(office, "snapshot.mode") is None, 20.0)
+    until(lambda: state(office, "snapshot.mode") is None, 60.0)
     assert product.simulation.body.robot_in_world.theta == pytest.approx(pi / 2, abs=0.2)
 
 
