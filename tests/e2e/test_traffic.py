@@ -1,10 +1,11 @@
 """Robots on one map that keep out of each other's ways: the whole stack, in virtual time."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from math import hypot, inf, pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from pioneer3.links.memory import null_modem
 from pioneer3.maps import LineMap, shipped_map
 from pioneer3.nav.places import Destination
 from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.localization import InThread
 from pioneer3.runtime.navigator import Navigator
 from pioneer3.runtime.traffic import Traffic
 from pioneer3.sim.server.running import RunningSimulation
@@ -53,7 +55,9 @@ class Several:
 
 
 @asynccontextmanager
-async def several(line_map: LineMap, *poses: Pose2) -> AsyncIterator[Several]:
+async def several(
+    line_map: LineMap, *poses: Pose2, in_thread: InThread = at_once
+) -> AsyncIterator[Several]:
     here = simulated(*poses, line_map=line_map)
     serving: list[asyncio.Task[None]] = []
     traffic = Traffic()
@@ -72,7 +76,7 @@ async def several(line_map: LineMap, *poses: Pose2) -> AsyncIterator[Several]:
                 line_map,
                 start=poses[number],
                 rng=np.random.default_rng(number),
-                in_thread=at_once,
+                in_thread=in_thread,
                 traffic=traffic,
                 name=f"robot {number + 1}",
             )
@@ -98,6 +102,19 @@ async def test_two_robots_that_meet_in_a_door_let_each_other_pass() -> None:
             await asyncio.gather(one.goto(RIGHT, 0.5), two.goto(LEFT, 0.5))
         assert off(the.pose(0), RIGHT) < 0.05
         assert off(the.pose(1), LEFT) < 0.05
+        assert the.nearest > 0.7
+
+
+async def test_planning_that_takes_a_while_does_not_send_a_robot_into_the_way() -> None:
+    async def slowly(function: Callable[..., Any], *arguments: Any) -> Any:
+        await asyncio.sleep(0.5)
+        return function(*arguments)
+
+    begin = Pose2(-2.5, 0.5, 0.0), Pose2(2.5, 0.5, pi)
+    async with several(ROOMS, *begin, in_thread=slowly) as the:
+        one, two = the.navigators
+        async with asyncio.timeout(180):
+            await asyncio.gather(one.goto(RIGHT, 0.5), two.goto(LEFT, 0.5))
         assert the.nearest > 0.7
 
 

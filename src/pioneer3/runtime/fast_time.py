@@ -11,7 +11,7 @@ class _Jumping(selectors.DefaultSelector):
     now = 0.0
 
     def select(self, timeout: float | None = None) -> list[Any]:
-        """Return what can be read now; wait only where no timer is set."""
+        """Return the files that are ready now; wait only where no timer is set."""
         ready = super().select(None if timeout is None else 0)
         if not ready and timeout is not None and timeout > 0:
             self.now += timeout

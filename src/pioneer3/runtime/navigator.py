@@ -37,7 +37,7 @@ from pioneer3.runtime.localization import (
     Localization,
 )
 from pioneer3.runtime.look_around import look_around
-from pioneer3.runtime.motions import run_mode
+from pioneer3.runtime.motions import lost_as_motion_error, run_mode
 from pioneer3.runtime.traffic import Traffic
 from pioneer3.state import Charging, Snapshot
 from pioneer3.tasks import running
@@ -95,7 +95,7 @@ class _Drive:
 
     Attributes:
         goals: The places, in their order.
-        legs: Ways that are left to drive, the present one among them; `inf` on a patrol.
+        legs: Ways that are left to drive, the present one among them; `inf` without an end.
         action: Drives.
         mode: It and its guards.
         way: The present one.
@@ -180,6 +180,7 @@ class Navigator:
         self._walls = samples(self.line_map.walls, CELL)
         self._clock = asyncio.get_running_loop().time
         self._drive: _Drive | None = None
+        self._changing = asyncio.Lock()  # planning takes a while: one task changes drives
         self._avoided: list[tuple[float, float, float]] = []
 
     @classmethod
@@ -280,13 +281,14 @@ class Navigator:
         """Look for a better way again and again, and send the robot on where it has arrived."""
         while True:
             await asyncio.sleep(REPLAN_EVERY)
-            drive = self._drive
-            if drive is None or drive.aside or not self.estimate.sure:
-                continue
-            if drive.action.arrived:
-                await self._send_on(drive)
-            else:
-                await self._replan(drive)
+            async with self._changing:
+                drive = self._drive
+                if drive is None or drive.aside or not self.estimate.sure:
+                    continue
+                if drive.action.arrived:
+                    await self._send_on(drive)
+                else:
+                    await self._replan(drive)
 
     @property
     def traveller(self) -> Traveller | None:
@@ -307,11 +309,12 @@ class Navigator:
         """Let the robots pass that set out earlier: wait before their ways, or make room."""
         while True:
             await asyncio.sleep(APART_EVERY)
-            drive, mine = self._drive, self.traveller
-            if drive is None or mine is None:
-                continue
-            if drive.aside or not drive.action.arrived:
-                await self._give_way(drive, mine)
+            async with self._changing:
+                drive, mine = self._drive, self.traveller
+                if drive is None or mine is None:
+                    continue
+                if drive.aside or not drive.action.arrived:
+                    await self._give_way(drive, mine)
 
     async def _give_way(self, drive: _Drive, mine: Traveller) -> None:
         here = mine.robot_in_map
@@ -468,8 +471,8 @@ class Navigator:
     ) -> Stack:
         """Return the mode that drives along `way`, at `speed` [m/s] at most.
 
-        With places to go to `after` that it is a patrol, which begins anew after the last one
-        until it has been driven for so many `rounds`.
+        If there are places to go to `after` that, it is a patrol: it begins anew after the last
+        place, until it has been driven for so many `rounds`.
         """
         limits = self._robot.info.limits
         goals = (goal, *after)
@@ -510,7 +513,8 @@ class Navigator:
         """
         await self._drive_along(self.mode(goal, await self._way_to(goal), speed))
         if goal.charges:
-            await self._await_charger(goal)
+            with lost_as_motion_error("goto"):
+                await self._await_charger(goal)
 
     async def patrol(
         self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
