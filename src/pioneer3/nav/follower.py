@@ -35,8 +35,8 @@ HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
 """Worth of a heading along the way [m/rad], of room [m/m], of not changing the turn [m s/rad]."""
 CHANGE_ASIDE = 0.1
 """The same where the robot may drive either way [m s/rad]: else it dithers."""
-FASTEST_TURN, TURN_ASIDE = 1.5, 0.6
-"""[rad/s]; the latter beside people, who may stand where nothing sees them yet."""
+FASTEST_TURN, TURN_GENTLY = 1.5, 0.6
+"""[rad/s]."""
 TURN_FIRST = 1.0
 """Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
 BETTER = 0.03
@@ -85,6 +85,15 @@ class Step:
 
 
 NO_OBSTACLES: Float = np.empty((0, 5))
+RING = np.linspace(-pi, pi, 12, endpoint=False)
+
+
+def outlines(obstacles: Float) -> Float:
+    """Return the points of obstacles (N, 5), around those that have a radius, shape (P, 2)."""
+    wide = obstacles[:, 4] > 0
+    ring = np.stack([np.cos(RING), np.sin(RING)], axis=1)
+    around = obstacles[wide, None, :2] + obstacles[wide, None, 4:] * ring
+    return np.concatenate([obstacles[~wide, :2], around.reshape(-1, 2)])
 
 
 @dataclass(slots=True)
@@ -109,6 +118,7 @@ class Follower:
     cost_to_go: CostToGo
     either_way: bool = False
     _turn: float = field(default=0.0, init=False)
+    _fastest_turn: float = field(default=FASTEST_TURN, init=False)
     _at_place: bool = field(default=False, init=False)
     _best: float = field(default=inf, init=False)
     _without: int = field(default=0, init=False)
@@ -119,6 +129,8 @@ class Follower:
         twist: Twist2,
         obstacles: Float = NO_OBSTACLES,
         top_speed: float = inf,
+        *,
+        gently: bool = False,
     ) -> Step:
         """Return the velocity for the next moment.
 
@@ -127,9 +139,12 @@ class Follower:
             twist: Its measured motion.
             obstacles: x, y [m], velocity [m/s] and radius [m] in the map's frame, shape (N, 5).
             top_speed: No faster than this [m/s].
+            gently: Whether it turns slowly: something is beside it that nothing sees whole.
         """
         x, y, _ = self.goal
         distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
+        fastest = TURN_GENTLY if gently or self.either_way else FASTEST_TURN
+        self._fastest_turn = min(fastest, self.limits.max_turn_rate)
         if self._at_place or distance < ARRIVING:
             step = self._arrive(robot_in_map, twist, distance, obstacles)
             if step is not None:
@@ -192,7 +207,7 @@ class Follower:
 
     def _commands(self, top: float) -> Float:
         """Return the velocities to try, shape (C, 2)."""
-        rate = min(self.limits.max_turn_rate, TURN_ASIDE if self.either_way else FASTEST_TURN)
+        rate = self._fastest_turn
         shares = np.linspace(-1.0, 1.0, TURNS)
         turns = rate * shares * np.abs(shares)  # finer where small
         back = [-min(BACK, top)]
@@ -310,6 +325,5 @@ class Follower:
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""
         rate = sqrt(2 * BRISK * self.limits.turn_deceleration * abs(off))
-        most = TURN_ASIDE if self.either_way else FASTEST_TURN
-        rate = max(SLOWEST_TURN, min(rate, self.limits.max_turn_rate, most))
+        rate = max(SLOWEST_TURN, min(rate, self._fastest_turn))
         return rate if off > 0 else -rate

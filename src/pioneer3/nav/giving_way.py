@@ -20,12 +20,33 @@ WINDOW = 5.0
 """Places so far from the robot in x or y are looked at [m]."""
 AHEAD = 4.0
 """So far ahead of somebody who walks the robot is in the way [m]."""
+APART = 0.1
+"""From one point to the next one on the ways of people [m]."""
 BESIDE = 0.25
 """Room that is left between the robot and somebody who passes [m]."""
 TURN = 0.7
 """A turn to a place is worth so much of a way [m/rad]."""
 SPARE = 0.03
 """More than is needed to turn, where the robot waits [m]."""
+
+
+def ways_of(walkers: Sequence[Mover], here: Pose2, *, to_robot: bool = True) -> Float:
+    """Return points on the lines ahead of people [m], shape (K, 2).
+
+    Args:
+        walkers: These.
+        here: Where the robot is [m].
+        to_robot: Whether their ways may lead to the robot as well as where they walked last.
+    """
+    steps, points = np.arange(0.0, AHEAD, APART)[:, None], [np.empty((0, 2))]
+    for walker in walkers:
+        place = np.array((walker.x, walker.y))
+        towards = np.array((here.x, here.y)) - place
+        directions = [np.array(walker.heading)] if any(walker.heading) else []
+        if to_robot or not directions:
+            directions.append(towards / max(hypot(*towards.tolist()), 1e-9))
+        points += [place + steps * direction for direction in directions]
+    return np.concatenate(points)
 
 
 def refuge(

@@ -10,13 +10,17 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
+from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
+from pioneer3.nav.moving import RADIUS
 from pioneer3.nav.planner import CostToGo
+from pioneer3.nav.raster import Raster
 
 Float = NDArray[np.float64]
+Float32 = NDArray[np.float32]
 
-SIDE, CELL, HEADINGS = 64, 0.05, 64
+SIDE, CELL, HEADINGS = 64, 0.05, 48
 """Of the window that is searched, and of its cells [m]; and how many headings."""
 STEP, SHARP = 0.08, 0.5
 """Length of a move, and the radius of its arcs [m]."""
@@ -34,10 +38,15 @@ AHEAD = 0.15
 """Arcs are steered by a point so far ahead [m]."""
 THERE, ALIGNED = 0.015, 0.03
 """Near enough [m, rad]."""
-TOUCHES = 0.01
+TOUCHES = 0.02
 """Nearer to something it gives up [m]."""
 SLOWEST_TURN = 0.06
 """Wheels stick below this [rad/s]."""
+APART = RADIUS + 0.15
+"""Kept from the line on which somebody walks [m]."""
+MOST = 16_000
+"""After so many states a search gives up: longer ones would hold up the robot."""
+NOWHERE: Float = np.empty((0, 2))
 
 
 def find_manoeuvre(
@@ -55,22 +64,60 @@ def find_manoeuvre(
         x, y [m] and heading [rad] in the map's frame, one after the other, shape (K, 3).
     """
     here = robot_in_map
+    least = cost_to_go.at(here.x, here.y) - PROGRESS
+    raster, values = cost_to_go.raster, cost_to_go.values
+    return _search(here, model, obstacles, raster, values, least=least)
+
+
+def find_way_aside(
+    robot_in_map: Pose2, model: RobotModel, obstacles: Float, ways: Float, costs: CostMap
+) -> Float | None:
+    """Return the poses of a drive to the nearest place beside the ways of others, if any is near.
+
+    Args:
+        robot_in_map: Where the robot is [m, rad].
+        model: Its outline.
+        obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+        ways: Points of the ways of others [m], shape (K, 2), K at least 1.
+        costs: Of the map.
+
+    Returns:
+        As :func:`find_manoeuvre`; one pose if the robot is beside them.
+    """
+    here = robot_in_map
+    near = _within(SIDE * CELL / 2 + model.corner + APART, here, ways)
+    if not len(near):
+        return np.array([[here.x, here.y, here.theta]])
+    open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
+    return _search(here, model, obstacles, costs.raster, open_places, ways=near)
+
+
+def _search(
+    here: Pose2,
+    model: RobotModel,
+    obstacles: Float,
+    raster: Raster,
+    values: Float32,
+    *,
+    ways: Float = NOWHERE,
+    least: float = 0.0,
+) -> Float | None:
     reach = SIDE * CELL / 2 + model.corner
-    points = obstacles[np.hypot(obstacles[:, 0] - here.x, obstacles[:, 1] - here.y) < reach]
+    points = _within(reach, here, obstacles)
     count = SIDE * SIDE * HEADINGS
     poses, before = np.empty((count, 3)), np.full(count, -1, dtype=np.int32)
     costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
-    raster, least = cost_to_go.raster, cost_to_go.at(here.x, here.y) - PROGRESS
     gap = min(GAP, _gap(here, model, points) - 0.002)
     outline = (model.length_front, model.length_rear, model.width / 2, gap, model.corner + FREE)
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
-        np.array([*outline, least]),
+        np.array([*outline, least, APART]),
         points,
-        cost_to_go.values,
+        ways,
+        values,
         np.array([raster.x, raster.y, raster.cell, CELL]),
-        np.array([SIDE, HEADINGS], dtype=np.int32),
+        np.array([SIDE, HEADINGS, MOST], dtype=np.int32),
         poses,
         costs,
         keys,
@@ -84,6 +131,11 @@ def find_manoeuvre(
         path.append(state)
     found: Float = poses[path[::-1]]
     return found
+
+
+def _within(reach: float, here: Pose2, points: Float) -> Float:
+    """Return those of `points` (N, 2) that are not farther from a place than this [m]."""
+    return points[np.hypot(points[:, 0] - here.x, points[:, 1] - here.y) < reach]
 
 
 @dataclass(slots=True)
@@ -110,6 +162,7 @@ class Manoeuvre:
             robot_in_map: Where the robot is [m, rad].
             obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
         """
+        self.done = self.done or len(self.poses) < 2
         while not self.done:
             end, way = self._run()
             command = self._drive(robot_in_map, end, way) if way else self._turn(robot_in_map, end)

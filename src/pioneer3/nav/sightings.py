@@ -1,6 +1,6 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
-from math import pi
+from math import atan2, hypot, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ HEARD, HEARD_AGE = 3, 15.0
 """Plans avoid what sonars have heard so often, until so long after the last time [s]."""
 ECHO, ECHO_AGE = 1.5, 3.0
 """Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
+ECHO_SAME = 0.1
+"""Echoes from the same direction are of one thing, if no farther apart [m]."""
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
 """Directions off the axis of a sonar from which an echo may come."""
 BODY = 0.2
@@ -57,6 +59,7 @@ class Sightings:
         self._seen: Float = np.zeros(costs.raster.shape)
         self._heard: Float = np.zeros(costs.raster.shape)
         self._times = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._arcs: list[tuple[float, Float]] = []
 
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
@@ -97,6 +100,7 @@ class Sightings:
             free = np.arange(0.1, min(metres, ECHO) - SHORT, raster.cell)
             rows, columns = self._cells(place + free[:, None] * axis)
             self._heard[rows, columns], self._times[rows, columns] = 0.0, 0
+            self._clear_arcs(at, min(metres, ECHO))
             if not 0.0 < metres < ECHO:
                 continue
             bearings = at.theta + ARC
@@ -113,6 +117,18 @@ class Sightings:
             self._times[around] = np.minimum(self._times[around], 200) + 1
             row, column = rows[2], columns[2]
             self._heard[row, column] = now
+            self._arcs.append((now, arc))
+
+    def _clear_arcs(self, transducer: Pose2, metres: float) -> None:
+        """Forget the echoes from within the cone of a sonar that tells of it anew."""
+        kept = []
+        for when, arc in self._arcs:
+            x, y = arc[len(ARC) // 2].tolist()
+            off = transducer.inverse() @ Pose2(x, y)
+            in_cone = abs(atan2(off.y, off.x)) < ARC[-1]
+            if not in_cone or hypot(off.x, off.y) > metres + ECHO_SAME:
+                kept.append((when, arc))
+        self._arcs = kept
 
     def _cells(self, points: Float) -> tuple[Int, Int]:
         """Return rows and columns of those of `points` (N, 2) [m] that are on the map."""
@@ -155,10 +171,14 @@ class Sightings:
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
     def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
-        """Return the same around a place [m], without walkers, and all echoes of now, (N, 2)."""
-        part = self._around(x, y, within)
-        heard = self._middles(self._heard, part, now - min(age, ECHO_AGE))
-        return np.concatenate([self._middles(self._seen, part, now - age), heard])
+        """Return those that were seen around a place [m], without walkers, shape (N, 2)."""
+        return self._middles(self._seen, self._around(x, y, within), now - age)
+
+    def heard(self, x: float, y: float, within: float, now: float) -> Float:
+        """Return points on the arcs of echoes of the last moments around a place, (N, 2) [m]."""
+        self._arcs = [each for each in self._arcs if each[0] > now - ECHO_AGE]
+        arcs = np.concatenate([np.empty((0, 2)), *(arc for _, arc in self._arcs)])
+        return arcs[np.hypot(arcs[:, 0] - x, arcs[:, 1] - y) < within]
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
@@ -202,6 +222,7 @@ class Sightings:
         """Forget everything, as after the robot was found to be somewhere else."""
         self._seen[:] = self._heard[:] = 0.0
         self._times[:] = 0
+        self._arcs = []
         self.movers.forget()
 
 

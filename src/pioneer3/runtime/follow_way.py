@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import hypot, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.follower import Follower
+from pioneer3.nav.follower import Follower, outlines
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
@@ -121,7 +121,13 @@ class FollowWay:
         if recovers := self._recover(situation, robot_in_map, obstacles):
             return recovers
         top_speed = min(self.top_speed, self._preferred_speed(robot_in_map))
-        step = self.follower.step(robot_in_map, situation.twist, obstacles, top_speed)
+        step = self.follower.step(
+            robot_in_map,
+            situation.twist,
+            obstacles,
+            top_speed,
+            gently=self._is_beside_somebody(robot_in_map, situation.now),
+        )
         self.arrived, self.blocked = step.arrived, step.blocked
         self.done = self.arrived and self.last
         self._check_progress(situation.now, robot_in_map)
@@ -135,8 +141,8 @@ class FollowWay:
         if aside is not None:
             self._since = None if self._since is None else self._since + self._aside.forgiven
             return aside
-        held_up = 0.0 if self.sightings.movers.people() else self.held_up(situation.now)
-        to_go, points = self.follower.cost_to_go, obstacles[:, :2]
+        held_up = self.held_up(situation.now)
+        to_go, points = self.follower.cost_to_go, outlines(obstacles)
         lines_up = self._lining_up.decide(situation, robot_in_map, points, to_go, held_up)
         if lines_up is not None:
             self._check_progress(situation.now, robot_in_map)
@@ -196,10 +202,17 @@ class FollowWay:
             ranges = np.array([sonar.ranges[n] for n in fresh])
             self.sightings.hear(at, ranges, robot_in_map, situation.now)
 
+    def _is_beside_somebody(self, robot_in_map: Pose2, now: float) -> bool:
+        """Whether somebody is beside the robot, or something that sonars alone notice."""
+        x, y = robot_in_map.x, robot_in_map.y
+        people = self.sightings.movers.people()
+        near = any(hypot(each.x - x, each.y - y) < CLOSE for each in people)
+        return near or len(self.sightings.heard(x, y, CLOSE, now)) > 0
+
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
         x, y, now = robot_in_map.x, robot_in_map.y, situation.now
-        walkers = self.sightings.movers.discs(now)
+        walkers, heard = self.sightings.movers.discs(now), self.sightings.heard(x, y, LOOK, now)
         if situation.scan is not None:
             beams = beams_of(situation.scan)
             seen = in_map(self.odom_in_map() @ beams.robot_in_odom, beams.points)
@@ -218,7 +231,8 @@ class FollowWay:
         size = np.where(np.hypot(off[:, 0], off[:, 1]) < CLOSE, CELL, 2 * CELL)
         cells = np.round(off / size[:, None]).astype(np.int64)
         _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
-        return np.concatenate([np.pad(points[chosen], ((0, 0), (0, 3))), walkers])
+        points = np.concatenate([points[chosen], heard])
+        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers])
 
 
 def follow_way(

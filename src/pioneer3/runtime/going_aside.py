@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.follower import Follower
-from pioneer3.nav.giving_way import WINDOW, refuge
+from pioneer3.nav.follower import Follower, outlines
+from pioneer3.nav.giving_way import WINDOW, refuge, ways_of
+from pioneer3.nav.manoeuvre import Manoeuvre, find_way_aside
 from pioneer3.nav.moving import Mover
 from pioneer3.nav.sightings import Sightings
 
@@ -38,7 +39,7 @@ class GoingAside:
 
     sightings: Sightings
     forgiven: float = field(default=0.0, init=False)
-    _to: Follower | None = field(default=None, init=False)
+    _to: Follower | Manoeuvre | None = field(default=None, init=False)
     _anchor: tuple[float, float, float] = field(default=(inf, inf, inf), init=False)
     _asked: float = field(default=0.0, init=False)
     _before: float = field(default=0.0, init=False)
@@ -61,7 +62,7 @@ class GoingAside:
             self._asked = now
         if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
             self._anchor = (*here, now)
-            self._to = self._place(situation, robot_in_map, waiting) or self._to
+            self._to = self._way_out(situation, robot_in_map, waiting, obstacles) or self._to
         elif self._to is not None and now - self._asked > GONE:
             self._to, self._anchor = None, (*here, now)
         passed, self._before = max(0.0, min(now - self._before, 1.0)), now
@@ -69,13 +70,40 @@ class GoingAside:
             return None
         self._spent += passed
         self.forgiven = passed if self._spent < LONGEST else 0.0
-        step = self._to.step(robot_in_map, situation.twist, obstacles, ASIDE)
-        reason = "lets somebody pass" if step.arrived else "goes aside for somebody"
-        return Desire(v=step.v, w=step.w, reason=reason)
+        v, w, there = self._drive(self._to, situation, robot_in_map, obstacles)
+        reason = "lets somebody pass" if there else "goes aside for somebody"
+        return Desire(v=v, w=w, reason=reason)
+
+    def _drive(
+        self, to: Follower | Manoeuvre, situation: Situation, robot_in_map: Pose2, obstacles: Float
+    ) -> tuple[float, float, bool]:
+        """Return the next velocity [m/s, rad/s], and whether the robot is there."""
+        if isinstance(to, Manoeuvre):
+            v, w = to.step(robot_in_map, outlines(obstacles))
+            return v, w, to.done
+        step = to.step(robot_in_map, situation.twist, obstacles, ASIDE)
+        return step.v, step.w, step.arrived
+
+    def _way_out(
+        self, situation: Situation, at: Pose2, near: list[Mover], obstacles: Float
+    ) -> Follower | Manoeuvre | None:
+        """Return a drive out of people's ways, if there is one: beside them, or farther off."""
+        first = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
+        points, model = outlines(obstacles), situation.model
+        for ways in (
+            ways_of(near, at),
+            ways_of([first], at),
+            ways_of([first], at, to_robot=False),
+        ):
+            poses = find_way_aside(at, model, points, ways, self.sightings.costs)
+            if poses is not None:
+                return Manoeuvre(poses, model, situation.limits)
+        return self._place(situation, at, near)
 
     def _place(self, situation: Situation, at: Pose2, near: list[Mover]) -> Follower | None:
         """Return the follower to a place where nobody goes, if there is one."""
-        seen = self.sightings.near(at.x, at.y, WINDOW, situation.now)
+        where = at.x, at.y, WINDOW, situation.now
+        seen = np.concatenate([self.sightings.near(*where), self.sightings.heard(*where)])
         model = situation.model
         to_go = refuge(self.sightings.costs, model.corner, at, near, seen)
         if to_go is None:

@@ -6,7 +6,7 @@ from math import hypot, pi, tan
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.sim.kernels import Kernels, Robots
 from pioneer3.sim.worldfile import Box, Person
 
@@ -30,7 +30,8 @@ class Obstacle:
 
     def __init__(self, kind: Box | Person) -> None:
         self.kind = kind
-        self._clock = 0.0
+        self._clock, self._waited = 0.0, 0.0
+        self._onward = 1.0
         self._shift = (0.0, 0.0)
         self.pose = kind.pose if isinstance(kind, Box) else kind.pose_at(0.0)
 
@@ -75,7 +76,7 @@ class Obstacle:
         self.pose = pose
 
     def walk(self, dt: float, bodies: Float) -> bool:
-        """Let `dt` [s] pass; who meets a robot waits until it is gone.
+        """Let `dt` [s] pass; who meets a robot waits until it is gone, or turns round.
 
         Args:
             dt: [s].
@@ -87,16 +88,24 @@ class Obstacle:
         person = self.kind
         if not isinstance(person, Person) or not self.walks:
             return False
-        ahead = person.pose_at(self._clock + dt)
-        pose = Pose2(ahead.x + self._shift[0], ahead.y + self._shift[1], ahead.theta)
+        clock = self._clock + self._onward * dt
+        ahead = person.pose_at(clock)
+        theta = ahead.theta if self._onward > 0 else wrap(ahead.theta + pi)
+        pose = Pose2(ahead.x + self._shift[0], ahead.y + self._shift[1], theta)
         if bodies.shape[1]:
             before, after = _gaps(self.pose, bodies), _gaps(pose, bodies)
             if ((after < person.radius + POLITE) & (after < before)).any():
+                self._wait(dt, person.patience)
                 return False
-        self._clock += dt
+        self._clock, self._waited = clock, 0.0
         moved = hypot(pose.x - self.pose.x, pose.y - self.pose.y) > 0
         self.pose = pose
         return moved
+
+    def _wait(self, dt: float, patience: float) -> None:
+        self._waited += dt
+        if self._waited > patience:
+            self._onward, self._waited = -self._onward, 0.0
 
 
 def at_laser_height(outlines: Robots, obstacles: Sequence[Obstacle], kernels: Kernels) -> Robots:

@@ -12,13 +12,16 @@ from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
 from pioneer3.nav.manoeuvre import (
+    APART,
     BACKWARDS,
     GAP,
     PROGRESS,
     STEP,
     Manoeuvre,
     find_manoeuvre,
+    find_way_aside,
 )
+from pioneer3.nav.moving import RADIUS
 from pioneer3.nav.planner import CostToGo
 from tests.unit.nav.offices import AT, box, costs, room
 
@@ -119,3 +122,54 @@ def test_it_gives_up_where_something_has_come_into_its_way() -> None:
     assert near is not None
     assert drive.step(at, thing) == (0.0, 0.0)
     assert drive.done
+
+
+CORRIDOR = room([0.0, 2.0, 10.0, 2.0], [0.0, 4.0, 10.0, 4.0])
+
+
+def around(x: float, y: float) -> Float:
+    """Return the outline of somebody."""
+    angles = np.linspace(-pi, pi, 12, endpoint=False)
+    return np.array((x, y)) + RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def line(x: float, y: float, towards: float) -> Float:
+    """Return points of the way of somebody who walks along the corridor."""
+    return np.array([(x + towards * step, y) for step in np.arange(0.0, 4.0, 0.1)])
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.4, 2.5, pi])
+def test_a_way_aside_ends_beside_the_way_of_who_waits(theta: float) -> None:
+    points = np.concatenate([samples(CORRIDOR.walls, 0.05), around(6.0, 3.1)])
+    ways = line(6.0, 3.1, -1.0)
+    poses = find_way_aside(Pose2(5.0, 3.0, theta), AT, points, ways, costs(CORRIDOR))
+    assert poses is not None
+    assert gap(poses[-1], ways) >= APART - 1e-9
+    assert all(gap(each, points) >= GAP - 1e-9 for each in poses[1:])
+    assert all(gap(each, ways) < APART for each in poses[:-1])
+
+
+def test_between_two_people_it_turns_to_the_wall() -> None:
+    """They stand 15 cm before and behind it, as people do who wait."""
+    before, behind = 5.0 + AT.length_front + 0.4, 5.0 - AT.length_rear - 0.4
+    people = [around(before, 3.0), around(behind, 3.0)]
+    points = np.concatenate([samples(CORRIDOR.walls, 0.05), *people])
+    ways = line(before, 3.0, -1.0)
+    poses = find_way_aside(Pose2(5.0, 3.0, 0.0), AT, points, ways, costs(CORRIDOR))
+    assert poses is not None
+    assert gap(poses[-1], ways) >= APART - 1e-9
+
+
+def test_who_is_beside_their_way_stays() -> None:
+    here, ways = Pose2(5.0, 2.4, 0.0), line(7.0, 3.2, -1.0)
+    poses = find_way_aside(here, AT, samples(CORRIDOR.walls, 0.05), ways, costs(CORRIDOR))
+    assert poses is not None
+    assert len(poses) == 1
+    assert Manoeuvre(poses, AT, LIMITS).step(here, ways) == (0.0, 0.0)
+
+
+def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
+    narrow = room([0.0, 2.6, 10.0, 2.6], [0.0, 3.4, 10.0, 3.4])
+    points = np.concatenate([samples(narrow.walls, 0.05), around(5.8, 3.0)])
+    poses = find_way_aside(Pose2(5.0, 3.0), AT, points, line(5.8, 3.0, -1.0), costs(narrow))
+    assert poses is None

@@ -82,8 +82,9 @@ def test_glass_that_only_sonars_hear_is_kept_clear_of_and_planned_around(
     for now in (5.0, 5.1, 5.2):
         sightings.take(beams(now, (5.0, 0.0)), HERE)  # the laser looks through it
         hear(sightings, 0.8, HERE, now)
-    there = pytest.approx(np.array([[3.0, 3.0]]), abs=0.05)
-    assert sightings.near(2.5, 3.0, 1.0, 5.2) == there
+    arc = sightings.heard(2.5, 3.0, 1.0, 5.2)
+    assert np.hypot(*(arc - (2.2, 3.0)).T) == pytest.approx(0.8)
+    assert np.hypot(*(arc - (3.0, 3.0)).T).min() < 0.01
     assert any(np.hypot(*(point - (3.0, 3.0))) < 0.05 for point in sightings.points(5.2))
 
 
@@ -97,7 +98,7 @@ def test_the_echo_of_a_wall_of_the_map_is_no_thing(sightings: Sightings) -> None
     for now in (5.0, 5.1, 5.2):
         hear(sightings, 0.8, by_the_wall, now)
     assert not len(sightings.points(5.2))
-    assert not len(sightings.near(9.0, 3.0, 1.5, 5.2))
+    assert not len(sightings.heard(9.0, 3.0, 1.5, 5.2))
 
 
 def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Sightings) -> None:
@@ -106,6 +107,17 @@ def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Si
         sightings.take(beams(now, beside), HERE)
         hear(sightings, 0.8, HERE, now)
     assert sightings.points(5.2) == pytest.approx(np.array([[3.0, 3.15]]), abs=0.05)
+
+
+def test_who_comes_nearer_is_where_the_last_echo_was(sightings: Sightings) -> None:
+    for now, metres in ((5.0, 0.8), (5.2, 0.6), (5.4, 0.4)):
+        hear(sightings, metres, HERE, now)
+    arc = sightings.heard(2.5, 3.0, 2.0, 5.4)
+    assert np.hypot(*(arc - (2.2, 3.0)).T).min() == pytest.approx(0.4)
+    hear(sightings, 0.7, HERE, 5.6)
+    arc = sightings.heard(2.5, 3.0, 2.0, 5.6)
+    assert np.hypot(*(arc - (2.2, 3.0)).T).min() == pytest.approx(0.7)
+    assert not len(sightings.heard(2.5, 3.0, 2.0, 9.0))
 
 
 def test_what_a_sonar_does_not_hear_any_more_has_gone(sightings: Sightings) -> None:

@@ -1,7 +1,7 @@
 """Boxes and people: they are where they are now, and nobody walks over a robot."""
 
 from dataclasses import replace
-from math import cos, pi, radians, sin
+from math import cos, inf, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -98,7 +98,7 @@ def test_people_wait_for_a_robot_and_then_walk_on(kernels: Kernels) -> None:
     body = Body(MODEL, Pose2(3.0, 0.0, pi / 2))
     world = World(None, [body], kernels)
     person = world.add_obstacle(LANE)
-    walk(world, 10)
+    walk(world, 5)
     gap = 3.0 - MODEL.width / 2 - (person.pose.x + LANE.radius)
     assert POLITE - 0.11 < gap <= POLITE + 0.1
     assert world.is_free(body, body.robot_in_world)
@@ -108,6 +108,27 @@ def test_people_wait_for_a_robot_and_then_walk_on(kernels: Kernels) -> None:
     body.robot_in_world = Pose2(3.0, 2.0, pi / 2)
     walk(world, 2)
     assert person.pose.x == pytest.approx(waited.x + 2.0)
+
+
+def test_nobody_waits_for_ever(kernels: Kernels) -> None:
+    body = Body(MODEL, Pose2(3.0, 0.0, pi / 2))
+    world = World(None, [body], kernels)
+    person = world.add_obstacle(LANE)
+    walk(world, 5)
+    waited = person.pose
+    walk(world, LANE.patience - 1)
+    assert person.pose.x < waited.x
+    assert abs(person.pose.theta) == pytest.approx(pi)
+    walk(world, 2)
+    body.robot_in_world = Pose2(3.0, 2.0, pi / 2)
+    walk(world, 2 * 6.0)
+    assert 0.0 <= person.pose.x <= 6.0
+    stubborn = world.add_obstacle(replace(LANE, patience=inf))
+    body.robot_in_world = Pose2(3.0, 0.0, pi / 2)
+    walk(world, 5)
+    waited = stubborn.pose
+    walk(world, 60)
+    assert stubborn.pose == waited
 
 
 def test_who_is_too_close_already_may_walk_away(kernels: Kernels) -> None:

@@ -1,6 +1,6 @@
 """Short drives to and fro, found by a search over places and headings."""
 
-from math import cos, floor, inf, pi, sin
+from math import cos, floor, inf, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,37 @@ def _room(x: float, y: float, theta: float, outline: Float, points: Float) -> fl
         gap = gap_to(c * dx + s * dy, c * dy - s * dx, outline[0], outline[1], outline[2])
         least = min(least, gap)
     return least
+
+
+@inlined
+def _around(x: float, y: float, points: Float) -> float:
+    """Return the distance between a place and the nearest of `points` (N, 2) [m]."""
+    least = inf
+    for i in range(len(points)):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        least = min(least, dx * dx + dy * dy)
+    return sqrt(least)
+
+
+@inlined
+def _fits(
+    x: float, y: float, theta: float, outline: Float, points: Float, around: float, slack: float
+) -> bool:
+    """Return whether a robot keeps its least gap; `around` is that of its cell's middle [m]."""
+    front, rear, half, least = outline[0], outline[1], outline[2], outline[3]
+    far = max(front, rear)
+    reach = sqrt(far * far + half * half) + least
+    if around - slack >= reach:
+        return True
+    if around + slack < min(half, front, rear) + least:
+        return False
+    c, s = cos(theta), sin(theta)
+    for i in range(len(points)):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        near = dx * dx + dy * dy < reach * reach
+        if near and gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) < least:
+            return False
+    return True
 
 
 @inlined
@@ -76,6 +107,7 @@ def manoeuvre(
     moves: Float,
     outline: Float,
     points: Float,
+    ways: Float,
     to_go: Float32,
     frame: Float,
     sizes: Int32,
@@ -85,17 +117,22 @@ def manoeuvre(
     before: Int32,
     heap: Int32,
 ) -> int:
-    """Search for the cheapest drive to a pose from which the way goes on without one.
+    """Search for the cheapest drive to a pose where the robot is out of the ways of others.
+
+    Without such ways: to a pose from which its own way goes on without a manoeuvre.
 
     Args:
         start: x, y [m] and heading [rad] in the map's frame, shape (3,).
         moves: Way [m], negative backwards, turn [rad] and cost of each move, shape (M, 3).
         outline: Front, rear, half of the width, least gap, the gap around its middle with which it
-            may turn anywhere, and the cost to go that the drive has to get below [m], shape (6,).
+            may turn anywhere, the cost to go that the drive has to get below, and the gap between
+            the robot and the ways of others in the end [m], shape (7,).
         points: Obstacles in the map's frame [m], shape (N, 2).
-        to_go: Cost to go [m], shape (H, W).
+        ways: Points of the ways of others [m], shape (K, 2).
+        to_go: Cost to go [m], shape (H, W); `inf` where the robot must not be.
         frame: x, y of its lower left corner, side of its cells, side of a state's place [m], (4,).
-        sizes: Places along a side of the window around the start, headings, shape (2,).
+        sizes: Places along a side of the window around the start, headings, and the number of
+            states after which the search gives up, shape (3,).
         poses: Work space: pose of each state, shape (S, 3).
         costs: Filled with `inf`: the cheapest cost of each state, shape (S,).
         keys: Work space: cost and cost to go, shape (S,).
@@ -106,26 +143,29 @@ def manoeuvre(
     Returns:
         The last state of the drive, from which `before` leads back; -1 if there is none.
     """
-    cell = frame[3]
+    cell, side = frame[3], sizes[0]
+    inner, slack = min(outline[0], outline[1], outline[2]), sqrt(0.5) * cell
+    arounds, asides = np.full(side * side, -1.0), np.empty(side * side)
     first = _state_of(start[0], start[1], start[2], start, cell, sizes)
     poses[first] = start
     costs[first], keys[first], before[first] = 0.0, 0.0, first
-    size = _push(heap, keys, 0, first)
-    while size > 0:
+    size, settled = _push(heap, keys, 0, first), 0
+    while size > 0 and settled < sizes[2]:
         state = heap[0]
         size = _pop(heap, keys, size)
         if before[state] < -1:
             continue
         x, y, theta = poses[state, 0], poses[state, 1], poses[state, 2]
         before[state] = -2 - before[state]
-        row, column = floor((y - frame[1]) / frame[2]), floor((x - frame[0]) / frame[2])
-        left = to_go[row, column]
-        around = inf
-        for i in range(len(points)):
-            dx, dy = points[i, 0] - x, points[i, 1] - y
-            around = min(around, dx * dx + dy * dy)
-        if left < outline[5] and around >= outline[4] * outline[4]:
-            return int(state)
+        settled += 1
+        if len(ways) > 0:
+            possible = state == first or asides[state // sizes[1]] >= outline[6]
+            if possible and _room(x, y, theta, outline, ways) >= outline[6]:
+                return int(state)
+        else:
+            row, column = floor((y - frame[1]) / frame[2]), floor((x - frame[0]) / frame[2])
+            if to_go[row, column] < outline[5] and _around(x, y, points) >= outline[4]:
+                return int(state)
         for move in range(len(moves)):
             way, turn = moves[move, 0], moves[move, 1]
             middle = theta + turn / 2.0
@@ -139,12 +179,21 @@ def manoeuvre(
             cost = costs[state] + moves[move, 2]
             if cost >= costs[other] or to_go[row, column] == inf:
                 continue
-            if _room(nx, ny, heading, outline, points) < outline[3]:
+            place = other // sizes[1]
+            if arounds[place] < 0.0:
+                px = start[0] + (place % side - side // 2 + 0.5) * cell
+                py = start[1] + (place // side - side // 2 + 0.5) * cell
+                arounds[place] = _around(px, py, points)
+                asides[place] = _around(px, py, ways) + slack - inner  # it is no farther from them
+            if not _fits(nx, ny, heading, outline, points, arounds[place], slack):
                 continue
             if size >= len(heap):
                 return -1
             poses[other, 0], poses[other, 1], poses[other, 2] = nx, ny, heading
             costs[other], before[other] = cost, state
-            keys[other] = cost + to_go[row, column]
+            left = to_go[row, column]
+            if len(ways) > 0:
+                left = max(0.0, outline[6] - asides[place])
+            keys[other] = cost + left
             size = _push(heap, keys, size, other)
     return -1

@@ -19,6 +19,8 @@ RADIUS = 0.25
 SPEED = 1.0
 """A slow walk [m/s]."""
 CORNERS = 8
+PATIENCE = 10.0
+"""Nobody waits longer for a robot that does not move on [s]."""
 STEP_TIME = 0.6
 """From one step to the next, at any speed [s] (docs/explanation/follow.md)."""
 
@@ -41,6 +43,7 @@ class Person:
         radius: Of the circle that the outline is drawn around [m].
         loop: From the last point straight to the first; else back along the path.
         pause: Time at each point before walking on [s].
+        patience: Who has waited so long for a robot turns round [s].
         name: On screen.
     """
 
@@ -49,6 +52,7 @@ class Person:
     radius: float = RADIUS
     loop: bool = True
     pause: float = 0.0
+    patience: float = PATIENCE
     name: str = ""
     _legs: tuple[_Leg, ...] = field(init=False, repr=False, compare=False)
 

@@ -15,7 +15,7 @@ from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.models.model import BUMPERS
 from pioneer3.sim.equipment import LAST_PORT, EquipmentOptions
-from pioneer3.sim.worldfile.person import RADIUS, SPEED, Person
+from pioneer3.sim.worldfile.person import PATIENCE, RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,
     Box,
@@ -219,6 +219,7 @@ class PersonTable(Table):
     radius: Annotated[float, Meta(ge=0.05, le=2)] = RADIUS
     loop: bool = True
     pause: Annotated[float, Meta(ge=0, le=3600)] = 0.0
+    patience: Annotated[float, Meta(ge=0)] = PATIENCE
     name: str = ""
 
     def person(self) -> Person:
