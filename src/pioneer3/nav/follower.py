@@ -10,6 +10,7 @@ from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
+from pioneer3.nav.gaps import gap_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import arcs
 from pioneer3.nav.kernels.ways import walk_down
@@ -85,15 +86,6 @@ class Step:
 
 
 NO_OBSTACLES: Float = np.empty((0, 5))
-RING = np.linspace(-pi, pi, 12, endpoint=False)
-
-
-def outlines(obstacles: Float) -> Float:
-    """Return the points of obstacles (N, 5), around those that have a radius, shape (P, 2)."""
-    wide = obstacles[:, 4] > 0
-    ring = np.stack([np.cos(RING), np.sin(RING)], axis=1)
-    around = obstacles[wide, None, :2] + obstacles[wide, None, 4:] * ring
-    return np.concatenate([obstacles[~wide, :2], around.reshape(-1, 2)])
 
 
 @dataclass(slots=True)
@@ -161,7 +153,7 @@ class Follower:
         if self.either_way:
             off = np.minimum(off, pi - off)
         # nearer to something than it should be, a robot may go on slowly, but no nearer
-        least = min(KEEP, self._gap_now(robot_in_map, obstacles)) - SLACK
+        least = min(KEEP, gap_at(robot_in_map, self.model, obstacles)) - SLACK
         slow = (np.abs(commands[:, 0]) <= SLOW) & (bare >= least)
         possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
         gap = np.minimum(gap, NEAR)
@@ -265,18 +257,6 @@ class Follower:
     def _outline(self) -> tuple[float, float, float]:
         return self.model.length_front, self.model.length_rear, self.model.width / 2
 
-    def _gap_now(self, at: Pose2, obstacles: Float) -> float:
-        """Return the gap to the nearest obstacle [m]."""
-        if not len(obstacles):
-            return inf
-        front, rear, half = self._outline
-        c, s = cos(at.theta), sin(at.theta)
-        dx, dy = obstacles[:, 0] - at.x, obstacles[:, 1] - at.y
-        x, y = c * dx + s * dy, c * dy - s * dx
-        off_x = np.maximum(np.maximum(x - front, -rear - x), 0.0)
-        off_y = np.maximum(np.abs(y) - half, 0.0)
-        return float((np.hypot(off_x, off_y) - obstacles[:, 4]).min())
-
     def _off_way(self, at: Pose2) -> float:
         """Return the angle between the robot's heading and its way [rad], 0 to pi."""
         raster = self.cost_to_go.raster
@@ -320,7 +300,7 @@ class Follower:
     ) -> bool:
         """Whether a motion would touch something, or come nearer to what it touches."""
         judged = self._judge(at, twist, np.array([command]), obstacles)
-        return bool(judged[0, 3] < min(SLACK, self._gap_now(at, obstacles) - SLACK))
+        return bool(judged[0, 3] < min(SLACK, gap_at(at, self.model, obstacles) - SLACK))
 
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""

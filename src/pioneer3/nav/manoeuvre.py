@@ -11,6 +11,7 @@ from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.costs import CostMap
+from pioneer3.nav.gaps import gap_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
 from pioneer3.nav.moving import RADIUS
@@ -57,7 +58,7 @@ def find_manoeuvre(
     Args:
         robot_in_map: Where the robot is [m, rad].
         model: Its outline.
-        obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+        obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         cost_to_go: To its goal.
 
     Returns:
@@ -77,7 +78,7 @@ def find_way_aside(
     Args:
         robot_in_map: Where the robot is [m, rad].
         model: Its outline.
-        obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+        obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         ways: Points of the ways of others [m], shape (K, 2), K at least 1.
         costs: Of the map.
 
@@ -103,18 +104,18 @@ def _search(
     least: float = 0.0,
 ) -> Float | None:
     reach = SIDE * CELL / 2 + model.corner
-    points = _within(reach, here, obstacles)
+    near = _within(reach, here, obstacles)
     count = SIDE * SIDE * HEADINGS
     poses, before = np.empty((count, 3)), np.full(count, -1, dtype=np.int32)
     costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
-    gap = min(GAP, _gap(here, model, points) - 0.002)
+    gap = min(GAP, gap_at(here, model, near) - 0.002)
     outline = (model.length_front, model.length_rear, model.width / 2, gap, model.corner + FREE)
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
         np.array([*outline, least, APART]),
-        points,
-        ways,
+        near[:, [0, 1, 4]],
+        np.pad(ways, ((0, 0), (0, 1))),
         values,
         np.array([raster.x, raster.y, raster.cell, CELL]),
         np.array([SIDE, HEADINGS, MOST], dtype=np.int32),
@@ -134,7 +135,7 @@ def _search(
 
 
 def _within(reach: float, here: Pose2, points: Float) -> Float:
-    """Return those of `points` (N, 2) that are not farther from a place than this [m]."""
+    """Return those of `points` (N, any) that are not farther from a place than this [m]."""
     return points[np.hypot(points[:, 0] - here.x, points[:, 1] - here.y) < reach]
 
 
@@ -160,7 +161,7 @@ class Manoeuvre:
 
         Args:
             robot_in_map: Where the robot is [m, rad].
-            obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+            obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         """
         self.done = self.done or len(self.poses) < 2
         while not self.done:
@@ -169,8 +170,8 @@ class Manoeuvre:
             if command is not None:
                 v, w = command
                 ahead = robot_in_map @ Pose2(0.3 * v, 0.0, 0.3 * w)
-                now = _gap(robot_in_map, self.model, obstacles)
-                if _gap(ahead, self.model, obstacles) < min(TOUCHES, now):
+                now = gap_at(robot_in_map, self.model, obstacles)
+                if gap_at(ahead, self.model, obstacles) < min(TOUCHES, now):
                     break
                 return command
             self._at = end
@@ -232,15 +233,3 @@ def _moves() -> Float:
         for way, angle in rows
     ]
     return np.column_stack([rows, costs])
-
-
-def _gap(at: Pose2, model: RobotModel, points: Float) -> float:
-    """Return the distance between the robot and the nearest of `points` (N, 2) [m]."""
-    if not len(points):
-        return 1.0
-    c, s = cos(at.theta), sin(at.theta)
-    dx, dy = points[:, 0] - at.x, points[:, 1] - at.y
-    x, y = c * dx + s * dy, c * dy - s * dx
-    away_x = np.maximum(np.maximum(x - model.length_front, -model.length_rear - x), 0.0)
-    away_y = np.maximum(np.abs(y) - model.width / 2, 0.0)
-    return float(np.hypot(away_x, away_y).min())

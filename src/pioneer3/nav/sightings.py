@@ -11,7 +11,7 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
-from pioneer3.nav.moving import RADIUS, Movers
+from pioneer3.nav.moving import COASTS, RADIUS, Movers
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -92,7 +92,8 @@ class Sightings:
             robot_in_map: The robot's pose then.
             now: [s].
         """
-        raster, people = self._raster, self.movers.people()
+        raster = self._raster
+        people = [each for each in self.movers.people() if now - each.seen < COASTS]
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
             at = robot_in_map @ Pose2(x, y, theta)
             axis = np.array((np.cos(at.theta), np.sin(at.theta)))
@@ -111,7 +112,7 @@ class Sightings:
             if any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist()):
                 continue  # the laser sees it, and knows better where it is
             echo = place + metres * axis
-            if any(np.hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + BODY for p in people):
+            if any(hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + BODY for p in people):
                 continue
             around = self._around(float(echo[0]), float(echo[1]), raster.cell)
             self._times[around] = np.minimum(self._times[around], 200) + 1

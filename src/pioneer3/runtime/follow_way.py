@@ -13,7 +13,7 @@ from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
-from pioneer3.nav.follower import Follower, outlines
+from pioneer3.nav.follower import Follower
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
@@ -142,8 +142,8 @@ class FollowWay:
             self._since = None if self._since is None else self._since + self._aside.forgiven
             return aside
         held_up = self.held_up(situation.now)
-        to_go, points = self.follower.cost_to_go, outlines(obstacles)
-        lines_up = self._lining_up.decide(situation, robot_in_map, points, to_go, held_up)
+        to_go = self.follower.cost_to_go
+        lines_up = self._lining_up.decide(situation, robot_in_map, obstacles, to_go, held_up)
         if lines_up is not None:
             self._check_progress(situation.now, robot_in_map)
         return lines_up

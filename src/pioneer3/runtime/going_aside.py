@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2
-from pioneer3.nav.follower import Follower, outlines
+from pioneer3.nav.follower import Follower
 from pioneer3.nav.giving_way import WINDOW, refuge, ways_of
 from pioneer3.nav.manoeuvre import Manoeuvre, find_way_aside
 from pioneer3.nav.moving import Mover
@@ -79,7 +79,7 @@ class GoingAside:
     ) -> tuple[float, float, bool]:
         """Return the next velocity [m/s, rad/s], and whether the robot is there."""
         if isinstance(to, Manoeuvre):
-            v, w = to.step(robot_in_map, outlines(obstacles))
+            v, w = to.step(robot_in_map, obstacles)
             return v, w, to.done
         step = to.step(robot_in_map, situation.twist, obstacles, ASIDE)
         return step.v, step.w, step.arrived
@@ -89,13 +89,13 @@ class GoingAside:
     ) -> Follower | Manoeuvre | None:
         """Return a drive out of people's ways, if there is one: beside them, or farther off."""
         first = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
-        points, model = outlines(obstacles), situation.model
+        model = situation.model
         for ways in (
             ways_of(near, at),
             ways_of([first], at),
             ways_of([first], at, to_robot=False),
         ):
-            poses = find_way_aside(at, model, points, ways, self.sightings.costs)
+            poses = find_way_aside(at, model, obstacles, ways, self.sightings.costs)
             if poses is not None:
                 return Manoeuvre(poses, model, situation.limits)
         return self._place(situation, at, near)

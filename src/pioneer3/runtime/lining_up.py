@@ -37,7 +37,7 @@ class LiningUp:
         Args:
             situation: Of now.
             robot_in_map: Where the robot is [m, rad].
-            obstacles: Everything nearby [m] in the map's frame, shape (N, 2).
+            obstacles: Everything nearby, as a follower takes it, shape (N, 5).
             to_go: The cost to its goal.
             held_up: For how long it has come no nearer [s].
         """

@@ -38,6 +38,16 @@ def to_go(line_map: LineMap, x: float, y: float) -> CostToGo:
     return found
 
 
+def things(points: Float) -> Float:
+    """Return points as obstacles."""
+    return np.pad(points, ((0, 0), (0, 3)))
+
+
+def person(x: float, y: float) -> Float:
+    """Return somebody who stands, as an obstacle."""
+    return np.array([[x, y, 0.0, 0.0, RADIUS]])
+
+
 def gap(pose: Float, points: Float) -> float:
     """Return the distance between a P3-AT and the nearest of some points, by its sides."""
     x, y, theta = pose
@@ -55,7 +65,7 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
     points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
     here = Pose2(*at, theta)
     least = min(GAP, gap(np.array([*at, theta]), points) - 0.002)
-    poses = find_manoeuvre(here, AT, points, there)
+    poses = find_manoeuvre(here, AT, things(points), there)
     assert poses is not None
     assert poses[0] == pytest.approx([*at, theta])
     for before, after in pairwise(poses):
@@ -76,7 +86,7 @@ def test_a_manoeuvre_keeps_clear_and_leads_on(at: tuple[float, float], theta: fl
 def test_there_is_none_out_of_a_place_without_a_way() -> None:
     closed = room(*box(4.5, 2.5, 5.5, 3.5))
     poses = find_manoeuvre(
-        Pose2(5.0, 3.0), AT, samples(closed.walls, 0.05), to_go(room(), 1.0, 3.0)
+        Pose2(5.0, 3.0), AT, things(samples(closed.walls, 0.05)), to_go(room(), 1.0, 3.0)
     )
     assert poses is None
 
@@ -84,7 +94,7 @@ def test_there_is_none_out_of_a_place_without_a_way() -> None:
 def test_backwards_is_taken_where_it_is_shorter() -> None:
     alley = room([3.0, 2.65, 7.0, 2.65], [3.0, 3.35, 7.0, 3.35], [5.4, 2.65, 5.4, 3.35])
     points, there = samples(alley.walls, 0.05), to_go(alley, 1.0, 3.0)
-    poses = find_manoeuvre(Pose2(4.2, 3.0, 0.0), AT, points, there)
+    poses = find_manoeuvre(Pose2(4.2, 3.0, 0.0), AT, things(points), there)
     assert poses is not None
     assert poses[-1, 0] < 3.0
     assert np.allclose(poses[:, 2] % (2 * pi), 0.0, atol=0.3)
@@ -95,11 +105,11 @@ def test_backwards_is_taken_where_it_is_shorter() -> None:
 def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
     points, there = samples(POCKET.walls, 0.05), to_go(POCKET, 1.0, 3.0)
     at = Pose2(4.98, 3.0, theta)
-    poses = find_manoeuvre(at, AT, points, there)
+    poses = find_manoeuvre(at, AT, things(points), there)
     assert poses is not None
     drive, v, w, nearest = Manoeuvre(poses, AT, LIMITS), 0.0, 0.0, 1.0
     for _ in range(1500):
-        wanted_v, wanted_w = drive.step(at, points)
+        wanted_v, wanted_w = drive.step(at, things(points))
         if drive.done:
             break
         v += float(np.clip(wanted_v - v, -0.03, 0.03))
@@ -114,23 +124,17 @@ def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
 def test_it_gives_up_where_something_has_come_into_its_way() -> None:
     there = to_go(POCKET, 1.0, 3.0)
     at = Pose2(5.0, 3.0, pi)
-    poses = find_manoeuvre(at, AT, samples(POCKET.walls, 0.05), there)
+    poses = find_manoeuvre(at, AT, things(samples(POCKET.walls, 0.05)), there)
     assert poses is not None
     drive = Manoeuvre(poses, AT, LIMITS)
     near = poses[min(2, len(poses) - 1)]
-    thing = np.array([[at.x + (AT.length_front + 0.012) * cos(at.theta), at.y]])
+    thing = things(np.array([[at.x + (AT.length_front + 0.012) * cos(at.theta), at.y]]))
     assert near is not None
     assert drive.step(at, thing) == (0.0, 0.0)
     assert drive.done
 
 
 CORRIDOR = room([0.0, 2.0, 10.0, 2.0], [0.0, 4.0, 10.0, 4.0])
-
-
-def around(x: float, y: float) -> Float:
-    """Return the outline of somebody."""
-    angles = np.linspace(-pi, pi, 12, endpoint=False)
-    return np.array((x, y)) + RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def line(x: float, y: float, towards: float) -> Float:
@@ -140,36 +144,39 @@ def line(x: float, y: float, towards: float) -> Float:
 
 @pytest.mark.parametrize("theta", [0.0, 0.4, 2.5, pi])
 def test_a_way_aside_ends_beside_the_way_of_who_waits(theta: float) -> None:
-    points = np.concatenate([samples(CORRIDOR.walls, 0.05), around(6.0, 3.1)])
+    walls = samples(CORRIDOR.walls, 0.05)
+    obstacles = np.concatenate([things(walls), person(6.0, 3.1)])
     ways = line(6.0, 3.1, -1.0)
-    poses = find_way_aside(Pose2(5.0, 3.0, theta), AT, points, ways, costs(CORRIDOR))
+    poses = find_way_aside(Pose2(5.0, 3.0, theta), AT, obstacles, ways, costs(CORRIDOR))
     assert poses is not None
     assert gap(poses[-1], ways) >= APART - 1e-9
-    assert all(gap(each, points) >= GAP - 1e-9 for each in poses[1:])
+    assert all(gap(each, walls) >= GAP - 1e-9 for each in poses[1:])
+    assert all(gap(each, np.array([[6.0, 3.1]])) >= RADIUS + GAP - 1e-9 for each in poses[1:])
     assert all(gap(each, ways) < APART for each in poses[:-1])
 
 
 def test_between_two_people_it_turns_to_the_wall() -> None:
     """They stand 15 cm before and behind it, as people do who wait."""
     before, behind = 5.0 + AT.length_front + 0.4, 5.0 - AT.length_rear - 0.4
-    people = [around(before, 3.0), around(behind, 3.0)]
-    points = np.concatenate([samples(CORRIDOR.walls, 0.05), *people])
+    walls = things(samples(CORRIDOR.walls, 0.05))
+    obstacles = np.concatenate([walls, person(before, 3.0), person(behind, 3.0)])
     ways = line(before, 3.0, -1.0)
-    poses = find_way_aside(Pose2(5.0, 3.0, 0.0), AT, points, ways, costs(CORRIDOR))
+    poses = find_way_aside(Pose2(5.0, 3.0, 0.0), AT, obstacles, ways, costs(CORRIDOR))
     assert poses is not None
     assert gap(poses[-1], ways) >= APART - 1e-9
 
 
 def test_who_is_beside_their_way_stays() -> None:
     here, ways = Pose2(5.0, 2.4, 0.0), line(7.0, 3.2, -1.0)
-    poses = find_way_aside(here, AT, samples(CORRIDOR.walls, 0.05), ways, costs(CORRIDOR))
+    walls = things(samples(CORRIDOR.walls, 0.05))
+    poses = find_way_aside(here, AT, walls, ways, costs(CORRIDOR))
     assert poses is not None
     assert len(poses) == 1
-    assert Manoeuvre(poses, AT, LIMITS).step(here, ways) == (0.0, 0.0)
+    assert Manoeuvre(poses, AT, LIMITS).step(here, walls) == (0.0, 0.0)
 
 
 def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
     narrow = room([0.0, 2.6, 10.0, 2.6], [0.0, 3.4, 10.0, 3.4])
-    points = np.concatenate([samples(narrow.walls, 0.05), around(5.8, 3.0)])
-    poses = find_way_aside(Pose2(5.0, 3.0), AT, points, line(5.8, 3.0, -1.0), costs(narrow))
+    obstacles = np.concatenate([things(samples(narrow.walls, 0.05)), person(5.8, 3.0)])
+    poses = find_way_aside(Pose2(5.0, 3.0), AT, obstacles, line(5.8, 3.0, -1.0), costs(narrow))
     assert poses is None

@@ -1,6 +1,6 @@
 """Short drives to and fro, found by a search over places and headings."""
 
-from math import cos, floor, inf, pi, sin, sqrt
+from math import cos, floor, inf, isnan, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,24 +27,24 @@ def _state_of(x: float, y: float, theta: float, middle: Float, cell: float, size
 
 @inlined
 def _room(x: float, y: float, theta: float, outline: Float, points: Float) -> float:
-    """Return the gap between a robot and the nearest of `points` (N, 2) [m]."""
+    """Return the gap between a robot and the nearest of `points`: x, y, radius (N, 3) [m]."""
     c, s = cos(theta), sin(theta)
     least = inf
     for i in range(len(points)):
         dx, dy = points[i, 0] - x, points[i, 1] - y
         gap = gap_to(c * dx + s * dy, c * dy - s * dx, outline[0], outline[1], outline[2])
-        least = min(least, gap)
+        least = min(least, gap - points[i, 2])
     return least
 
 
 @inlined
 def _around(x: float, y: float, points: Float) -> float:
-    """Return the distance between a place and the nearest of `points` (N, 2) [m]."""
+    """Return the distance between a place and the nearest of `points` (N, 3) [m]."""
     least = inf
     for i in range(len(points)):
         dx, dy = points[i, 0] - x, points[i, 1] - y
-        least = min(least, dx * dx + dy * dy)
-    return sqrt(least)
+        least = min(least, sqrt(dx * dx + dy * dy) - points[i, 2])
+    return least
 
 
 @inlined
@@ -62,8 +62,9 @@ def _fits(
     c, s = cos(theta), sin(theta)
     for i in range(len(points)):
         dx, dy = points[i, 0] - x, points[i, 1] - y
-        near = dx * dx + dy * dy < reach * reach
-        if near and gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) < least:
+        apart = least + points[i, 2]
+        near = dx * dx + dy * dy < (reach + points[i, 2]) ** 2
+        if near and gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) < apart:
             return False
     return True
 
@@ -127,8 +128,8 @@ def manoeuvre(
         outline: Front, rear, half of the width, least gap, the gap around its middle with which it
             may turn anywhere, the cost to go that the drive has to get below, and the gap between
             the robot and the ways of others in the end [m], shape (7,).
-        points: Obstacles in the map's frame [m], shape (N, 2).
-        ways: Points of the ways of others [m], shape (K, 2).
+        points: Obstacles in the map's frame: x, y, radius [m], shape (N, 3).
+        ways: Points of the ways of others, with 0 for a radius [m], shape (K, 3).
         to_go: Cost to go [m], shape (H, W); `inf` where the robot must not be.
         frame: x, y of its lower left corner, side of its cells, side of a state's place [m], (4,).
         sizes: Places along a side of the window around the start, headings, and the number of
@@ -145,7 +146,7 @@ def manoeuvre(
     """
     cell, side = frame[3], sizes[0]
     inner, slack = min(outline[0], outline[1], outline[2]), sqrt(0.5) * cell
-    arounds, asides = np.full(side * side, -1.0), np.empty(side * side)
+    arounds, asides = np.full(side * side, np.nan), np.empty(side * side)
     first = _state_of(start[0], start[1], start[2], start, cell, sizes)
     poses[first] = start
     costs[first], keys[first], before[first] = 0.0, 0.0, first
@@ -180,7 +181,7 @@ def manoeuvre(
             if cost >= costs[other] or to_go[row, column] == inf:
                 continue
             place = other // sizes[1]
-            if arounds[place] < 0.0:
+            if isnan(arounds[place]):
                 px = start[0] + (place % side - side // 2 + 0.5) * cell
                 py = start[1] + (place // side - side // 2 + 0.5) * cell
                 arounds[place] = _around(px, py, points)
