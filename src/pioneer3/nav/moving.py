@@ -161,7 +161,7 @@ class Movers:
             The indices of the points that are of walkers.
         """
         away = np.hypot(*(points - origin).T)
-        near = np.flatnonzero((away < NEAR) & _has_company(points))
+        near = np.flatnonzero((away < NEAR) & has_company(points))
         owner = self._owners(points[near], now)
         own: list[Int] = []
         for number, thing in enumerate(self.things):
@@ -252,7 +252,7 @@ def _middle(points: Float, origin: Float) -> tuple[float, float]:
     return x + share * dx, y + share * dy
 
 
-def _has_company(points: Float) -> NDArray[np.bool_]:
+def has_company(points: Float) -> NDArray[np.bool_]:
     """Return which of the points (N, 2) have a neighbour in the scan's order near them."""
     close = np.hypot(*np.diff(points, axis=0).T) < COMPANY
     company = np.zeros(len(points), dtype=np.bool_)

@@ -1,17 +1,18 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
-from math import atan2, hypot, pi
+from dataclasses import replace
+from math import atan2, hypot, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
-from pioneer3.nav.moving import COASTS, RADIUS, Movers
+from pioneer3.nav.moving import COASTS, RADIUS, Movers, has_company
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -24,6 +25,12 @@ FAR = 6.0
 """Things farther away are not noted [m]."""
 AGE = 60.0
 """Things not seen for so long may have gone [s]."""
+LATE, DOUBT_TURNING = 0.05, 0.08
+"""Odometry may be so late [s], by which echoes are off while the robot turns, up to so much [m/m]."""
+AGAIN = 0.1
+"""An echo that stands alone counts where the scan before had one so near [m]."""
+LATEST = 0.5
+"""Older scans say nothing of now [s]."""
 DOUBT = 0.05
 """A wall may be off so much more for each metre from the laser, and is no walker for that."""
 HEARD, HEARD_AGE = 3, 15.0
@@ -60,6 +67,8 @@ class Sightings:
         self._heard: Float = np.zeros(costs.raster.shape)
         self._times = np.zeros(costs.raster.shape, dtype=np.uint8)
         self._arcs: list[tuple[float, Float]] = []
+        self._before: Beams | None = None
+        self._echoes = self._latest = -inf, np.empty((0, 2))
 
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
@@ -69,8 +78,10 @@ class Sightings:
             robot_in_map: The robot's pose at the scan's last reading.
         """
         raster, now = self._raster, max(beams.stamp, 1e-9)
+        beams = self._without_strays(beams, robot_in_map)
         from_laser = np.hypot(*(beams.points - beams.origin).T)
         echoes = in_map(robot_in_map, beams.points)
+        self._latest = beams.stamp, echoes
         walking = self._follow(beams, robot_in_map, echoes, from_laser)
         origin = raster.in_cells(in_map(robot_in_map, beams.origin[None]))[0]
         near = from_laser < FAR
@@ -79,7 +90,39 @@ class Sightings:
         short = SHORT / raster.cell
         fast(clear_beams, CACHE)(origin, np.concatenate([ends[near], clear]), short, self._seen)
         near[walking] = False
-        fast(mark_echoes, CACHE)(ends[near], self._clearance, EXPLAINED, now, self._seen)
+        doubts = EXPLAINED + self._doubt(beams) * from_laser[near]
+        fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, self._seen)
+
+    def latest(self, now: float) -> Float | None:
+        """Return the echoes of the last scan in the map's frame [m], (N, 2); `None` if it is old.
+
+        Strays are not among them.
+        """
+        stamp, echoes = self._latest
+        return echoes if abs(now - stamp) < LATEST else None
+
+    def _without_strays(self, beams: Beams, robot_in_map: Pose2) -> Beams:
+        """Return a scan without the echoes that stand alone where the last scan had none.
+
+        Lasers see edges, dust and the sun as points that are not there.
+        """
+        echoes, (_, before) = in_map(robot_in_map, beams.points), self._echoes
+        self._echoes = beams.stamp, echoes
+        alone = np.flatnonzero(~has_company(beams.points))
+        if not len(alone):
+            return beams
+        off = np.hypot(*(echoes[alone, None] - before[None]).transpose(2, 0, 1))
+        strays = alone[off.min(axis=1, initial=np.inf) > AGAIN]
+        return replace(beams, points=np.delete(beams.points, strays, axis=0))
+
+    def _doubt(self, beams: Beams) -> float:
+        """Return how far echoes may be off for each metre from the laser, as the robot turns."""
+        before, self._before = self._before, beams
+        passed = beams.stamp - before.stamp if before else 0.0
+        if before is None or passed <= 0.0:
+            return 0.0
+        turned = abs(wrap(beams.robot_in_odom.theta - before.robot_in_odom.theta))
+        return min(LATE * turned / passed, DOUBT_TURNING)
 
     def hear(self, transducers: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
         """Note the echoes of sonars that neither the map, nor the laser, nor people explain.
@@ -224,6 +267,7 @@ class Sightings:
         self._seen[:] = self._heard[:] = 0.0
         self._times[:] = 0
         self._arcs = []
+        self._echoes = self._latest = -inf, np.empty((0, 2))
         self.movers.forget()
 
 

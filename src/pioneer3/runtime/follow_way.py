@@ -21,8 +21,8 @@ from pioneer3.runtime.lining_up import LiningUp
 
 Float = NDArray[np.float64]
 
-PATIENCE = 40.0
-"""A robot that comes no nearer for so long gives up [s]."""
+PATIENCE, AMONG_PEOPLE = 40.0, 120.0
+"""A robot that comes no nearer for so long gives up [s]; people go on sooner or later."""
 DETOUR, DETOURS = 1.0, 8
 """A way that is so much longer [m] is a detour; after so many it has to come nearer on any."""
 NEARER = 0.1
@@ -190,7 +190,7 @@ class FollowWay:
             self._nearest, self._detours = left, 0
         if self._since is None or left < self._best - NEARER:
             self._best, self._since = left, now
-        elif now - self._since > PATIENCE:
+        elif now - self._since > (AMONG_PEOPLE if self.sightings.movers.people() else PATIENCE):
             self.failed = "it comes no nearer: something is in the way"
 
     def _listen(self, situation: Situation, robot_in_map: Pose2) -> None:
@@ -213,7 +213,9 @@ class FollowWay:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
         x, y, now = robot_in_map.x, robot_in_map.y, situation.now
         walkers, heard = self.sightings.movers.discs(now), self.sightings.heard(x, y, LOOK, now)
-        if situation.scan is not None:
+        if situation.scan is not None and (latest := self.sightings.latest(now)) is not None:
+            seen = latest
+        elif situation.scan is not None:
             beams = beams_of(situation.scan)
             seen = in_map(self.odom_in_map() @ beams.robot_in_odom, beams.points)
         else:

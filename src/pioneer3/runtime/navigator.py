@@ -48,7 +48,7 @@ PATIENCE = 3.0
 """Longest wait for a robot that knows where it is [s]."""
 REPLAN_EVERY = 1.0
 """[s]."""
-BLOCKED_FOR, BY_PEOPLE = 15.0, 45.0
+BLOCKED_FOR, BY_PEOPLE = 15.0, 90.0
 """A way that has been closed for so long is given up, the latter while people are about [s]."""
 PAUSE = 3.0
 """A robot on patrol stands so long at each place [s]."""

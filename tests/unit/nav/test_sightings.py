@@ -1,5 +1,7 @@
 """Things that are not on the map."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,11 +16,12 @@ HERE = Pose2(2.0, 3.0, 0.0)
 
 
 def beams(stamp: float, *points: tuple[float, float], clear: tuple[float, float] = (0, 0)) -> Beams:
-    """Return a scan with echoes at points of the robot's frame."""
+    """Return a scan with two echoes at each point of the robot's frame, beside each other."""
+    twice = [(x, y + aside) for x, y in points for aside in (0.0, 0.02)]
     return Beams(
         stamp=stamp,
         robot_in_odom=Pose2(),
-        points=np.array(points, dtype=np.float64).reshape(-1, 2),
+        points=np.array(twice, dtype=np.float64).reshape(-1, 2),
         clear=np.array([clear] if any(clear) else [], dtype=np.float64).reshape(-1, 2),
         origin=np.array([0.1, 0.0]),
         far=30.0,
@@ -68,6 +71,42 @@ def test_everything_can_be_forgotten(sightings: Sightings) -> None:
     assert not len(sightings.points(5.0))
 
 
+def stray(stamp: float, x: float, y: float, theta: float = 0.0) -> Beams:
+    """Return a scan with a wall and an echo that stands alone."""
+    wall = [(-1.95, 0.1 * n) for n in range(10)]
+    scan = beams(stamp, *wall)
+    points = np.array([*scan.points.tolist(), (x, y)])
+    return replace(scan, points=points, robot_in_odom=Pose2(theta=theta))
+
+
+def test_an_echo_that_stands_alone_is_believed_the_second_time(sightings: Sightings) -> None:
+    sightings.take(stray(5.0, 3.0, 0.0), HERE)
+    assert not len(sightings.points(5.0))
+    latest = sightings.latest(5.0)
+    assert latest is not None
+    assert len(latest) == 20
+    sightings.take(stray(5.1, 1.0, 0.5), HERE)
+    assert not len(sightings.points(5.1))
+    sightings.take(stray(5.2, 1.02, 0.5), HERE)
+    assert sightings.points(5.2) == pytest.approx(np.array([[3.02, 3.5]]), abs=0.05)
+    assert sightings.latest(6.0) is None
+
+
+def test_echoes_far_away_are_of_walls_while_the_robot_turns(sightings: Sightings) -> None:
+    """Odometry is late, so that walls seem to be beside where they are."""
+    turned = Pose2(2.0, 3.0, 0.05)
+    beside = (5.0, 2.75 - 0.3)  # 30 cm before the upper wall, 5 m away
+    still = beams(5.0, beside)
+    sightings.take(still, HERE)
+    assert len(sightings.points(5.0))
+    sightings.forget()
+    sightings.take(replace(beams(5.1, beside), robot_in_odom=Pose2(theta=0.15)), HERE)
+    assert not len(sightings.points(5.1))
+    near = (1.0, 0.0)
+    sightings.take(replace(beams(5.2, near), robot_in_odom=Pose2(theta=0.3)), turned)
+    assert len(sightings.points(5.2))
+
+
 AXIS = np.array([[0.2, 0.0, 0.0]])
 """A sonar that listens ahead."""
 
@@ -102,11 +141,11 @@ def test_the_echo_of_a_wall_of_the_map_is_no_thing(sightings: Sightings) -> None
 
 
 def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Sightings) -> None:
-    beside = (1.0, 0.15)
+    beside = (1.0, 0.16)
     for now in (5.0, 5.1, 5.2):
         sightings.take(beams(now, beside), HERE)
         hear(sightings, 0.8, HERE, now)
-    assert sightings.points(5.2) == pytest.approx(np.array([[3.0, 3.15]]), abs=0.05)
+    assert sightings.points(5.2) == pytest.approx(np.array([[3.0, 3.17]]), abs=0.05)
 
 
 def test_who_comes_nearer_is_where_the_last_echo_was(sightings: Sightings) -> None:

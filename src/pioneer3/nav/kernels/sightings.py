@@ -35,13 +35,13 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
 
 
 @kernel
-def mark_echoes(echoes: Float, clearance: Float32, known: float, now: float, seen: Float) -> None:
+def mark_echoes(echoes: Float, clearance: Float32, known: Float, now: float, seen: Float) -> None:
     """Note the cells of echoes that no wall of the map explains.
 
     Args:
         echoes: [cells], shape (N, 2).
         clearance: Distance of each cell to the nearest wall [m], shape (H, W).
-        known: Echoes nearer to a wall than this are of that wall [m].
+        known: An echo nearer to a wall than this is of that wall [m], shape (N,).
         now: The time to note.
         seen: Shape (H, W).
     """
@@ -49,5 +49,5 @@ def mark_echoes(echoes: Float, clearance: Float32, known: float, now: float, see
     for i in range(len(echoes)):
         column, row = floor(echoes[i, 0]), floor(echoes[i, 1])
         inside = 0 <= column < width and 0 <= row < height
-        if inside and clearance[row, column] > known:
+        if inside and clearance[row, column] > known[i]:
             seen[row, column] = now
