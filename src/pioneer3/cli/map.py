@@ -115,9 +115,22 @@ def edit(
     erase: Annotated[
         tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())
     ] = (),
+    wall: Annotated[
+        tuple[str, ...], Parameter(metavar="LINE", allow_leading_hyphen=True, negative=())
+    ] = (),
     goal: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
+    dock: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
+    home: Annotated[tuple[str, ...], Parameter(metavar="NAME=PLACE", negative=())] = (),
+    forbid_line: Annotated[
+        tuple[str, ...], Parameter(metavar="LINE", allow_leading_hyphen=True, negative=())
+    ] = (),
+    forbid_area: Annotated[
+        tuple[str, ...], Parameter(metavar="BOX", allow_leading_hyphen=True, negative=())
+    ] = (),
+    rename: Annotated[tuple[str, ...], Parameter(metavar="OLD=NEW", negative=())] = (),
+    remove: Annotated[tuple[str, ...], Parameter(metavar="NAME", negative=())] = (),
 ) -> int:
-    """Erase walls of a map, or name places of it; the file is written anew.
+    """Edit walls, places and forbidden areas of a map; the file is written anew.
 
     Example: pioneer3 map edit lab.map --goal Kitchen=4.4,3.9,90
     Example: pioneer3 map edit lab.map --erase 1.2,0.5,2,1.5
@@ -125,32 +138,60 @@ def edit(
     Args:
         file: A .map or .yaml file.
         erase: x,y,x,y: two corners of a box in which no wall is to be; once for each.
+        wall: x,y,x,y: the two ends of a new wall; once for each.
         goal: NAME=x,y or NAME=x,y,heading: a goal, new or moved; once for each.
+        dock: The same, a dock with a charger.
+        home: The same, where robots begin.
+        forbid_line: x,y,x,y: the two ends of a line that robots do not cross; once for each.
+        forbid_area: x,y,x,y: two corners of an area that robots do not enter; once for each.
+        rename: OLD=NEW: another name for a place, line or area; once for each.
+        remove: The name of a place, line or area to remove; once for each.
     """
     from pioneer3.cli.process import write_line
     from pioneer3.errors import ConfigError
-    from pioneer3.maps import read_map
-    from pioneer3.maps.edit import erased, with_goal
+    from pioneer3.maps import edit, read_map
     from pioneer3.runtime.map_files import save_map
 
     if file.suffix.lower() == ".toml":
         raise ConfigError(f"{file}: is a world; edit the map that it stands on")
     line_map = read_map(file)
     for box in erase:
-        line_map = erased(line_map, _box(box))
-    for words in goal:
-        name, _, place = words.partition("=")
-        x, y, *heading = _numbers(words, place, 2, 3)
-        line_map = with_goal(line_map, name.strip(), x, y, heading[0] if heading else None)
+        line_map = edit.erased(line_map, _box(box))
+    for words in wall:
+        line_map = edit.with_wall(line_map, *_ends(words))
+    for name in remove:
+        line_map = edit.without(line_map, edit.find_object(line_map, name))
+    for words in rename:
+        old, _, new = words.partition("=")
+        line_map = edit.renamed(line_map, edit.find_object(line_map, old), new)
+    places: tuple[tuple[edit.NewRole, tuple[str, ...]], ...] = (
+        ("goal", goal),
+        ("dock", dock),
+        ("home", home),
+    )
+    for role, given in places:
+        for words in given:
+            name, _, place = words.partition("=")
+            x, y, *heading = _numbers(words, place, 2, 3)
+            line_map = edit.with_place(line_map, role, name, (x, y), *heading)
+    for words in forbid_line:
+        line_map = edit.with_forbidden(line_map, "line", *_ends(words))
+    for words in forbid_area:
+        line_map = edit.with_forbidden(line_map, "area", *_ends(words))
     save_map(line_map, file)
     write_line(f"wrote {file}")
     return 0
 
 
+def _ends(text: str) -> "tuple[tuple[float, float], tuple[float, float]]":
+    a, b, c, d = _numbers(text, text, 4, 4)
+    return (a, b), (c, d)
+
+
 def _box(text: str) -> "Bounds":
     from pioneer3.maps import Bounds
 
-    a, b, c, d = _numbers(text, text, 4, 4)
+    (a, b), (c, d) = _ends(text)
     return Bounds(min(a, c), min(b, d), max(a, c), max(b, d))
 
 

@@ -1,6 +1,7 @@
 """Writes maps: ARIA's `.map`, and YAML with a picture for ROS's map_server."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import cos, degrees, sin
 from pathlib import Path
 
@@ -147,7 +148,7 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
     Walls become black pixels, all else is free: which side of a wall is unknown, lines don't
     say. Objects are lost, map_server has none. Reading it back gives outlines that lie within
     a pixel's diagonal of the walls. A map that is one grid of this resolution, with free cells, is
-    written as it is.
+    written as it is, with its lines on it.
 
     Args:
         line_map: The map.
@@ -194,12 +195,22 @@ def write_map_server(line_map: LineMap, path: Path, resolution: float = RESOLUTI
 
 
 def _only_grid(line_map: LineMap, resolution: float) -> OccupancyGrid | None:
-    """Return the grid that a map consists of, if it can be written as it is."""
-    if len(line_map.grids) != 1 or len(line_map.lines):
+    """Return the grid of a map that is one, with the lines that lie on it.
+
+    `None` where free and unknown cells cannot stay as they are.
+    """
+    if len(line_map.grids) != 1:
         return None
     (grid,) = line_map.grids
     as_it_is = grid.resolution == resolution and not grid.origin.theta
-    return grid if as_it_is and (grid.states == FREE_CELL).any() else None
+    if not as_it_is or not (grid.states == FREE_CELL).any():
+        return None
+    bounds, ends = _bounds_of(grid), line_map.lines.reshape(-1, 2)
+    if (ends < bounds[:2]).any() or (ends > bounds[2:]).any():
+        return None
+    states = grid.states.copy()
+    states[touched(line_map.lines, bounds, resolution)] = OCCUPIED_CELL
+    return replace(grid, states=states)
 
 
 def _bounds_of(grid: OccupancyGrid) -> Bounds:

@@ -39,6 +39,27 @@ def survey_path(path: Path) -> Path:
     return path.with_suffix(".survey.npz")
 
 
+def free_path(path: Path) -> Path:
+    """Return the path of a new map, or one like it: no file of the map is there yet.
+
+    Raises:
+        ConfigError: The ending of the name is none of :data:`FORMATS`.
+    """
+    number, free = 1, path
+    while any(file.exists() for file in files_of(free)):
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
+
+
+def left_out(line_map: LineMap, path: Path) -> str:
+    """Return the parts of a map that its format has no room for, in words, or nothing."""
+    counts = {"materials of walls": int(np.count_nonzero(line_map.materials))}
+    if path.suffix.lower() in (".yaml", ".yml"):
+        counts["places and areas"] = len(line_map.objects)
+    return ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+
+
 def save_map(line_map: LineMap, path: Path) -> None:
     """Write a map in the format that the ending of its name tells.
 
@@ -56,7 +77,7 @@ def save_map(line_map: LineMap, path: Path) -> None:
             write_aria_map(named, _map_of(path))
             write_world(WorldFile(name=path.stem, map=_map_of(path)), path)
         case _:
-            write_map_server(named, path, named.grids[0].resolution)
+            write_map_server(named, path, *(grid.resolution for grid in named.grids[:1]))
 
 
 def save_survey(mapper: Mapper, path: Path) -> None:

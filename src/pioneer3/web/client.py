@@ -203,7 +203,7 @@ class Client:
         """Return the refusal of a request that this role may not make, or `None`."""
         if self.role is Role.DRIVER or isinstance(request, requests.FOR_ALL):
             return None
-        refusal = EditRefused if isinstance(request, requests.Edit) else Refused
+        refusal = EditRefused if isinstance(request, requests.Edit | requests.MapEdit) else Refused
         return refusal(ONLY_DRIVERS)
 
     async def _carry_out(self, request: requests.AnyRequest) -> Message | None:

@@ -74,6 +74,11 @@ class RobotMapping:
         """Whether maps can be made: there is a laser, and the extra `nav`."""
         return bool(self._robot.laser.presence.there) and navigation.installed()
 
+    @property
+    def making(self) -> bool:
+        """Whether a map is being made."""
+        return self._builder is not None
+
     def ask(self, operator: Operator, request: requests.MakeMap) -> str | None:
         """Carry out a request; return the refusal, or `None`."""
         self._asked_by, builder = operator, self._builder
@@ -123,6 +128,7 @@ class RobotMapping:
         from pioneer3.nav.mapper import Mapper
         from pioneer3.nav.warm_up import warm_up
         from pioneer3.runtime.map_builder import MapBuilder
+        from pioneer3.runtime.map_files import free_path
         from pioneer3.runtime.navigator import compile_kernels
 
         await compile_kernels()
@@ -142,11 +148,11 @@ class RobotMapping:
             if builder.exploring:
                 self._robot.arbiter.end_mode("the map is finished")
             if self._name and builder.mapper.survey.frames:
-                path = _free(self.folder / f"{self._name}.map")
+                path = free_path(self.folder / f"{self._name}.map")
                 self._adopt(await self.in_thread(_write, builder, path), path)
         except asyncio.CancelledError:  # the program ends, and the map is kept all the same
             if self._name and builder.mapper.survey.frames:
-                _write(builder, _free(self.folder / f"{self._name}.map"))
+                _write(builder, free_path(self.folder / f"{self._name}.map"))
             raise
         finally:
             self._builder = self.drawing = None
@@ -207,12 +213,3 @@ def _write(builder: "MapBuilder", path: Path) -> LineMap:
     finished = builder.finished()
     save_map(finished, path)
     return finished
-
-
-def _free(path: Path) -> Path:
-    """Return the path, or one like it that is not taken."""
-    number, free = 1, path
-    while free.exists():
-        number += 1
-        free = path.with_stem(f"{path.stem}-{number}")
-    return free

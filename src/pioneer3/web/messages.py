@@ -320,6 +320,17 @@ class Map(Message, tag="map", frozen=True):
     map: Drawing | None
 
 
+class MapDraft(Message, tag="map_draft", frozen=True):
+    """The map as edited but not saved, null without edits; `steps` can be undone.
+
+    `version` counts the drafts: requests about an object of `map` name it.
+    """
+
+    map: Drawing | None
+    version: int
+    steps: int
+
+
 class Thing(msgspec.Struct, tag_field="kind", kw_only=True, frozen=True):
     """A thing of the simulated world; its size from the pose to the front, the rear, a side [m]."""
 
@@ -421,7 +432,7 @@ class Refused(Message, tag="refused", frozen=True):
 
 
 class EditRefused(Message, tag="edit_refused", frozen=True):
-    """The reason to refuse a change of the simulated world."""
+    """The reason to refuse a change of the simulated world or of the map."""
 
     message: str
 
@@ -536,7 +547,7 @@ class Config(Message, tag="config", frozen=True):
 
 
 EVERY = (
-    *(Hello, Status, Robots, Scans, Map, World, People),
+    *(Hello, Status, Robots, Scans, Map, MapDraft, World, People),
     *(
         Way,
         Navigation,

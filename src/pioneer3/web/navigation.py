@@ -25,6 +25,7 @@ from pioneer3.web.errand import Errand, PlaceOn
 from pioneer3.web.scene import Scene
 
 if TYPE_CHECKING:
+    from pioneer3.nav.estimate import Estimate
     from pioneer3.nav.places import Destination
     from pioneer3.nav.planner import NoWay, Way
     from pioneer3.runtime.navigator import Navigation as State
@@ -326,9 +327,10 @@ class RobotNavigation:
         known = self._scene.map_now
         assert known is not None
         if self._navigator is None or self._navigator.line_map is not known:
+            found = self._navigator.estimate if self._navigator else None
             await stack.aclose()
             await compile_kernels()
-            start = self._begun(known)
+            start = self._begun(known, found)
             self._navigator = await Navigator.on(
                 self._robot,
                 known,
@@ -342,10 +344,10 @@ class RobotNavigation:
             await stack.enter_async_context(running(navigator.run(), self._tell_state()))
         return self._navigator
 
-    def _begun(self, known: LineMap) -> Pose2 | None:
-        """Return where the robot is now: as a simulator tells, or if it began at the map's home.
+    def _begun(self, known: LineMap, found: "Estimate | None") -> Pose2 | None:
+        """Return where the robot is now, or `None` to have it found.
 
-        `None` has it found.
+        A simulator tells that, or it was `found` on the map before, or it began at the map's home.
         """
         from pioneer3.nav.places import home
 
@@ -355,6 +357,8 @@ class RobotNavigation:
         odom = snapshot.odometry.robot_in_odom
         if self._scene.tells_truth:
             return self._scene.robot_in_map(odom)
+        if found is not None and found.sure and found.odom_in_map is not None:
+            return found.odom_in_map @ odom
         begun = home(known)
         return begun @ odom if begun else None
 

@@ -20,6 +20,7 @@ from pioneer3.web.access.sessions import Role, Session, free_name
 from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.editor import Editor
+from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
 from pioneer3.web.navigation import RobotNavigation
 from pioneer3.web.robot_view import RobotView
@@ -110,6 +111,7 @@ class Page:
         robots: The robots by number.
         clients: The connected clients.
         access: Decides who is let in.
+        map_editor: Edits the map.
         world: The world of simulated robots, which can be changed; `None` without.
         retained: The robots, their connections, and the map.
         world_changes: The changes of the world; `None` without one.
@@ -134,6 +136,12 @@ class Page:
         self.scans = ScanChannel(self._wake)
         self.world_changes: WorldChannel | None = None
         self._editor: Editor | None = None
+        self.map_editor = MapEditor(
+            self._map_in_use,
+            robots_on=self._robots_on,
+            adopt=self._adopt_map,
+            publish=self._publish_draft,
+        )
 
     @asynccontextmanager
     async def hosting(
@@ -176,14 +184,16 @@ class Page:
     async def run(self) -> None:
         """Keep clients up to date about the world and each other; ends by cancellation."""
         try:
-            while True:
-                self.update()
-                await asyncio.sleep(UPDATE_PERIOD)
+            async with running(self.map_editor.run()):
+                while True:
+                    self.update()
+                    await asyncio.sleep(UPDATE_PERIOD)
         finally:
             self.closed.set()
 
     def update(self) -> None:
         """Tell clients the changes of the world and of the clients."""
+        self.map_editor.follow()
         if not self.clients.connected:
             return
         changed = self.clients.update()
@@ -243,9 +253,15 @@ class Page:
         return free_name(device(user_agent), names | self.access.sessions.names)
 
     async def edit(
-        self, client: object, edit: requests.Edit
+        self, client: PageClient, edit: requests.Edit | requests.MapEdit
     ) -> messages.Added | messages.EditRefused | None:
-        """Change the simulated world for `client`; return the answer, if there is one."""
+        """Change the simulated world or the map for `client`; return the answer, if there is one.
+
+        Edits of a map may take long: they are answered later.
+        """
+        if isinstance(edit, requests.MapEdit):
+            self.map_editor.ask(edit, client.show)
+            return None
         if self._editor is None:
             return messages.EditRefused("only a simulated world can be changed here")
         answer = await self._editor.apply(client, edit)
@@ -352,10 +368,34 @@ class Page:
         made = (view.mapping.drawing for view in self.robots.values())
         if (drawing := next((each for each in made if each is not None), None)) is not None:
             return drawing
+        return self._known_map() or self._map
+
+    def _known_map(self) -> LineMap | None:
+        """Return the map of the simulated world, or the first of a scene."""
         if self.world is not None:
             return self.world.simulation.world.map
         maps = (view.scene.map_now for view in self.robots.values())
-        return next((known for known in maps if known is not None), self._map)
+        return next((known for known in maps if known is not None), None)
+
+    def _map_in_use(self) -> LineMap | None:
+        """Return the map that robots drive on; `None` while one is made, or without walls."""
+        known = self._known_map()
+        made = any(view.mapping.making for view in self.robots.values())
+        return known if known is not None and len(known.walls) and not made else None
+
+    def _robots_on(self, line_map: LineMap) -> list[Robot]:
+        return [view.robot for view in self.robots.values() if view.scene.map_now is line_map]
+
+    def _adopt_map(self, used: LineMap, line_map: LineMap) -> None:
+        """Have all robots that use a map use another one from now on."""
+        views = [view for view in self.robots.values() if view.scene.map_now is used]
+        for view in views:
+            view.scene.adopt(line_map)
+        self.update()
+
+    def _publish_draft(self, text: str) -> None:
+        if self.retained.put("map draft", text):
+            self._wake()
 
     def _publish_status(self, view: RobotView) -> None:
         text = messages.encode(view.status())

@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from pioneer3.behaviors.modes import AnyMode
+from pioneer3.maps.edit import NewRole
 
 Input = Literal["gamepad", "keyboard", "touch", "tilt"]
 """A way to drive."""
@@ -20,6 +21,8 @@ Speed = Annotated[float, Meta(gt=0.0, le=5.0)]
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 FileName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]{0,39}$")]
 """Of a file, without its ending."""
+ObjectName = Annotated[str, Meta(pattern=r'^[^\s"]([^"\t\r\n]{0,38}[^\s"])?$')]
+"""Of a place, a line or an area of a map."""
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 
 
@@ -247,6 +250,78 @@ class SetSpeed(Request, tag="speed"):
     speed: Annotated[float, Meta(ge=0.25, le=10.0)]
 
 
+class EraseWalls(Request, tag="erase_walls"):
+    """Erase the walls of the map that lie in a box whole, given by two corners."""
+
+    x0: Metre
+    y0: Metre
+    x1: Metre
+    y1: Metre
+
+
+class DrawWall(Request, tag="draw_wall"):
+    """Add a wall to the map, from one point to another."""
+
+    x0: Metre
+    y0: Metre
+    x1: Metre
+    y1: Metre
+
+
+class Forbid(Request, tag="forbid"):
+    """Forbid a line between two points of the map, or an area between two corners."""
+
+    x0: Metre
+    y0: Metre
+    x1: Metre
+    y1: Metre
+    shape: Literal["line", "area"]
+    name: ObjectName | Literal[""] = ""
+
+
+class NamePlace(Request, tag="name_place"):
+    """Add a place to the map, or move the place of that name; docks and homes have a heading."""
+
+    role: NewRole
+    name: ObjectName
+    x: Metre
+    y: Metre
+    heading: Radian | None = None
+
+
+class RenameObject(Request, tag="rename_object"):
+    """Give a place, line or area of the draft `version` another name; `number` counts from 0.
+
+    The version of the map that robots use is that of the last draft.
+    """
+
+    number: Annotated[int, Meta(ge=0)]
+    version: int
+    name: ObjectName
+
+
+class RemoveObject(Request, tag="remove_object"):
+    """Remove a place, line or area of the draft `version`; `number` counts from 0."""
+
+    number: Annotated[int, Meta(ge=0)]
+    version: int
+
+
+class UndoMapEdit(Request, tag="undo_map_edit"):
+    """Undo the last edit of the map that is not saved."""
+
+
+class DiscardMapEdits(Request, tag="discard_map_edits"):
+    """Undo all edits of the map that are not saved."""
+
+
+class SaveMap(Request, tag="save_map"):
+    """Save the edited map in the server's folder under a new name; robots use it from then on."""
+
+    name: FileName
+    format: Literal[".map", ".yaml", ".toml"] = ".map"
+
+
 DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
 ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
@@ -273,7 +348,12 @@ Edit = (
     | SetSpeed
 )
 """Changes the simulated world."""
-AnyRequest = DriveRequest | ControlRequest | ModeRequest | MapRequest | ViewRequest | Ping | Edit
+MapChange = EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject
+"""Changes the draft of the map."""
+MapEdit = MapChange | UndoMapEdit | DiscardMapEdits | SaveMap
+"""Concerns the draft of the map."""
+RobotAction = DriveRequest | ControlRequest | ModeRequest | MapRequest
+AnyRequest = RobotAction | ViewRequest | Ping | Edit | MapEdit
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 _stops: msgspec.json.Decoder[Stop | EmergencyStop] = msgspec.json.Decoder(Stop | EmergencyStop)

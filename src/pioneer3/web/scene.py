@@ -172,6 +172,13 @@ class Scene:
             return self.simulated[0].world.map
         return self.remote.map if self.remote else self.map
 
+    def adopt(self, line_map: LineMap) -> None:
+        """Use another map of the same place from now on; a simulated world becomes it."""
+        if self.simulated:
+            self.simulated[0].world.change_map(line_map)
+        elif self.remote is not None:
+            self.remote.adopt(line_map)
+
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
         """Return the apparent pose of the odometry's origin [m, rad], from its present snapshot.
 

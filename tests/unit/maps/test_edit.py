@@ -11,7 +11,15 @@ from pioneer3.cli.main import execute
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import Bounds, LineMap, OccupancyGrid, read_map, write_aria_map, write_map_server
-from pioneer3.maps.edit import erased, with_goal
+from pioneer3.maps.edit import (
+    erased,
+    find_object,
+    renamed,
+    with_forbidden,
+    with_place,
+    with_wall,
+    without,
+)
 from pioneer3.maps.grid import raster_outline
 from pioneer3.maps.line_map import FREE, OCCUPIED, MapObject
 
@@ -54,12 +62,79 @@ def test_an_empty_box_and_a_turned_grid_are_refused() -> None:
 
 
 def test_a_goal_is_new_or_moved() -> None:
-    once = with_goal(MAP, "Kitchen", 1.0, 2.0, None)
-    again = with_goal(once, "kitchen", 3.0, 2.0, pi / 2)
+    once = with_place(MAP, "goal", "Kitchen", (1.0, 2.0))
+    both = with_place(once, "dock", "Charger", (2.0, 2.0), 0.5)
+    again = with_place(both, "goal", "kitchen", (3.0, 2.0), pi / 2)
     assert [(i.kind, i.name) for i in once.objects] == [("RobotHome", "Home"), ("Goal", "Kitchen")]
-    assert [i.pose for i in again.objects] == [HOME.pose, Pose2(3.0, 2.0, pi / 2)]
-    assert again.objects[1].kind == "GoalWithHeading"
-    assert with_goal(MAP, "Home", 0.0, 0.0, None).homes == ()
+    assert [i.pose for i in again.objects][:2] == [HOME.pose, Pose2(3.0, 2.0, pi / 2)]
+    assert [i.kind for i in again.objects] == ["RobotHome", "GoalWithHeading", "Dock"]
+    assert with_place(MAP, "goal", "Home", (0.0, 0.0)).homes == ()
+    assert with_place(MAP, "home", "home", (1.0, 0.0)).homes == (Pose2(1.0, 0.0, 0.0),)
+    with pytest.raises(ConfigError, match="needs a name"):
+        with_place(MAP, "goal", " ", (0.0, 0.0))
+
+
+def test_a_wall_is_drawn_and_other_walls_keep_their_materials() -> None:
+    glass = replace(MAP, materials=np.array([1] + [0] * (len(MAP.walls) - 1), dtype=np.uint8))
+    after = with_wall(glass, (0.0, 1.5), (2.0, 1.5))
+    assert after.walls[-1].tolist() == after.lines[-1].tolist() == [0.0, 1.5, 2.0, 1.5]
+    assert len(after.lines) == 3
+    assert after.materials.tolist() == [*glass.materials.tolist(), 0]
+    assert erased(after, CHAIR).materials.tolist()[:3] == [1, 0, 0]
+    assert len(erased(after, Bounds(-0.1, 1.4, 2.1, 1.6)).lines) == 2
+    with pytest.raises(ConfigError, match="two ends"):
+        with_wall(MAP, (1.0, 1.0), (1.0, 1.0))
+
+
+def test_lines_and_areas_are_forbidden() -> None:
+    line = with_forbidden(MAP, "line", (0.0, 0.0), (1.0, 0.0))
+    area = with_forbidden(line, "area", (2.0, 1.0), (1.0, 0.0), "stairs")
+    *_, first, second = area.objects
+    assert (first.role, first.forbidden, second.role, second.forbidden) == (
+        *("line", True),
+        *("area", True),
+    )
+    assert second.outline == ((2.0, 1.0), (1.0, 1.0), (1.0, 0.0), (2.0, 0.0))
+    with pytest.raises(ConfigError, match="opposite corners"):
+        with_forbidden(MAP, "area", (0.0, 0.0), (1.0, 0.0))
+
+
+def test_objects_are_renamed_and_removed() -> None:
+    two = with_place(MAP, "goal", "Lab", (1.0, 2.0))
+    assert [i.name for i in renamed(two, 1, "Hall").objects] == ["Home", "Hall"]
+    assert renamed(two, 1, "LAB").objects[1].name == "LAB"
+    with pytest.raises(ConfigError, match="there is a place home already"):
+        renamed(two, 1, "home")
+    assert without(two, find_object(two, "home")).homes == ()
+    with pytest.raises(ConfigError, match="no object has the name Attic; has Home, Lab"):
+        find_object(two, "Attic")
+
+
+def test_a_solid_object_goes_with_its_walls() -> None:
+    corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    box = MapObject(kind="Sim.BoxObstacle", name="crate", pose=Pose2(), outline=corners, solid=True)
+    walls = np.concatenate([LINES, np.array(box.sides)])
+    with_box = LineMap(name="lab", walls=walls, objects=(HOME, box))
+    after = without(with_box, 1)
+    assert after.objects == (HOME,)
+    assert after.walls.tolist() == after.lines.tolist() == LINES.tolist()
+
+
+def test_the_command_edits_as_the_page_does(tmp_path: Path) -> None:
+    path = tmp_path / "lab.map"
+    write_aria_map(with_place(MAP, "goal", "Old", (1.0, 1.0)), path)
+    words = "--wall 0,2,1,2 --dock Charger=1,2,90 --home Home=0.5,0.2 --rename Old=New"
+    more = "--forbid-line=-0.5,0,1,0 --forbid-area 2,0,3,1"
+    assert execute(["map", "edit", str(path), *words.split(), *more.split()]) == 0
+    after = read_map(path)
+    assert [0.0, 2.0, 1.0, 2.0] in after.lines.tolist()
+    assert [(item.role, item.name) for item in after.objects] == [
+        *(("home", "Home"), ("goal", "New"), ("dock", "Charger")),
+        *(("line", ""), ("area", "")),
+    ]
+    assert after.homes == (Pose2(0.5, 0.2),)
+    assert execute(["map", "edit", str(path), "--remove", "new"]) == 0
+    assert "New" not in [item.name for item in read_map(path).objects]
 
 
 def test_points_stay_points_in_files(tmp_path: Path) -> None:
@@ -86,6 +161,11 @@ def test_a_grid_keeps_what_is_unknown_in_pictures(tmp_path: Path) -> None:
     assert (read_map(path).grids[0].states == states).all()
     assert execute(["map", "edit", str(path), "--erase", "0.9,-0.3,1.3,0.1"]) == 0
     assert (read_map(path).grids[0].states != states).sum() == 4
+    assert execute(["map", "edit", str(path), "--wall", "1.03,0.52,2.97,0.52"]) == 0
+    after = read_map(path).grids[0].states
+    assert (after != states).sum() == 4 + 20
+    assert (after[15, 20:40] == OCCUPIED).all()
+    assert (after == 0).sum() == (states == 0).sum() - 10
 
 
 @pytest.mark.parametrize("words", [("--erase", "1,2,3"), ("--goal", "A=1"), ("--goal", "A=1,x")])

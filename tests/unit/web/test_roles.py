@@ -30,6 +30,8 @@ EDITS = [
     ("charge", {"id": 1, "charge": 0.1}),
     ("pause", {"paused": True}),
     ("speed", {"speed": 10}),
+    ("draw_wall", {"x0": 0, "y0": 0, "x1": 1, "y1": 0}),
+    ("save_map", {"name": "lab"}),
 ]
 
 

@@ -237,6 +237,14 @@ export interface MapObject {
   points: [number, number][];
 }
 
+/** The map as edited but not saved, null without edits; `steps` can be undone. `version` counts the drafts: requests about an object of `map` name it. */
+export interface MapDraft {
+  type: "map_draft";
+  map: Drawing | null;
+  version: number;
+  steps: number;
+}
+
 /** Changes of the simulated world. `things` are new or have changed, `moved` are only somewhere else (id, x, y, theta), `gone` are the ids of those removed. With `all` set, `things` is complete. */
 export interface World {
   type: "world";
@@ -379,7 +387,7 @@ export interface Refused {
   message: string;
 }
 
-/** The reason to refuse a change of the simulated world. */
+/** The reason to refuse a change of the simulated world or of the map. */
 export interface EditRefused {
   type: "edit_refused";
   message: string;
@@ -775,6 +783,77 @@ export interface SetSpeed {
   speed: number;
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | World | People | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+/** Erase the walls of the map that lie in a box whole, given by two corners. */
+export interface EraseWalls {
+  type: "erase_walls";
+  x0: number;
+  y0: number;
+  x1: number;
+  y1: number;
+}
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed;
+/** Add a wall to the map, from one point to another. */
+export interface DrawWall {
+  type: "draw_wall";
+  x0: number;
+  y0: number;
+  x1: number;
+  y1: number;
+}
+
+/** Forbid a line between two points of the map, or an area between two corners. */
+export interface Forbid {
+  type: "forbid";
+  x0: number;
+  y0: number;
+  x1: number;
+  y1: number;
+  shape: "area" | "line";
+  name?: string | "";
+}
+
+/** Add a place to the map, or move the place of that name; docks and homes have a heading. */
+export interface NamePlace {
+  type: "name_place";
+  role: "dock" | "goal" | "home";
+  name: string;
+  x: number;
+  y: number;
+  heading?: number | null;
+}
+
+/** Give a place, line or area of the draft `version` another name; `number` counts from 0. The version of the map that robots use is that of the last draft. */
+export interface RenameObject {
+  type: "rename_object";
+  number: number;
+  version: number;
+  name: string;
+}
+
+/** Remove a place, line or area of the draft `version`; `number` counts from 0. */
+export interface RemoveObject {
+  type: "remove_object";
+  number: number;
+  version: number;
+}
+
+/** Undo the last edit of the map that is not saved. */
+export interface UndoMapEdit {
+  type: "undo_map_edit";
+}
+
+/** Undo all edits of the map that are not saved. */
+export interface DiscardMapEdits {
+  type: "discard_map_edits";
+}
+
+/** Save the edited map in the server's folder under a new name; robots use it from then on. */
+export interface SaveMap {
+  type: "save_map";
+  name: string;
+  format?: ".map" | ".toml" | ".yaml";
+}
+
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap;
