@@ -67,6 +67,10 @@ def test_axe_finds_no_grave_fault_in_any_view(
     page.locator("#people-close").click()
     page.locator("#edit").click()
     assert faults(page) == []
+    page.locator("#edit-map").click()
+    for tool in ("select", "place"):
+        page.locator(f"#map-tool-{tool}").click()
+        assert faults(page) == [], tool
     context.close()
 
 

@@ -335,7 +335,8 @@ def test_the_world_of_a_real_robot_has_nothing_to_edit(browser: Browser) -> None
         wait_for_the_robot(page)
         page.keyboard.press("e")
         later(page, 3)
-        assert page.locator("#edit").is_hidden()
-        assert page.locator("#editor").is_hidden()
+        assert page.locator("#map-tool-wall").is_visible()  # the map can be edited
+        assert page.locator("#edit-what").is_hidden()
+        assert page.locator("#tool-box").is_hidden()
         assert page.evaluate("window.pioneer3.state.things") == []
         page.close()

@@ -23,6 +23,7 @@ FileName = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9 _-]{0,39}$")]
 """Of a file, without its ending."""
 ObjectName = Annotated[str, Meta(pattern=r'^[^\s"]([^"\t\r\n]{0,38}[^\s"])?$')]
 """Of a place, a line or an area of a map."""
+ObjectNameOrNone = Annotated[str, Meta(pattern=r'^([^\s"]([^"\t\r\n]{0,38}[^\s"])?)?$')]
 Path = Annotated[tuple[tuple[Metre, Metre], ...], Meta(min_length=1, max_length=20)]
 
 
@@ -276,7 +277,7 @@ class Forbid(Request, tag="forbid"):
     x1: Metre
     y1: Metre
     shape: Literal["line", "area"]
-    name: ObjectName | Literal[""] = ""
+    name: ObjectNameOrNone = ""
 
 
 class NamePlace(Request, tag="name_place"):

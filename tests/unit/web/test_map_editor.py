@@ -62,11 +62,12 @@ async def test_edits_change_a_draft_and_not_what_robots_use(tmp_path: Path) -> N
         await edit(ann, "erase_walls", x0=1.5, y0=2.5, x1=0.5, y1=0.5)
         await edit(ann, "draw_wall", x0=0, y0=-1, x1=2, y1=-1)
         await edit(ann, "forbid", shape="area", x0=-3, y0=-2, x1=-2, y1=-1, name="stairs")
+        await edit(ann, "forbid", shape="line", x0=-3, y0=2, x1=-2, y1=2, name="")
         draft = await edit(ann, "name_place", role="dock", name="Charger", x=3, y=0, heading=1.5)
         assert draft["map"]["walls"] == [*map(list, SIDES[:4]), [0, -1, 2, -1]]
-        assert names(draft) == ["Lab", "stairs", "Charger"]
-        assert draft["map"]["objects"][2]["role"] == "dock"
-        assert draft["steps"] == 4
+        assert names(draft) == ["Lab", "stairs", "", "Charger"]
+        assert draft["map"]["objects"][3]["role"] == "dock"
+        assert draft["steps"] == 5
         assert the.simulation.world.map is ROOM
         assert len(ann.latest("map")["map"]["walls"]) == 5
 

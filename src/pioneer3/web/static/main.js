@@ -8,9 +8,12 @@ import { StopQueue, listenToStops, showLatched, showStops, showTrouble } from ".
 import { Teleop, watchForLoss } from "./drive/teleop.js";
 import { checkPairing } from "./http.js";
 import { Editor } from "./map/editor.js";
+import { EditMode } from "./map/edit_mode.js";
 import { EditorToolbar } from "./map/editor_toolbar.js";
 import { listenToCanvas, listenToPointer, listenToTools, showMode } from "./map/gestures.js";
 import { GotoTool } from "./map/goto.js";
+import { MapEditor } from "./map/map_editor.js";
+import { MapToolbar } from "./map/map_toolbar.js";
 import { Whereabouts } from "./map/whereabouts.js";
 import { Layers, Legend } from "./map/layers.js";
 import { robotAt } from "./map/robots.js";
@@ -58,7 +61,20 @@ const toolbar = new EditorToolbar({
   world: model.world,
   send: sendEdit,
   driving: () => drive.holding,
-  toggled: () => (teleop.abandon(), goto.withdraw(), showEdit()), // a held control may vanish from under a finger
+});
+const mapEditor = new MapEditor({
+  view,
+  send: (message) => connection.send(message) && (mapToolbar.placed(message), true),
+  notify: toast,
+  naming: (needed) => mapToolbar.naming(needed),
+  changed: showEdit,
+});
+scene.mapEditor = mapEditor;
+const mapToolbar = new MapToolbar({ editor: mapEditor, notify: toast });
+const editMode = new EditMode({
+  world: editor,
+  map: mapEditor,
+  toggled: () => (teleop.abandon(), goto.withdraw(), showMap(), showEdit()), // a held control may vanish from under a finger
 });
 const goto = new GotoTool({
   view, scene, model,
@@ -81,7 +97,7 @@ const panels = new Panels({
   notify: toast,
   tell,
   opened: (view) => {
-    if (view && matchMedia(PHONE).matches) toolbar.open(false);
+    if (view && matchMedia(PHONE).matches) editMode.set(false);
     picker.setListed(view === "robots");
   },
 });
@@ -98,7 +114,8 @@ function receive(message) {
   model.receive(message);
   if (before && before !== model.selected) drive.forget(); // the robot is gone, and its keys drive no other
   if (message.type === "hello") showHello(message);
-  else if (message.type === "map") scene.adoptMap(message.map);
+  else if (message.type === "map") takeMap(message.map);
+  else if (message.type === "map_draft") takeDraft(message);
   else if (message.type === "scans") scene.invalidate();
   else if (message.type === "robots") showSnapshots(message);
   else if (message.type === "world") showWorld();
@@ -113,8 +130,28 @@ function receive(message) {
   refresh();
 }
 
+let mapInUse = null;
+
+function takeMap(map) {
+  mapInUse = map;
+  mapEditor.adopt(map);
+  editMode.offer("map", Boolean(map?.walls.length || map?.cells.length));
+  showMap();
+}
+
+function takeDraft(draft) {
+  mapEditor.takeDraft(draft);
+  showMap();
+}
+
+/** Shows the map that robots use, and its draft to people who edit it. */
+function showMap() {
+  scene.adoptMap(mapEditor.active ? mapEditor.map : mapInUse);
+}
+
 function showHello(hello) {
   inputs.adopt(hello);
+  editMode.offer("world", Boolean(hello.models));
   toolbar.adopt(hello.models);
   showSelected();
   legend.offer("laser", hello.robots.some(({ laser }) => laser));
@@ -155,7 +192,7 @@ function showSelected() {
 
 /** A tap on the map selects the robot there; returns whether there is one. */
 function pick(point, type) {
-  if (editor.active || !model.several) return false;
+  if (editMode.open || !model.several) return false;
   const slack = (type === "mouse" ? 4 : 16) / view.scale;
   const robot = robotAt(scene.robots, view.toWorld(point.x, point.y), slack);
   if (robot) select(robot.id);
@@ -166,12 +203,12 @@ function pick(point, type) {
 function tap(point, type) {
   if (pick(point, type)) return true;
   editor.select(null); // the floor was tapped
-  if (!editor.active && type === "mouse") goto.propose(point, type);
+  if (!editMode.open && type === "mouse") goto.propose(point, type);
   else goto.withdraw();
   return false;
 }
 
-const longPress = (point, type) => (!editor.active && goto.propose(point, type) ? goto : null);
+const longPress = (point, type) => (!editMode.open && goto.propose(point, type) ? goto : null);
 
 function sendDrive(message) {
   const request = { ...message, robot: model.selected?.id };
@@ -222,6 +259,7 @@ function showWorld() {
 
 function showEdit() {
   toolbar.show();
+  mapToolbar.show();
   scene.invalidate();
 }
 
@@ -283,7 +321,7 @@ const inputs = new Inputs(teleop);
 listenToStops(teleop);
 watchForLoss(teleop.abandon);
 listenToCanvas(canvas, view, {
-  takers: [editor, goto],
+  takers: [editor, mapEditor, goto],
   changed: () => (scene.invalidate(), showMode(view.mode)),
   tap,
   twice: () => goto.withdraw(),
@@ -338,6 +376,8 @@ function expose() {
           ratio: scene.ratio,
           layers: layers.all,
           places: scene.places,
+          draft: mapEditor.draft,
+          object: mapEditor.selected,
           proposal: goto.proposal && Object.freeze({ ...goto.proposal }),
           scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
           frames: scene.frames,

@@ -809,7 +809,7 @@ export interface Forbid {
   x1: number;
   y1: number;
   shape: "area" | "line";
-  name?: string | "";
+  name?: string;
 }
 
 /** Add a place to the map, or move the place of that name; docks and homes have a heading. */

@@ -23,13 +23,10 @@ export class EditorToolbar {
    * @param editor, world
    * @param send    function(message)
    * @param driving function(): whether keys drive now
-   * @param toggled function(), after it has opened or closed
    */
-  constructor({ editor, world, send, driving, toggled }) {
+  constructor({ editor, world, send, driving }) {
     this.#editor = editor;
     this.#world = world;
-    this.toggled = toggled;
-    byId("edit").addEventListener("click", () => this.open(!editor.active));
     for (const tool of TOOLS) byId(`tool-${tool}`).addEventListener("click", (event) => this.#pick(tool, event));
     byId("model").addEventListener("change", ({ target }) => (editor.model = target.value));
     byId("thing").addEventListener("change", ({ target }) => {
@@ -57,25 +54,14 @@ export class EditorToolbar {
     addEventListener("keydown", (event) => this.#key(event, driving), { capture: true });
   }
 
-  /** Takes the models that can be added; without any, the world cannot be edited. */
+  /** Takes the models that can be added. */
   adopt(models) {
-    byId("edit").hidden = !models;
-    if (!models) return this.open(false);
+    if (!models) return;
     const select = byId("model");
     if (select.options.length === models.length) return;
     select.replaceChildren(...models.map(({ name, title }) => new Option(`${title} (${name})`, name)));
     select.value = models.find(({ name }) => name === "p3dx-sh")?.name ?? models[0].name;
     this.#editor.model = select.value;
-  }
-
-  open(open) {
-    const editor = this.#editor;
-    if (open === editor.active) return;
-    editor.setActive(open);
-    document.body.classList.toggle("editing", open);
-    byId("editor").hidden = !open;
-    set(byId("edit"), "aria-pressed", String(open));
-    this.toggled(open);
   }
 
   /** Shows tool, selection and time as they are now. */
@@ -151,7 +137,6 @@ export class EditorToolbar {
   #key(event, driving) {
     const editor = this.#editor;
     if (hasModifier(event) || isTyping(event)) return;
-    if (event.key.toLowerCase() === "e" && !byId("edit").hidden) return this.open(!editor.active);
     if (!editor.active) return;
     if (event.key === "Escape") {
       editor.cancel();

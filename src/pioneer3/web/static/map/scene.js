@@ -2,6 +2,7 @@
 
 import { CachedPicture, SpriteCache } from "./cache.js";
 import { FloorPlan, OccupancyGrid, drawScale } from "./floor_plan.js";
+import { drawMapEdit } from "./map_editor.js";
 import { drawRobotNames, drawRobots, drawSenses } from "./robots.js";
 import { drawProposal, drawStop, drawTarget } from "./target.js";
 import { byLayer, drawGhost, drawNames, drawSelection, drawThing } from "./things.js";
@@ -41,6 +42,8 @@ export class Scene {
   robots = [];
   /** The selected thing, and the outline of the dragged one: {thing, ghost}. */
   editor = { thing: undefined, ghost: null };
+  /** The editor of the map: the selected object, and what a drag would make. */
+  mapEditor = { active: false };
   /** The goal that is proposed for the selected robot, {proposal}. */
   goto = { proposal: null, stops: [] };
 
@@ -173,6 +176,7 @@ export class Scene {
     const found = placed.find(([thing]) => thing === selected);
     if (found) drawSelection(this.#context, this.view, this.#palette, ...found);
     if (ghost) drawGhost(this.#context, this.view, this.#palette, ghost);
+    if (this.mapEditor.active) drawMapEdit(this.#context, this.view, this.#palette, this.mapEditor);
   }
 
   #paintFloor(context, camera, ratio) {
