@@ -101,6 +101,7 @@ class _Drive:
         way: The present one.
         at: Number of the present place.
         closed_since: When its way was first found closed [s].
+        closed: The reason, as it is now.
         arrived: When the robot came to the present place [s], if there are more.
         skipped: Places in turn that no way leads to.
         since: When it set out [s].
@@ -115,6 +116,7 @@ class _Drive:
     since: float
     at: int = 0
     closed_since: float | None = field(default=None)
+    closed: str = ""
     arrived: float | None = field(default=None)
     skipped: int = 0
     aside: bool = False
@@ -131,6 +133,19 @@ class _Drive:
         """Take the next place."""
         self.at, self.legs = (self.at + 1) % len(self.goals), self.legs - 1
         self.closed_since = self.arrived = None
+
+
+def to_drive(found: Way | NoWay) -> Way:
+    """Return the way to set out on: doors open, and people go on, before they are met.
+
+    Raises:
+        MotionError: There is none; see the message.
+    """
+    if isinstance(found, Way):
+        return found
+    if found.free is None:
+        raise MotionError(found.why)
+    return found.free
 
 
 async def compile_kernels() -> None:
@@ -234,6 +249,11 @@ class Navigator:
         self._localization.place(robot_in_map, spread, turn_spread)
         self._sightings.forget()
 
+    def forget_obstacles(self) -> None:
+        """Forget all that it has seen and that is not on the map; what is there is seen again."""
+        self._sightings.forget()
+        self._avoided.clear()
+
     def lose(self) -> None:
         """Forget where the robot is: it has been carried away."""
         self._localization.lose()
@@ -275,7 +295,9 @@ class Navigator:
             return "makes room for another robot"
         if drive.action.waits:
             return drive.action.waits
-        return "something is in the way" if drive.action.blocked or drive.closed_since else ""
+        if drive.closed_since is not None:
+            return drive.closed
+        return "something is in the way" if drive.action.blocked else ""
 
     async def _steer(self) -> None:
         """Look for a better way again and again, and send the robot on where it has arrived."""
@@ -355,7 +377,9 @@ class Navigator:
         if isinstance(way, Way):
             drive.action.follower.cost_to_go, drive.way = way.cost_to_go, way
             drive.closed_since = None
-        elif drive.closed_since is None:
+            return
+        drive.closed = way.why
+        if drive.closed_since is None:
             drive.closed_since = now
         elif now - drive.closed_since > (BY_PEOPLE if people else BLOCKED_FOR):
             if drive.is_last:
@@ -407,12 +431,13 @@ class Navigator:
         drive.go_on()
         await self._begin_leg(drive)
 
-    async def plan(self, goal: Destination) -> Way | NoWay:
-        """Return a way from where the robot is, around all that it has seen."""
+    async def plan(self, goal: Destination, start: Pose2 | None = None) -> Way | NoWay:
+        """Return a way from `start`, or where the robot is, around all that it has seen."""
         estimate = self.estimate
-        if not estimate.sure or estimate.robot_in_map is None:
+        here = start or (estimate.robot_in_map if estimate.sure else None)
+        if here is None:
             return NoWay(f"it is not sure where the robot is: {estimate.reason}")
-        now, here = self._clock(), estimate.robot_in_map
+        now = self._clock()
         self._avoided = [each for each in self._avoided if now - each[2] < AVOIDED]
         seen, things = (self._sightings.points(now, people=people) for people in (True, False))
         avoided = np.array(self._avoided).reshape(-1, 3)[:, :2]
@@ -512,9 +537,7 @@ class Navigator:
             MotionError: There is no way, or the robot did not get there; see the message.
         """
         await self._drive_along(self.mode(goal, await self._way_to(goal), speed))
-        if goal.charges:
-            with lost_as_motion_error("goto"):
-                await self._await_charger(goal)
+        await self.await_charger(goal)
 
     async def patrol(
         self, goals: Sequence[Destination], speed: float | None = None, rounds: float = inf
@@ -532,20 +555,25 @@ class Navigator:
 
     async def _way_to(self, goal: Destination) -> Way:
         await self.find()
-        way = await self.plan(goal)
-        if isinstance(way, NoWay):
-            if way.free is None:
-                raise MotionError(f"goto {goal}: {way.why}")
-            return way.free  # doors open, and people go on
-        return way
+        try:
+            return to_drive(await self.plan(goal))
+        except MotionError as error:
+            raise MotionError(f"goto {goal}: {error}") from None
 
     async def _drive_along(self, mode: Stack) -> None:
         await run_mode(mode, self._robot.arbiter, self._robot.snapshots(), until=inf)
 
-    async def _await_charger(self, dock: Destination) -> None:
-        """Wait for the charger of a dock; a dock without one is no error."""
-        async for snapshot in snapshots_of(self._robot.supervisor, CHARGER):
-            if snapshot.battery.charging not in (Charging.NONE, Charging.UNKNOWN):
-                log.info("stands in %s: %s", dock, snapshot.battery.charging)
-                return
-        log.warning("stands in %s, but the robot does not say that it is charged", dock)
+    async def await_charger(self, goal: Destination) -> None:
+        """Wait for the charger where the goal is a dock; a dock without one is no error.
+
+        Raises:
+            MotionError: The robot was lost.
+        """
+        if not goal.charges:
+            return
+        with lost_as_motion_error("goto"):
+            async for snapshot in snapshots_of(self._robot.supervisor, CHARGER):
+                if snapshot.battery.charging not in (Charging.NONE, Charging.UNKNOWN):
+                    log.info("stands in %s: %s", goal, snapshot.battery.charging)
+                    return
+        log.warning("stands in %s, but the robot does not say that it is charged", goal)

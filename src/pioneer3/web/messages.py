@@ -198,7 +198,8 @@ class Snapshot(Part, frozen=True):
 class Way(Message, tag="way", frozen=True):
     """The way to the place x, y, for the client that asked for it; or the reason why there is none.
 
-    `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes.
+    `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. `closed`
+    says what closes the way now: a robot sets out all the same, and waits before it for a while.
     """
 
     robot: int
@@ -208,6 +209,7 @@ class Way(Message, tag="way", frozen=True):
     length: float = 0.0
     seconds: int = 0
     refusal: str = ""
+    closed: str = ""
 
 
 class Navigation(Message, tag="navigation", frozen=True):

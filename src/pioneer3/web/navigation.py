@@ -159,7 +159,7 @@ class RobotNavigation:
                 try:
                     await self._carry_out(*asked, stack)
                 except PioneerError as error:
-                    self._tell(asked[0], str(error))
+                    self._tell(asked[0], _sentence(str(error)))
                 except Exception:
                     log.exception("planning failed")
                     self._tell(asked[0], "Planning a way failed; the log has the details.")
@@ -224,14 +224,13 @@ class RobotNavigation:
             errand.refuse(error)
 
     async def _way_of(self, errand: Errand, stack: AsyncExitStack) -> messages.Way:
-        from pioneer3.nav.planner import NoWay
+        from pioneer3.runtime.navigator import to_drive
 
         navigator = await self._ready(stack)
         goal = errand.place(navigator.line_map)
         await navigator.find()  # planning says why not
-        way = await navigator.plan(goal)
-        if isinstance(way, NoWay):
-            raise MotionError(way.why)
+        found = await navigator.plan(goal)
+        way = to_drive(found)
         if errand.drives and not errand.answer.done():
             last = self._robot.arbiter.last_stop
             mode = navigator.mode(goal, way, errand.speed)
@@ -239,7 +238,7 @@ class RobotNavigation:
             refused = refused or self._control.start(errand.operator, mode, GOTO_TIME, patience=inf)
             if refused:
                 raise MotionError(refused)
-        return self._shown(goal, way, errand.speed)
+        return self._shown(goal, found, errand.speed)
 
     async def _drive(
         self,
@@ -251,12 +250,14 @@ class RobotNavigation:
     ) -> None:
         """Drive to one place, or from place to place, unless the robot was stopped meanwhile."""
         from pioneer3.nav.planner import NoWay
+        from pioneer3.runtime.navigator import to_drive
 
         first, *rest = goals
-        way = await navigator.plan(first)
-        if isinstance(way, NoWay):
-            self._tell(operator, f"{way.why[0].upper()}{way.why[1:]}.")
-        elif rest:
+        found = await navigator.plan(first)
+        way = to_drive(found)
+        if isinstance(found, NoWay):
+            self._tell(operator, _sentence(f"{found.why}; it waits before it"))
+        if rest:
             mode = navigator.mode(first, way, speed, after=rest, rounds=inf)
             self._start(operator, mode, PATROL_TIME, after)
         else:
@@ -287,16 +288,20 @@ class RobotNavigation:
     def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
         """Return the answer to a request that only asks for a way."""
         from pioneer3.nav.planner import NoWay
+        from pioneer3.runtime.navigator import to_drive
 
-        if isinstance(way, NoWay):
-            return messages.Way(self._number, goal.x, goal.y, refusal=way.why)
+        why = way.why if isinstance(way, NoWay) else ""
+        if isinstance(way, NoWay) and way.free is None:
+            return messages.Way(self._number, goal.x, goal.y, refusal=why)
+        driven = to_drive(way)
         return messages.Way(
             self._number,
             goal.x,
             goal.y,
-            points=points_of(way),
-            length=round(way.length, 2),
-            seconds=_seconds(way.length, min(speed, self._robot.info.limits.max_speed)),
+            points=points_of(driven),
+            length=round(driven.length, 2),
+            seconds=_seconds(driven.length, min(speed, self._robot.info.limits.max_speed)),
+            closed=why,
         )
 
     def _message(self, state: "State") -> messages.Navigation:
@@ -385,6 +390,10 @@ def points_of(way: "Way") -> tuple[tuple[float, float], ...]:
     """Return some of the points of a way [m], the last one among them."""
     points = [*way.points[:-1:SPARSE].tolist(), way.points[-1].tolist()]
     return tuple((round(x, 2), round(y, 2)) for x, y in points)
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:].removesuffix('.')}."
 
 
 def _seconds(length: float, speed: float) -> int:

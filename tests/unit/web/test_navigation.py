@@ -120,15 +120,29 @@ def close_the_door(the: Playground) -> None:
     the.simulation.world.add_obstacle(Box(pose=Pose2(0.0, 1.5), size=(0.2, 1.0)))
 
 
-async def test_a_door_that_is_closed_is_named_with_its_age() -> None:
+async def test_a_robot_sets_out_to_a_door_that_is_closed_and_waits_until_it_opens() -> None:
     async with rooms() as (the, ann):
         close_the_door(the)
-        ann.say("goto", x=2.5, y=0.0)
+        ann.say("plan_way", x=2.5, y=0.0)
+        await ann.stay(3.0)
+        way = ann.latest("way")
+        assert way["points"]
+        assert way["refusal"] == ""
+        assert way["closed"].startswith("the way to Kitchen is closed")
+        ann.say("goto", x=2.5, y=0.0, speed=0.5)
         await ann.stay(3.0)
         told = ann.latest("told")["message"]
         assert told.startswith("The way to Kitchen is closed")
-        assert "seen 0 s ago" in told
-        assert where(the) == pytest.approx(BEGIN)
+        assert told.endswith("seen 0 s ago; it waits before it.")
+        await ann.stay(7.0)
+        assert ann.snapshot["mode"] == "goto"
+        assert ann.latest("navigation")["problem"].startswith("the way to Kitchen is closed")
+        assert where(the).x < 0.0
+        (door,) = the.simulation.world.obstacles
+        the.simulation.world.remove_obstacle(door)
+        await ann.stay(25.0)
+        assert ann.snapshot["ended"]["done"]
+        assert (where(the).x, where(the).y) == pytest.approx((2.5, 0.0), abs=0.1)
 
 
 async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:

@@ -122,7 +122,7 @@ class Goals:
             self._end(state, text)
 
     async def _drive(self, where: "Callable[[], Destination]") -> None:
-        from pioneer3.nav.planner import NoWay
+        from pioneer3.runtime.navigator import to_drive
 
         arbiter, after = self._robot.arbiter, self._robot.arbiter.last_stop.number
         place = None
@@ -130,13 +130,12 @@ class Goals:
             place = where()
         await self._navigator.find(PATIENCE)
         place = place or where()
-        way = await self._navigator.plan(place)
-        if isinstance(way, NoWay):
-            raise MotionError(way.why)
+        way = to_drive(await self._navigator.plan(place))
         if arbiter.last_stop.number != after:
             raise MotionError(arbiter.last_stop.why)
         self._mode = self._navigator.mode(place, way, self._speed)
         await run_mode(self._mode, arbiter, self._robot.snapshots(), until=inf)
+        await self._navigator.await_charger(place)
 
     def _end(self, state: GoalState, text: str) -> None:
         """End the current goal, if there is one; the robot stops if it was on its way."""

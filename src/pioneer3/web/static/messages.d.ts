@@ -333,7 +333,7 @@ export interface Client {
   role: Role;
 }
 
-/** The way to the place x, y, for the client that asked for it; or the reason why there is none. `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. */
+/** The way to the place x, y, for the client that asked for it; or the reason why there is none. `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. `closed` says what closes the way now: a robot sets out all the same, and waits before it for a while. */
 export interface Way {
   type: "way";
   robot: number;
@@ -343,6 +343,7 @@ export interface Way {
   length: number;
   seconds: number;
   refusal: string;
+  closed: string;
 }
 
 /** A robot's knowledge of its place on the map, and the rest of its way. `pose` is the most likely one, x, y [m] and heading [rad]; `ellipse` is around the places where the robot is with 95 %: its half axes [m] and the angle of the longer one [rad]. `agreement` is the share of the readings that agree with the map, 0 to 1; `reason` says why the robot is `sure` of its place, or is not. `left` is in metres, `seconds` a guess; `problem` says why the robot does not come on. */

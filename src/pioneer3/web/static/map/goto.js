@@ -132,8 +132,9 @@ export class GotoTool {
     const { x, y, heading, name } = this.proposal;
     const turned = heading === null ? "" : `, heading ${number(degrees(heading), 0)}°`;
     const go = this.#model.several ? `${this.#model.selected.name}: go` : "Go";
-    const { way, length, seconds, refusal } = this.proposal;
-    const far = way?.length ? ` ${length.toFixed(1)} m, about ${timeOf(seconds)}.` : "";
+    const { way, length, seconds, refusal, closed } = this.proposal;
+    const waits = closed ? ` ${closed[0].toUpperCase()}${closed.slice(1)}; it waits before it.` : "";
+    const far = way?.length ? ` ${length.toFixed(1)} m, about ${timeOf(seconds)}.${waits}` : "";
     const where = name || `${x.toFixed(2)}, ${y.toFixed(2)} m`;
     const before = this.stops.map((stop) => `${stop.name || `${stop.x.toFixed(1)}, ${stop.y.toFixed(1)}`}, then `).join("");
     const last = this.stops.at(-1);
@@ -154,8 +155,8 @@ export class GotoTool {
   takeWay(answer) {
     const goal = this.proposal;
     if (goal && goal.x === answer.x && goal.y === answer.y) {
-      const { points, length, seconds, refusal } = answer;
-      Object.assign(goal, { way: points, length, seconds, refusal });
+      const { points, length, seconds, refusal, closed } = answer;
+      Object.assign(goal, { way: points, length, seconds, refusal, closed });
       this.#changed();
     }
   }
