@@ -97,6 +97,16 @@ async def test_map_tree_and_place_are_those_of_map_server_and_amcl(office: Offic
     assert "resolution: 0.05" in served
 
 
+async def test_move_bases_services_plan_and_forget(office: Office) -> None:
+    goal = "{header: {frame_id: map}, pose: {position: {x: 5, y: 4}, orientation: {w: 1}}}"
+    asked = ("rosservice", "call", "/move_base/make_plan", f"{{goal: {goal}}}")
+    assert (await ros(*asked)).count('frame_id: "map"') > 10
+    assert "nav_msgs/GetPlan" in await ros("rosservice", "type", "/move_base/make_plan")
+    assert "Empty" in await ros("rosservice", "type", "/move_base/clear_costmaps")
+    await ros("rosservice", "call", "/move_base/clear_costmaps")
+    assert "plan" in await ros(*asked)
+
+
 async def test_a_place_is_named_by_a_tool_of_ros_and_a_cancel_stops(office: Office) -> None:
     status = ("rostopic", "echo", "-n", "1", "/move_base/status")
     latched = "publishing and latching"

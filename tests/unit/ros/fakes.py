@@ -67,7 +67,7 @@ class FakeMiddleware:
         linear = SimpleNamespace(x=speed, y=0.0, z=0.0)
         self.receivers[name](SimpleNamespace(linear=linear, angular=zero), SOMEBODY)
 
-    async def call(self, name: str, **request: bool) -> Any:
+    async def call(self, name: str, **request: Any) -> Any:
         """Call a service as a middleware does, in another thread; return the response."""
         responses: list[Any] = []
         handle = self.services[name]

@@ -6,7 +6,7 @@ The test is a program that goes somewhere: it sees what move_base's clients see.
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, nan, pi, sin
 from types import SimpleNamespace
 from typing import Any
@@ -15,12 +15,15 @@ import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, MapObject
 from pioneer3.ros.messages.goals import GoalState
 from pioneer3.ros.node.middleware import Sender
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
+from pioneer3.sim.worldfile import Box
+from pioneer3.state import Charging
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot, until
 from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware, Moment
@@ -123,7 +126,9 @@ def start_at(x: float, y: float, heading: float = 0.0, frame: str = "map") -> Si
 
 
 @asynccontextmanager
-async def going(start: Pose2 | None = BEGIN, **raw: object) -> AsyncIterator[Going]:
+async def going(
+    start: Pose2 | None = BEGIN, line_map: LineMap = ROOMS, **raw: object
+) -> AsyncIterator[Going]:
     """Run a node with a map of two rooms, and a robot in one of them."""
     middleware, free = Clocked(), asyncio.Event()
     free.set()
@@ -132,12 +137,14 @@ async def going(start: Pose2 | None = BEGIN, **raw: object) -> AsyncIterator[Goi
         await free.wait()
         return function(*arguments)
 
-    sim = SimulatedRobot(ROOMS, home=BEGIN)
+    sim = SimulatedRobot(line_map, home=BEGIN)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(asyncio, "to_thread", middleware.at_once)
         async with sim, connect_async(sim.open) as robot:
             rng = np.random.default_rng(1)
-            navigator = await Navigator.on(robot, ROOMS, start=start, rng=rng, in_thread=in_thread)
+            navigator = await Navigator.on(
+                robot, line_map, start=start, rng=rng, in_thread=in_thread
+            )
             robot.navigator = navigator
             ready, named = asyncio.Event(), {"profile": "standard", "goal_speed": 0.6, **raw}
             node = RobotNode(robot, read_parameters(named), middleware, named)
@@ -466,3 +473,82 @@ async def test_the_end_of_the_node_ends_the_goal() -> None:
         await asyncio.sleep(2.0)
         assert the.results == [("a", GoalState.ABORTED, "the node ends")]
         assert the.sim.speed == 0.0
+
+
+async def test_a_plan_is_made_and_nothing_drives() -> None:
+    async with going() as the:
+        here = pose_stamped(0.0, 0.0, frame="", turned=(0.0, 0.0))
+        asked = {"start": here, "goal": pose_stamped(2.5, 0.0, heading=pi / 2), "tolerance": 0.0}
+        plan = (await the.middleware.call("move_base/make_plan", **asked)).plan
+        begin, end = plan.poses[0].pose, plan.poses[-1].pose
+        assert plan.header.frame_id == "map"
+        assert (begin.position.x, begin.position.y) == pytest.approx((BEGIN.x, BEGIN.y), abs=0.1)
+        assert (end.position.x, end.position.y) == pytest.approx((2.5, 0.0), abs=0.01)
+        assert end.orientation.z == pytest.approx(sin(pi / 4))
+        asked["start"] = pose_stamped(2.5, 1.0)
+        other = (await the.middleware.call("move_base/make_plan", **asked)).plan
+        assert other.poses[0].pose.position.y == pytest.approx(1.0, abs=0.1)
+        assert len(other.poses) < len(plan.poses) / 2
+        assert the.robot.arbiter.mode is None
+
+
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [
+        (pose_stamped(2.5, 2.9), "from something"),
+        (pose_stamped(2.5, 0.0, frame="laser"), "frame laser"),
+        (pose_stamped(2.5, 0.0, turned=(0.0, 0.0)), "no rotation"),
+    ],
+)
+async def test_without_a_way_the_plan_is_empty_and_the_log_says_why(
+    goal: SimpleNamespace, words: str
+) -> None:
+    async with going() as the:
+        asked = {"start": pose_stamped(0.0, 0.0, frame=""), "goal": goal, "tolerance": 0.0}
+        assert (await the.middleware.call("move_base/make_plan", **asked)).plan.poses == []
+        assert words in the.middleware.warnings[-1]
+
+
+def close_the_door(the: Going) -> Any:
+    return the.sim.world.add_obstacle(Box(pose=Pose2(0.0, 1.5), size=(0.2, 1.0)))
+
+
+async def test_a_goal_behind_a_door_that_is_closed_is_reached_once_it_opens() -> None:
+    async with going() as the:
+        door = close_the_door(the)
+        await asyncio.sleep(2.0)
+        the.goal("a", 2.5, 0.0)
+        await asyncio.sleep(8.0)
+        assert the.results == []
+        assert the.here.x < 0.0
+        the.sim.world.remove_obstacle(door)
+        assert await the.ended() == ("a", GoalState.SUCCEEDED, "arrived")
+
+
+async def test_clearing_the_costmaps_forgets_a_door_that_is_closed() -> None:
+    async with going() as the:
+        door = close_the_door(the)
+        await asyncio.sleep(2.0)
+        asked = {"start": pose_stamped(0.0, 0.0, frame=""), "goal": pose_stamped(2.5, 0.0)}
+        await the.middleware.call("move_base/make_plan", **asked)
+        assert "is closed" in the.middleware.warnings.pop()
+        the.sim.world.remove_obstacle(door)
+        assert (await the.middleware.call("move_base/clear_costmaps")).success
+        plan = (await the.middleware.call("move_base/make_plan", **asked)).plan
+        assert plan.poses
+        assert the.middleware.warnings == []
+
+
+async def test_a_named_dock_is_reached_when_its_charger_has_answered() -> None:
+    dock = MapObject(kind="Dock", name="Dock", pose=Pose2(-2.5, 1.0, pi / 2))
+    async with going(line_map=replace(ROOMS, objects=(*ROOMS.objects, dock))) as the:
+        the.send("goal_name", SimpleNamespace(data="dock"))
+        await until(lambda: the.robot.arbiter.mode is not None, 5.0)
+        await until(lambda: the.robot.arbiter.mode is None, 40.0)
+        arrived = asyncio.get_running_loop().time()
+        assert await the.ended() == (the.results[-1][0], GoalState.SUCCEEDED, "arrived")
+        snapshot = the.robot.snapshot
+        assert snapshot is not None
+        waited = asyncio.get_running_loop().time() - arrived
+        assert snapshot.battery.charging not in (Charging.NONE, Charging.UNKNOWN)
+        assert waited < 5.0

@@ -70,6 +70,25 @@ class NavigationUpdate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PlanUpdate:
+    """A way that somebody asked for.
+
+    Attributes:
+        way: Points to the goal [m]; none if there is no way.
+        heading: At the goal [rad].
+        frame: Of the map.
+        stamp: When, as the middleware writes times.
+        make: Returns an empty message of the type named.
+    """
+
+    way: tuple[tuple[float, float], ...]
+    heading: float | None
+    frame: str
+    stamp: Any
+    make: Callable[[str], Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Placed:
     """A pose that somebody has sent.
 
@@ -129,7 +148,7 @@ def place(message: Any, update: NavigationUpdate) -> None:
     message.pose.covariance = matrix
 
 
-def way(message: Any, update: NavigationUpdate) -> None:
+def way(message: Any, update: "NavigationUpdate | PlanUpdate") -> None:
     """Fill a nav_msgs/Path; each pose looks along the way, the last one as the goal."""
     fill_header(message, update.stamp, update.frame)
     message.poses = []
@@ -155,6 +174,18 @@ def placed(message: Any) -> Placed:
         CommandError: It is none in the plane, or has no frame.
     """
     return Placed(frame=_frame(message), pose=flat_pose(message.pose))
+
+
+def plan_request(message: Any) -> tuple[Placed | None, Placed]:
+    """Return start and goal of a nav_msgs/GetPlan.
+
+    As in move_base, a start without a frame, here `None`, is where the robot is.
+
+    Raises:
+        CommandError: One of them is none in the plane, or the goal has no frame.
+    """
+    known = str(message.start.header.frame_id).lstrip("/")
+    return (placed(message.start) if known else None), placed(message.goal)
 
 
 def start(message: Any) -> Start:

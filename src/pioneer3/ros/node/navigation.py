@@ -7,7 +7,7 @@ from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
-from pioneer3.errors import CommandError, MotionError
+from pioneer3.errors import CommandError, MotionError, PioneerError
 from pioneer3.geometry import Pose2
 from pioneer3.maps.line_map import OccupancyGrid
 from pioneer3.maps.occupancy import occupancy_of
@@ -17,8 +17,11 @@ from pioneer3.ros.messages.navigation import (
     MapUpdate,
     NavigationUpdate,
     Placed,
+    PlanUpdate,
     Start,
     occupancy_grid,
+    plan_request,
+    way,
 )
 from pioneer3.ros.messages.navigation_diagnostics import navigation_status
 from pioneer3.ros.messages.update import MessageOptions
@@ -161,6 +164,41 @@ class NodeNavigation:
         occupancy_grid(message, self._map())
         return message
 
+    async def make_plan(self, request: Any) -> Any:
+        """Return a message with the way that a request asks for; without points if there is none.
+
+        The robot sets out on that way; the reason that there is none, and that one is closed now,
+        is logged.
+        """
+        from pioneer3.nav.planner import NoWay
+        from pioneer3.runtime.navigator import to_drive
+
+        points: tuple[tuple[float, float], ...] = ()
+        heading = None
+        try:
+            begin, end = plan_request(request)
+            start = self._in_map(begin.frame) @ begin.pose if begin else None
+            goal = self._place_of(end)
+            heading = goal.heading
+            found = await self._navigator.plan(goal, start)
+            points = _sparse(to_drive(found))
+            if isinstance(found, NoWay):
+                self._middleware.warn(f"make_plan: {found.why}")
+        except PioneerError as error:
+            self._middleware.warn(f"make_plan: {error}")
+        message, stamp = self._middleware.make("nav_msgs/Path"), self._middleware.stamp(0.0)
+        make, frame = self._middleware.make, self._options.map_frame
+        way(message, PlanUpdate(way=points, heading=heading, frame=frame, stamp=stamp, make=make))
+        return message
+
+    def no_plan(self) -> Any:
+        """Return an empty message of a way."""
+        return self._middleware.make("nav_msgs/Path")
+
+    def forget_obstacles(self) -> None:
+        """Forget what the robot has seen and the map does not show."""
+        self._navigator.forget_obstacles()
+
     def lose(self) -> None:
         """Have the whole map searched for the robot, as AMCL does."""
         self._navigator.lose()
@@ -173,8 +211,7 @@ class NodeNavigation:
     def _points(self, way: "Way | None") -> tuple[tuple[float, float], ...]:
         """Return some of the points of a way, the last one among them."""
         if way is not self._way[0]:
-            points = [] if way is None else [*way.points[:-1:SPARSE], way.points[-1]]
-            self._way = way, tuple((float(x), float(y)) for x, y in points)
+            self._way = way, _sparse(way) if way else ()
         return self._way[1]
 
     def _receive(
@@ -260,3 +297,9 @@ class NodeNavigation:
         if frame == frames.odom:
             return estimate.odom_in_map
         return estimate.odom_in_map @ snapshot.odometry.robot_in_odom
+
+
+def _sparse(way: "Way") -> tuple[tuple[float, float], ...]:
+    """Return some of the points of a way [m], the last one among them."""
+    points = [*way.points[:-1:SPARSE], way.points[-1]]
+    return tuple((float(x), float(y)) for x, y in points)

@@ -1,7 +1,7 @@
 """The table of services, and their work. Requests come in other threads and wait for the loop."""
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import TimeoutError as NoAnswerError
 from dataclasses import dataclass
 from functools import partial
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 PATIENCE: Final = 2.0
 """Longest wait for the loop [s]."""
+PLANNING: Final = 20.0
+"""Longest wait for a way [s]."""
 EMPTY: Final = "std_srvs/Empty"
 TRIGGER: Final = "std_srvs/Trigger"
 SET_BOOL: Final = "std_srvs/SetBool"
@@ -30,6 +32,16 @@ class MapResponse:
     """Response of nav_msgs/GetMap: a nav_msgs/OccupancyGrid."""
 
     map: Any
+
+
+@dataclass(frozen=True, slots=True)
+class PlanResponse:
+    """Response of nav_msgs/GetPlan: a nav_msgs/Path."""
+
+    plan: Any
+
+
+AnyResponse = Response | MapResponse | PlanResponse
 
 
 class Services:
@@ -121,24 +133,39 @@ class Services:
         assert self._navigation is not None
         return MapResponse(self._navigation.make_map())
 
+    async def make_plan(self, request: Any) -> PlanResponse:
+        """Return the way that a request asks for."""
+        assert self._navigation is not None
+        return PlanResponse(await self._navigation.make_plan(request))
+
+    def clear_costmaps(self) -> Response:
+        """Forget what the robot has seen and the map does not show."""
+        assert self._navigation is not None
+        self._navigation.forget_obstacles()
+        return Response(True, "what was seen is forgotten")
+
     def localize_globally(self) -> Response:
         """Have the whole map searched for the robot."""
         assert self._navigation is not None
         self._navigation.lose()
         return Response(True, "looks for the robot on the whole map")
 
-    def _serve(self, service: "Service", request: Any) -> Response | MapResponse:
+    def _serve(self, service: "Service", request: Any) -> AnyResponse:
         """Act in the loop; return the response. In a thread of the middleware."""
         if service is MAP:
             return self.get_map()  # which takes long for large maps
 
-        async def acting() -> Response | MapResponse:
-            return service.act(self, request)
+        async def acting() -> AnyResponse:
+            done = service.act(self, request)
+            return await done if isinstance(done, Awaitable) else done
 
-        response: Response | MapResponse
+        response: AnyResponse
         try:
-            response = asyncio.run_coroutine_threadsafe(acting(), self._loop).result(PATIENCE)
+            call = asyncio.run_coroutine_threadsafe(acting(), self._loop)
+            response = call.result(service.patience)
         except (RuntimeError, NoAnswerError, asyncio.CancelledError):
+            if service is PLAN and self._navigation is not None:
+                return PlanResponse(self._navigation.no_plan())
             response = Response(False, "the node is ending")
         if isinstance(response, Response) and service.type_name == EMPTY and not response.success:
             self._warn(f"{service.standard} is refused: {response.message}")
@@ -155,13 +182,15 @@ class Service:
         type_name: Type of the service.
         act: Does the work in the loop, given the request.
         note: For the docs.
+        patience: Longest wait for the response [s].
     """
 
     compatibility: str | None = None
     standard: str
     type_name: str
-    act: Callable[[Services, Any], Response | MapResponse]
+    act: Callable[[Services, Any], AnyResponse | Awaitable[AnyResponse]]
     note: str = ""
+    patience: float = PATIENCE
 
     def names(self, profile: Profile) -> tuple[str, ...]:
         """Return its names in `profile`."""
@@ -219,8 +248,25 @@ MAP: Final = Service(
     act=lambda services, _: services.get_map(),
     note="as on `map`",
 )
+PLAN: Final = Service(
+    compatibility="move_base/make_plan",
+    standard="move_base/make_plan",
+    type_name="nav_msgs/GetPlan",
+    act=lambda services, request: services.make_plan(request),
+    note="nothing drives; a start without a frame is the robot's place, the tolerance counts as 0;"
+    " empty without a way, and the log says why",
+    patience=PLANNING,
+)
 NAVIGATION_SERVICES: Final = (
     MAP,
+    PLAN,
+    Service(
+        compatibility="move_base/clear_costmaps",
+        standard="move_base/clear_costmaps",
+        type_name=EMPTY,
+        act=lambda services, _: services.clear_costmaps(),
+        note="forgets what was seen and is not on the map; what is there is seen again",
+    ),
     Service(
         compatibility="global_localization",
         standard="global_localization",
@@ -229,4 +275,4 @@ NAVIGATION_SERVICES: Final = (
         note="searches the whole map for the robot, which must then be driven a metre",
     ),
 )
-"""Those of map_server and AMCL; of nodes that have a map."""
+"""Those of map_server, AMCL and move_base; of nodes that have a map."""
