@@ -95,7 +95,10 @@ async def map_recording(path: Path, tell: Tell, lasers: Sequence[str] = ()) -> M
         async with running(watch()):
             await builder.run()
     if not builder.mapper.survey.frames:
-        raise DeviceError(f"{path}: no scans of a laser are in this recording")
+        raise DeviceError(
+            f"{path}: no scans of a laser are in this recording; `pioneer3 map build --record` asks"
+            " a simulator for them"
+        )
     builder.mapper.apply(builder.mapper.snapshot.improve())
     return builder.mapper
 
