@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pioneer3.jit import fast
 from pioneer3.nav.costs import CostMap, inside
 from pioneer3.nav.kernels import CACHE
-from pioneer3.nav.kernels.eikonal import march
+from pioneer3.nav.kernels.eikonal import NOWHERE, march
 from pioneer3.nav.kernels.ways import descend
 from pioneer3.nav.raster import Raster
 
@@ -21,6 +21,8 @@ GET_OUT = 0.8
 """So far from its start a way may lead through places where the robot does not fit [m]."""
 FARTHEST = 5000
 """Most points of a way."""
+BUCKETS = 10_000
+"""Most buckets of cells that wait for the cost of their way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,11 +47,7 @@ class CostToGo:
         cell = raster.cell_of(x, y)
         if cell is None:
             return None
-        count = raster.height * raster.width
-        values = np.full(raster.shape, np.inf, dtype=np.float32)
-        goals = np.array([cell[0] * raster.width + cell[1]], dtype=np.int32)
-        heap, places = np.empty(count, dtype=np.int32), np.full(count, -1, dtype=np.int32)
-        fast(march, CACHE)(costs, goals, heap, places, values)
+        values = _cheapest(costs, *cell)
         return cls(raster, values, x, y)
 
     def at(self, x: float, y: float) -> float:
@@ -139,6 +137,25 @@ def way_from(cost_to_go: CostToGo, start: tuple[float, float]) -> Way | None:
     steps = np.hypot(*np.diff(way, axis=0).T)
     to_go = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
     return Way(way, to_go, cost_to_go)
+
+
+def _cheapest(costs: Float32, row: int, column: int) -> Float32:
+    """Return the cost of the cheapest way from each cell to one of them; shapes (H, W)."""
+    padded = np.pad(costs, 1, constant_values=np.inf)
+    width, finite = padded.shape[1], costs[np.isfinite(costs)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (1.0, 1.0)
+    depth = max(low, high / BUCKETS)
+    values = np.full(padded.size, np.inf, dtype=np.float32)
+    fast(march, CACHE)(
+        padded.ravel(),
+        (row + 1) * width + column + 1,
+        width,
+        depth,
+        np.full(int(high / depth) + 3, -1, dtype=np.int32),
+        np.full(padded.size, NOWHERE, dtype=np.int32),
+        values,
+    )
+    return np.ascontiguousarray(values.reshape(padded.shape)[1:-1, 1:-1])
 
 
 def _fits(costs: CostMap, points: Float) -> NDArray[np.bool_]:

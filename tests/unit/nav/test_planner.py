@@ -1,12 +1,14 @@
 """Ways over a map."""
 
 from dataclasses import replace
-from math import hypot, inf
+from heapq import heappop, heappush
+from math import hypot, inf, sqrt
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
@@ -74,6 +76,60 @@ def test_costs_to_go_agree_with_a_graph_of_cells(
     ratio = found.values[far] / oracle[far]  # a graph's ways have eight directions
     assert 0.9 < np.median(ratio) < 1.03
     assert np.quantile(ratio, 0.9) < 1.15
+
+
+def marched(costs: Float32, goal: tuple[int, int]) -> NDArray[np.float64]:
+    """The oracle: fast marching with a heap that keeps all cells in order."""
+    values, done = np.full(costs.shape, inf), np.zeros(costs.shape, dtype=np.bool_)
+    values[goal], waiting = 0.0, [(0.0, goal)]
+
+    def reached(row: int, column: int) -> float:
+        inside = 0 <= row < costs.shape[0] and 0 <= column < costs.shape[1]
+        return float(values[row, column]) if inside and done[row, column] else inf
+
+    while waiting:
+        _, (row, column) = heappop(waiting)
+        if done[row, column]:
+            continue
+        done[row, column] = True
+        for r, c in ((row, column - 1), (row, column + 1), (row - 1, column), (row + 1, column)):
+            if not (0 <= r < costs.shape[0] and 0 <= c < costs.shape[1]) or done[r, c]:
+                continue
+            step = float(costs[r, c])
+            low, high = sorted(
+                (
+                    min(reached(r, c - 1), reached(r, c + 1)),
+                    min(reached(r - 1, c), reached(r + 1, c)),
+                )
+            )
+            value = low + step
+            if high < low + step < inf:
+                value = (low + high + sqrt(2 * step**2 - (high - low) ** 2)) / 2
+            if value < values[r, c]:
+                values[r, c] = value
+                heappush(waiting, (value, (r, c)))
+    return values
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    arrays(
+        np.float32,
+        (14, 11),
+        elements=st.sampled_from([0.05, 0.05, 0.05, 0.0713, 0.2, 3.0, 40.0, inf]).map(np.float32),
+    ),
+    st.integers(0, 13),
+    st.integers(0, 10),
+)
+def test_costs_to_go_are_those_of_a_heap_of_cells(each: Float32, row: int, column: int) -> None:
+    raster = Raster(x=0.0, y=0.0, cell=0.05, height=14, width=11)
+    found = CostToGo.of(each, raster, *raster.middle_of(row, column))
+    assert found is not None
+    wanted = marched(each, (row, column))
+    assert (np.isfinite(found.values) == np.isfinite(wanted)).all()
+    reached = np.isfinite(wanted)
+    # single precision; where two ways meet at the bound of the root's range, its error is a root
+    assert np.allclose(found.values[reached], wanted[reached], rtol=1e-4, atol=1e-4)
 
 
 @given(place, place)
