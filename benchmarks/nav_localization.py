@@ -6,7 +6,7 @@ search for the place counts as taking `SEARCH_TIME`, during which the robot driv
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -40,6 +40,7 @@ Float = NDArray[np.float64]
 T = TypeVar("T")
 
 MODELS = ("p3at-sh", "p3dx-sh")
+NAMES = "laser", "unknown", "kidnapped", "sonar"
 MINUTES = 5.0
 """Of each drive with a known start."""
 SEARCH_TIME = 2.0
@@ -290,22 +291,31 @@ def _all(work: Callable[[Run], T], what: str, seeds: int) -> Iterator[tuple[Run,
     print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def rows(*, quick: bool = False) -> Iterator[Row]:
-    """Yield all rows."""
+def rows(*, quick: bool = False, names: Collection[str] = NAMES) -> Iterator[Row]:
+    """Yield all rows, or those of some `NAMES`."""
     seeds, minutes = (1, 1.0) if quick else (3, MINUTES)
-    yield from laser_rows(seeds, minutes)
-    yield from unknown_rows(1 if quick else 4)
-    yield from carried_rows(1 if quick else 2, 0.1 if quick else 1.0)
-    yield from sonar_rows(seeds, max(2.0, minutes))
+    groups = {
+        "laser": lambda: laser_rows(seeds, minutes),
+        "unknown": lambda: unknown_rows(1 if quick else 4),
+        "kidnapped": lambda: carried_rows(1 if quick else 2, 0.1 if quick else 1.0),
+        "sonar": lambda: sonar_rows(seeds, max(2.0, minutes)),
+    }
+    for name in NAMES:
+        if name in names:
+            yield from groups[name]()
 
 
 def main() -> int:
     """Print the table; return 1 if a bar is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
+    words = f"{', '.join(NAMES)}; all by default"
+    parser.add_argument(
+        "names", nargs="*", default=NAMES, choices=NAMES, metavar="NAME", help=words
+    )
     parser.add_argument("--quick", action="store_true", help="few seeds, short drives")
     given = parser.parse_args()
     missed = 0
-    for row in rows(quick=given.quick):
+    for row in rows(quick=given.quick, names=given.names):
         print(row, flush=True)
         missed += not row.met
     return int(missed > 0)
