@@ -7,7 +7,7 @@ poses, and :meth:`Mapper.apply` takes the result, whatever has been added meanwh
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import hypot
+from math import cos, hypot, sin
 from typing import Any, Self
 
 import numpy as np
@@ -46,6 +46,45 @@ FOUND = 0.5
 """Fewer inliers mean that the place to continue from is not found."""
 UNKNOWN = np.diag([1.0, 1.0, 10.0])
 """Information of the way to a place that was not found."""
+STRAIGHT, ASKEW = 0.1, 0.2
+"""Ways with smaller turns tell where a laser looks; it is not farther off than the latter [rad]."""
+HELD = 0.5
+"""Weighs against all ways that a laser looks where it is said to [m^2]: about two metres."""
+
+
+class _Mounting:
+    """Finds out how far a laser is turned from where it is said to look.
+
+    A robot that drives ahead moves aside in the scans of such a laser. The prior of odometry would
+    pull it back at each scan, and bend straight walls.
+    """
+
+    def __init__(self) -> None:
+        self._along, self._aside = HELD, 0.0
+
+    @property
+    def angle(self) -> float:
+        """[rad]; positive if it is turned to the left."""
+        return self._aside / self._along
+
+    def take(self, odometry: Pose2, step: Pose2) -> None:
+        """Learn from a way by odometry that is known by scans as `step`."""
+        if max(abs(odometry.theta), abs(step.theta)) > STRAIGHT:
+            return
+        # along the chords, as turns may be told wrong
+        half = (step.theta - odometry.theta) / 2
+        c, s = cos(half), sin(half)
+        x, y = c * odometry.x - s * odometry.y, s * odometry.x + c * odometry.y
+        along, aside = step.x * x + step.y * y, step.x * y - step.y * x
+        if abs(aside) < ASKEW * along:
+            self._along += along
+            self._aside += aside
+
+    def seen(self, odometry: Pose2, origin: Float) -> Pose2:
+        """Return a way by odometry as it is in the scans of a laser at `origin` (2,) [m]."""
+        x, y = origin.tolist()
+        turned = Pose2(x, y, self.angle) @ Pose2(-x, -y)
+        return turned.inverse() @ odometry @ turned
 
 
 class Mapper:
@@ -66,6 +105,7 @@ class Mapper:
         self._way = self._turn = 0.0
         self._way_of_scan = self._turn_of_scan = 0.0
         self._looked, self._waiting = 0, tuple[Edge, ...]()
+        self._mounting = _Mounting()
 
     @classmethod
     def of(cls, state: Mapping[str, NDArray[Any]], start: Pose2 | None = None) -> Self:
@@ -82,6 +122,11 @@ class Mapper:
             mapper._way, mapper._turn = survey.frames[-1].way, survey.frames[-1].turn
             away = [hypot(p.x - mapper._here.x, p.y - mapper._here.y) for p in survey.poses]
             mapper._recall(tuple(np.argsort(away)[:RECENT].tolist()))
+        for edge in survey.edges:
+            if not edge.loop and edge.second == edge.first + 1:
+                first, second = survey.frames[edge.first], survey.frames[edge.second]
+                odometry = first.beams.robot_in_odom.inverse() @ second.beams.robot_in_odom
+                mapper._mounting.take(odometry, edge.second_in_first)
         return mapper
 
     @property
@@ -112,6 +157,11 @@ class Mapper:
     def inliers(self) -> float:
         """Share of the last scan that fits the scans before it."""
         return self._match.inliers if self._match is not None else 0.0
+
+    @property
+    def mounting_error(self) -> float:
+        """How far the laser is turned to the left of where it is said to look [rad]."""
+        return self._mounting.angle
 
     @property
     def snapshot(self) -> Snapshot:
@@ -160,11 +210,13 @@ class Mapper:
     def _track(self, beams: Beams, cloud: Cloud, odom_of_scan: Pose2) -> None:
         """Find the robot where odometry leads to from the last key frame and scan."""
         key = self._survey.frames[-1]
-        odometry = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
+        since_key = key.beams.robot_in_odom.inverse() @ beams.robot_in_odom
+        odometry = self._mounting.seen(since_key, beams.origin)
         prior = _expected(
             self._survey.poses[-1], odometry, self._way - key.way, self._turn - key.turn
         )
         odometry = odom_of_scan.inverse() @ beams.robot_in_odom
+        odometry = self._mounting.seen(odometry, beams.origin)
         guess = self._here @ odometry
         way, turn = self._way - self._way_of_scan, self._turn - self._turn_of_scan
         if self._way_of_scan + self._turn_of_scan > key.way + key.turn:
@@ -182,6 +234,7 @@ class Mapper:
         self._here = match.pose
         step = self._survey.poses[-1].inverse() @ self._here
         if hypot(step.x, step.y) >= APART or abs(step.theta) >= TURNED:
+            self._mounting.take(since_key, step)
             number = len(self._survey.frames)
             edge = Edge(number - 1, number, step, certainty(match, prior.information))
             self._keep(KeyFrame.of(beams, cloud, self._way, self._turn), (edge,))

@@ -1,7 +1,7 @@
 """Maps from scans."""
 
 from itertools import pairwise
-from math import hypot, pi
+from math import hypot, pi, radians
 
 import numpy as np
 import pytest
@@ -52,6 +52,24 @@ def test_it_knows_where_the_robot_is_though_odometry_drifts() -> None:
     found = mapper.odom_in_map @ drifting(len(ROUND) - 1)
     assert found.x == pytest.approx(mapper.robot_in_map.x)
     assert mapper.inliers > 0.6
+
+
+@pytest.mark.parametrize("continued", [False, True])
+def test_it_finds_out_that_a_laser_is_mounted_askew(*, continued: bool) -> None:
+    askew, mapper = radians(3), Mapper(Pose2(1.0, 1.5))
+    way = [Pose2(1.0 + 0.1 * number, 1.5) for number in range(50)]
+    for place in [*way, *reversed(way)] * 2:
+        odometry = way[0].inverse() @ place
+        mapper.add(look(HALL, place @ Pose2(0.0, 0.0, askew), odometry, count=181))
+    if continued:
+        mapper = Mapper.of(mapper.state)
+    found = mapper.mounting_error
+    assert found == pytest.approx(askew, abs=radians(0.5))
+
+
+def test_a_laser_that_looks_where_it_is_said_to_is_left_alone() -> None:
+    mapper, _, _ = driven(improve=False)
+    assert abs(mapper.mounting_error) < radians(0.5)
 
 
 def test_a_robot_that_stands_makes_no_key_frames() -> None:
