@@ -15,7 +15,7 @@ from pioneer3.nav.beams import Beams
 from pioneer3.nav.estimate import Estimate, Stage, deviation_of
 from pioneer3.nav.global_search import Candidates, Places, Search
 from pioneer3.nav.hypotheses import Hypotheses
-from pioneer3.nav.likelihood import ScanLikelihood, Verdict, WallField
+from pioneer3.nav.likelihood import LAST_SCALES, ScanLikelihood, Verdict, WallField
 from pioneer3.nav.likelihood_sonar import EchoMap, Pings
 from pioneer3.nav.particles import MotionErrors, array_of, pose_of
 from pioneer3.nav.tracking import Fix, LaserTrack, SonarTrack, is_known
@@ -24,6 +24,8 @@ Float = NDArray[np.float64]
 
 STEP, STEP_TURN = 0.1, 0.1
 """Readings count once the robot has moved or turned so far [m, rad]."""
+UNCOUNTED = np.diag([STEP**-2, STEP**-2, STEP_TURN**-2])
+"""Information of the pose since the last reading that counted, shape (3, 3)."""
 LOOK_AGAIN = 1.0
 """Whether the map still agrees is looked at as often as this, even if the robot stands [s]."""
 AGREES, TOLD_AGREES = 0.9, 0.75
@@ -346,7 +348,12 @@ class Localizer:
         now = self._now
         now.looked = beams.stamp
         pose = array_of(self._odom_in_map @ beams.robot_in_odom)
-        verdict = ScanLikelihood.of(self._walls, beams).judged(pose[None])
+        likelihood = ScanLikelihood.of(self._walls, beams)
+        if now.laser is not None:
+            # it may have turned by less than counts, or have been pushed: a beam through a wall
+            # tells of another place only if no pose nearby explains it
+            pose = likelihood.refined(pose[None], UNCOUNTED, LAST_SCALES, all_points=True)[0][0]
+        verdict = likelihood.judged(pose[None])
         agreement = float(verdict.agreement[0])
         if now.hypotheses is not None and now.told:
             self._compare(now.hypotheses, agreement)

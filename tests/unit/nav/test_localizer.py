@@ -189,6 +189,23 @@ def test_a_crowd_is_no_reason_to_be_lost() -> None:
     assert drive.off < 0.02
 
 
+@pytest.mark.parametrize("near", [0.4, np.inf])
+def test_a_turn_on_the_spot_that_odometry_missed_is_no_reason_to_be_lost(near: float) -> None:
+    drive = Drive()
+    drive.localizer.start(BEGIN)
+    drive.look()
+    drive.go(1.0)
+    drive.near = near
+    drive.truth @= Pose2(0.0, 0.0, 0.16)
+    for _ in range(40):
+        drive.look()
+    assert drive.localizer.estimate.sure
+    drive.near = np.inf
+    drive.go(1.0)
+    assert drive.localizer.estimate.sure
+    assert drive.off < 0.02
+
+
 def test_a_robot_that_looks_out_into_the_open_is_not_lost() -> None:
     walls = [[0.0, -3.0, 0.0, 3.0], [0.0, 3.0, 3.0, 3.0], [0.0, -3.0, 3.0, -3.0]]
     drive = Drive(LineMap(name="open", walls=np.array(walls)), Pose2(2.0, 0.0, pi))
