@@ -26,7 +26,7 @@ FAR = 6.0
 AGE = 60.0
 """Things not seen for so long may have gone [s]."""
 LATE, DOUBT_TURNING = 0.05, 0.08
-"""Odometry may be so late [s], by which echoes are off while the robot turns, up to so much [m/m]."""
+"""Odometry may be so late [s]: echoes are off while the robot turns, by so much at most [m/m]."""
 AGAIN = 0.1
 """An echo that stands alone counts where the scan before had one so near [m]."""
 LATEST = 0.5
