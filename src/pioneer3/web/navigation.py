@@ -224,7 +224,7 @@ class RobotNavigation:
             errand.refuse(error)
 
     async def _way_of(self, errand: Errand, stack: AsyncExitStack) -> messages.Way:
-        from pioneer3.runtime.navigator import to_drive
+        from pioneer3.runtime.ways import to_drive
 
         navigator = await self._ready(stack)
         goal = errand.place(navigator.line_map)
@@ -250,7 +250,7 @@ class RobotNavigation:
     ) -> None:
         """Drive to one place, or from place to place, unless the robot was stopped meanwhile."""
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.navigator import to_drive
+        from pioneer3.runtime.ways import to_drive
 
         first, *rest = goals
         found = await navigator.plan(first)
@@ -288,7 +288,7 @@ class RobotNavigation:
     def _shown(self, goal: "Destination", way: "Way | NoWay", speed: float) -> messages.Way:
         """Return the answer to a request that only asks for a way."""
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.navigator import to_drive
+        from pioneer3.runtime.ways import to_drive
 
         why = way.why if isinstance(way, NoWay) else ""
         if isinstance(way, NoWay) and way.free is None:

@@ -107,7 +107,7 @@ async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> N
         view = the.page.robots[1]
         navigator = view.navigation._navigator
         assert navigator is not None
-        navigator._in_thread = slowly
+        navigator._drives.ways._in_thread = slowly
         ann.say("goto", x=2.5, y=0.0)
         await asyncio.sleep(0.5)
         ann.say("stop")

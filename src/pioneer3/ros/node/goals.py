@@ -122,7 +122,7 @@ class Goals:
             self._end(state, text)
 
     async def _drive(self, where: "Callable[[], Destination]") -> None:
-        from pioneer3.runtime.navigator import to_drive
+        from pioneer3.runtime.ways import to_drive
 
         arbiter, after = self._robot.arbiter, self._robot.arbiter.last_stop.number
         place = None

@@ -171,7 +171,7 @@ class NodeNavigation:
         is logged.
         """
         from pioneer3.nav.planner import NoWay
-        from pioneer3.runtime.navigator import to_drive
+        from pioneer3.runtime.ways import to_drive
 
         points: tuple[tuple[float, float], ...] = ()
         heading = None
