@@ -6,7 +6,7 @@ walker from then on, also when it stands.
 """
 
 from dataclasses import dataclass, field
-from math import atan2, hypot
+from math import atan2, hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,10 +143,12 @@ class Movers:
 
     Attributes:
         things: These.
+        met: When somebody was among them last [s].
     """
 
     def __init__(self) -> None:
         self.things: list[Mover] = []
+        self.met = -inf
 
     def take(self, points: Float, origin: Float, limit: Float, now: float) -> Int:
         """Take the echoes of a scan that no wall explains.
@@ -179,6 +181,8 @@ class Movers:
             self.things.append(Mover(*middle, 0.0, 0.0, now, middle))
         self._merge()
         self._forget(points, origin, limit, now)
+        if self.people():
+            self.met = now
         return np.concatenate([*own, np.empty(0, dtype=np.int64)])
 
     def _owners(self, points: Float, now: float) -> Int:

@@ -37,6 +37,8 @@ HEARD, HEARD_AGE = 3, 15.0
 """Plans avoid what sonars have heard so often, until so long after the last time [s]."""
 ECHO, ECHO_AGE = 1.5, 3.0
 """Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
+ECHO_NEAR = 0.5
+"""Nearer than this a thing may be anywhere on the arc of its echo [m]; farther ones close doors."""
 ECHO_SAME = 0.1
 """Echoes from the same direction are of one thing, if no farther apart [m]."""
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
@@ -161,13 +163,13 @@ class Sightings:
             self._times[around] = np.minimum(self._times[around], 200) + 1
             row, column = rows[2], columns[2]
             self._heard[row, column] = now
-            self._arcs.append((now, arc))
+            self._arcs.append((now, arc if metres < ECHO_NEAR else echo[None]))
 
     def _clear_arcs(self, transducer: Pose2, metres: float) -> None:
         """Forget the echoes from within the cone of a sonar that tells of it anew."""
         kept = []
         for when, arc in self._arcs:
-            x, y = arc[len(ARC) // 2].tolist()
+            x, y = arc[len(arc) // 2].tolist()
             off = transducer.inverse() @ Pose2(x, y)
             in_cone = abs(atan2(off.y, off.x)) < ARC[-1]
             if not in_cone or hypot(off.x, off.y) > metres + ECHO_SAME:
@@ -219,7 +221,7 @@ class Sightings:
         return self._middles(self._seen, self._around(x, y, within), now - age)
 
     def heard(self, x: float, y: float, within: float, now: float) -> Float:
-        """Return points on the arcs of echoes of the last moments around a place, (N, 2) [m]."""
+        """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
         self._arcs = [each for each in self._arcs if each[0] > now - ECHO_AGE]
         arcs = np.concatenate([np.empty((0, 2)), *(arc for _, arc in self._arcs)])
         return arcs[np.hypot(arcs[:, 0] - x, arcs[:, 1] - y) < within]
@@ -261,6 +263,10 @@ class Sightings:
             if thing.stands is not None and now - thing.stands > STOOD
         ]
         return np.concatenate([np.empty((0, 2)), *standing])
+
+    def are_people_about(self, now: float) -> bool:
+        """Return whether somebody was seen within the last minute: then much may change soon."""
+        return now - self.movers.met < AGE
 
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""

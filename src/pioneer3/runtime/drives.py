@@ -216,7 +216,7 @@ class Drives:
 
     async def _replan(self, drive: Drive) -> None:
         now = self._clock()
-        people = bool(self._sightings.movers.people())
+        people = self._sightings.are_people_about(now)
         here = self._localization.estimate.robot_in_map
         if drive.action.held_up(now) > HELD_UP and not people and here is not None:
             self.ways.avoid(drive.way, here)

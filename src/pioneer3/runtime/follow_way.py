@@ -190,8 +190,11 @@ class FollowWay:
             self._nearest, self._detours = left, 0
         if self._since is None or left < self._best - NEARER:
             self._best, self._since = left, now
-        elif now - self._since > (AMONG_PEOPLE if self.sightings.movers.people() else PATIENCE):
+        elif now - self._since > self._patience(now):
             self.failed = "it comes no nearer: something is in the way"
+
+    def _patience(self, now: float) -> float:
+        return AMONG_PEOPLE if self.sightings.are_people_about(now) else PATIENCE
 
     def _listen(self, situation: Situation, robot_in_map: Pose2) -> None:
         """Note things that sonars hear: a laser sees no glass, and nothing below or behind it."""

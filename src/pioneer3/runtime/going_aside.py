@@ -24,6 +24,9 @@ MEETS, GONE = 0.95, 0.7
 """Who stands so near [m] waits for the robot; it goes on once nobody has for the latter [s]."""
 ASIDE = 0.3
 """Speed of a robot that goes aside [m/s]."""
+LETS, STAYS, SAME = 10.0, 60.0, 0.3
+"""Who has stood for so long while the robot went aside [s] does not wait for it, and is let be for
+the second time [s] while they stay so near to where they stood [m]."""
 LONGEST = 120.0
 """Time spent aside that is forgiven on one way [s]."""
 
@@ -44,6 +47,8 @@ class GoingAside:
     _asked: float = field(default=0.0, init=False)
     _before: float = field(default=0.0, init=False)
     _spent: float = field(default=0.0, init=False)
+    _aside_since: float = field(default=0.0, init=False)
+    _stay: list[tuple[float, float, float]] = field(default_factory=list, init=False)
 
     def decide(self, situation: Situation, robot_in_map: Pose2, obstacles: Float) -> Desire | None:
         """Return the velocity of a robot that goes aside, or `None` if nobody waits for it.
@@ -57,6 +62,7 @@ class GoingAside:
         self.forgiven = 0.0
         if hypot(here[0] - self._anchor[0], here[1] - self._anchor[1]) > MOVED:
             self._anchor = (*here, now)
+        self._stay = [each for each in self._stay if each[2] > now]
         stuck, waiting = now - self._anchor[2], self._waiting(here, now)
         if waiting:
             self._asked = now
@@ -67,12 +73,22 @@ class GoingAside:
             self._to, self._anchor = None, (*here, now)
         passed, self._before = max(0.0, min(now - self._before, 1.0)), now
         if self._to is None:
+            self._aside_since = now
             return None
         self._spent += passed
         self.forgiven = passed if self._spent < LONGEST else 0.0
         v, w, there = self._drive(self._to, situation, robot_in_map, obstacles)
+        self._let_be(waiting, now)
         reason = "lets somebody pass" if there else "goes aside for somebody"
         return Desire(v=v, w=w, reason=reason)
+
+    def _let_be(self, waiting: list[Mover], now: float) -> None:
+        """Note who does not wait for the robot: they stay though it goes aside."""
+        self._stay += [
+            (each.x, each.y, now + STAYS)
+            for each in waiting
+            if each.stands is not None and now - max(each.stands, self._aside_since) > LETS
+        ]
 
     def _drive(
         self, to: Follower | Manoeuvre, situation: Situation, robot_in_map: Pose2, obstacles: Float
@@ -120,4 +136,5 @@ class GoingAside:
             for each in self.sightings.movers.people()
             if hypot(each.x - here[0], each.y - here[1]) < MEETS
             and (each.stands is not None or now - each.seen > STUCK)
+            and not any(hypot(each.x - x, each.y - y) < SAME for x, y, _ in self._stay)
         ]

@@ -6,7 +6,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.moving import Mover
 from pioneer3.nav.sightings import Sightings
-from pioneer3.runtime.going_aside import GONE, LONGEST, STUCK, GoingAside
+from pioneer3.runtime.going_aside import GONE, LETS, LONGEST, STUCK, GoingAside
 from tests.unit.behaviors.support import seen
 from tests.unit.nav.offices import costs, room
 
@@ -58,6 +58,16 @@ def test_it_goes_on_when_they_have_gone(aside: GoingAside) -> None:
     assert reasons(aside, 0.0, 2.0)[-1]
     aside.sightings.movers.forget()
     assert not reasons(aside, 2.0, GONE + 0.5)[-1]
+
+
+def test_who_does_not_pass_is_let_be(aside: GoingAside) -> None:
+    """A thing may look like the legs of somebody."""
+    thing = meet(aside, 5.8, 0.0)
+    found = reasons(aside, 0.0, STUCK + LETS + 3.0)
+    assert "goes aside for somebody" in found
+    assert not found[-1]
+    thing.x, thing.stands = 4.2, 20.0  # somebody else comes
+    assert reasons(aside, 20.0, STUCK + 1.0)[-1]
 
 
 def test_the_time_it_spends_aside_is_forgiven_but_not_for_ever(aside: GoingAside) -> None:
