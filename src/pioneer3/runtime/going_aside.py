@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.behaviors.action import Desire, Situation
-from pioneer3.geometry import Pose2
+from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.giving_way import WINDOW, refuge, ways_of
 from pioneer3.nav.manoeuvre import Manoeuvre, find_way_aside
@@ -16,8 +16,8 @@ from pioneer3.nav.sightings import Sightings
 
 Float = NDArray[np.float64]
 
-MOVED, STUCK = 0.1, 1.0
-"""A robot that has not come so far [m] in so long [s] is stuck."""
+MOVED, TURNED, STUCK = 0.1, 0.3, 1.0
+"""A robot that has not come so far [m] nor turned so much [rad] in so long [s] is stuck."""
 STUCK_ASIDE = 3.0
 """One that has gone aside, or does not get there, looks for another place after this [s]."""
 MEETS, GONE = 0.95, 0.7
@@ -43,7 +43,8 @@ class GoingAside:
     sightings: Sightings
     forgiven: float = field(default=0.0, init=False)
     _to: Follower | Manoeuvre | None = field(default=None, init=False)
-    _anchor: tuple[float, float, float] = field(default=(inf, inf, inf), init=False)
+    _anchor: Pose2 = field(default=Pose2(inf), init=False)
+    _anchored: float = field(default=-inf, init=False)
     _asked: float = field(default=0.0, init=False)
     _before: float = field(default=0.0, init=False)
     _spent: float = field(default=0.0, init=False)
@@ -60,17 +61,18 @@ class GoingAside:
         """
         now, here = situation.now, (robot_in_map.x, robot_in_map.y)
         self.forgiven = 0.0
-        if hypot(here[0] - self._anchor[0], here[1] - self._anchor[1]) > MOVED:
-            self._anchor = (*here, now)
+        came = hypot(here[0] - self._anchor.x, here[1] - self._anchor.y)
+        if came > MOVED or abs(wrap(robot_in_map.theta - self._anchor.theta)) > TURNED:
+            self._anchor, self._anchored = robot_in_map, now
         self._stay = [each for each in self._stay if each[2] > now]
-        stuck, waiting = now - self._anchor[2], self._waiting(here, now)
+        stuck, waiting = now - self._anchored, self._waiting(here, now)
         if waiting:
             self._asked = now
         if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
-            self._anchor = (*here, now)
+            self._anchored = now
             self._to = self._way_out(situation, robot_in_map, waiting, obstacles) or self._to
         elif self._to is not None and now - self._asked > GONE:
-            self._to, self._anchor = None, (*here, now)
+            self._to, self._anchored = None, now
         passed, self._before = max(0.0, min(now - self._before, 1.0)), now
         if self._to is None:
             self._aside_since = now

@@ -48,6 +48,13 @@ def test_it_goes_aside_for_somebody_who_waits_once_it_is_stuck(aside: GoingAside
     assert found[-1] == "goes aside for somebody"
 
 
+def test_a_robot_that_turns_is_not_stuck(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    for tick in range(40):
+        here = Pose2(5.0, 3.0, tick * 0.04)
+        assert aside.decide(seen(tick * DT), here, NO_OBSTACLES) is None
+
+
 def test_who_stands_farther_away_is_let_be(aside: GoingAside) -> None:
     meet(aside, 7.0, 0.0)
     assert not any(reasons(aside, 0.0, 5.0))
