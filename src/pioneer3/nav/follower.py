@@ -10,7 +10,7 @@ from pioneer3.geometry import Pose2, Twist2, wrap
 from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
-from pioneer3.nav.gaps import gap_at
+from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import arcs
 from pioneer3.nav.kernels.ways import walk_down
@@ -148,13 +148,13 @@ class Follower:
     ) -> Step:
         top = min(top_speed, self.limits.max_speed)
         commands = self._commands(top)
-        judged = self._judge(robot_in_map, twist, commands, obstacles, self._hold(robot_in_map))
-        to_go, off, gap, bare = judged.T
+        hold = self._hold(robot_in_map)
+        judged = self._judge(robot_in_map, twist, commands, obstacles, hold=hold)
+        to_go, off, gap, slow_gap = judged.T
         if self.either_way:
             off = np.minimum(off, pi - off)
-        # nearer to something than it should be, a robot may go on slowly, but no nearer
-        least = min(KEEP, gap_at(robot_in_map, self.model, obstacles)) - SLACK
-        slow = (np.abs(commands[:, 0]) <= SLOW) & (bare >= least)
+        # nearer to something than it should be, a robot may go on slowly, but no nearer to that
+        slow = (np.abs(commands[:, 0]) <= SLOW) & (slow_gap >= -SLACK)
         possible = np.isfinite(to_go) & ((gap >= 0.0) | slow)
         gap = np.minimum(gap, NEAR)
         standing = (commands == 0.0).all(axis=1)
@@ -216,10 +216,16 @@ class Follower:
         twist: Twist2,
         commands: Float,
         obstacles: Float,
+        *,
         hold: float = HOLD,
+        keep: float = KEEP,
     ) -> Float:
-        """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4)."""
+        """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4).
+
+        A slow robot keeps `keep` [m] from each obstacle, or as much as it has.
+        """
         at, limits = robot_in_map, self.limits
+        kept = np.minimum(keep, gaps_at(at, self.model, obstacles))
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [
@@ -245,7 +251,8 @@ class Follower:
         outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
-        fast(arcs, CACHE)(commands, state, motion, outline, obstacles, values, frame, out)
+        things = np.column_stack([obstacles, kept])
+        fast(arcs, CACHE)(commands, state, motion, outline, things, values, frame, out)
         return out
 
     def _hold(self, at: Pose2) -> float:
@@ -299,8 +306,8 @@ class Follower:
         self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float
     ) -> bool:
         """Whether a motion would touch something, or come nearer to what it touches."""
-        judged = self._judge(at, twist, np.array([command]), obstacles)
-        return bool(judged[0, 3] < min(SLACK, gap_at(at, self.model, obstacles) - SLACK))
+        judged = self._judge(at, twist, np.array([command]), obstacles, keep=2 * SLACK)
+        return bool(judged[0, 3] < -SLACK)
 
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""

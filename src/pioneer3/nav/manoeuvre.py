@@ -11,7 +11,7 @@ from pioneer3.jit import fast
 from pioneer3.limits import Limits
 from pioneer3.models import RobotModel
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.gaps import gap_at
+from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.manoeuvres import manoeuvre
 from pioneer3.nav.moving import RADIUS
@@ -108,13 +108,15 @@ def _search(
     count = SIDE * SIDE * HEADINGS
     poses, before = np.empty((count, 3)), np.full(count, -1, dtype=np.int32)
     costs, keys = np.full(count, np.inf, dtype=np.float32), np.empty(count, dtype=np.float32)
-    gap = min(GAP, gap_at(here, model, near) - 0.002)
-    outline = (model.length_front, model.length_rear, model.width / 2, gap, model.corner + FREE)
+    things = near[:, [0, 1, 4]]
+    # a robot that is nearer to something already only comes no nearer to that
+    things[:, 2] -= np.maximum(GAP - gaps_at(here, model, near) + 0.002, 0.0)
+    outline = (model.length_front, model.length_rear, model.width / 2, GAP, model.corner + FREE)
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
         np.array([*outline, least, APART]),
-        near[:, [0, 1, 4]],
+        things,
         np.pad(ways, ((0, 0), (0, 1))),
         values,
         np.array([raster.x, raster.y, raster.cell, CELL]),
@@ -170,8 +172,8 @@ class Manoeuvre:
             if command is not None:
                 v, w = command
                 ahead = robot_in_map @ Pose2(0.3 * v, 0.0, 0.3 * w)
-                now = gap_at(robot_in_map, self.model, obstacles)
-                if gap_at(ahead, self.model, obstacles) < min(TOUCHES, now):
+                kept = np.minimum(TOUCHES, gaps_at(robot_in_map, self.model, obstacles))
+                if (gaps_at(ahead, self.model, obstacles) < kept).any():
                     break
                 return command
             self._at = end

@@ -37,15 +37,22 @@ def oracle(command: tuple[float, float], v: float, w: float, things: Float) -> t
         time += 0.1
         if abs(v) < 1e-9 and abs(w) < 1e-9:
             continue
-        for at_x, at_y, speed_x, speed_y, radius in things.tolist():
+        for at_x, at_y, speed_x, speed_y, radius, least in things.tolist():
             dx, dy = at_x + speed_x * time - x, at_y + speed_y * time - y
             ahead, left = cos(theta) * dx + sin(theta) * dy, cos(theta) * dy - sin(theta) * dx
             gap = hypot(max(ahead - FRONT, -REAR - ahead, 0), max(abs(left) - HALF, 0)) - radius
-            kept, bare = min(kept, gap - KEEP - PER_SPEED * abs(v)), min(bare, gap)
+            kept, bare = min(kept, gap - KEEP - PER_SPEED * abs(v)), min(bare, gap - least)
 
 
 numbers = st.floats(-2.0, 2.0)
-thing = st.tuples(numbers, numbers, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.0, 0.4))
+thing = st.tuples(
+    numbers,
+    numbers,
+    st.floats(-1, 1),
+    st.floats(-1, 1),
+    st.floats(0.0, 0.4),
+    st.floats(-0.1, 0.04),
+)
 
 
 @settings(deadline=None, max_examples=60)
@@ -78,7 +85,7 @@ def test_gaps_are_those_of_the_outline_along_the_motion(
 
 
 def test_somebody_who_comes_near_a_robot_that_stands_costs_it_nothing() -> None:
-    comes = np.array([[1.0, 0.0, -0.8, 0.0, 0.28]])
+    comes = np.array([[1.0, 0.0, -0.8, 0.0, 0.28, 0.04]])
     out, values = np.empty((1, 4)), np.zeros((4, 4), dtype=np.float32)
     frame, stands = np.array([-2.0, -2.0, 1.0]), np.zeros(5)
     fast(arcs, CACHE)(

@@ -104,6 +104,24 @@ def test_a_robot_beside_a_thing_is_not_frozen() -> None:
     assert step.v > 0.0
 
 
+def test_a_robot_in_the_way_of_somebody_unseen_does_not_touch_a_wall() -> None:
+    """A person who may be where the robot is says nothing about walls."""
+    line_map = room([4.0, 2.6, 8.0, 2.6])
+    walls = np.pad(samples(line_map.walls, 0.05), ((0, 0), (0, 3)))
+    unseen = np.array([[5.1, 3.4, 0.0, 0.0, 0.36]])
+    for theta in np.linspace(-pi, pi, 9):
+        at, v, w = Pose2(5.0, 3.05, float(theta)), 0.0, 0.0
+        by = follower(room(), at, (5.0, 1.0, None))
+        for _ in range(100):
+            step = by.step(at, Twist2(v, w), np.concatenate([walls, unseen]))
+            v = towards(v, step.v, LIMITS.acceleration * DT)
+            w = towards(w, step.w, LIMITS.turn_acceleration * DT)
+            before = gap(at, walls[:, :2])
+            at = at @ arc(v, w, DT)
+            now = gap(at, walls[:, :2])
+            assert now > 0.005 or now >= before - 1e-3
+
+
 def test_it_lets_a_person_pass_who_walks_into_its_way() -> None:
     begin = Pose2(3.0, 3.0, 0.0)
     by = follower(room(), begin, (8.0, 3.0, None))

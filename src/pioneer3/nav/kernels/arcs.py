@@ -48,11 +48,13 @@ def arcs(
             command is held, and the step of time [s], shape (6,).
         outline: Front, rear, half of the width, distance to be kept [m], and how much more of it
             per speed [s]; gaps beyond the last number are not told apart [m], shape (6,).
-        obstacles: x, y [m] in the map's frame, their velocity [m/s] and radius [m], shape (N, 5).
+        obstacles: x, y [m] in the map's frame, their velocity [m/s], radius [m], and the gap that
+            a slow robot keeps to each [m], shape (N, 6).
         values: Cost to go [m], shape (H, W).
         frame: x, y of the lower left corner and side of a cell [m], shape (3,).
         out: For each command: cost to go at the end, heading off the way there [rad], the least
-            gap to an obstacle less the distance to be kept, and the least gap [m]; shape (C, 4).
+            gap to an obstacle less the distance to be kept, and less that of slow robots [m];
+            shape (C, 4).
             A robot that stands keeps no distance: others may come near it.
     """
     acceleration, deceleration = motion[0], motion[1]
@@ -62,7 +64,7 @@ def arcs(
     around = sqrt(max(front, rear) ** 2 + half * half) + far
     for i in range(len(commands)):
         x, y, theta, v, w = state[0], state[1], state[2], state[3], state[4]
-        least, bare, time = far, far, 0.0
+        least, slow, time = far, far, 0.0
         while True:
             ends = time >= hold
             wanted_v = 0.0 if ends else commands[i, 0]
@@ -87,7 +89,7 @@ def arcs(
                 if dx * dx + dy * dy > reach * reach:
                     continue
                 gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) - obstacles[j, 4]
-                bare = min(bare, gap)
+                slow = min(slow, gap - obstacles[j, 5])
                 least = min(least, gap - keep)
         u, t = (x - frame[0]) / frame[2], (y - frame[1]) / frame[2]
         out[i, 0] = _value(values, u, t)
@@ -98,7 +100,7 @@ def arcs(
             dot = cos(theta) * to_x + sin(theta) * to_y
             out[i, 1] = abs(np.arctan2(cross, dot))
         out[i, 2] = least
-        out[i, 3] = bare
+        out[i, 3] = slow
 
 
 @inlined
