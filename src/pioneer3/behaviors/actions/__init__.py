@@ -4,6 +4,12 @@ from pioneer3.behaviors.actions.aria import AvoidSide, Input, Stop, TurnAway
 from pioneer3.behaviors.actions.avoid import AvoidFront, Bumpers
 from pioneer3.behaviors.actions.explore import Explore
 from pioneer3.behaviors.actions.follow import Blob, BlobSource, ColorFollow
+from pioneer3.behaviors.actions.group import (
+    FollowLeader,
+    KeepFormation,
+    LimiterPeers,
+    SpreadOut,
+)
 from pioneer3.behaviors.actions.hold import Hold
 from pioneer3.behaviors.actions.limiters import (
     DeceleratingLimiter,
@@ -26,15 +32,19 @@ __all__ = [
     "ConstantVelocity",
     "DeceleratingLimiter",
     "Explore",
+    "FollowLeader",
     "Goto",
     "Hold",
     "Input",
+    "KeepFormation",
     "LimiterBackwards",
     "LimiterForwards",
+    "LimiterPeers",
     "LimiterSweep",
     "LimiterTableSensor",
     "Move",
     "RatioInput",
+    "SpreadOut",
     "StallRecover",
     "Stop",
     "Turn",

@@ -1,0 +1,282 @@
+"""Actions of robots in a group: formations, the track of a leader, apart from each other."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import atan2, cos, hypot, inf, isfinite, pi, sin, sqrt
+
+from pioneer3.behaviors.action import Desire, Situation
+from pioneer3.behaviors.formations import Place
+from pioneer3.behaviors.peers import LOST, Peer, Peers, named
+from pioneer3.geometry import Pose2, Twist2, wrap
+
+ALONG, ASIDE, TURN = 0.8, 2.0, 1.6
+"""Gains of the way off a moving place: along it and to its side [1/s, 1/m^2], and in heading
+[1/m]; Kanayama's tracking law for robots with two wheels (ICRA 1990)."""
+MOVING = 0.05
+"""A slower leader stands [m/s]; its followers drive to their places and turn as it does."""
+NEAR, ALIGNED = 0.08, 0.1
+"""Near enough to the place beside a leader that stands [m, rad]."""
+STEEP = 0.6
+"""Farther off the place it turns where it stands [rad]."""
+APPROACH = 0.6
+"""Speed per way that is left [1/s]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class KeepFormation:
+    """Keeps a place beside a leader, as if both were parts of one body.
+
+    Attributes:
+        leader: Its name.
+        place: x ahead of it, y to its left [m].
+        peers: The other robots.
+        top_speed: Of the robot [m/s].
+    """
+
+    leader: str
+    place: Place
+    peers: Peers
+    top_speed: float = inf
+    name: str = "keep formation"
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return the velocity towards the place, and with it."""
+        leader = named(self.peers(), self.leader)
+        if leader is None or leader.is_lost(situation.now):
+            return _stand(f"where {self.leader} is is not known")
+        there, twist = _beside(leader, self.place, situation.now)
+        moves = abs(twist.v) > MOVING
+        v, w = _track(situation.pose, there, twist) if moves else _settle(situation.pose, there)
+        off = hypot(there.x - situation.pose.x, there.y - situation.pose.y)
+        return _bounded(situation, v, w, self.top_speed, f"{off:.2f} m off its place")
+
+
+SPACING = 0.1
+"""Of the points of a track that are remembered [m]."""
+LONGEST = 400
+"""Points of a track."""
+LOOK_AHEAD = 0.4
+"""A point of the track so far ahead is headed for [m]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class FollowLeader:
+    """Follows the track of a leader, at a distance along it.
+
+    Attributes:
+        leader: Its name.
+        distance: Along the track, from middle to middle [m].
+        peers: The other robots.
+        top_speed: Of the robot [m/s].
+    """
+
+    leader: str
+    distance: float
+    peers: Peers
+    top_speed: float = inf
+    name: str = "follow leader"
+    _track: deque[tuple[float, float]] = field(
+        default_factory=lambda: deque(maxlen=LONGEST), init=False
+    )
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return the velocity along the track."""
+        leader = named(self.peers(), self.leader)
+        if leader is None or leader.is_lost(situation.now):
+            return _stand(f"where {self.leader} is is not known")
+        ahead = leader.at(situation.now)
+        here = situation.pose
+        self._note(here, ahead)
+        gap = self._way_to(here, ahead)
+        behind = gap - self.distance
+        v = leader.twist.v + APPROACH * behind
+        if behind < 0 and leader.twist.v < MOVING:
+            v = 0.0
+        x, y = self._headed_for(here, ahead)
+        off = wrap(atan2(y - here.y, x - here.x) - here.theta)
+        v = max(0.0, v) * max(0.0, cos(off)) if abs(off) < STEEP else 0.0
+        w = 2.0 * off if v > 0 or (abs(off) > STEEP and behind > 0) else 0.0
+        return _bounded(situation, v, w, self.top_speed, f"{gap:.2f} m behind {self.leader}")
+
+    def _note(self, here: Pose2, leader: Pose2) -> None:
+        """Remember the track, and forget what lies behind the robot."""
+        track = self._track
+        if not track or hypot(track[-1][0] - leader.x, track[-1][1] - leader.y) > SPACING:
+            track.append((leader.x, leader.y))
+        while len(track) > 1 and _nearer(here, track[1], track[0]):
+            track.popleft()
+
+    def _way_to(self, here: Pose2, leader: Pose2) -> float:
+        points = [(here.x, here.y), *self._track, (leader.x, leader.y)]
+        return sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(points))
+
+    def _headed_for(self, here: Pose2, leader: Pose2) -> tuple[float, float]:
+        points = [*self._track, (leader.x, leader.y)]
+        return next(
+            (p for p in points if hypot(p[0] - here.x, p[1] - here.y) > LOOK_AHEAD), points[-1]
+        )
+
+
+SETTLED = 0.05
+"""So much too near to another one is near enough [m]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class SpreadOut:
+    """Drives away from the other robots, until all are far enough.
+
+    Attributes:
+        apart: From middle to middle [m].
+        peers: The other robots.
+        speed: [m/s].
+        done: Whether it is as far as wanted from all.
+    """
+
+    apart: float
+    peers: Peers
+    speed: float = 0.3
+    name: str = "spread out"
+    done: bool = False
+
+    def decide(self, situation: Situation) -> Desire:
+        """Return the velocity away from those that are too near."""
+        here, now = situation.pose, situation.now
+        push_x = push_y = 0.0
+        nearest = inf
+        for peer in self.peers():
+            there = peer.at(now)
+            away_x, away_y = here.x - there.x, here.y - there.y
+            distance = max(hypot(away_x, away_y), 0.01)
+            nearest = min(nearest, distance)
+            push = max(0.0, self.apart - distance) / distance
+            push_x, push_y = push_x + push * away_x, push_y + push * away_y
+        missing = self.apart - nearest
+        self.done = missing <= SETTLED
+        if self.done or hypot(push_x, push_y) < 1e-6:
+            return _stand("far enough from the others")
+        off = wrap(atan2(push_y, push_x) - here.theta)
+        v = min(self.speed, APPROACH * missing + MOVING) if abs(off) < STEEP else 0.0
+        return _bounded(situation, v, 2.0 * off, self.speed, f"{nearest:.2f} m from the next")
+
+
+MARGIN = 0.25
+"""Kept between the corners of two robots [m]."""
+STRAYS = 0.75
+"""A robot may have gone so fast since it was heard last [m/s], for up to this long [s]."""
+STRAYS_FOR = 2.0
+BESIDE = 0.15
+"""Robots that are so much beside the way are passed [m]."""
+REACTION = 0.3
+"""From where the others are heard of until the robot brakes [s]."""
+
+
+@dataclass(slots=True, kw_only=True)
+class LimiterPeers:
+    """Limits the speed by the other robots of a group, also where no sensor sees them.
+
+    Both of two robots that meet brake, so that each needs half of the room. One that has been
+    silent may be nearer than it was.
+
+    Attributes:
+        peers: The other robots.
+    """
+
+    peers: Peers
+    name: str = "limiter peers"
+
+    def decide(self, situation: Situation) -> Desire | None:
+        """Return the limits towards those that are ahead and behind."""
+        ahead, behind = (inf, ""), (inf, "")
+        for peer in self.peers():
+            rests = self._rest(situation, peer)
+            if rests is not None:
+                rest, front = rests
+                if front:
+                    ahead = min(ahead, (rest, peer.name))
+                else:
+                    behind = min(behind, (rest, peer.name))
+        if not isfinite(ahead[0]) and not isfinite(behind[0]):
+            return None
+        rest, name = min(ahead, behind)
+        return Desire(
+            v_max=self._speed(situation, ahead[0]),
+            back_max=self._speed(situation, behind[0]),
+            reason=f"{name} is {max(0.0, rest):.2f} m away",
+        )
+
+    def _rest(self, situation: Situation, peer: Peer) -> tuple[float, bool] | None:
+        """Return the way that is left to a peer [m], and whether it is ahead; `None` beside it."""
+        silent = max(0.0, situation.now - peer.stamp - LOST)
+        grown = peer.radius + STRAYS * min(silent, STRAYS_FOR)
+        at = situation.pose.inverse() @ peer.at(situation.now)
+        if abs(at.y) > grown + situation.model.width / 2 + BESIDE:
+            return None
+        along = abs(at.x) - grown - situation.model.length / 2 - MARGIN
+        relative = wrap(peer.at(situation.now).theta - situation.pose.theta)
+        comes = -peer.twist.v * cos(relative) * (1 if at.x > 0 else -1)
+        if comes > 0:  # it needs room to brake as well
+            along -= comes * REACTION + comes * comes / (2 * situation.limits.deceleration)
+        return along, at.x > 0
+
+    @staticmethod
+    def _speed(situation: Situation, rest: float) -> float:
+        if not isfinite(rest):
+            return situation.limits.max_speed
+        deceleration = situation.limits.deceleration
+        delay = deceleration * REACTION
+        return max(0.0, sqrt(delay * delay + 2 * deceleration * max(0.0, rest)) - delay)
+
+
+def _beside(leader: Peer, place: Place, now: float) -> tuple[Pose2, Twist2]:
+    """Return the pose and the motion of a place that turns with its leader."""
+    x, y = place
+    pose, twist = leader.at(now), leader.twist
+    forward, aside = twist.v - twist.w * y, twist.w * x
+    there = pose @ Pose2(x, y)
+    speed = hypot(forward, aside)
+    if speed < MOVING or forward <= 0:
+        return there, Twist2(forward, twist.w)
+    return Pose2(there.x, there.y, there.theta + atan2(aside, forward)), Twist2(speed, twist.w)
+
+
+def _track(here: Pose2, there: Pose2, twist: Twist2) -> tuple[float, float]:
+    """Return the velocity that follows a moving place [m/s, rad/s]."""
+    off = here.inverse() @ there
+    theta = wrap(off.theta)
+    v = twist.v * cos(theta) + ALONG * off.x
+    w = twist.w + abs(twist.v) * (ASIDE * off.y + TURN * sin(theta))
+    return v, w
+
+
+def _settle(here: Pose2, there: Pose2) -> tuple[float, float]:
+    """Return the velocity to a place that stands, and then to its heading [m/s, rad/s]."""
+    off = here.inverse() @ there
+    distance, bearing = hypot(off.x, off.y), atan2(off.y, off.x)
+    if distance < NEAR:
+        turn = wrap(off.theta)
+        return 0.0, 0.0 if abs(turn) < ALIGNED else 1.5 * turn
+    if abs(bearing) > pi - STEEP and distance < 4 * NEAR:  # a little too far: back
+        return -APPROACH * distance, 0.0
+    if abs(bearing) > STEEP:
+        return 0.0, 1.5 * bearing
+    return APPROACH * distance, 2.0 * bearing
+
+
+def _nearer(here: Pose2, one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether one point is nearer to the robot than another."""
+    return hypot(one[0] - here.x, one[1] - here.y) <= hypot(other[0] - here.x, other[1] - here.y)
+
+
+def _stand(reason: str) -> Desire:
+    return Desire(v=0.0, w=0.0, reason=reason)
+
+
+def _bounded(situation: Situation, v: float, w: float, top: float, reason: str) -> Desire:
+    limits = situation.limits
+    top = min(top, limits.max_speed)
+    return Desire(
+        v=max(-top, min(top, v)),
+        w=max(-limits.max_turn_rate, min(limits.max_turn_rate, w)),
+        reason=reason,
+    )

@@ -1,0 +1,57 @@
+"""Formations: the places of robots beside and behind their leader."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+Place = tuple[float, float]
+"""x ahead of the leader, y to its left [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Formation:
+    """An arrangement of robots.
+
+    Attributes:
+        name: As people ask for it.
+        doing: Its shape, in a few words.
+        place: Returns the place of a follower, in spacings; followers count from 1.
+    """
+
+    name: str
+    doing: str
+    place: Callable[[int], Place]
+
+    def places(self, followers: int, spacing: float) -> list[Place]:
+        """Return the places of so many followers, `spacing` [m] from each to the next."""
+        places = [self.place(number) for number in range(1, followers + 1)]
+        return [(x * spacing, y * spacing) for x, y in places]
+
+
+def _side(number: int) -> tuple[int, int]:
+    """Return the rank of a follower, from 1, and its side: the first goes to the left."""
+    return (number + 1) // 2, 1 if number % 2 else -1
+
+
+def _line(number: int) -> Place:
+    rank, side = _side(number)
+    return 0.0, float(side * rank)
+
+
+def _wedge(number: int) -> Place:
+    rank, side = _side(number)
+    return -float(rank), float(side * rank)
+
+
+def _column(number: int) -> Place:
+    return -float(number), 0.0
+
+
+FORMATIONS: Final = {
+    each.name: each
+    for each in (
+        Formation("line", "side by side, the leader in the middle", _line),
+        Formation("wedge", "in two rows that open behind the leader", _wedge),
+        Formation("column", "one behind the other, on the leader's track", _column),
+    )
+}

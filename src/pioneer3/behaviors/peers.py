@@ -1,0 +1,54 @@
+"""Other robots of a group, as one of them knows them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import cos, sin
+
+from pioneer3.geometry import STILL, Pose2, Twist2
+
+LOST = 1.0
+"""Where a robot is that has said nothing for so long is not known any more [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Peer:
+    """Another robot.
+
+    Attributes:
+        name: Of it.
+        pose: Where it was, in this robot's odometry frame [m, rad].
+        twist: Its motion then [m/s, rad/s].
+        stamp: When that was [s, monotonic].
+        radius: From its middle to its farthest corner [m].
+    """
+
+    name: str
+    pose: Pose2
+    stamp: float
+    twist: Twist2 = STILL
+    radius: float = 0.4
+
+    def at(self, now: float) -> Pose2:
+        """Return where it is expected at `now`, if it goes on as it did; for `LOST` at most."""
+        passed = min(max(now - self.stamp, 0.0), LOST)
+        turned = self.twist.w * passed
+        middle = self.pose.theta + turned / 2
+        way = self.twist.v * passed
+        return Pose2(
+            self.pose.x + way * cos(middle),
+            self.pose.y + way * sin(middle),
+            self.pose.theta + turned,
+        )
+
+    def is_lost(self, now: float) -> bool:
+        """Return whether it has been silent for too long."""
+        return now - self.stamp > LOST
+
+
+Peers = Callable[[], Sequence[Peer]]
+"""Returns the other robots of which it is known where they are, or were."""
+
+
+def named(peers: Sequence[Peer], name: str) -> Peer | None:
+    """Return the peer of this name, or `None`."""
+    return next((peer for peer in peers if peer.name == name), None)
