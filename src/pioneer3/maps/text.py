@@ -79,15 +79,15 @@ def numbered(text: str, first: int = 1) -> Iterator[tuple[int, str]]:
         yield number, line[1]
 
 
-def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
-    """Return the contents of a file of at most `largest` bytes.
+def read_bytes(path: Path, largest: int = LARGEST_FILE, kind: str = "map") -> bytes:
+    """Return the contents of a file of at most `largest` bytes; `kind` is for messages.
 
     Raises:
         ConfigError: The file is missing, not a regular file, unreadable or too large.
     """
     try:
         if path.is_dir():
-            raise wrong(path, " is a directory, not a map file")
+            raise wrong(path, f" is a directory, not a {kind} file")
         if path.exists() and not path.is_file():
             raise wrong(path, " is not a regular file")
         with path.open("rb") as file:
@@ -95,9 +95,9 @@ def read_bytes(path: Path, largest: int = LARGEST_FILE) -> bytes:
     except (OSError, ValueError) as error:
         if isinstance(error, ConfigError):
             raise
-        raise wrong(path, f" cannot read this map file: {_reason(error)}") from None
+        raise wrong(path, f" cannot read this {kind} file: {_reason(error)}") from None
     if len(raw) > largest:
-        raise wrong(path, f" is larger than {largest >> 20} MB, so not a map")
+        raise wrong(path, f" is larger than {largest >> 20} MB, so not a {kind}")
     return raw
 
 

@@ -26,10 +26,17 @@ from pioneer3.sim.worldfile.spec import (
 from pioneer3.units import DEGREE
 
 Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
-Point = tuple[Coordinate, Coordinate]
+Point = Annotated[tuple[Coordinate, Coordinate], Meta(extra={"expected": "two numbers"})]
 Side = Annotated[float, Meta(ge=0.01, le=1000)]
+Size = Annotated[tuple[Side, Side], Meta(extra={"expected": "two numbers"})]
 Angle = Annotated[float, Meta(ge=-360, le=360)]
 MaterialName = Literal["plain", "black", "glass", "reflector"]
+_START = {"expected": '{x, y, theta_deg} or "random" or "outside" or "home"'}
+_FIRST = {"missing": "missing; a world starts with [world]"}
+
+
+def _points(least: int) -> dict[str, str]:
+    return {"expected": f"a list of {least} or more points [x, y]"}
 
 
 class Table(Struct, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
@@ -114,7 +121,7 @@ class RobotTable(Table):
 
     model: str = RobotSpec().model
     name: str = ""
-    start: StartTable | Literal["home", "random", "outside"] = "home"
+    start: Annotated[StartTable | Literal["home", "random", "outside"], Meta(extra=_START)] = "home"
     port: Annotated[int, Meta(ge=1, le=65535)] | None = None
     equipment: EquipmentTable = field(default_factory=EquipmentTable)
 
@@ -146,7 +153,7 @@ class BoxTable(Table):
     """`[[box]]`."""
 
     center: Point
-    size: tuple[Side, Side]
+    size: Size
     theta_deg: Angle = 0.0
     movable: bool = False
     name: str = ""
@@ -176,7 +183,7 @@ class BoxTable(Table):
 class WallTable(Table):
     """`[[wall]]`."""
 
-    points: Annotated[tuple[Point, ...], Meta(min_length=2)]
+    points: Annotated[tuple[Point, ...], Meta(min_length=2, extra=_points(2))]
     closed: bool = False
     material: MaterialName = "plain"
 
@@ -214,7 +221,7 @@ class PlaceTable(Table):
 class PersonTable(Table):
     """`[[person]]`."""
 
-    path: Annotated[tuple[Point, ...], Meta(min_length=1)]
+    path: Annotated[tuple[Point, ...], Meta(min_length=1, extra=_points(1))]
     speed: Annotated[float, Meta(ge=0.01, le=10)] = SPEED
     radius: Annotated[float, Meta(ge=0.05, le=2)] = RADIUS
     loop: bool = True
@@ -230,7 +237,7 @@ class PersonTable(Table):
 class FileTable(Table):
     """All tables of a world file."""
 
-    world: WorldTable
+    world: Annotated[WorldTable, Meta(extra=_FIRST)]
     robot: tuple[RobotTable, ...] = ()
     box: tuple[BoxTable, ...] = ()
     wall: tuple[WallTable, ...] = ()

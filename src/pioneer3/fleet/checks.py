@@ -1,0 +1,182 @@
+"""The checks of a fleet file that its tables do not make: addresses, ports, doubles, groups."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from ipaddress import ip_address
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.spec import ALL, Defaults, Operator, Robot
+from pioneer3.links.urls import split_host, split_url
+from pioneer3.maps.text import shown
+from pioneer3.tables import Source, nearest
+
+GROUP = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,61}")
+MODEL_FILES = (".toml", ".p")
+
+
+def check_operator(source: Source, operator: Operator) -> None:
+    """Refuse a wrong address of the operator's computer.
+
+    Raises:
+        ConfigError: It is wrong.
+    """
+    if operator.address:
+        _check_address(source, "operator.address", operator.address)
+
+
+def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
+    """Refuse wrong addresses, ports, models and lasers.
+
+    Args:
+        source: The file's text.
+        folder: The one that paths of models are relative to.
+        robots: The ones in the file.
+
+    Raises:
+        ConfigError: Something is wrong; the first thing in the file.
+    """
+    for index, robot in enumerate(robots):
+        place = f"robot[{index}]"
+        _check_name(source, f"{place}.name", robot.name)
+        _check_address(source, f"{place}.address", robot.address)
+        check_hardware(source, place, folder, robot)
+
+
+def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defaults) -> None:
+    """Refuse a port, model or laser that commands would refuse.
+
+    Raises:
+        ConfigError: One is wrong.
+    """
+    checks: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("port", lambda: _check_port(given.port)),
+        ("model", lambda: _check_model(folder, given.model)),
+        ("laser", lambda: _check_laser(given.laser)),
+    )
+    for key, check in checks:
+        with _blamed_on(source, f"{place}.{key}"):
+            check()
+
+
+def refuse_doubles(source: Source, operator: Operator, robots: Sequence[Robot]) -> None:
+    """Refuse a name, host, address, port or node that two robots, or a robot and the operator have.
+
+    Raises:
+        ConfigError: There is one.
+    """
+    for key in ("name", "address"):
+        value = getattr(operator, key)
+        for index, robot in enumerate(robots):
+            if value and value.lower() in {getattr(robot, key).lower(), robot.host.lower()}:
+                raise source.wrong(f"operator.{key}", f"{value} is robot[{index}]'s")
+    _refuse_shared(source, robots)
+
+
+def groups(
+    source: Source, tables: Mapping[str, object], robots: Sequence[Robot]
+) -> dict[str, tuple[str, ...]]:
+    """Return the groups.
+
+    Raises:
+        ConfigError: A group is no list of robots, or its name is one of something else.
+    """
+    names = tuple(robot.name for robot in robots)
+    found: dict[str, tuple[str, ...]] = {}
+    for name, members in tables.items():
+        place = f"groups.{name if name.isprintable() and len(name) < 64 else shown(name)}"
+        if not GROUP.fullmatch(name):
+            raise source.wrong(place, "a group's name has letters, digits, - and _")
+        if name in names or name == ALL:
+            meant = "the group of all robots" if name == ALL else "a robot"
+            raise source.wrong(place, f"{name} is {meant} already; take another name")
+        if not isinstance(members, list) or not all(isinstance(one, str) for one in members):
+            example = ", ".join(f'"{robot}"' for robot in names[:2]) or '"p3at-1"'
+            raise source.wrong(place, f"expected a list of robots, such as [{example}]")
+        for index, member in enumerate(members):
+            if member not in names:
+                advice = nearest(member, names) if names else "the file has none"
+                raise source.wrong(f"{place}[{index}]", f"no robot {shown(member)}, {advice}")
+            if member in members[:index]:
+                raise source.wrong(f"{place}[{index}]", f"{member} is in the group already")
+        found[name] = tuple(members)
+    return found
+
+
+def _check_name(source: Source, place: str, name: str) -> None:
+    if name.lower() in {ALL, "localhost"}:
+        raise source.wrong(place, f"{name} means something else; take another name")
+
+
+def _check_address(source: Source, place: str, text: str) -> None:
+    """Refuse what no computer has."""
+    try:
+        address = ip_address(text)
+    except ValueError:
+        problem = f"expected an IP address such as 192.168.1.113, got {shown(text)}"
+        raise source.wrong(place, problem) from None
+    if address.is_unspecified or address.is_multicast or text == "255.255.255.255":
+        raise source.wrong(place, f"{text} is no computer's address")
+    if str(address) != text:
+        raise source.wrong(place, f"{text} is written {address}")
+
+
+def _check_port(port: str) -> None:
+    scheme, rest = split_url(port)
+    if scheme == "replay":
+        raise ConfigError(f"{shown(port)} is a recording, no robot")
+    if scheme == "tcp":
+        split_host(f"tcp:{rest}")
+
+
+def _check_model(folder: Path, model: str) -> None:
+    from pioneer3.models import load_model
+
+    is_file = Path(model).suffix.lower() in MODEL_FILES
+    load_model(folder / model if is_file else model)
+
+
+def _check_laser(laser: str) -> None:
+    from pioneer3.robot.lasers.spec import parse_laser
+
+    if laser not in {"", "auto"}:
+        parse_laser(laser)
+
+
+@contextmanager
+def _blamed_on(source: Source, place: str) -> Iterator[None]:
+    """Give the errors of a check the line of the key."""
+    try:
+        yield
+    except ConfigError as error:
+        raise source.wrong(place, str(error).removeprefix("--laser: ")) from None
+
+
+def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
+    keys: Mapping[str, Callable[[Robot], object]] = {
+        "name": lambda robot: robot.name.lower(),
+        "host": lambda robot: robot.host.lower(),
+        "address": lambda robot: robot.address,
+        "port": lambda robot: _reached(robot, robots),
+        "node": lambda robot: robot.node.lstrip("/"),
+    }
+    for key, value_of in keys.items():
+        seen: dict[object, int] = {}
+        for index, robot in enumerate(robots):
+            value = value_of(robot)
+            if value is not None and value in seen:
+                problem = f"{getattr(robot, key)} is robot[{seen[value]}]'s already"
+                raise source.wrong(f"robot[{index}].{key}", problem)
+            seen[value] = index
+
+
+def _reached(robot: Robot, robots: Sequence[Robot]) -> object:
+    """Return address and number of a TCP port; `None` for a device, which is its computer's own."""
+    if robot.endpoint is None:
+        return None
+    host, number = robot.endpoint
+    for other in robots:
+        if host.lower() in {other.name.lower(), other.host.lower()}:
+            return other.address, number
+    return ("127.0.0.1" if host.lower() == "localhost" else host.lower()), number

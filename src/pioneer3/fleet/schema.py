@@ -1,0 +1,165 @@
+"""The tables of a fleet file, as msgspec reads and checks them."""
+
+from typing import Annotated, Literal, Self
+
+from msgspec import Meta, Struct, field
+
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, lab_node
+
+LABEL = r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?"
+"""A host name without a domain (RFC 1123, 2.1)."""
+
+Name = Annotated[
+    str,
+    Meta(
+        pattern=rf"\A{LABEL}\Z",
+        extra={"expected": "a host name: letters, digits and - between them, such as p3at-1"},
+    ),
+]
+Host = Annotated[
+    str,
+    Meta(
+        pattern=rf"\A{LABEL}(\.{LABEL})*\Z",
+        max_length=253,
+        extra={"expected": "a host name such as p3at-1 or p3at-1.local"},
+    ),
+]
+User = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[A-Za-z_][A-Za-z0-9_.-]{0,31}\Z",
+        extra={"expected": "the name of a user such as pioneer"},
+    ),
+]
+Ros = Annotated[Literal["", "1", "2"], Meta(extra={"expected": '"1" or "2", or "" for none'})]
+Node = Annotated[
+    str,
+    Meta(
+        pattern=r"\A/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*\Z",
+        extra={"expected": "the name of a ROS node such as RosAria_p3at_1"},
+    ),
+]
+
+
+class Table(Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """Any table: unknown keys are refused, defaults are not written."""
+
+
+class OperatorTable(Table):
+    """`[operator]`."""
+
+    name: Name | None = None
+    address: str | None = None
+    user: User | None = None
+
+    def operator(self) -> Operator:
+        """Return the operator's computer."""
+        return Operator(name=self.name or "", address=self.address or "", user=self.user or "")
+
+    @classmethod
+    def of(cls, operator: Operator) -> Self:
+        """Return the table of the operator's computer."""
+        return cls(
+            name=operator.name or None, address=operator.address or None, user=operator.user or None
+        )
+
+
+class DefaultsTable(Table):
+    """`[defaults]`."""
+
+    user: User = Defaults().user
+    port: str = Defaults().port
+    model: str = Defaults().model
+    laser: str = Defaults().laser
+    ros: Ros = ""
+
+    def defaults(self) -> Defaults:
+        """Return the defaults."""
+        return Defaults(
+            user=self.user, port=self.port, model=self.model, laser=self.laser, ros=self.ros
+        )
+
+    @classmethod
+    def of(cls, defaults: Defaults) -> Self:
+        """Return the table of the defaults."""
+        return cls(
+            user=defaults.user,
+            port=defaults.port,
+            model=defaults.model,
+            laser=defaults.laser,
+            ros=_ros(defaults.ros),
+        )
+
+
+class RobotTable(Table):
+    """`[[robot]]`."""
+
+    name: Name
+    address: str
+    host: Host | None = None
+    port: str | None = None
+    user: User | None = None
+    model: str | None = None
+    laser: str | None = None
+    ros: Ros | None = None
+    node: Node | None = None
+    note: str = ""
+
+    def robot(self, defaults: Defaults, line: int) -> Robot:
+        """Return the robot with the defaults for what the table does not give."""
+        return Robot(
+            name=self.name,
+            host=self.name if self.host is None else self.host,
+            address=self.address,
+            port=defaults.port if self.port is None else self.port,
+            user=defaults.user if self.user is None else self.user,
+            model=defaults.model if self.model is None else self.model,
+            laser=defaults.laser if self.laser is None else self.laser,
+            ros=defaults.ros if self.ros is None else self.ros,
+            node=lab_node(self.name) if self.node is None else self.node,
+            note=self.note,
+            line=line,
+        )
+
+    @classmethod
+    def of(cls, robot: Robot, defaults: Defaults) -> Self:
+        """Return the table of a robot, without what is a default."""
+        usual = lab_node(robot.name)
+        return cls(
+            name=robot.name,
+            address=robot.address,
+            host=None if robot.host == robot.name else robot.host,
+            port=None if robot.port == defaults.port else robot.port,
+            user=None if robot.user == defaults.user else robot.user,
+            model=None if robot.model == defaults.model else robot.model,
+            laser=None if robot.laser == defaults.laser else robot.laser,
+            ros=None if robot.ros == defaults.ros else _ros(robot.ros),
+            node=None if robot.node == usual else robot.node,
+            note=robot.note,
+        )
+
+
+class FileTable(Table):
+    """All tables of a fleet file; :mod:`pioneer3.fleet.checks` checks the groups."""
+
+    operator: OperatorTable | None = None
+    defaults: DefaultsTable | None = None
+    robot: tuple[RobotTable, ...] = ()
+    groups: dict[str, object] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, fleet: Fleet) -> Self:
+        """Return the tables of a fleet."""
+        return cls(
+            operator=None if fleet.operator == Operator() else OperatorTable.of(fleet.operator),
+            defaults=None if fleet.defaults == Defaults() else DefaultsTable.of(fleet.defaults),
+            robot=tuple(RobotTable.of(robot, fleet.defaults) for robot in fleet.robots),
+            groups={name: list(members) for name, members in fleet.groups.items()},
+        )
+
+
+def _ros(version: str) -> Literal["", "1", "2"]:
+    match version:
+        case "" | "1" | "2":
+            return version
+    raise ValueError(f"no version of ROS: {version!r}")

@@ -1,0 +1,136 @@
+"""The contents of a fleet file: robots, their computers, the operator's, groups; frozen."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.links.urls import split_host, split_url
+from pioneer3.tables import nearest
+
+ALL: Final = "all"
+"""The name of the group of all robots."""
+USER: Final = "pioneer"
+MODEL: Final = "p3at"
+DEVICE: Final = "/dev/ttyUSB0"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robot:
+    """A robot and its on-board computer.
+
+    Attributes:
+        name: Of the robot, a host name without a domain.
+        host: Name of its computer in the network.
+        address: IP address of its computer.
+        port: The robot's port: a device of its computer, or an address that others reach.
+        user: Who logs in on its computer.
+        model: Name of a robot model, or the path of its file.
+        laser: Its laser, as `--laser` takes it; empty for none.
+        ros: Version of ROS on its computer, `1` or `2`; empty for none.
+        node: Name of the ROS node that drives it, under which its topics are.
+        note: For people.
+        line: In the file; 0 for a robot that is in none.
+    """
+
+    name: str
+    host: str
+    address: str
+    port: str = DEVICE
+    user: str = USER
+    model: str = MODEL
+    laser: str = ""
+    ros: str = ""
+    node: str
+    note: str = ""
+    line: int = field(default=0, compare=False)
+
+    @property
+    def endpoint(self) -> tuple[str, int] | None:
+        """Host and TCP port of a robot that others reach; `None` for a device."""
+        scheme, rest = split_url(self.port)
+        return split_host(f"tcp:{rest}") if scheme == "tcp" else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operator:
+    """The computer from which the fleet is worked on.
+
+    Attributes:
+        name: Its host name; empty if it is not given.
+        address: Its IP address; empty if it is not given.
+        user: Who works there; empty for whoever starts a command.
+    """
+
+    name: str = ""
+    address: str = ""
+    user: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Defaults:
+    """Fields of all robots that do not give their own."""
+
+    user: str = USER
+    port: str = DEVICE
+    model: str = MODEL
+    laser: str = ""
+    ros: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fleet:
+    """All that a fleet file says.
+
+    Attributes:
+        path: Of the file.
+        operator: The computer from which the fleet is worked on.
+        defaults: Of all robots.
+        robots: In the order of the file; each has the defaults already.
+        groups: The names of robots in each group.
+    """
+
+    path: Path
+    operator: Operator = Operator()
+    defaults: Defaults = Defaults()
+    robots: tuple[Robot, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+
+    def select(self, names: Iterable[str]) -> tuple[Robot, ...]:
+        """Return robots by their names, those of groups, or `all`; each once, in the file's order.
+
+        Raises:
+            ConfigError: There is no such robot or group.
+        """
+        wanted: set[str] = set()
+        for name in names:
+            if name == ALL:
+                wanted.update(robot.name for robot in self.robots)
+            elif name in self.groups:
+                wanted.update(self.groups[name])
+            else:
+                wanted.add(self.robot(name).name)
+        return tuple(robot for robot in self.robots if robot.name in wanted)
+
+    def robot(self, name: str) -> Robot:
+        """Return one robot by its name.
+
+        Raises:
+            ConfigError: There is no such robot; gives the nearest name.
+        """
+        for robot in self.robots:
+            if robot.name == name:
+                return robot
+        if name == ALL or name in self.groups:
+            raise ConfigError(f"{self.path}: {name} is a group; one robot is needed here")
+        known = (*(robot.name for robot in self.robots), *self.groups)
+        if not known:
+            raise ConfigError(f"{self.path}: it has no robot yet; add one as [[robot]]")
+        raise ConfigError(f"{self.path}: no robot {name!r}, {nearest(name, known)}")
+
+
+def lab_node(name: str) -> str:
+    """Return the usual name of a robot's ROS node: `RosAria_p3at_1` of `p3at-1`."""
+    return f"RosAria_{name.replace('-', '_')}"
