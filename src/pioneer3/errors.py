@@ -10,7 +10,8 @@
     * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
     * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
-    * :exc:`ConfigError` (also :exc:`ValueError`): an option, map or model file is wrong
+    * :exc:`ConfigError` (also :exc:`ValueError`): an option, map, model or fleet file is wrong
+    * :exc:`FilePermissionError` (also :exc:`PermissionError`): this user may not use a file
 
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
 """
@@ -69,4 +70,8 @@ class DeviceError(PioneerError, RuntimeError):
 
 
 class ConfigError(PioneerError, ValueError):
-    """A parameter, map or model file is missing, malformed or out of range."""
+    """A parameter, map, model or fleet file is missing, malformed or out of range."""
+
+
+class FilePermissionError(PioneerError, PermissionError):
+    """This user may not read or write a file."""

@@ -12,6 +12,7 @@ from pioneer3.cli.access import access_app
 from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.drive import drive
+from pioneer3.cli.fleet import fleet_app
 from pioneer3.cli.goto import goto
 from pioneer3.cli.laser import laser_app
 from pioneer3.cli.map import map_app
@@ -27,6 +28,7 @@ from pioneer3.cli.sonar import sonar
 from pioneer3.errors import (
     CommandError,
     ConfigError,
+    FilePermissionError,
     LinkError,
     NoRobotError,
     PioneerError,
@@ -68,6 +70,7 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
+    "Many robots": (fleet_app,),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),
 }
 WITHOUT_UNITS = (sim, info, find_port, setup_app, map_app, access_app)
@@ -117,7 +120,7 @@ def _tell(error: Exception, code: Exit) -> Exit:
 def exit_code(error: PioneerError) -> Exit:
     """Return the exit code for `error`."""
     match error:
-        case PortPermissionError():
+        case PortPermissionError() | FilePermissionError():
             return Exit.NO_PERMISSION
         case PortBusyError():
             return Exit.FAILED

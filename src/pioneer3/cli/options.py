@@ -3,6 +3,7 @@
 Numbers are read in SI. Without a unit they are in metres, degrees and seconds.
 """
 
+import os
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from cyclopts.validators import Number
 from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 
 if TYPE_CHECKING:
+    from pioneer3.fleet.inventory import Fleet
     from pioneer3.geometry import Pose2
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
@@ -33,7 +35,21 @@ Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 PORT = Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT", metavar="PORT")
 Port = Annotated[str, PORT]
 Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
+FleetFile = Annotated[
+    Path | None, Parameter(name="--fleet", metavar="FILE", env_var="PIONEER3_FLEET")
+]
 TcpPort = Annotated[int, Parameter(validator=Number(gte=0, lte=65535))]
+
+
+def fleet_of(given: Path | None) -> "Fleet":
+    """Return the fleet in the file of `--fleet`, else in the usual places.
+
+    Raises:
+        ConfigError: There is none, or it is wrong.
+    """
+    from pioneer3.fleet.inventory import find_fleet, read_fleet
+
+    return read_fleet(find_fleet(given, environment=os.environ, here=Path(), home=Path.home()))
 
 
 def reads(

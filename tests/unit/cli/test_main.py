@@ -16,6 +16,7 @@ CODES = {
     errors.PortNotFoundError: 3,
     errors.NoRobotError: 3,
     errors.PortPermissionError: 4,
+    errors.FilePermissionError: 4,
     errors.PortBusyError: 1,
     errors.RecordingOverError: 3,
     errors.MotionError: 1,

@@ -1,0 +1,126 @@
+"""`pioneer3 fleet`: the robots of a fleet file; its commands are listed at the end."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import App, Group, Parameter
+
+from pioneer3.cli.fleet_tables import list_
+from pioneer3.cli.options import Flag, FleetFile
+from pioneer3.cli.process import write_line
+
+if TYPE_CHECKING:
+    from pioneer3.fleet.edit import Change
+
+fleet_app = App(
+    name="fleet",
+    help="""Many robots: one file describes them, and commands work on all.
+
+    The file is fleet.toml here, else ~/.config/pioneer3/fleet.toml; --fleet FILE or
+    PIONEER3_FLEET names another one.
+
+    Example: pioneer3 fleet init
+    Example: pioneer3 fleet list
+    """,
+    help_format="plaintext",
+)
+
+
+def init(
+    *robot: Annotated[str, Parameter(negative=(), metavar="NAME=ADDRESS")],
+    fleet: FleetFile = None,
+    operator: str | None = None,
+    user: str = "pioneer",
+    model: str = "p3at",
+    ros: Literal["", "1", "2"] = "",
+    yes: Flag = False,
+) -> int:
+    """Write a fleet file; asks for what is not given.
+
+    A file that is there is replaced only after a question, and kept as a backup.
+
+    Example: pioneer3 fleet init
+    Example: pioneer3 fleet init p3at-1=192.168.1.113 p3at-2=192.168.1.114 --yes
+
+    Args:
+        robot: NAME=ADDRESS of each, such as p3at-1=192.168.1.113.
+        fleet: The new file; fleet.toml here if it is not given.
+        operator: NAME=ADDRESS of this computer; its own if it is not given.
+        user: Who logs in on the robots' computers.
+        model: Type of the robots.
+        ros: Version of ROS on the robots' computers.
+        yes: Ask nothing; a file that is there is an error.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.fleet.draft import draft, here, robot_of
+    from pioneer3.fleet.edit import Change, text_of
+    from pioneer3.fleet.inventory import FILE, Defaults, Operator, to_toml
+
+    path = fleet or Path(FILE)
+    if yes and text_of(path):
+        raise ConfigError(f"{path}: it is there already; name another file with --fleet")
+    me, robots = here(), list(robot)
+    if operator is not None:
+        given = robot_of(operator, Defaults())
+        me = Operator(name=given.name, address=given.address)
+    if not yes:
+        me = Operator(name=ask("This computer's name", me.name), address=ask("Address", me.address))
+        user, model = ask("User on the robots", user), ask("Model of the robots", model)
+        ros = _version(ask("Version of ROS on the robots: 1, 2 or none", ros or "none"))
+        while word := ask("Robot as NAME=ADDRESS, or Enter to end", ""):
+            robots.append(word)
+    fleet_ = draft(path, me, Defaults(user=user, model=model, ros=ros), robots)
+    change = Change.of(path, to_toml(fleet_))
+    if change.old and change.is_needed:
+        write_line(change.diff())
+        if not ask(f"Replace {path}? yes or no", "no").startswith("y"):
+            write_line(f"{path} stays as it is.")
+            return 1
+    show_applied(change)
+    write_line("Next: pioneer3 fleet list, and pioneer3 fleet hosts for the names of all.")
+    return 0
+
+
+def ask(question: str, otherwise: str) -> str:
+    """Return the answer of a person at the terminal; Enter takes what is in brackets."""
+    shown = f" [{otherwise}]" if otherwise else ""
+    sys.stderr.write(f"{question}{shown}: ")
+    sys.stderr.flush()
+    line = sys.stdin.readline()
+    if not line:
+        sys.stderr.write("\n")
+    return line.strip() or otherwise
+
+
+def show_applied(change: "Change") -> None:
+    """Make a change of a file, and tell what was done."""
+    if not change.is_needed:
+        write_line(f"{change.path} is so already.")
+        return
+    backup = change.apply()
+    kept = f"; the old one is {backup}" if backup else ""
+    write_line(f"{change.path} is written{kept}.")
+
+
+def _version(answer: str) -> Literal["", "1", "2"]:
+    from pioneer3.errors import ConfigError
+
+    match answer:
+        case "1" | "2":
+            return answer
+        case "none" | "":
+            return ""
+    raise ConfigError(f"{answer}: expected 1, 2 or none")
+
+
+COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
+    "The file": (("init", init), ("list", list_)),
+}
+"""The commands in their groups, each with its name; others are added here."""
+
+for number, (title, commands) in enumerate(COMMANDS.items()):
+    group = Group(title, sort_key=number)
+    for place, (name, command) in enumerate(commands):
+        fleet_app.command(command, name=name, group=group, sort_key=place)

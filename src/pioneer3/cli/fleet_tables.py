@@ -1,0 +1,127 @@
+"""`pioneer3 fleet list`."""
+
+import os
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_of
+from pioneer3.cli.process import run_until_told_to_leave, write_json
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pioneer3.fleet.inventory import Robot
+    from pioneer3.fleet.live import Live, Questions
+
+GOOD = {True: "green", False: "red", None: ""}
+ASKED_EVERY = 5.0
+
+
+def list_(
+    *names: Annotated[str, Parameter(negative=(), metavar="NAME")],
+    fleet: FleetFile = None,
+    offline: Flag = False,
+    watch: Flag = False,
+    every: Seconds = ASKED_EVERY,
+    timeout: Seconds = 3.0,
+    json: Flag = False,
+) -> int:
+    """List the robots, and what each answers now.
+
+    All are asked at once; one that is off delays nobody by more than the timeout.
+    Nothing moves. A robot's own port is asked by a short session, so its motors are
+    off afterwards; a robot with ros = "1" is asked by its node, which goes on.
+    ROS_MASTER_URI is asked first, then the master on each robot. The exit code is 1
+    if a computer does not answer, and 3 if none does.
+
+    Example: pioneer3 fleet list
+    Example: pioneer3 fleet list p3at-1 --watch
+
+    Args:
+        names: Robots or groups; all if none is given.
+        fleet: The fleet file.
+        offline: Show the file alone; ask nobody.
+        watch: Ask again and again; Ctrl-C ends it.
+        every: Pause before asking again.
+        timeout: For each answer.
+        json: Print JSON for programs: one array, or with --watch one a line.
+    """
+    given = fleet_of(fleet)
+    robots = given.select(names or ("all",))
+    if offline:
+        _print(robots, None, json=json)
+        return 0
+    from pioneer3.fleet.live import Questions, addresses_of
+    from pioneer3.fleet.ros_graph import Endpoint
+
+    master = os.environ.get("ROS_MASTER_URI")
+    questions = Questions(
+        timeout=timeout,
+        masters=(Endpoint.of(master),) if master else (),
+        addresses=addresses_of(given),
+    )
+    if watch:
+        return run_until_told_to_leave(_watch(robots, questions, every, json=json))
+    return run_until_told_to_leave(_list(robots, questions, json=json))
+
+
+async def _list(robots: "tuple[Robot, ...]", questions: "Questions", *, json: bool) -> int:
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.fleet.live import exit_code, look
+
+    with busy_sign(f"Asking {len(robots)} robots ..."):
+        answers = await look(robots, questions)
+    _print(robots, answers, json=json)
+    return exit_code(answers)
+
+
+async def _watch(
+    robots: "tuple[Robot, ...]", questions: "Questions", every: float, *, json: bool
+) -> int:
+    import asyncio
+
+    from rich.console import Console
+    from rich.live import Live as Screen
+
+    from pioneer3.fleet.live import look
+
+    if json or not sys.stdout.isatty():
+        while True:
+            _print(robots, await look(robots, questions), json=json)
+            await asyncio.sleep(every)
+    with Screen(console=Console(highlight=False), auto_refresh=False) as screen:
+        while True:
+            screen.update(table(robots, await look(robots, questions)), refresh=True)
+            await asyncio.sleep(every)
+
+
+def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, json: bool) -> None:
+    if json:
+        live = answers or (None,) * len(robots)
+        rows = zip(robots, live, strict=True)
+        write_json([{"robot": robot, "live": told} for robot, told in rows])
+        return
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = 400  # a file or a program takes long lines
+    console.print(table(robots, answers))
+
+
+def table(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None") -> "Table":
+    """Return the table of a fleet; without answers, what the file says."""
+    from rich.table import Table
+    from rich.text import Text
+
+    from pioneer3.fleet.columns import shown
+
+    titles, rows = shown(robots, answers)
+    made = Table(box=None, pad_edge=False, header_style="bold")
+    for title in titles:
+        made.add_column(title, overflow="fold")
+    for row in rows:
+        made.add_row(*(Text(cell.text, GOOD[cell.ok]) for cell in row))
+    return made

@@ -1,0 +1,63 @@
+"""A new fleet file: made of a few words, checked before it is written."""
+
+import socket
+from collections.abc import Sequence
+from pathlib import Path
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.inventory import parse_fleet, to_toml
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, lab_node
+from pioneer3.maps.text import shown
+
+DOCUMENTATION_NETWORK = ("192.0.2.1", 9)
+"""An address that no computer has (RFC 5737)."""
+
+
+def robot_of(word: str, defaults: Defaults) -> Robot:
+    """Read `NAME=ADDRESS`, such as `p3at-1=192.168.1.113`.
+
+    Raises:
+        ConfigError: It is not that.
+    """
+    name, equals, address = (part.strip() for part in word.partition("="))
+    if not (name and equals and address):
+        raise ConfigError(f"{shown(word)}: expected NAME=ADDRESS, such as p3at-1=192.168.1.113")
+    return Robot(
+        name=name,
+        host=name,
+        address=address,
+        port=defaults.port,
+        user=defaults.user,
+        model=defaults.model,
+        laser=defaults.laser,
+        ros=defaults.ros,
+        node=lab_node(name),
+    )
+
+
+def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[str]) -> Fleet:
+    """Return a new fleet, checked as a file is.
+
+    Args:
+        path: Of the file to be.
+        operator: This computer.
+        defaults: Of all robots.
+        robots: `NAME=ADDRESS` of each.
+
+    Raises:
+        ConfigError: Something of it is wrong.
+    """
+    given = tuple(robot_of(word, defaults) for word in robots)
+    fleet = Fleet(path=path, operator=operator, defaults=defaults, robots=given)
+    return parse_fleet(path, to_toml(fleet))
+
+
+def here() -> Operator:
+    """Return this computer: its name, and the address that others see; no packet is sent."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(DOCUMENTATION_NETWORK)
+            address = str(probe.getsockname()[0])
+        except OSError:  # no network
+            address = ""
+    return Operator(name=socket.gethostname().partition(".")[0], address=address)

@@ -1,0 +1,276 @@
+"""The state of all robots now: asked side by side, and no host waited for longer than the rest."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from struct import unpack
+from types import MappingProxyType
+from typing import Final
+
+from pioneer3.arcos.host_events import Timing
+from pioneer3.doctor.probe_session import ProbeSession
+from pioneer3.errors import LinkError, NoRobotError, PioneerError
+from pioneer3.fleet.ros_graph import MASTER_PORT, Endpoint, Graph, RosGraphError
+from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.links.stream import open_tcp
+from pioneer3.units import DECIVOLT
+
+SSH_PORT: Final = 22
+TIMEOUT: Final = 3.0
+"""For each answer [s]."""
+LONGEST_BANNER: Final = 255
+"""Of ssh [bytes] (RFC 4253, 4.2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer, or its absence.
+
+    Attributes:
+        ok: Whether it is the wanted one; `None` where nobody was asked.
+        said: For people, in a few words.
+    """
+
+    ok: bool | None
+    said: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Live:
+    """What a robot and its computer answered.
+
+    Attributes:
+        robot: Its name.
+        up: Whether its computer answers at all.
+        ssh: Whether it can be logged in to.
+        driver: Whether the robot's own port answers, or its ROS node.
+        ros: The ROS master that knows the robot's node.
+        battery: [V]; `None` if nobody told.
+        motors: Whether they have power; `None` if nobody told.
+        clock: How far its clock is ahead of this computer's [s]; `None` if nobody told.
+        seconds: How long the answers took.
+    """
+
+    robot: str
+    up: Answer
+    ssh: Answer
+    driver: Answer
+    ros: Answer
+    battery: float | None = None
+    motors: bool | None = None
+    clock: float | None = None
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Questions:
+    """How robots are asked.
+
+    Attributes:
+        timeout: For each answer [s].
+        masters: ROS masters that are asked before the robot's own.
+        addresses: Of hosts, by their names in lower case.
+        clock: Returns how far a robot's clock is ahead [s]; `None` to leave clocks alone.
+        ssh_port: TCP port of ssh on all hosts.
+        master_port: TCP port of a robot's own ROS master.
+    """
+
+    timeout: float = TIMEOUT
+    masters: tuple[Endpoint, ...] = ()
+    addresses: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    clock: Callable[[Robot], Awaitable[float]] | None = None
+    ssh_port: int = SSH_PORT
+    master_port: int = MASTER_PORT
+
+
+def addresses_of(fleet: Fleet) -> Mapping[str, str]:
+    """Return the addresses of all hosts in a fleet file, by their names in lower case."""
+    known = {name.lower(): r.address for r in fleet.robots for name in (r.name, r.host)}
+    if fleet.operator.name and fleet.operator.address:
+        known[fleet.operator.name.lower()] = fleet.operator.address
+    return MappingProxyType(known)
+
+
+async def look(robots: Sequence[Robot], questions: Questions) -> tuple[Live, ...]:
+    """Return the state of all `robots`, in their order."""
+    return tuple(await asyncio.gather(*(look_at(robot, questions) for robot in robots)))
+
+
+async def look_at(robot: Robot, questions: Questions) -> Live:
+    """Return the state of one robot."""
+    clock = asyncio.get_running_loop().time
+    began = clock()
+    (up, ssh), told, ahead = await asyncio.gather(
+        _ssh(robot, questions), _driver(robot, questions), _clock(robot, questions)
+    )
+    if not up.ok and (told.driver.ok or told.ros.ok):
+        up = Answer(True, "yes")  # a firewall that lets ssh go unanswered
+    return Live(
+        robot=robot.name,
+        up=up,
+        ssh=ssh,
+        driver=told.driver,
+        ros=told.ros,
+        battery=told.battery,
+        motors=told.motors,
+        clock=ahead,
+        seconds=clock() - began,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Told:
+    """What the robot's port or node says."""
+
+    driver: Answer
+    ros: Answer = Answer(None, "")
+    battery: float | None = None
+    motors: bool | None = None
+
+
+async def _ssh(robot: Robot, questions: Questions) -> tuple[Answer, Answer]:
+    """Return whether the computer is up, and its ssh server; a refusal is an answer too."""
+    try:
+        async with asyncio.timeout(questions.timeout):
+            reader, writer = await asyncio.open_connection(robot.address, questions.ssh_port)
+    except ConnectionRefusedError:
+        return Answer(True, "yes"), Answer(False, "refused")
+    except TimeoutError:
+        return Answer(False, "no answer"), Answer(False, "")
+    except OSError as error:
+        return Answer(False, (error.strerror or str(error)).lower()), Answer(False, "")
+    try:
+        async with asyncio.timeout(questions.timeout):
+            banner = await reader.read(LONGEST_BANNER)
+    except TimeoutError:
+        return Answer(True, "yes"), Answer(False, "silent")
+    except OSError:
+        banner = b""
+    finally:
+        writer.transport.abort()
+    if banner.startswith(b"SSH-"):
+        return Answer(True, "yes"), Answer(True, "yes")
+    return Answer(True, "yes"), Answer(False, "hung up" if not banner else "not ssh")
+
+
+async def _driver(robot: Robot, questions: Questions) -> _Told:
+    """Ask the ROS node of the robot, or else its own port; a node has the port to itself."""
+    if robot.ros == "1":
+        return await _node(robot, questions)
+    if robot.endpoint is not None:
+        return await _port(robot, robot.endpoint, questions)
+    return _Told(driver=Answer(None, ""))  # a device of its computer, or a node of ROS 2
+
+
+async def _port(robot: Robot, endpoint: tuple[str, int], questions: Questions) -> _Told:
+    host, number = endpoint
+    address = questions.addresses.get(host.lower(), host)
+    try:
+        async with asyncio.timeout(questions.timeout):
+            battery = await asked_port(address, number, questions.timeout)
+    except TimeoutError:
+        return _Told(driver=Answer(False, "silent"))
+    except ConnectionResetError:
+        return _Told(driver=Answer(False, "busy"))
+    except LinkError:
+        return _Told(driver=Answer(False, "refused"))
+    return _Told(driver=Answer(True, f"{number} answers"), battery=battery, motors=False)
+
+
+async def asked_port(address: str, number: int, patience: float) -> float | None:
+    """Return the voltage of a robot's battery at a TCP port.
+
+    Its motors are off then: a robot without a host has them off, and the question ends so.
+
+    Raises:
+        LinkError: Nobody listens.
+        ConnectionResetError: It hangs up: another program has the robot.
+        NoRobotError: It does not answer.
+    """
+    session = ProbeSession(await open_tcp(address, number), Timing(retry=0.25, give_up=patience))
+    try:
+        if not await session.handshake():
+            if session.closed:
+                raise ConnectionResetError
+            raise NoRobotError(f"{address}:{number} is silent")
+        if not session.sips:
+            await session.listen(0.3)
+        if not session.sips:
+            return None
+        sip = session.sips[-1][1]
+        wide = sip.battery_decivolts_wide
+        return (sip.battery_decivolts if wide is None else wide) * DECIVOLT
+    finally:
+        await session.close()
+
+
+async def _node(robot: Robot, questions: Questions) -> _Told:
+    """Ask the masters for the robot's node, all at once; the first that knows it counts."""
+    own = Endpoint(robot.address, questions.master_port)
+    graphs = [
+        Graph(master, questions.addresses, robot.address)
+        for master in dict.fromkeys((*questions.masters, own))
+    ]
+    found = await asyncio.gather(*(_on_graph(robot, graph, questions.timeout) for graph in graphs))
+    return next(
+        (told for told in found if told.driver.ok),
+        next((told for told in found if told.ros.ok), found[-1]),
+    )
+
+
+async def _on_graph(robot: Robot, graph: Graph, patience: float) -> _Told:
+    place = f"{graph.master.host}:{graph.master.port}"
+    name = f"/{robot.node.lstrip('/')}"
+    try:
+        async with asyncio.timeout(patience):
+            node = await graph.node(name)
+    except TimeoutError:
+        return _Told(driver=Answer(False, "no master"), ros=Answer(False, "silent"))
+    except OSError as error:
+        why = "no ROS" if isinstance(error, RosGraphError) else "no master"
+        return _Told(driver=Answer(False, why), ros=Answer(False, why))
+    here = Answer(True, place)
+    if node is None:
+        return _Told(driver=Answer(False, "no node"), ros=here)
+    try:
+        async with asyncio.timeout(patience):
+            alive = await graph.answers(node)
+    except TimeoutError:
+        alive = False
+    if not alive:
+        return _Told(driver=Answer(False, "node silent"), ros=here)
+    battery, motors = await asyncio.gather(
+        _message(graph, node, f"{name}/battery_voltage", "std_msgs/Float64", patience),
+        _message(graph, node, f"{name}/motors_state", "std_msgs/Bool", patience),
+    )
+    return _Told(
+        driver=Answer(True, robot.node),
+        ros=here,
+        battery=unpack("<d", battery)[0] if battery and len(battery) == 8 else None,
+        motors=bool(motors[0]) if motors else None,
+    )
+
+
+async def _message(
+    graph: Graph, node: Endpoint, topic: str, kind: str, patience: float
+) -> bytes | None:
+    with suppress(TimeoutError, OSError):
+        async with asyncio.timeout(patience):
+            return await graph.message(node, topic, kind)
+    return None
+
+
+async def _clock(robot: Robot, questions: Questions) -> float | None:
+    if questions.clock is None:
+        return None
+    with suppress(TimeoutError, OSError, PioneerError):
+        async with asyncio.timeout(questions.timeout):
+            return await questions.clock(robot)
+    return None
+
+
+def exit_code(answers: Sequence[Live]) -> int:
+    """Return 0 if all computers are up, 1 if some are, 3 if none is."""
+    up = sum(bool(answer.up.ok) for answer in answers)
+    return 0 if up == len(answers) else 1 if up else 3

@@ -1,0 +1,96 @@
+"""`pioneer3 fleet`: files are written with consent, tables and JSON show the same."""
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from pioneer3.cli.main import execute
+from pioneer3.fleet.inventory import read_fleet
+from tests.e2e.processes import free_port
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in a folder, and home, of the test's own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    for name in ("PIONEER3_FLEET", "ROS_MASTER_URI"):
+        monkeypatch.delenv(name, raising=False)
+    return tmp_path
+
+
+def answers(monkeypatch: pytest.MonkeyPatch, *lines: str) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
+
+
+def test_a_script_writes_a_fleet_without_being_asked(folder: Path) -> None:
+    words = ["fleet", "init", "p3at-1=10.0.0.1", "p3at-2=10.0.0.2", "--ros", "1"]
+    assert execute([*words, "--operator", "laptop=10.0.0.9", "--yes"]) == 0
+    fleet = read_fleet(folder / "fleet.toml")
+    assert [(robot.name, robot.address, robot.ros) for robot in fleet.robots] == [
+        ("p3at-1", "10.0.0.1", "1"),
+        ("p3at-2", "10.0.0.2", "1"),
+    ]
+    assert (fleet.operator.name, fleet.operator.address) == ("laptop", "10.0.0.9")
+
+
+def test_a_person_is_asked_for_all_of_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    answers(monkeypatch, "laptop", "10.0.0.9", "robot", "", "1", "p3at-1=10.0.0.1", "")
+    assert execute(["fleet", "init"]) == 0
+    fleet = read_fleet(folder / "fleet.toml")
+    assert (fleet.operator.name, fleet.defaults.user, fleet.defaults.ros) == (
+        "laptop",
+        "robot",
+        "1",
+    )
+    assert [robot.name for robot in fleet.robots] == ["p3at-1"]
+
+
+def test_a_file_that_is_there_is_never_lost(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = folder / "fleet.toml"
+    mine.write_text("# mine\n")
+    assert execute(["fleet", "init", "a=10.0.0.1", "--yes"]) == 2
+    assert "fleet.toml: it is there already" in capsys.readouterr().err
+    answers(monkeypatch, "l", "10.0.0.9", "", "", "", "", "no")
+    assert execute(["fleet", "init", "a=10.0.0.1"]) == 1
+    assert mine.read_text() == "# mine\n"
+    answers(monkeypatch, "l", "10.0.0.9", "", "", "", "", "yes")
+    assert execute(["fleet", "init", "a=10.0.0.1"]) == 0
+    assert [robot.name for robot in read_fleet(mine).robots] == ["a"]
+    assert (folder / "fleet.toml.before-fleet-1").read_text() == "# mine\n"
+    assert "-# mine" in capsys.readouterr().out
+
+
+def test_what_is_wrong_is_refused_before_anything_is_written(folder: Path) -> None:
+    assert execute(["fleet", "init", "p3at_1=10.0.0.1", "--yes"]) == 2
+    assert execute(["fleet", "init", "p3at-1", "--yes"]) == 2
+    assert list(folder.iterdir()) == []
+
+
+def test_without_a_file_the_way_to_make_one_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["fleet", "list"]) == 2
+    assert "make one with pioneer3 fleet init" in capsys.readouterr().err
+
+
+@pytest.mark.realtime
+def test_the_list_shows_file_and_answers(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = f'[[robot]]\nname = "a"\naddress = "127.0.0.1"\nport = "tcp://a:{free_port()}"\n'
+    (folder / "fleet.toml").write_text(text)
+    assert execute(["fleet", "list", "--timeout", "2"]) == 0
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["name", "host", "address", "port", "model", "up", "ssh", "driver"]
+    assert row.split()[-1] == "refused"
+    assert execute(["fleet", "list", "--offline", "--json"]) == 0
+    (listed,) = json.loads(capsys.readouterr().out)
+    assert (listed["robot"]["name"], listed["live"]) == ("a", None)
+    assert execute(["fleet", "list", "a", "--json", "--timeout", "2"]) == 0
+    (listed,) = json.loads(capsys.readouterr().out)
+    assert listed["live"]["driver"] == {"ok": False, "said": "refused"}
+    assert execute(["fleet", "list", "b"]) == 2
+    assert "no robot 'b', known are a" in capsys.readouterr().err
