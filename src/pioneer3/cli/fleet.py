@@ -3,16 +3,14 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 
+from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.options import Flag, FleetFile
 from pioneer3.cli.process import write_line
-
-if TYPE_CHECKING:
-    from pioneer3.fleet.edit import Change
 
 fleet_app = App(
     name="fleet",
@@ -78,7 +76,7 @@ def init(
         if not ask(f"Replace {path}? yes or no", "no").startswith("y"):
             write_line(f"{path} stays as it is.")
             return 1
-    show_applied(change)
+    tell_applied(change)
     write_line("Next: pioneer3 fleet list, and pioneer3 fleet hosts for the names of all.")
     return 0
 
@@ -94,16 +92,6 @@ def ask(question: str, otherwise: str) -> str:
     return line.strip() or otherwise
 
 
-def show_applied(change: "Change") -> None:
-    """Make a change of a file, and tell what was done."""
-    if not change.is_needed:
-        write_line(f"{change.path} is so already.")
-        return
-    backup = change.apply()
-    kept = f"; the old one is {backup}" if backup else ""
-    write_line(f"{change.path} is written{kept}.")
-
-
 def _version(answer: str) -> Literal["", "1", "2"]:
     from pioneer3.errors import ConfigError
 
@@ -117,6 +105,11 @@ def _version(answer: str) -> Literal["", "1", "2"]:
 
 COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
     "The file": (("init", init), ("list", list_)),
+    "Names on this computer": (
+        ("hosts", hosts),
+        ("ssh-config", ssh_config),
+        ("aliases", aliases),
+    ),
 }
 """The commands in their groups, each with its name; others are added here."""
 

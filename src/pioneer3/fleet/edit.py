@@ -63,7 +63,7 @@ class Change:
         if text_of(self.path) != self.old:
             raise ConfigError(f"{self.path}: somebody else changed it just now; try again")
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            _make_folder(self.path.parent)
             backup = self._kept() if self.path.exists() else None
             _replace(self.path.resolve(), self.new, self.mode)
         except PermissionError:
@@ -116,9 +116,11 @@ def with_block(text: str, lines: list[str]) -> str:
     return text + gap + block
 
 
-def without_block(text: str) -> str:
-    """Return the lines of `text` that are not ours, at their places."""
-    return _BLOCK.sub(lambda block: "\n" * block[0].count("\n"), text)
+def _make_folder(path: Path) -> None:
+    """Make a folder, and those above it, for this user alone; `mkdir` does so for the last only."""
+    if not path.exists():
+        _make_folder(path.parent)
+        path.mkdir(mode=0o700)
 
 
 def _replace(path: Path, text: str, mode: int) -> None:

@@ -94,3 +94,49 @@ def test_the_list_shows_file_and_answers(
     assert listed["live"]["driver"] == {"ok": False, "said": "refused"}
     assert execute(["fleet", "list", "b"]) == 2
     assert "no robot 'b', known are a" in capsys.readouterr().err
+
+
+def test_ssh_finds_the_robots_after_apply_and_a_second_time_changes_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "fleet.toml").write_text('[[robot]]\nname = "a"\naddress = "10.0.0.1"\n')
+    ssh = folder / "home/.ssh"
+    assert execute(["fleet", "ssh-config"]) == 0
+    assert not ssh.exists()
+    assert "Host a\n    HostName 10.0.0.1" in capsys.readouterr().out
+    assert execute(["fleet", "ssh-config", "--apply"]) == 0
+    assert (ssh / "config").read_text() == "Include config.d/pioneer3\n"
+    assert (ssh / "config").stat().st_mode & 0o777 == 0o600
+    assert ssh.stat().st_mode & 0o777 == 0o700
+    assert "Host a" in (ssh / "config.d/pioneer3").read_text()
+    assert "+Host a" in capsys.readouterr().out
+    assert execute(["fleet", "ssh-config", "--apply"]) == 0
+    assert capsys.readouterr().out.count("is so already") == 2
+
+
+def test_aliases_are_printed_and_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "fleet.toml").write_text('[[robot]]\nname = "a"\naddress = "10.0.0.1"\n')
+    assert execute(["fleet", "aliases"]) == 0
+    assert capsys.readouterr().out == "alias CR_1='ssh pioneer@10.0.0.1'\n"
+    start = folder / "bashrc"
+    start.write_text("# mine\n")
+    assert execute(["fleet", "aliases", "--apply", "--file", str(start)]) == 0
+    assert start.read_text().startswith("# mine\n")
+    assert "alias CR_1=" in start.read_text()
+    assert execute(["fleet", "aliases", "--prefix", "a b"]) == 2
+
+
+def test_names_are_checked_printed_and_written(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "fleet.toml").write_text('[[robot]]\nname = "a"\naddress = "10.0.0.1"\n')
+    names = folder / "hosts"
+    names.write_text("127.0.1.1 a\n")
+    words = ["fleet", "hosts", "--file", str(names), "--name", "a"]
+    assert execute(words) == 1
+    said = capsys.readouterr()
+    assert said.out == "10.0.0.1\ta\n"
+    assert "line 1: a means this computer itself" in said.err
+    assert execute([*words, "--apply"]) == 0
+    assert names.read_text().startswith("# 127.0.1.1 a\n")
+    assert execute(words) == 0

@@ -1,0 +1,210 @@
+"""The names of a fleet in /etc/hosts: entries for all its computers, and what is wrong there.
+
+Every computer of a fleet needs the same entries: a ROS node tells the others its host's name, and
+whoever cannot turn that into an address receives nothing.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from ipaddress import ip_address
+from pathlib import Path
+from typing import Final
+
+from pioneer3.doctor.facts import FAILED, Finding, Level
+from pioneer3.fleet.edit import with_block
+from pioneer3.fleet.spec import Fleet
+
+HOSTS: Final = Path("/etc/hosts")
+_LINE: Final = re.compile(r"(\s*)([^\s#]+)([ \t]+)([^#]*?)([ \t]*)(#.*)?$")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A line of a hosts file: an address and its names, the first of which is the usual one."""
+
+    address: str
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.address}\t{' '.join(self.names)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """All that the checks look at.
+
+    Attributes:
+        fleet: Whose names are wanted.
+        name: Host name of this computer.
+        lines: The entries of its hosts file, each with its line number.
+    """
+
+    fleet: Fleet
+    name: str
+    lines: tuple[tuple[int, Entry], ...]
+
+    def having(self, name: str) -> tuple[tuple[int, Entry], ...]:
+        """Return the entries with a name."""
+        return tuple((at, e) for at, e in self.lines if name.lower() in map(str.lower, e.names))
+
+
+def entries(fleet: Fleet) -> tuple[Entry, ...]:
+    """Return the entries for the operator's computer and all robots'."""
+    operator = fleet.operator
+    first = (
+        (Entry(operator.address, (operator.name,)),) if operator.name and operator.address else ()
+    )
+    return first + tuple(
+        Entry(robot.address, tuple(dict.fromkeys((robot.host, robot.name))))
+        for robot in fleet.robots
+    )
+
+
+def with_entries(text: str, fleet: Fleet) -> str:
+    """Return the text of a hosts file with the entries of a fleet as a block.
+
+    The fleet's names are taken from other lines, and a line without names becomes a comment.
+
+    Raises:
+        ConfigError: An earlier block has lost its end.
+    """
+    wanted = entries(fleet)
+    names = {name.lower() for entry in wanted for name in entry.names}
+    block = with_block("", [str(entry) for entry in wanted])
+    cleaned = with_block(text, [str(entry) for entry in wanted]).partition(block)
+    return _without(cleaned[0], names) + cleaned[1] + _without(cleaned[2], names)
+
+
+def check_hosts(text: str, fleet: Fleet, name: str) -> tuple[Finding, ...]:
+    """Return what is right and wrong in a hosts file.
+
+    Args:
+        text: Of the file.
+        fleet: Whose computers are to be found by it.
+        name: Host name of the computer that the file is of.
+    """
+    situation = Situation(fleet, name.partition(".")[0], tuple(_entries_in(text)))
+    return tuple(finding for check in CHECKS for finding in check(situation))
+
+
+def _own_name(here: Situation) -> Iterator[Finding]:
+    """Look whether this computer is of the fleet, and what its own name means to it."""
+    known = {name.lower(): e for e in entries(here.fleet) for name in e.names}
+    mine = known.get(here.name.lower())
+    if mine is None:
+        yield Finding(
+            check="this computer",
+            level=Level.WARN,
+            found=f"its name is {here.name}, which is no computer of {here.fleet.path}",
+            advice="name it there, as the operator or a robot; or run this on one of them",
+        )
+        return
+    own = here.having(here.name)
+    local = [at for at, entry in own if _is_loopback(entry.address)]
+    if local and len(local) == len(own) and not _is_loopback(mine.address):
+        yield Finding(
+            check="own name",
+            level=Level.FAIL,
+            found=f"line {local[0]}: {here.name} means this computer itself, and nothing else",
+            meaning="ROS tells others the address behind the own name: they would call themselves.",
+            advice=f"{mine.address} must be its address: pioneer3 fleet hosts --apply",
+            code=FAILED,
+        )
+
+
+def _missing(here: Situation) -> Iterator[Finding]:
+    """Look for computers without an entry, and for addresses that lead back to another name."""
+    for entry in entries(here.fleet):
+        found = [one for _, one in here.lines if one.address == entry.address]
+        absent = [name for name in entry.names if not here.having(name)]
+        if absent:
+            yield Finding(
+                check="missing",
+                level=Level.FAIL,
+                found=f"{' and '.join(absent)} at {entry.address}",
+                meaning="What cannot be found by its name gets no messages of ROS.",
+                advice="pioneer3 fleet hosts --apply",
+                code=FAILED,
+            )
+        elif found and found[0].names[0].lower() not in map(str.lower, entry.names):
+            yield Finding(
+                check="reverse",
+                level=Level.WARN,
+                found=f"{entry.address} is {found[0].names[0]} here, {entry.names[0]} in the fleet",
+                meaning="Whoever asks for the name of this address is told the other one.",
+                advice=f"remove {found[0].names[0]}, or name it as the host in {here.fleet.path}",
+            )
+
+
+def _elsewhere(here: Situation) -> Iterator[Finding]:
+    """Look for names at another address than the fleet's."""
+    for entry in entries(here.fleet):
+        for name in entry.names:
+            others = [
+                (at, one.address)
+                for at, one in here.having(name)
+                if one.address != entry.address and not _is_loopback(one.address)
+            ]
+            for at, address in others:
+                yield Finding(
+                    check="other address",
+                    level=Level.FAIL,
+                    found=f"line {at}: {name} is {address}; in the fleet {entry.address}",
+                    meaning="The first line with a name counts.",
+                    advice="pioneer3 fleet hosts --apply, or mend the fleet file",
+                    code=FAILED,
+                )
+
+
+def _doubles(here: Situation) -> Iterator[Finding]:
+    """Look for fleet addresses on several lines."""
+    for entry in entries(here.fleet):
+        lines = [at for at, one in here.lines if one.address == entry.address]
+        if len(lines) > 1:
+            yield Finding(
+                check="double",
+                level=Level.WARN,
+                found=f"{entry.address} on lines {', '.join(map(str, lines))}",
+                advice="one line with all its names is enough",
+            )
+
+
+CHECKS: Final[tuple[Callable[[Situation], Iterator[Finding]], ...]] = (
+    _own_name,
+    _missing,
+    _elsewhere,
+    _doubles,
+)
+
+
+def _is_loopback(address: str) -> bool:
+    try:
+        return ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def _entries_in(text: str) -> Iterator[tuple[int, Entry]]:
+    for number, line in enumerate(text.split("\n"), 1):
+        address, *names = line.partition("#")[0].split() or [""]
+        if names:
+            yield number, Entry(address, tuple(names))
+
+
+def _without(text: str, names: set[str]) -> str:
+    """Return lines of a hosts file without some names."""
+    return "\n".join(_line_without(line, names) for line in text.split("\n"))
+
+
+def _line_without(line: str, names: set[str]) -> str:
+    matched = _LINE.match(line)
+    if not matched or line.lstrip().startswith("#"):
+        return line
+    lead, address, gap, named, tail, comment = matched.groups()
+    kept = [name for name in named.split() if name.lower() not in names]
+    if len(kept) == len(named.split()):
+        return line
+    if not kept:
+        return f"# {line}"
+    return f"{lead}{address}{gap}{' '.join(kept)}{tail}{comment or ''}"
