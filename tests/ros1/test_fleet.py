@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pioneer3.fleet.inventory import parse_fleet
-from pioneer3.fleet.live import Answer, Live, Questions, addresses_of, look_at
+from pioneer3.fleet.live import Answer, Live, Questions, look_at
 from pioneer3.fleet.ros_graph import Endpoint
 from tests.e2e.processes import free_port
 from tests.ros1.conftest import Lab
@@ -35,7 +35,7 @@ async def ask(master: dict[str, str], node: str) -> Live:
     fleet = parse_fleet(Path("fleet.toml"), FLEET.format(name="p3at-1", node=node))
     questions = Questions(
         masters=(Endpoint.of(master["ROS_MASTER_URI"]),),
-        addresses=addresses_of(fleet),
+        addresses=fleet.addresses,
         ssh_port=free_port(),
         master_port=free_port(),
     )

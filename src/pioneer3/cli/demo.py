@@ -58,7 +58,7 @@ async def _demo(
     if not plain and not (_is_terminal(sys.stdin) and _is_terminal(sys.stdout)):
         raise ConfigError("the demo's screen needs a terminal; --plain does without one")
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.port} ..."):
+        with busy_sign(f"Connecting to {link.url} ..."):
             robot = await stack.enter_async_context(link.connect(max_speed=max_speed))
         start = start_plain if plain else start_screen
         return await start(robot, first=mode.lower(), patience=patience, acts=Acts(acts))

@@ -3,7 +3,7 @@
 import sys
 from typing import TYPE_CHECKING
 
-from pioneer3.cli.options import DEFAULT_PORT, LINK, Baud, Flag, LinkOptions, Port, Seconds
+from pioneer3.cli.options import LINK, WHICH, Baud, Flag, LinkOptions, RobotOptions, Seconds
 from pioneer3.cli.process import run_until_told_to_leave
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ async def _info(link: LinkOptions, *, json: bool) -> int:
     from pioneer3.cli.process import busy_sign, write_json
 
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.port} ..."):
+        with busy_sign(f"Connecting to {link.url} ..."):
             connecting = link.connect(auto_enable=False)
             robot = await stack.enter_async_context(connecting)
         if json:
@@ -70,7 +70,7 @@ def _as_data(robot: "Robot") -> dict[str, object]:
 
 
 def doctor(
-    *, port: Port = DEFAULT_PORT, baud: Baud = None, seconds: Seconds = 3.0, json: Flag = False
+    *, which: RobotOptions = WHICH, baud: Baud = None, seconds: Seconds = 3.0, json: Flag = False
 ) -> int:
     """Check everything from the plug to the wheels; say what is wrong and what to do.
 
@@ -80,12 +80,12 @@ def doctor(
     Example: pioneer3 doctor --port /dev/ttyUSB0
 
     Args:
-        port: The robot: /dev/ttyUSB0, localhost:8101.
+        which: The robot.
         baud: Serial speed to try first.
         seconds: How long to listen to the robot.
         json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_doctor(port, baud, seconds, json=json))
+    return run_until_told_to_leave(_doctor(which.url, baud, seconds, json=json))
 
 
 async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:

@@ -53,14 +53,14 @@ def list_(
     if offline:
         _print(robots, None, json=json)
         return 0
-    from pioneer3.fleet.live import Questions, addresses_of
+    from pioneer3.fleet.live import Questions
     from pioneer3.fleet.ros_graph import Endpoint
 
     master = os.environ.get("ROS_MASTER_URI")
     questions = Questions(
         timeout=timeout,
         masters=(Endpoint.of(master),) if master else (),
-        addresses=addresses_of(given),
+        addresses=given.addresses,
     )
     if watch:
         return run_until_told_to_leave(_watch(robots, questions, every, json=json))

@@ -48,7 +48,7 @@ async def _monitor(link: LinkOptions, seconds: float, *, json: bool) -> int:
     from pioneer3.cli.process import busy_sign
 
     async with AsyncExitStack() as stack:
-        with busy_sign(f"Connecting to {link.port} ..."):
+        with busy_sign(f"Connecting to {link.url} ..."):
             connecting = link.connect(auto_enable=False)
             robot = await stack.enter_async_context(connecting)
         if json:
@@ -139,7 +139,7 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
         else:
             write_line(f"{stamp - began:9.3f} {described(report)}")
 
-    open_ = opener(link.port, baud=link.baud)
+    open_ = opener(link.url, baud=link.baud)
 
     async def opened() -> Link:
         return DecodingLink(await open_(), tell)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pioneer3.geometry import Pose2
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
+    from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import WorldOverrides
 
 DEFAULT_PORT = "tcp://localhost:8101"
@@ -32,8 +33,9 @@ UNITS = (
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 """Off unless given, without a `--no-` twin."""
-PORT = Parameter(name=["--port", "-p"], env_var="PIONEER3_PORT", metavar="PORT")
-Port = Annotated[str, PORT]
+PORT_VARIABLE = "PIONEER3_PORT"
+PORT = Parameter(name=["--port", "-p"], env_var=PORT_VARIABLE, metavar="PORT")
+RobotName = Annotated[str | None, Parameter(name="--robot", metavar="NAME")]
 Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
 FleetFile = Annotated[
     Path | None, Parameter(name="--fleet", metavar="FILE", env_var="PIONEER3_FLEET")
@@ -50,6 +52,41 @@ def fleet_of(given: Path | None) -> "Fleet":
     from pioneer3.fleet.inventory import find_fleet, read_fleet
 
     return read_fleet(find_fleet(given, environment=os.environ, here=Path(), home=Path.home()))
+
+
+def robots_of(words: Sequence[str], given: Path | None) -> "tuple[NamedPort, ...]":
+    """Return the robots of a fleet that the words of `--robot` name; empty if they are models.
+
+    With `--fleet` they all are robots. Without it a fleet file need not be there.
+
+    Raises:
+        ConfigError: There is no such robot, or the file is wrong.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.fleet.inventory import VARIABLE, find_fleet, read_fleet
+    from pioneer3.fleet.reach import named, port_of
+
+    if not words:
+        return ()
+    if given is not None and str(given) != os.environ.get(VARIABLE):
+        fleet = read_fleet(given)
+        robots = fleet.select(words)
+    else:
+        try:
+            path = find_fleet(None, environment=os.environ, here=Path(), home=Path.home())
+        except ConfigError:
+            return ()
+        fleet = read_fleet(path)
+        robots = named(words, fleet)
+    return tuple(NamedPort(robot.name, port_of(fleet, robot.name)) for robot in robots)
+
+
+@dataclass(frozen=True, slots=True)
+class NamedPort:
+    """A robot of a fleet: its name, and its port."""
+
+    name: str
+    port: str
 
 
 def reads(
@@ -166,17 +203,69 @@ AUTO = "auto"
 
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LinkOptions:
-    """The link to the robot.
+class RobotOptions:
+    """Which robot.
 
     Attributes:
         port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.
+        robot: The robot by its name in the fleet file, in place of its port.
+        fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
+    """
+
+    port: Annotated[str | None, PORT] = None
+    robot: RobotName = None
+    fleet: FleetFile = None
+
+    @property
+    def url(self) -> str:
+        """The robot's port.
+
+        Raises:
+            ConfigError: It is given twice, or the fleet file does not tell it.
+        """
+        return self.url_or_none or DEFAULT_PORT
+
+    @property
+    def url_or_none(self) -> str | None:
+        """The robot's port; `None` if neither option is given.
+
+        Raises:
+            ConfigError: As for :attr:`url`.
+        """
+        if self.robot is None:
+            return self.port
+        from pioneer3.errors import ConfigError
+        from pioneer3.fleet.reach import port_of
+
+        if self.port not in {None, os.environ.get(PORT_VARIABLE)}:
+            raise ConfigError(f"--port {self.port} and --robot {self.robot}: give one of them")
+        return port_of(fleet_of(self.fleet), self.robot)
+
+    @property
+    def fleet_lasers(self) -> tuple[str, ...]:
+        """The laser that the fleet file gives the robot, if it is reached from here."""
+        if self.robot is None:
+            return ()
+        from pioneer3.fleet.reach import laser_of
+
+        laser = laser_of(fleet_of(self.fleet).robot(self.robot))
+        return (laser,) if laser else ()
+
+
+WHICH = RobotOptions()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkOptions(RobotOptions):
+    """The link to the robot.
+
+    Attributes:
         baud: Serial speed to try first.
         record: New file for every byte on the wire; --port replay:FILE plays it.
         lasers: Its laser range finders.
     """
 
-    port: Port = DEFAULT_PORT
     baud: Baud = None
     record: Path | None = None
     lasers: LaserOptions = NO_LASERS
@@ -193,13 +282,14 @@ class LinkOptions:
         """Connect during the block; after it the connection is closed and the robot stands."""
         from pioneer3.runtime.connect import connect_async
 
+        url = self.url
         connection = connect_async(
-            self.port,
+            url,
             baud=self.baud,
             max_speed=max_speed,
             auto_enable=auto_enable,
             record=self.record,
-            lasers=await self.lasers.specs(self.record, [self.port]),
+            lasers=await self.lasers.specs(self.record, [url], self.fleet_lasers),
             line_map=line_map,
             start=start,
         )
@@ -273,12 +363,16 @@ class WorldOptions:
     keep_session: Flag = False
 
     def overrides(
-        self, robots: tuple[str, ...] = (), *, factory: str = "", own_ports: bool = True
+        self,
+        robots: "Sequence[str | RobotSpec]" = (),
+        *,
+        factory: str = "",
+        own_ports: bool = True,
     ) -> "WorldOverrides":
         """Return the changes to the world file.
 
         Args:
-            robots: `MODEL[:NAME]` of each, empty for the world's.
+            robots: Each, or its `MODEL[:NAME]`; empty for the world's.
             factory: Model of which every client gets a robot; empty for none.
             own_ports: Whether robots keep the ports that the world file gives them.
 
@@ -293,7 +387,7 @@ class WorldOptions:
         )
 
         return WorldOverrides(
-            robots=tuple(map(parse_robot, robots)),
+            robots=tuple(parse_robot(each) if isinstance(each, str) else each for each in robots),
             starts=tuple(map(parse_start, self.start)),
             equipment=parse_equipment(self.fit),
             seed=self.seed,

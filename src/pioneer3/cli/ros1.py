@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import AUTO, NO_LASERS, PORT, Baud, LaserOptions
+from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, LaserOptions, RobotOptions
 from pioneer3.cli.places import MapName, StartPlace, pose_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros1_demos import (
@@ -49,7 +49,7 @@ for command in DEMOS:
 @ros1_app.default
 def ros1(
     *arguments: Annotated[str, Parameter(show=True)],
-    port: Annotated[str | None, PORT] = None,
+    which: RobotOptions = WHICH,
     baud: Baud = None,
     lasers: LaserOptions = NO_LASERS,
     map_: MapName = None,
@@ -66,7 +66,7 @@ def ros1(
 
     Args:
         arguments: ROS's own: _port:=/dev/ttyS0, __name:=front, cmd_vel:=/teleop/cmd_vel.
-        port: The robot: /dev/ttyUSB0, localhost:8101.
+        which: The robot.
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
@@ -79,9 +79,9 @@ def ros1(
     from pioneer3.ros.ros1.start import Options, serve
 
     options = Options(
-        port=port,
+        port=which.url_or_none,
         baud=baud,
-        laser_ports=lasers.laser,
+        laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
         line_map=map_,
         start=None if start is None else pose_of(start, "ros1"),

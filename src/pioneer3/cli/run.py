@@ -1,24 +1,31 @@
 """`pioneer3 run`."""
 
+import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from pioneer3.cli.options import (
     NO_LASERS,
     PORT,
+    PORT_VARIABLE,
     WORLD,
     Baud,
     Flag,
+    FleetFile,
     LaserOptions,
     Speed,
     TcpPort,
     WorldOptions,
+    robots_of,
 )
 from pioneer3.cli.process import run_until_told_to_leave
 from pioneer3.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pioneer3.sim.worldfile import RobotSpec
 
 AS_USUAL = WorldOptions()
 MANY = Parameter(negative=(), show_default=False)
@@ -30,6 +37,7 @@ def run(
     baud: Baud = None,
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
+    fleet: FleetFile = None,
     ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
     lasers: LaserOptions = NO_LASERS,
@@ -53,6 +61,8 @@ def run(
         baud: Serial speed to try first.
         map_: A shipped map or world (office, lab), a .map, map_server .yaml or world .toml file.
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
+            Or the name of a robot or group in the fleet file, in place of its port.
+        fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
         lasers: Of the robot.
@@ -65,17 +75,25 @@ def run(
         max_speed: Keep below this.
         record: New file for every byte; --port replay:FILE plays it. Of several robots: FILE-NAME.
     """
-    _refuse_nonsense(port, robot, simulated=ideal or world != AS_USUAL)
+    from pioneer3.sim.worldfile import RobotSpec
     from pioneer3.sim.worldfile.arguments import parse_robot
     from pioneer3.web.live import Options, live
 
+    if of_fleet := robots_of(robot, fleet):
+        if port and port != (os.environ.get(PORT_VARIABLE),):
+            raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
+        port = tuple(one.port for one in of_fleet)
+        robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
+    else:
+        robots = tuple(map(parse_robot, robot))
+    _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
     options = Options(
         ports=port,
         baud=baud,
         map_name=map_,
-        robots=tuple(map(parse_robot, robot)),
+        robots=robots,
         overrides=world.overrides(),
         ideal=ideal,
         sim_port=sim_port,
@@ -91,7 +109,9 @@ def run(
     return run_until_told_to_leave(live(options, _tell))
 
 
-def _refuse_nonsense(ports: tuple[str, ...], robots: tuple[str, ...], *, simulated: bool) -> None:
+def _refuse_nonsense(
+    ports: tuple[str, ...], robots: "tuple[RobotSpec, ...]", *, simulated: bool
+) -> None:
     """Refuse options that do not go together.
 
     Raises:

@@ -2,7 +2,7 @@
 
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from math import inf
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pioneer3.sim.server.faults import LinkFaults
     from pioneer3.sim.server.pacer import Pacer
     from pioneer3.sim.server.running import RunningSimulation
+    from pioneer3.sim.worldfile import RobotSpec
 
 
 PORTS = Group.create_ordered("Ports")
@@ -222,12 +223,14 @@ MAP, DEFAULT_WORLD, DEFAULT_PORTS, DEFAULT_TIME = (
 )
 DEFAULT_ERRORS, DEFAULT_MOBILESIM = ErrorOptions(), MobileSimOptions()
 MANY = Parameter(negative=(), show_default=False)
+FleetOption = Annotated[Path | None, Parameter(name="--fleet", metavar="FILE")]
 
 
 def sim(
     *,
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
     robot_factory: Annotated[str, Parameter(name=["--robot-factory", "-R"]), MANY] = "",
+    fleet: FleetOption = None,
     map_: MapOptions = MAP,
     world: WorldOptions = DEFAULT_WORLD,
     ports: PortOptions = DEFAULT_PORTS,
@@ -250,6 +253,7 @@ def sim(
     Args:
         robot: MODEL[:NAME], such as p3dx:bob; once for each. MODEL may be a .toml or .p file.
         robot_factory: MODEL of which each client of the first port gets a robot while it stays.
+        fleet: File of a fleet: a robot for each row, with its name, model and TCP port.
         map_: What stands there.
         world: How it begins.
         ports: Where robots are met.
@@ -265,9 +269,17 @@ def sim(
         _warn(ports.warning)
     from pioneer3.sim.server.start import simulator
 
+    robots: Sequence[str | RobotSpec] = robot
+    if fleet is not None:
+        if robot or robot_factory:
+            raise ConfigError("--fleet gives the robots; leave --robot and --robot-factory out")
+        from pioneer3.fleet.inventory import read_fleet
+        from pioneer3.fleet.simulated import simulated
+
+        robots = simulated(read_fleet(fleet), ports.bind, network=ports.bind not in LOOPBACK)
     simulation = simulator(
         map_name=map_.name(),
-        overrides=world.overrides(robot, factory=robot_factory, own_ports=ports.port is None),
+        overrides=world.overrides(robots, factory=robot_factory, own_ports=ports.port is None),
         port=ports.first,
         host=ports.bind,
         ptys=ports.pty,

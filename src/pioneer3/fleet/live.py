@@ -12,7 +12,7 @@ from pioneer3.arcos.host_events import Timing
 from pioneer3.doctor.probe_session import ProbeSession
 from pioneer3.errors import LinkError, NoRobotError, PioneerError
 from pioneer3.fleet.ros_graph import MASTER_PORT, Endpoint, Graph, RosGraphError
-from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.spec import Robot
 from pioneer3.links.stream import open_tcp
 from pioneer3.units import DECIVOLT
 
@@ -82,14 +82,6 @@ class Questions:
     clock: Callable[[Robot], Awaitable[float]] | None = None
     ssh_port: int = SSH_PORT
     master_port: int = MASTER_PORT
-
-
-def addresses_of(fleet: Fleet) -> Mapping[str, str]:
-    """Return the addresses of all hosts in a fleet file, by their names in lower case."""
-    known = {name.lower(): r.address for r in fleet.robots for name in (r.name, r.host)}
-    if fleet.operator.name and fleet.operator.address:
-        known[fleet.operator.name.lower()] = fleet.operator.address
-    return MappingProxyType(known)
 
 
 async def look(robots: Sequence[Robot], questions: Questions) -> tuple[Live, ...]:

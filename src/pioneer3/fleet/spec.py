@@ -98,6 +98,14 @@ class Fleet:
     robots: tuple[Robot, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
+    @property
+    def addresses(self) -> Mapping[str, str]:
+        """The address of each computer, by its names in lower case."""
+        known = {name.lower(): r.address for r in self.robots for name in (r.name, r.host)}
+        if self.operator.name and self.operator.address:
+            known[self.operator.name.lower()] = self.operator.address
+        return MappingProxyType(known)
+
     def select(self, names: Iterable[str]) -> tuple[Robot, ...]:
         """Return robots by their names, those of groups, or `all`; each once, in the file's order.
 

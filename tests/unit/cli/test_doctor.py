@@ -5,6 +5,7 @@ import json
 import pytest
 
 from pioneer3.cli.diagnosis import doctor
+from pioneer3.cli.options import RobotOptions
 from pioneer3.cli.tables import verdict
 from pioneer3.doctor.facts import Finding, Level
 
@@ -12,7 +13,7 @@ from pioneer3.doctor.facts import Finding, Level
 def test_a_port_that_is_not_there_ends_with_3_and_says_what_to_do(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert doctor(port="/dev/no-such-port") == 3
+    assert doctor(which=RobotOptions(port="/dev/no-such-port")) == 3
     out = capsys.readouterr().out
     assert "FAIL  port" in out
     assert "→ Plug it in, then run: p3 find-port" in out
@@ -20,7 +21,7 @@ def test_a_port_that_is_not_there_ends_with_3_and_says_what_to_do(
 
 
 def test_json_is_all_there_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
-    assert doctor(port="/dev/no-such-port", json=True) == 3
+    assert doctor(which=RobotOptions(port="/dev/no-such-port"), json=True) == 3
     report = json.loads(capsys.readouterr().out)
     assert report["exit_code"] == 3
     assert [finding["level"] for finding in report["findings"]] == ["fail"]

@@ -278,3 +278,60 @@ async def test_what_cannot_be_started_is_raised_and_leaves_no_task(
         await live(options, lines.append)
     assert lines == []
     assert asyncio.all_tasks() == {asyncio.current_task()}
+
+
+FLEET = """\
+[[robot]]
+name = "p3at-1"
+address = "192.0.2.1"
+port = "tcp://p3at-1:8101"
+[[robot]]
+name = "p3at-2"
+address = "192.0.2.2"
+port = "tcp://p3at-2:8101"
+[groups]
+front = ["p3at-1", "p3at-2"]
+"""
+
+
+def test_robots_of_the_fleet_are_shown_by_their_names(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("fleet.toml").write_text(FLEET)
+    options = given("run --robot front", monkeypatch, {"PIONEER3_PORT": "/dev/ttyUSB7"})
+    assert options.ports == ("tcp://192.0.2.1:8101", "tcp://192.0.2.2:8101")
+    assert [(robot.model, robot.name) for robot in options.robots] == [
+        ("", "p3at-1"),
+        ("", "p3at-2"),
+    ]
+    assert given("run --robot p3at-2 --fleet fleet.toml", monkeypatch).ports == (
+        "tcp://192.0.2.2:8101",
+    )
+    assert given("run --robot p3at", monkeypatch).ports == ()
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("run --robot p3at-1 --port /dev/ttyUSB0", "--port /dev/ttyUSB0 and --robot p3at-1: give"),
+        ("run --robot p3at --fleet fleet.toml", "no robot 'p3at', did you mean p3at-"),
+        ("info --robot p3at-1 --port /dev/ttyUSB0", "--port /dev/ttyUSB0 and --robot p3at-1: give"),
+        ("wander --robot p3at-9", "no robot 'p3at-9', did you mean p3at-"),
+        ("doctor --robot front", "front is a group; one robot is needed here"),
+        ("sim --fleet fleet.toml --robot p3at", "--fleet gives the robots; leave --robot"),
+        ("sim --fleet none.toml", "none.toml: cannot read this fleet file"),
+    ],
+)
+def test_robots_that_the_fleet_does_not_tell_are_refused(
+    line: str,
+    words: str,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PIONEER3_PORT", raising=False)
+    Path("fleet.toml").write_text(FLEET)
+    assert execute(line.split()) == 2
+    assert words in capsys.readouterr().err

@@ -17,7 +17,6 @@ from pioneer3.fleet.live import (
     Answer,
     Live,
     Questions,
-    addresses_of,
     exit_code,
     look,
     look_at,
@@ -108,7 +107,7 @@ async def test_a_robot_that_listens_itself_is_asked_by_the_address_of_its_host()
         number = int(here.robots[0].url.rpartition(":")[2])
         one = robot(2, port=f"tcp://R2:{number}")
         fleet = Fleet(path=Path("fleet.toml"), robots=(replace(one, address="127.0.0.1"),))
-        questions = Questions(ssh_port=free_port(), addresses=addresses_of(fleet))
+        questions = Questions(ssh_port=free_port(), addresses=fleet.addresses)
         answer = await look_at(fleet.robots[0], questions)
     assert answer.driver == Answer(True, f"{number} answers")
     assert answer.battery == pytest.approx(12.7, abs=1.5)

@@ -31,6 +31,7 @@ class SpawnedRobot:
         pose: Its start [m, rad].
         equipment: Its accessories.
         port: TCP port; `None` for the next free one.
+        host: Address to listen at; empty for that of all robots.
         in_the_way: It starts in a wall or an obstacle, so it cannot move.
     """
 
@@ -39,6 +40,7 @@ class SpawnedRobot:
     pose: Pose2
     equipment: Equipment
     port: int | None = None
+    host: str = ""
     in_the_way: bool = False
 
 
@@ -70,6 +72,7 @@ def spawn_robots(world: WorldFile, line_map: LineMap, rng: Generator) -> tuple[S
             pose=pose,
             equipment=robot.equipment.equipment_of(model),
             port=robot.port,
+            host=robot.host,
             in_the_way=obstructions.blocks(model, pose),
         )
         for name, model, pose, robot in zip(names, models, poses, world.robots, strict=True)

@@ -84,7 +84,12 @@ class Simulation:
         return [port.address for port in self.ports if port.address]
 
     async def listen(
-        self, first_port: int, host: str = "127.0.0.1", *, ports: Sequence[int | None] = ()
+        self,
+        first_port: int,
+        host: str = "127.0.0.1",
+        *,
+        ports: Sequence[int | None] = (),
+        hosts: Sequence[str] = (),
     ) -> None:
         """Open a TCP port per robot, on consecutive numbers.
 
@@ -92,6 +97,7 @@ class Simulation:
             first_port: The first number; 0 takes free ones.
             host: Address of this machine to listen at.
             ports: A robot's own number, or `None` for the next; may be shorter than the robots.
+            hosts: A robot's own address of this machine, or empty for `host`; likewise.
 
         Raises:
             PortBusyError: Another program listens there.
@@ -99,9 +105,10 @@ class Simulation:
         """
         self._host, self._next_number = host, first_port
         own = [*ports, *[None] * len(self.ports)]
+        at = [*hosts, *[""] * len(self.ports)]
         try:
-            for port, number in zip(self.ports, own, strict=False):
-                await self._open(port, number, taken=own)
+            for port, number, place in zip(self.ports, own, at, strict=False):
+                await self._open(port, number, taken=own, host=place)
         except LinkError:
             self.close()
             raise
@@ -304,7 +311,11 @@ class Simulation:
             pass
 
     async def _open(
-        self, port: RobotPort, number: int | None, taken: Sequence[int | None] = ()
+        self,
+        port: RobotPort,
+        number: int | None,
+        taken: Sequence[int | None] = (),
+        host: str = "",
     ) -> int:
         if self._host is None:
             raise LinkError("a robot can be given a port only while the others listen")
@@ -313,7 +324,7 @@ class Simulation:
             while number and (number in taken or any(number == used for _, used in self.addresses)):
                 number += 1
             self._next_number = number + 1 if number else 0
-        listener = await listening(self._host, number)
+        listener = await listening(host or self._host, number)
         address = listener.getsockname()
         port.address = address[0], address[1]
         port.listeners.append(TcpListener(port, listener))

@@ -160,7 +160,12 @@ async def simulator(
     if factory_robot:
         load_model(factory_robot.model)  # better now than when the first client comes
     first_port = port + 1 if factory_robot and port else port
-    await simulation.listen(first_port, host, ports=[each.port for each in spawned])
+    await simulation.listen(
+        first_port,
+        host,
+        ports=[each.port for each in spawned],
+        hosts=[each.host for each in spawned],
+    )
     # connections are accepted from now on; time begins when compiled kernels are loaded
     lasers = await _lasers(spawned, simulation)
     robots = _robots(spawned, simulation, lasers, ptys=ptys)

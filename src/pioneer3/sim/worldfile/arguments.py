@@ -61,6 +61,7 @@ class WorldOverrides:
                     robot,
                     start=start,
                     port=robot.port if self.own_ports else None,
+                    host=robot.host if self.own_ports else "",
                     equipment=robot.equipment.overridden_by(self.equipment),
                 )
                 for robot, start in zip(robots, starts, strict=True)

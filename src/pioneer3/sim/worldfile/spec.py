@@ -36,6 +36,7 @@ class RobotSpec:
             its own tells its own name.
         start: Its place at the beginning.
         port: TCP port; `None` for the next one, 0 for a free one.
+        host: Address of this machine to listen at; empty for that of all robots.
         equipment: Its accessories.
     """
 
@@ -43,6 +44,7 @@ class RobotSpec:
     name: str = ""
     start: Start = "home"
     port: int | None = None
+    host: str = ""
     equipment: EquipmentOptions = NO_OPTIONS
 
 

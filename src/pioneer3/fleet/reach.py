@@ -1,0 +1,75 @@
+"""How this computer reaches a robot of the fleet: by its port, if that is one for others."""
+
+import socket
+from collections.abc import Sequence
+from ipaddress import ip_address
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.spec import ALL, Fleet, Robot
+from pioneer3.links.urls import split_url
+from pioneer3.models import find_model
+from pioneer3.sim.worldfile.toml import MODEL_FILES
+
+
+def port_of(fleet: Fleet, name: str) -> str:
+    """Return the port of a robot, for `--port`; its host's name is replaced by the address.
+
+    Raises:
+        ConfigError: There is no such robot, or its port is a device of another computer.
+    """
+    robot = fleet.robot(name)
+    if robot.endpoint is not None:
+        host, number = robot.endpoint
+        address = fleet.addresses.get(host.lower(), host)
+        return f"tcp://[{address}]:{number}" if ":" in address else f"tcp://{address}:{number}"
+    if is_here(robot):
+        return robot.port
+    place = f"{fleet.path}:{robot.line}" if robot.line else str(fleet.path)
+    raise ConfigError(
+        f"{place}: {name} is at {robot.port}, a device of {robot.host} ({robot.address}) and not "
+        f"of this computer. Run the command there, after ssh {robot.user}@{robot.address}; or let "
+        f'others reach the robot, and say port = "tcp://{robot.host}:8101" in the file'
+    )
+
+
+def named(words: Sequence[str], fleet: Fleet) -> tuple[Robot, ...]:
+    """Return the robots that words name which may be models too; empty if all are models.
+
+    Raises:
+        ConfigError: Some are models, and others robots.
+    """
+    models = [word for word in words if _is_model(word)]
+    if len(models) == len(words):
+        return ()
+    known = {ALL, *fleet.groups, *(robot.name for robot in fleet.robots)}
+    if not known.intersection(words):
+        return ()
+    if models:
+        raise ConfigError(f"{models[0]} is a model, not a robot of {fleet.path}: give one kind")
+    return fleet.select(words)
+
+
+def _is_model(word: str) -> bool:
+    return ":" in word or word.lower().endswith(MODEL_FILES) or find_model(word) is not None
+
+
+def laser_of(robot: Robot) -> str:
+    """Return the laser of a robot, for `--laser`; empty if it has none that is reached from here.
+
+    Like the robot's port, a device is its computer's own.
+    """
+    url = robot.laser.rpartition("@")[2]
+    if not url or is_here(robot):
+        return robot.laser
+    return robot.laser if url != "auto" and split_url(url)[0] == "tcp" else ""
+
+
+def is_here(robot: Robot) -> bool:
+    """Whether the robot's computer is this one: whether it has the address."""
+    family = socket.AF_INET6 if ip_address(robot.address).version == 6 else socket.AF_INET
+    with socket.socket(family, socket.SOCK_DGRAM) as tried:
+        try:
+            tried.bind((robot.address, 0))
+        except OSError:
+            return False
+    return True

@@ -1,0 +1,55 @@
+"""The robots of a fleet file as simulated ones."""
+
+from collections.abc import Iterator
+from ipaddress import ip_address
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.reach import is_here
+from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.sim.server.listeners import ANY
+from pioneer3.sim.worldfile import RobotSpec
+from pioneer3.sim.worldfile.toml import MODEL_FILES
+
+
+def simulated(
+    fleet: Fleet, bind: str = "127.0.0.1", *, network: bool = False
+) -> tuple[RobotSpec, ...]:
+    """Return a robot for each row, with its name, model and TCP port.
+
+    A row whose address this computer has listens there: on loopback, and elsewhere if `network`
+    allows it. Of rows that would listen at the same place, the later ones get the next port.
+
+    Args:
+        fleet: With at least one robot.
+        bind: Address that the other rows listen at.
+        network: Whether others may drive them.
+
+    Raises:
+        ConfigError: The fleet has no robot.
+    """
+    if not fleet.robots:
+        raise ConfigError(f"{fleet.path}: it has no robot to simulate; add one as [[robot]]")
+    return tuple(_specs(fleet, bind, network=network))
+
+
+def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
+    taken: set[tuple[str, int]] = set()
+    for robot in fleet.robots:
+        host = robot.address if bind not in ANY and _may_listen(robot, network=network) else ""
+        number = robot.endpoint[1] if robot.endpoint else None
+        if number is not None:
+            # at all addresses of this computer no number is free twice
+            place = ("" if bind in ANY else host or bind, number)
+            number = None if place in taken else number
+            taken.add(place)
+        yield RobotSpec(model=_model(fleet, robot), name=robot.name, port=number, host=host)
+
+
+def _may_listen(robot: Robot, *, network: bool) -> bool:
+    """Whether a simulated robot listens at the address of its row."""
+    return (network or ip_address(robot.address).is_loopback) and is_here(robot)
+
+
+def _model(fleet: Fleet, robot: Robot) -> str:
+    is_file = robot.model.lower().endswith(MODEL_FILES)
+    return str(fleet.path.parent / robot.model) if is_file else robot.model

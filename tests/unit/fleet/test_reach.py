@@ -1,0 +1,126 @@
+"""A robot by its name: its port if others reach it, else what to do."""
+
+from pathlib import Path
+
+import pytest
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.inventory import parse_fleet
+from pioneer3.fleet.reach import laser_of, named, port_of
+from pioneer3.fleet.simulated import simulated
+
+FLEET = parse_fleet(
+    Path("fleet.toml"),
+    """\
+[[robot]]
+name = "near"
+address = "127.0.0.1"
+laser = "/dev/ttyACM0"
+[[robot]]
+name = "far"
+address = "192.0.2.7"
+laser = "/dev/ttyACM0"
+[[robot]]
+name = "served"
+address = "192.0.2.8"
+port = "tcp://Served:8102"
+model = "p3dx-sh"
+laser = "lms-111@tcp:192.0.2.9"
+[[robot]]
+name = "six"
+address = "fd00::7"
+port = "tcp://six"
+laser = "auto"
+[[robot]]
+name = "elsewhere"
+address = "192.0.2.10"
+port = "bridge.lab:8102"
+[groups]
+front = ["near", "far"]
+""",
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "port"),
+    [
+        ("near", "/dev/ttyUSB0"),
+        ("served", "tcp://192.0.2.8:8102"),
+        ("six", "tcp://[fd00::7]:8101"),
+        ("elsewhere", "tcp://bridge.lab:8102"),
+    ],
+)
+def test_a_name_stands_for_a_port_that_is_reached_from_here(name: str, port: str) -> None:
+    assert port_of(FLEET, name) == port
+
+
+def test_a_device_of_another_computer_is_refused_with_what_to_do() -> None:
+    with pytest.raises(ConfigError) as caught:
+        port_of(FLEET, "far")
+    message = str(caught.value)
+    assert message.startswith("fleet.toml:5: far is at /dev/ttyUSB0, a device of far (192.0.2.7)")
+    assert "after ssh pioneer@192.0.2.7" in message
+    assert 'say port = "tcp://far:8101"' in message
+
+
+def test_a_laser_is_taken_where_it_is_reached_from_here() -> None:
+    lasers = {robot.name: laser_of(robot) for robot in FLEET.robots}
+    assert lasers == {
+        "near": "/dev/ttyACM0",
+        "far": "",
+        "served": "lms-111@tcp:192.0.2.9",
+        "six": "",
+        "elsewhere": "",
+    }
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (["near"], ["near"]),
+        (["front", "served"], ["near", "far", "served"]),
+        (["p3at"], []),
+        (["p3dx:near", "mine.toml"], []),
+        (["unknown"], []),
+    ],
+)
+def test_words_are_robots_or_models(words: list[str], names: list[str]) -> None:
+    assert [robot.name for robot in named(words, FLEET)] == names
+
+
+@pytest.mark.parametrize("words", [["near", "p3at"], ["near", "unknown"]])
+def test_words_of_both_kinds_are_refused(words: list[str]) -> None:
+    with pytest.raises(ConfigError):
+        named(words, FLEET)
+
+
+def test_simulated_robots_listen_on_loopback_at_the_ports_of_their_rows() -> None:
+    specs = simulated(FLEET)
+    assert [(each.name, each.model, each.host, each.port) for each in specs] == [
+        ("near", "p3at", "127.0.0.1", None),
+        ("far", "p3at", "", None),
+        ("served", "p3dx-sh", "", 8102),
+        ("six", "p3at", "", 8101),
+        ("elsewhere", "p3at", "", None),
+    ]
+
+
+def test_every_address_of_loopback_has_ports_of_its_own() -> None:
+    rows = "".join(
+        f'[[robot]]\nname = "r{n}"\naddress = "127.0.0.{n}"\nport = "tcp://r{n}:8101"\n'
+        for n in (1, 2)
+    )
+    fleet = parse_fleet(Path("fleet.toml"), rows)
+    assert [(each.host, each.port) for each in simulated(fleet)] == [
+        ("127.0.0.1", 8101),
+        ("127.0.0.2", 8101),
+    ]
+    assert [(each.host, each.port) for each in simulated(fleet, "0.0.0.0", network=True)] == [
+        ("", 8101),
+        ("", None),
+    ]
+
+
+def test_a_fleet_without_robots_is_not_simulated() -> None:
+    with pytest.raises(ConfigError, match="no robot to simulate"):
+        simulated(parse_fleet(Path("fleet.toml"), ""))
