@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.reference import laser_tables, message_types, mode_tables
+from docs.reference import fleet_tables, laser_tables, message_types, mode_tables
 from docs.reference.protocol_tables import PAGES, filled
 from pioneer3.arcos import commands, reports
 
@@ -42,6 +42,12 @@ def test_the_tables_of_lasers_are_up_to_date() -> None:
     text = laser_tables.PAGE.read_text(encoding="utf-8")
     todo = "run: uv run python -m docs.reference.laser_tables"
     assert text == laser_tables.filled(text), todo
+
+
+def test_the_tables_of_the_fleet_are_up_to_date() -> None:
+    text = fleet_tables.PAGE.read_text(encoding="utf-8")
+    todo = "run: uv run python -m docs.reference.fleet_tables"
+    assert text == fleet_tables.filled(text), todo
 
 
 @pytest.mark.parametrize("page", mode_tables.PAGES, ids=lambda page: page.name)

@@ -158,7 +158,7 @@ async def test_a_signal_ends_it_while_robots_drive(number: signal.Signals, code:
 
 
 async def test_beyond_loopback_it_warns_and_tells_an_address_that_others_can_use() -> None:
-    async with running("sim", "-p", "0", "--bind-to-address", "0.0.0.0") as sim:
+    async with running("sim", "-p", "0", "--bind-to-address", "0.0.0.0", "--no-announce") as sim:
         (told,) = await robots(sim, 1)
         assert "0.0.0.0" not in told.url
         async with connect_async(told.url) as robot:

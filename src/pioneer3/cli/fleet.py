@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 
+from pioneer3.cli.fleet_discover import discover
 from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.options import Flag, FleetFile
@@ -104,7 +105,7 @@ def _version(answer: str) -> Literal["", "1", "2"]:
 
 
 COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
-    "The file": (("init", init), ("list", list_)),
+    "The file": (("init", init), ("discover", discover), ("list", list_)),
     "Names on this computer": (
         ("hosts", hosts),
         ("ssh-config", ssh_config),

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds, fleet_of
 from pioneer3.cli.process import run_until_told_to_leave, write_json
+from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,6 +51,8 @@ def list_(
     """
     given = fleet_of(fleet)
     robots = given.select(names or ("all",))
+    if not robots:
+        raise ConfigError(f"{given.path}: it has no robot yet; add one as [[robot]]")
     if offline:
         _print(robots, None, json=json)
         return 0
@@ -91,9 +94,11 @@ async def _watch(
         while True:
             _print(robots, await look(robots, questions), json=json)
             await asyncio.sleep(every)
-    with Screen(console=Console(highlight=False), auto_refresh=False) as screen:
+    console = Console(highlight=False)
+    with Screen(console=console, auto_refresh=False) as screen:
         while True:
-            screen.update(table(robots, await look(robots, questions)), refresh=True)
+            answers = await look(robots, questions)
+            screen.update(table(robots, answers, console.width), refresh=True)
             await asyncio.sleep(every)
 
 
@@ -108,17 +113,17 @@ def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, j
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 400  # a file or a program takes long lines
-    console.print(table(robots, answers))
+    console.print(table(robots, answers, console.width))
 
 
-def table(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None") -> "Table":
+def table(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", width: int) -> "Table":
     """Return the table of a fleet; without answers, what the file says."""
     from rich.table import Table
     from rich.text import Text
 
     from pioneer3.fleet.columns import shown
 
-    titles, rows = shown(robots, answers)
+    titles, rows = shown(robots, answers, width)
     made = Table(box=None, pad_edge=False, header_style="bold")
     for title in titles:
         made.add_column(title, overflow="fold")

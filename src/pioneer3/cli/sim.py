@@ -75,6 +75,7 @@ class PortOptions:
     Attributes:
         port: TCP port of the first robot (8101), the others have the next ones; 0 takes free ones.
         bind: Address to listen on, such as 0.0.0.0; not 127.0.0.1 lets the network drive.
+        no_announce: Do not announce robots that listen beyond this computer (zeroconf).
         pty: A pseudo terminal for each robot besides, for programs that want a serial port.
         acts: TCP port of an ACTS server (5001) that sees people, boxes and robots in channels 1,
             2 and 3; further robots' have the next ones.
@@ -82,6 +83,7 @@ class PortOptions:
 
     port: Annotated[TcpPort | None, Parameter(name=["--port", "-p"])] = None
     bind: Annotated[str, Parameter(name=["--bind", "--bind-to-address"])] = "127.0.0.1"
+    no_announce: Flag = False
     pty: Flag = False
     acts: Annotated[TcpPort | None, Parameter(show_default=False)] = None
 
@@ -288,10 +290,12 @@ def sim(
         pace=time.pace(),
         faults=errors.faults(),
     )
-    return run_until_told_to_leave(_simulate(simulation))
+    return run_until_told_to_leave(_simulate(simulation, announce=not ports.no_announce))
 
 
-async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]") -> int:
+async def _simulate(
+    simulation: "AbstractAsyncContextManager[RunningSimulation]", *, announce: bool
+) -> int:
     import asyncio
 
     async with AsyncExitStack() as stack:
@@ -304,8 +308,20 @@ async def _simulate(simulation: "AbstractAsyncContextManager[RunningSimulation]"
         if running.progress:
             print(running.progress, file=sys.stderr, flush=True)  # noqa: T201
         print("\n".join(greeting(running)), flush=True)  # noqa: T201
+        if announce:
+            await _announce(running, stack)
         await asyncio.get_running_loop().create_future()
     return 0
+
+
+async def _announce(running: "RunningSimulation", stack: AsyncExitStack) -> None:
+    """Let `pioneer3 fleet discover` find robots that listen beyond this computer."""
+    from pioneer3.fleet.announce import announced, of_simulation
+
+    try:
+        await stack.enter_async_context(announced(of_simulation(running)))
+    except (ImportError, OSError) as error:
+        _warn(f"the robots are not announced in the network: {error}")
 
 
 def greeting(running: "RunningSimulation") -> Iterator[str]:

@@ -1,7 +1,8 @@
 """The table of a fleet, column by column: what each says about a robot, and its meaning."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 from pioneer3.fleet.live import Answer, Live
@@ -46,9 +47,14 @@ class LiveColumn:
     of: Callable[[Live], Cell]
 
 
+NOTHING: Final = "-"
+LEAST: Final = ("note", "model", "laser", "port", "ROS graph", "ROS", "host")
+"""Columns that a narrow terminal can do without, the first of them first."""
+GAP: Final = 2
+"""Between two columns."""
 COLUMNS: Final = (
     Column("name", "of the robot", lambda robot: Cell(robot.name)),
-    Column("host", "name of its computer", lambda robot: Cell(robot.host)),
+    Column("host", "name of its computer, if another", lambda robot: Cell(robot.host)),
     Column("address", "of its computer", lambda robot: Cell(robot.address)),
     Column("port", "the robot's own", lambda robot: Cell(robot.port)),
     Column("model", "its type", lambda robot: Cell(robot.model)),
@@ -72,7 +78,7 @@ LIVE_COLUMNS: Final = (
     LiveColumn(
         "motors",
         "whether they have power",
-        lambda live: Cell("-" if live.motors is None else "on" if live.motors else "off"),
+        lambda live: Cell(NOTHING if live.motors is None else "on" if live.motors else "off"),
     ),
     LiveColumn("ROS graph", "the master that answers", lambda live: _answer(live.ros)),
 )
@@ -88,41 +94,53 @@ WARN_CLOCK: Final = 0.1
 
 
 def _answer(answer: Answer) -> Cell:
-    return Cell(answer.said or "-", answer.ok)
+    return Cell(answer.said or NOTHING, answer.ok)
 
 
 def _battery(voltage: float | None) -> Cell:
     if voltage is None:
-        return Cell("-")
+        return Cell(NOTHING)
     return Cell(f"{voltage:.1f} V", voltage >= WARN_VOLTAGE)
 
 
 def _clock(ahead: float | None) -> Cell:
     if ahead is None:
-        return Cell("-")
+        return Cell(NOTHING)
     return Cell(f"{ahead:+.3f} s", abs(ahead) <= WARN_CLOCK)
 
 
 def shown(
-    robots: Sequence[Robot], answers: Sequence[Live] | None
+    robots: Sequence[Robot], answers: Sequence[Live] | None, width: float = inf
 ) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
-    """Return the titles and rows of the table; columns in which no robot has anything are left out.
+    """Return the titles and rows of the table.
+
+    Columns in which no robot has anything are left out, and those of :data:`LEAST`, in their order,
+    until the rest fits.
 
     Args:
         robots: One row each.
         answers: Of the same robots; `None` if nobody was asked.
+        width: Room for it [characters].
     """
-    static = tuple(tuple(column.of(robot) for column in COLUMNS) for robot in robots)
-    titles = tuple(column.title for column in COLUMNS)
-    live: tuple[LiveColumn, ...] = () if answers is None else LIVE_COLUMNS
-    if any(told.clock is not None for told in answers or ()):
-        live = (*live, CLOCK)
-    told_cells = tuple(tuple(column.of(told) for column in live) for told in answers or ())
-    rows = (
-        static
-        if answers is None
-        else tuple((*left, *right) for left, right in zip(static, told_cells, strict=True))
+    columns = {one.title: [one.of(robot) for robot in robots] for one in COLUMNS}
+    if all(robot.host == robot.name for robot in robots):
+        del columns["host"]
+    if answers is not None:
+        columns |= {one.title: [one.of(told) for told in answers] for one in LIVE_COLUMNS}
+        columns[CLOCK.title] = [CLOCK.of(told) for told in answers]
+    columns = {
+        title: cells
+        for title, cells in columns.items()
+        if any(cell.text not in {"", NOTHING} for cell in cells)
+    }
+    for title in LEAST:
+        if _width(columns) > width:
+            columns.pop(title, None)
+    return tuple(columns), tuple(zip(*columns.values(), strict=True))
+
+
+def _width(columns: Mapping[str, Sequence[Cell]]) -> int:
+    widths = (
+        max(len(title), *(len(cell.text) for cell in cells)) for title, cells in columns.items()
     )
-    titles = (*titles, *(column.title for column in live))
-    kept = [n for n in range(len(titles)) if any(row[n].text not in {"", "-"} for row in rows)]
-    return tuple(titles[n] for n in kept), tuple(tuple(row[n] for n in kept) for row in rows)
+    return sum(width + GAP for width in widths)

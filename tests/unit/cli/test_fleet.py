@@ -74,6 +74,9 @@ def test_what_is_wrong_is_refused_before_anything_is_written(folder: Path) -> No
 def test_without_a_file_the_way_to_make_one_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert execute(["fleet", "list"]) == 2
     assert "make one with pioneer3 fleet init" in capsys.readouterr().err
+    Path("fleet.toml").touch()
+    assert execute(["fleet", "list"]) == 2
+    assert "fleet.toml: it has no robot yet" in capsys.readouterr().err
 
 
 @pytest.mark.realtime
@@ -84,7 +87,7 @@ def test_the_list_shows_file_and_answers(
     (folder / "fleet.toml").write_text(text)
     assert execute(["fleet", "list", "--timeout", "2"]) == 0
     head, row = capsys.readouterr().out.splitlines()
-    assert head.split() == ["name", "host", "address", "port", "model", "up", "ssh", "driver"]
+    assert head.split() == ["name", "address", "port", "model", "up", "ssh", "driver"]
     assert row.split()[-1] == "refused"
     assert execute(["fleet", "list", "--offline", "--json"]) == 0
     (listed,) = json.loads(capsys.readouterr().out)

@@ -24,7 +24,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> Iterator[Seen]:
     """Note what would be simulated."""
     seen: Seen = []
 
-    async def stay(simulation: object) -> int:
+    async def stay(simulation: object, *, announce: bool) -> int:
         return 0
 
     monkeypatch.setattr(

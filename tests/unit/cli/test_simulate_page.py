@@ -27,7 +27,7 @@ def test_there_is_something_to_try() -> None:
 def test_every_command_is_taken(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[dict[str, Any]] = []
 
-    async def stay(simulation: object) -> int:
+    async def stay(simulation: object, *, announce: bool) -> int:
         return 0
 
     monkeypatch.setattr(

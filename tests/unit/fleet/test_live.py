@@ -256,9 +256,21 @@ def test_the_exit_code_says_whether_some_or_none_answered(up: tuple[bool, ...], 
 
 def test_columns_without_anything_are_left_out() -> None:
     titles, rows = shown([robot(2)], [told("r2", up=True)])
-    assert titles == ("name", "host", "address", "port", "model", "up", "ssh", "driver")
+    assert titles == ("name", "address", "port", "model", "up", "ssh", "driver")
     assert [cell.text for cell in rows[0]][-3:] == ["yes", "no answer", "no answer"]
     titles, _ = shown([robot(2, ros="1")], [told("r2", up=True, clock=0.0)])
     assert titles[-1] == "clock"
     assert "ROS" in titles
-    assert shown([robot(2)], None)[0] == ("name", "host", "address", "port", "model")
+    assert shown([robot(2)], None)[0] == ("name", "address", "port", "model")
+    assert "host" in shown([replace(robot(2), host="cr-246")], None)[0]
+
+
+def test_a_narrow_terminal_has_the_columns_that_matter() -> None:
+    robots = [replace(robot(2, ros="1"), note="in the hall beside the stairs", laser="auto")]
+    answers = [told("r2", up=True, clock=0.0)]
+    wide, _ = shown(robots, answers)
+    narrow, rows = shown(robots, answers, 60)
+    assert narrow == ("name", "address", "ROS", "up", "ssh", "driver", "clock")
+    assert set(narrow) < set(wide)
+    assert [len(row) for row in rows] == [len(narrow)]
+    assert sum(max(len(t), len(c.text)) + 2 for t, c in zip(narrow, rows[0], strict=True)) <= 60

@@ -1,0 +1,91 @@
+"""`pioneer3 fleet discover`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from pioneer3.cli.options import Flag, FleetFile, Seconds
+from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line, write_warning
+
+if TYPE_CHECKING:
+    from pioneer3.fleet.inventory import Fleet
+
+
+def discover(
+    *addresses: Annotated[str, Parameter(negative=(), metavar="ADDRESS")],
+    fleet: FleetFile = None,
+    seconds: Seconds = 2.0,
+    no_broadcast: Flag = False,
+    json: Flag = False,
+) -> int:
+    """Find robots, simulators and on-board computers; print them as lines of a file.
+
+    All of the network are asked: who announces himself (zeroconf), and the serial
+    bridges of Pioneer robots. At the addresses given it looks for robots at TCP
+    ports 8101 to 8120, and for ssh. A robot that answers is asked for its name by
+    a short session; nothing moves. What the fleet file has already is left out. The
+    exit code is 3 if nothing was found.
+
+    Example: pioneer3 fleet discover
+    Example: pioneer3 fleet discover 192.168.1.0/24
+
+    Args:
+        addresses: Where to look: 192.168.1.113, or a network such as 192.168.1.0/24.
+        fleet: The fleet file.
+        seconds: How long to wait for answers.
+        no_broadcast: Look at the addresses alone.
+        json: Print JSON for programs: one array of all that was found.
+    """
+    from pioneer3.fleet.discovery import addresses_in
+
+    targets = addresses_in(addresses)
+    known = _fleet(fleet)
+    return run_until_told_to_leave(
+        _discover(targets, known, seconds, broadcast=not no_broadcast, json=json)
+    )
+
+
+async def _discover(
+    targets: tuple[str, ...],
+    fleet: "Fleet | None",
+    seconds: float,
+    *,
+    broadcast: bool,
+    json: bool,
+) -> int:
+    from pioneer3.cli.process import busy_sign
+    from pioneer3.fleet.discovery import discover as find
+    from pioneer3.fleet.offers import offers
+
+    where = f" and {len(targets)} addresses" if targets else ""
+    with busy_sign(f"Looking in the network{where} ..."):
+        found = await find(targets, seconds=seconds, broadcast=broadcast)
+    if json:
+        write_json(found, indent=2)
+        return 0 if found else 3
+    if not found:
+        write_warning(
+            "nothing was found; name addresses, such as pioneer3 fleet discover 192.168.1.0/24"
+        )
+        return 3
+    lines = list(offers(found, fleet))
+    if not lines:
+        write_line(f"# all {len(found)} that were found are in the fleet file already")
+    for line in lines:
+        write_line(line)
+    return 0
+
+
+def _fleet(given: Path | None) -> "Fleet | None":
+    """Return the fleet; `None` if there is no file yet."""
+    import os
+
+    from pioneer3.errors import ConfigError
+    from pioneer3.fleet.inventory import find_fleet, read_fleet
+
+    try:
+        path = find_fleet(given, environment=os.environ, here=Path(), home=Path.home())
+    except ConfigError:
+        return None
+    return read_fleet(path)

@@ -1,0 +1,292 @@
+"""What is on the network: robots, simulators, serial bridges, and computers that may be on robots.
+
+Four ways are gone at once: announcements (zeroconf), the query of the serial bridges, TCP ports of
+robots at given addresses, and the greeting of ssh there. Nothing moves; a robot's port that answers
+is asked for its name by a short session.
+"""
+
+import asyncio
+import socket
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+from ipaddress import IPv4Interface, ip_address, ip_network
+from typing import TYPE_CHECKING, Final
+
+from pioneer3.doctor.probe import Verdict, probe
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.announce import SERVICE
+
+if TYPE_CHECKING:
+    from zeroconf import Zeroconf
+
+SSH: Final = "_ssh._tcp.local."
+ROBOT_PORTS: Final = range(8101, 8121)
+SSH_PORT: Final = 22
+BRIDGE_PORT: Final = 30718
+"""Of the serial bridges on Pioneer robots, by Lantronix (protocol.md 1.1)."""
+BRIDGE_QUERY: Final = b"\x00\x00\x00\xf6"
+"""Query for Firmware Version (Lantronix UDS-10 User Guide, 8.1)."""
+BRIDGE_ANSWER: Final = 0xF7
+"""Fourth byte of the answer, Firmware Information."""
+ROBOT_MARK: Final = b"\xfa\xfb"
+"""Bytes 8 and 9 of the answer of a simulator in the place of a robot (protocol.md 1.1)."""
+MOST_ADDRESSES: Final = 1024
+AT_ONCE: Final = 128
+"""Connections that are tried side by side."""
+
+
+class Kind(StrEnum):
+    """What was found."""
+
+    ROBOT = "robot"
+    SIMULATOR = "simulator"
+    BRIDGE = "serial bridge"
+    COMPUTER = "computer"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """Something on the network.
+
+    Attributes:
+        kind: What it is.
+        address: Its IP address.
+        port: The TCP port of a robot; `None` for a computer, or a bridge whose port is unknown.
+        name: Its own; empty if it told none.
+        detail: For people.
+        model: Name of the robot's model; empty if it told none.
+    """
+
+    kind: Kind
+    address: str
+    port: int | None = None
+    name: str = ""
+    detail: str = ""
+    model: str = ""
+
+
+def addresses_in(words: Iterable[str]) -> tuple[str, ...]:
+    """Return the addresses that `192.168.1.113` and `192.168.1.0/24` stand for.
+
+    Raises:
+        ConfigError: A word is neither, or they are too many.
+    """
+    found: dict[str, None] = {}
+    for word in words:
+        try:
+            network = ip_network(word, strict=False)
+        except ValueError:
+            raise ConfigError(
+                f"{word!r}: expected an address or a network, as 192.168.1.113 or 192.168.1.0/24"
+            ) from None
+        if network.num_addresses > MOST_ADDRESSES:
+            raise ConfigError(f"{word}: {network.num_addresses} addresses; ask for a part of it")
+        found.update((str(host), None) for host in network.hosts())
+    return tuple(found)
+
+
+async def discover(
+    addresses: Sequence[str] = (), *, seconds: float = 2.0, broadcast: bool = True
+) -> tuple[Found, ...]:
+    """Return all that is found, by address and port.
+
+    Args:
+        addresses: Where ports are tried.
+        seconds: How long announcements and answers are waited for, and each connection.
+        broadcast: Whether all of the network are asked, by zeroconf and the bridges' query.
+    """
+    broadcasts = await asyncio.to_thread(broadcast_addresses) if broadcast else ()
+    ways = [
+        _bridges((*broadcasts, *addresses), seconds),
+        *([_announcements(seconds)] if broadcast else []),  # they know the robots' names
+        _ports(addresses, seconds),
+    ]
+    found: dict[tuple[str, int | Kind], Found] = {}
+    for way in await asyncio.gather(*ways):
+        for one in way:
+            key = (one.address, one.port or one.kind)
+            found[key] = _better(found.get(key), one)
+    known = {one.address for one in found.values() if one.port is not None}
+    # a bridge without a port is the computer of the port that was found there
+    kept = [one for one in found.values() if not (one.kind is Kind.BRIDGE and one.address in known)]
+    return tuple(sorted(kept, key=lambda one: (ip_address(one.address).packed, one.port or 0)))
+
+
+def _better(old: Found | None, new: Found) -> Found:
+    """Return the one of two findings about one place that says more."""
+    return new if old is None or (new.detail and not old.detail) else old
+
+
+def broadcast_addresses() -> tuple[str, ...]:
+    """Return the broadcast address of each network that this computer is in."""
+    try:
+        import ifaddr
+    except ImportError:  # it comes with zeroconf
+        return ()
+    return tuple(
+        str(interface.network.broadcast_address)
+        for adapter in ifaddr.get_adapters()
+        for ip in adapter.ips
+        if isinstance(ip.ip, str)
+        for interface in [IPv4Interface(f"{ip.ip}/{ip.network_prefix}")]
+        if not interface.is_loopback and interface.network.prefixlen < 31
+    )
+
+
+class _BridgeAnswers(asyncio.DatagramProtocol):
+    """Collects the answers of bridges, by their addresses."""
+
+    def __init__(self) -> None:
+        self.found: dict[str, Found] = {}
+
+    def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
+        """Keep an answer; our own query, which a broadcast brings back, is none."""
+        if (found := bridge_answer(data, addr[0])) is not None:
+            self.found[addr[0]] = found
+
+
+def bridge_answer(data: bytes, address: str) -> Found | None:
+    """Return the bridge that an answer is of; `None` for other bytes."""
+    if len(data) < 4 or data[:3] != b"\0\0\0" or data[3] != BRIDGE_ANSWER:
+        return None
+    if data[8:10] == ROBOT_MARK:
+        return Found(kind=Kind.BRIDGE, address=address, detail="says that a robot is behind it")
+    return Found(kind=Kind.BRIDGE, address=address, detail="its device is not told")
+
+
+async def _bridges(targets: Sequence[str], seconds: float) -> list[Found]:
+    loop = asyncio.get_running_loop()
+    try:
+        transport, answers = await loop.create_datagram_endpoint(
+            _BridgeAnswers, family=socket.AF_INET, allow_broadcast=True, local_addr=("0.0.0.0", 0)
+        )
+    except OSError:
+        return []
+    try:
+        for _ in range(2):  # a datagram may be lost
+            for target in targets:
+                if ip_address(target).version == 4:
+                    transport.sendto(BRIDGE_QUERY, (target, BRIDGE_PORT))
+            await asyncio.sleep(seconds / 2)
+    finally:
+        transport.close()
+    return list(answers.found.values())
+
+
+async def _ports(addresses: Sequence[str], seconds: float) -> list[Found]:
+    """Try the ports of robots and ssh at all addresses, some at a time."""
+    gate = asyncio.Semaphore(AT_ONCE)
+
+    async def tried(address: str, port: int) -> Found | None:
+        async with gate:
+            if port == SSH_PORT:
+                return await _computer(address, seconds)
+            return await _robot(address, port, seconds)
+
+    tries = [tried(address, port) for address in addresses for port in (SSH_PORT, *ROBOT_PORTS)]
+    return [one for one in await asyncio.gather(*tries) if one is not None]
+
+
+async def _computer(address: str, seconds: float) -> Found | None:
+    writer = None
+    try:
+        async with asyncio.timeout(seconds):
+            reader, writer = await asyncio.open_connection(address, SSH_PORT)
+            line = await reader.readline()
+    except (OSError, TimeoutError, ValueError):
+        return None
+    finally:
+        if writer is not None:
+            writer.transport.abort()
+    banner = line.decode("ascii", "replace").strip()
+    if not banner.startswith("SSH-") or not banner.isprintable():
+        return None
+    return Found(kind=Kind.COMPUTER, address=address, detail=banner.split("-", 2)[-1][:60])
+
+
+async def _robot(address: str, port: int, seconds: float) -> Found | None:
+    """Ask a port that is open for the robot behind it."""
+    try:
+        async with asyncio.timeout(seconds):
+            _, writer = await asyncio.open_connection(address, port)
+    except (OSError, TimeoutError):
+        return None
+    writer.transport.abort()
+    host = f"[{address}]" if ":" in address else address
+    result = await probe(f"tcp://{host}:{port}")
+    match result.verdict:
+        case Verdict.ROBOT | Verdict.SIMULATOR if result.info is not None:
+            kind = Kind.ROBOT if result.verdict is Verdict.ROBOT else Kind.SIMULATOR
+            info = result.info
+            return Found(
+                kind=kind,
+                address=address,
+                port=port,
+                name=info.identity.name,
+                detail=info.model.title,
+                model=info.model.name,
+            )
+        case Verdict.BUSY:
+            detail = "its port is busy: another program may have it"
+            return Found(kind=Kind.ROBOT, address=address, port=port, detail=detail)
+    return None
+
+
+async def _announcements(seconds: float) -> list[Found]:
+    """Collect what is announced; nothing where zeroconf is missing, or there is no network."""
+    try:
+        from zeroconf import ServiceStateChange
+        from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
+    except ImportError:
+        return []
+    names: dict[str, str] = {}
+
+    def note(zeroconf: "Zeroconf", service_type: str, name: str, state_change: object) -> None:
+        if state_change is ServiceStateChange.Added:
+            names[name] = service_type
+
+    try:
+        zeroconf = AsyncZeroconf()
+    except OSError:
+        return []
+    found: list[Found] = []
+    try:
+        browser = AsyncServiceBrowser(zeroconf.zeroconf, [SERVICE, SSH], handlers=[note])
+        await asyncio.sleep(seconds)
+        await browser.async_cancel()
+        for name, kind in names.items():
+            info = AsyncServiceInfo(kind, name)
+            if await info.async_request(zeroconf.zeroconf, 1000 * seconds):
+                told = {
+                    key.decode(errors="replace"): (value or b"").decode(errors="replace")
+                    for key, value in info.properties.items()
+                }
+                host = (info.server or "").partition(".")[0]
+                for address in info.parsed_addresses():
+                    found += _announced(kind, address, info.port, told, host)
+    finally:
+        with suppress(OSError):
+            await zeroconf.async_close()
+    return found
+
+
+def _announced(
+    service: str, address: str, port: int | None, told: dict[str, str], host: str
+) -> Iterator[Found]:
+    texts = [text for text in (*told.values(), host) if not text.isprintable()]
+    if texts:  # it came over the network
+        return
+    if service == SSH:
+        yield Found(kind=Kind.COMPUTER, address=address, name=host, detail="announces ssh")
+        return
+    kind = Kind.SIMULATOR if told.get("kind") == Kind.SIMULATOR else Kind.ROBOT
+    yield Found(
+        kind=kind,
+        address=address,
+        port=port,
+        name=told.get("robot", ""),
+        detail=f"announced by {host}",
+        model=told.get("model", ""),
+    )
