@@ -6,12 +6,14 @@
         * :exc:`PortPermissionError` (also :exc:`PermissionError`): this user may not open the port
         * :exc:`PortBusyError`: another program has the port
         * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
+        * :exc:`HostError`: another computer does not answer, or does not let this user in
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
     * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
     * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
     * :exc:`ConfigError` (also :exc:`ValueError`): an option, map, model or fleet file is wrong
     * :exc:`FilePermissionError` (also :exc:`PermissionError`): this user may not use a file
+    * :exc:`RemoteError` (also :exc:`RuntimeError`): work on another computer failed there
 
 Corrupt bytes *received* are counted, not raised: noise on a serial cable is normal.
 """
@@ -53,6 +55,10 @@ class RecordingOverError(LinkError):
     """A recording in the place of a robot has been played to its end."""
 
 
+class HostError(LinkError):
+    """Another computer does not answer over ssh, or does not let this user in."""
+
+
 class NoRobotError(PioneerError, TimeoutError):
     """The port opened, but no robot answered on it."""
 
@@ -75,3 +81,7 @@ class ConfigError(PioneerError, ValueError):
 
 class FilePermissionError(PioneerError, PermissionError):
     """This user may not read or write a file."""
+
+
+class RemoteError(PioneerError, RuntimeError):
+    """Work on another computer failed there."""

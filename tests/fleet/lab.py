@@ -143,6 +143,7 @@ class Computer:
             ["setpriv", "--pdeathsig", "KILL", "unshare", *namespaces, "bash", "-c", _START],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
             text=True,
             env={
                 "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin",
@@ -170,7 +171,7 @@ class Computer:
     def inside(self) -> list[str]:
         """The words that come before a command to run it here, as root."""
         spaces = ["--net", "--mount", "--uts", *(["--pid"] if self.own_processes else [])]
-        return ["nsenter", "--target", str(self.process), *spaces, "--"]
+        return ["nsenter", "--target", str(self.process), *spaces, f"--wd={self.home}", "--"]
 
     def sh(self, command: str, *, check: bool = True) -> str:
         """Run a line of the shell here as root; return its output."""
@@ -326,7 +327,6 @@ class Operator(Computer):
             text=True,
             timeout=PATIENCE,
             env=self.environment,
-            cwd=self.home,
             check=False,
         )
 

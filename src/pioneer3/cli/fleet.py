@@ -10,6 +10,7 @@ from cyclopts import App, Group, Parameter
 from pioneer3.cli.fleet_discover import discover
 from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
+from pioneer3.cli.fleet_work import WORK
 from pioneer3.cli.options import Flag, FleetFile
 from pioneer3.cli.process import write_line
 
@@ -111,6 +112,7 @@ COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
         ("ssh-config", ssh_config),
         ("aliases", aliases),
     ),
+    "Work on the robots": WORK,
 }
 """The commands in their groups, each with its name; others are added here."""
 

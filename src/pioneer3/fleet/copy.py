@@ -1,0 +1,283 @@
+"""Files to and from many computers: whole or not at all.
+
+A file arrives under a temporary name beside its own, is compared by size and SHA-256, and only
+then takes its name. Modes are kept. Folders are copied file by file.
+"""
+
+import asyncio
+import hashlib
+import os
+import secrets
+import shlex
+import stat
+from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Any, Final
+
+from pioneer3.errors import ConfigError, RemoteError
+from pioneer3.fleet.run import Done, Outcome, on_each, output_of
+from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.ssh import LOGIN, Login, asyncssh_module, connect
+
+if TYPE_CHECKING:
+    import asyncssh
+
+BLOCK: Final = 1 << 18
+"""Piece of a file that is read at once [bytes]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A file to copy: where it is here, and its name below the destination."""
+
+    path: Path
+    name: str
+
+
+async def push(
+    robots: Iterable[Robot], files: Sequence[Path], destination: str, *, login: Login = LOGIN
+) -> tuple[Outcome, ...]:
+    """Copy files and folders to all computers at once.
+
+    Args:
+        robots: Whose computers.
+        files: Files and folders of this computer.
+        destination: File name or folder there, relative to the user's home; it is a folder if it
+            ends in a slash, is one already, or there are several `files`.
+        login: How to log in.
+
+    Raises:
+        ConfigError: A file is missing here.
+    """
+    pieces = tuple(_pieces(files))
+    total = sum(piece.path.stat().st_size for piece in pieces)
+
+    async def work(robot: Robot) -> Done:
+        async with connect(robot, login) as connection, _sftp(connection) as sftp:
+            into_folder = (
+                destination.endswith("/")
+                or len(files) > 1
+                or files[0].is_dir()
+                or await sftp.isdir(_home(destination))
+            )
+            for piece in pieces:
+                name = f"{destination.rstrip('/') or '/'}/{piece.name}"
+                target = _home(name if into_folder else destination)
+                await _put(connection, sftp, piece.path, target)
+        return Done(said=f"{_count(len(pieces))}, {_size(total)}")
+
+    return await on_each(robots, work)
+
+
+async def put_file(connection: "asyncssh.SSHClientConnection", source: Path, target: str) -> None:
+    """Copy one file over an open connection, whole or not at all.
+
+    Raises:
+        RemoteError: It did not arrive; what was there before is unchanged.
+    """
+    async with _sftp(connection) as sftp:
+        await _put(connection, sftp, source, target)
+
+
+async def pull(
+    robots: Iterable[Robot], paths: Sequence[str], folder: Path, *, login: Login = LOGIN
+) -> tuple[Outcome, ...]:
+    """Copy files and folders from all computers at once, each into a folder of its robot's name.
+
+    Args:
+        robots: Whose computers.
+        paths: Of files and folders there, relative to the user's home; with `*`, `?`, `[...]`.
+        folder: Here; that of each robot is made in it.
+        login: How to log in.
+    """
+
+    async def work(robot: Robot) -> Done:
+        async with connect(robot, login) as connection, _sftp(connection) as sftp:
+            found = [each for path in paths async for each in _found(sftp, _home(path))]
+            total = 0
+            for path, name in found:
+                total += await _get(connection, sftp, path, folder / robot.name / name)
+        return Done(said=f"{_count(len(found))}, {_size(total)}")
+
+    return await on_each(robots, work)
+
+
+def _pieces(files: Sequence[Path]) -> Iterator[Piece]:
+    if not files:
+        raise ConfigError("no file is given")
+    for file in files:
+        if file.is_file():
+            yield Piece(file, file.name)
+        elif file.is_dir():
+            root = file.resolve()
+            inside = sorted(path for path in root.rglob("*") if path.is_file())
+            for path in inside:
+                yield Piece(path, f"{root.name}/{path.relative_to(root).as_posix()}")
+        else:
+            raise ConfigError(f"{file}: there is no such file here")
+
+
+def _home(path: str) -> str:
+    """Return `path` for SFTP, for which all that is relative is relative to the home."""
+    return path.removeprefix("~/") if path != "~" else "."
+
+
+@asynccontextmanager
+async def _sftp(connection: "asyncssh.SSHClientConnection") -> "AsyncIterator[Any]":
+    """Open a file transfer; its errors are told in words."""
+    ssh = asyncssh_module()
+    try:
+        async with connection.start_sftp_client() as client:
+            yield client
+    except ssh.SFTPError as error:
+        if isinstance(error, ssh.SFTPConnectionLost | ssh.SFTPNoConnection):
+            raise ConnectionAbortedError(str(error)) from error  # `connect` tells it in words
+        raise RemoteError(str(error.reason)) from None
+    except ssh.ChannelOpenError as error:
+        raise RemoteError(f"its ssh server offers no file transfer: {error}") from None
+
+
+async def _put(connection: Any, sftp: Any, source: Path, target: str) -> None:
+    """Copy one file there.
+
+    Raises:
+        RemoteError: It did not arrive; what was there before is unchanged.
+    """
+    ssh = asyncssh_module()
+    place = PurePosixPath(target)
+    temporary = str(place.with_name(f".{place.name}.{secrets.token_hex(4)}.part"))
+    digest = hashlib.sha256()
+    here = await asyncio.to_thread(source.stat)
+    try:
+        await sftp.makedirs(str(place.parent), exist_ok=True)
+        async with sftp.open(temporary, "wb") as file:
+            async for block in _blocks(source):
+                digest.update(block)
+                await file.write(block)
+        await sftp.chmod(temporary, stat.S_IMODE(here.st_mode))
+        await _check(connection, temporary, digest.hexdigest(), f"{target}: it was damaged")
+        await sftp.posix_rename(temporary, target)
+    except (ssh.SFTPError, RemoteError) as error:
+        why = await _why(sftp, place, error, here.st_size)
+        with suppress(ssh.SFTPError):
+            await sftp.remove(temporary)
+        raise RemoteError(why) from None
+    except asyncio.CancelledError:
+        with suppress(ssh.Error, OSError, TimeoutError):
+            async with asyncio.timeout(1.0):
+                await sftp.remove(temporary)
+        raise
+
+
+async def _why(sftp: Any, place: PurePosixPath, error: Exception, size: int) -> str:
+    """Return why a file did not arrive; the protocol has one word for most failures."""
+    ssh = asyncssh_module()
+    if isinstance(error, RemoteError):
+        return str(error)
+    with suppress(ssh.SFTPError, AttributeError):
+        disk = await sftp.statvfs(str(place.parent))
+        if disk.bavail * disk.frsize < min(size, BLOCK):
+            free = _size(disk.bavail * disk.frsize)
+            return f"{place}: the disk there is full ({free} free); the old file is unchanged"
+    if isinstance(error, ssh.SFTPPermissionDenied):
+        return f"{place}: this user may not write there"
+    return f"{place}: {getattr(error, 'reason', error)}"
+
+
+async def _get(connection: Any, sftp: Any, path: str, target: Path) -> int:
+    """Copy one file here; return its size.
+
+    Raises:
+        RemoteError: It did not arrive; what was here before is unchanged.
+    """
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+    digest = hashlib.sha256()
+    size = 0
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        async with sftp.open(path, "rb") as source:
+            with temporary.open("wb") as file:
+                while block := await source.read(BLOCK):
+                    await asyncio.to_thread(file.write, block)
+                    digest.update(block)
+                    size += len(block)
+            attributes = await source.stat()
+        await _check(connection, path, digest.hexdigest(), f"{path}: it changed or was damaged")
+        temporary.chmod(stat.S_IMODE(attributes.permissions) & 0o777)
+        temporary.replace(target)
+    except OSError as error:
+        raise RemoteError(f"{target}: cannot be written here: {error.strerror or error}") from None
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+    return size
+
+
+async def _found(sftp: Any, path: str) -> AsyncIterator[tuple[str, str]]:
+    """Yield the files that `path` means there: their paths, and their names here."""
+    has_pattern = any(letter in path for letter in "*?[")
+    matches = [each async for each in _matches(sftp, path)] if has_pattern else [path]
+    if not matches:
+        raise RemoteError(f"{path}: no such file there")
+    for match in matches:
+        name = PurePosixPath(await sftp.realpath(match)).name
+        if not await sftp.exists(match):
+            raise RemoteError(f"{path}: no such file there")
+        if await sftp.isdir(match):
+            async for below in _below(sftp, match, name):
+                yield below
+        else:
+            yield match, name
+
+
+async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
+    ssh = asyncssh_module()
+    with suppress(ssh.SFTPNoSuchFile, ssh.SFTPNoSuchPath):
+        for match in await sftp.glob(pattern):
+            yield match
+
+
+async def _below(sftp: Any, folder: str, name: str) -> AsyncIterator[tuple[str, str]]:
+    for entry in await sftp.readdir(folder):
+        if entry.filename in {".", ".."}:
+            continue
+        if "/" in entry.filename or os.sep in entry.filename:
+            raise RemoteError(f"{folder}: a name there contains a slash")
+        path, below = f"{folder}/{entry.filename}", f"{name}/{entry.filename}"
+        kind = stat.S_IFMT(entry.attrs.permissions or 0)
+        if kind == stat.S_IFDIR:
+            async for each in _below(sftp, path, below):
+                yield each
+        elif kind == stat.S_IFREG:
+            yield path, below
+
+
+async def _check(connection: Any, path: str, sha256: str, problem: str) -> None:
+    """Compare a file there with the one here.
+
+    Raises:
+        RemoteError: They differ.
+    """
+    line = await output_of(connection, f"sha256sum -- {shlex.quote(path)}")
+    if line.lstrip("\\").split(" ", 1)[0] != sha256:
+        raise RemoteError(f"{problem} while it was copied; try again")
+
+
+async def _blocks(path: Path) -> AsyncIterator[bytes]:
+    with path.open("rb") as file:
+        while block := await asyncio.to_thread(file.read, BLOCK):
+            yield block
+
+
+def _count(number: int) -> str:
+    return "1 file" if number == 1 else f"{number} files"
+
+
+def _size(number: float) -> str:
+    for unit in ("B", "kB", "MB"):
+        if number < 1000:
+            return f"{number:.3g} {unit}"
+        number /= 1000
+    return f"{number:.3g} GB"
