@@ -75,10 +75,12 @@ def test_another_host_finds_simulator_bridge_and_computer(
     two_hosts: tuple[list[str], list[str]], tmp_path: Path
 ) -> None:
     first, second = two_hosts
+    environment = {**os.environ, "HOME": str(tmp_path), "XDG_STATE_HOME": str(tmp_path)}
     servers = [
         [*PIONEER3, "sim", "--nomap", "--bind", "10.77.0.2", "-r", "p3dx:bob"],
         [sys.executable, "-c", BRIDGE],
         [sys.executable, "-c", SSH],
+        [*PIONEER3, "run", "--host", "10.77.0.2", "--sim-port", "0", "--web-port", "8080"],
     ]
     with ExitStack() as stack:
         for command in servers:
@@ -87,6 +89,7 @@ def test_another_host_finds_simulator_bridge_and_computer(
                     [*second, *command],
                     stdout=subprocess.PIPE,
                     stderr=subprocess.DEVNULL,
+                    env=environment,
                     text=True,
                 )
             )
@@ -100,15 +103,17 @@ def test_another_host_finds_simulator_bridge_and_computer(
                 capture_output=True,
                 text=True,
                 cwd=tmp_path,
-                env={**os.environ, "HOME": str(tmp_path)},
+                env=environment,
                 check=False,
             )
             assert done.returncode == 0, done.stderr
             rows = json.loads(done.stdout)
             return [(row["kind"], row["address"], row["port"], row["name"]) for row in rows]
 
-        # zeroconf tells the name; the broadcast finds the bridge at the same address
-        assert found() == [("simulator", "10.77.0.2", 8101, "bob")]
+        # zeroconf tells the name; the bridge that answers the broadcast is at the robot's address
+        told = found()
+        assert ("simulator", "10.77.0.2", 8101, "bob") in told
+        assert [kind for kind, *_ in told] == ["page", "simulator"]
         scanned = found("10.77.0.2", "--no-broadcast")
         assert ("computer", "10.77.0.2", None, "") in scanned
         assert ("simulator", "10.77.0.2", 8101, "MobileSim") in scanned

@@ -1,5 +1,6 @@
 """`pioneer3 fleet discover`."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,6 +8,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.options import Flag, FleetFile, Seconds
 from pioneer3.cli.process import run_until_told_to_leave, write_json, write_line, write_warning
+from pioneer3.errors import how_to_get
 
 if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet
@@ -39,6 +41,8 @@ def discover(
     """
     from pioneer3.fleet.discovery import addresses_in
 
+    if not no_broadcast and find_spec("zeroconf") is None:
+        write_warning(f"announcements are not heard: {how_to_get('fleet')}")
     targets = addresses_in(addresses)
     known = _fleet(fleet)
     return run_until_told_to_leave(

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,11 +22,14 @@ from pioneer3.cli.options import (
     WorldOptions,
     robots_of,
 )
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.process import run_until_told_to_leave, write_warning
 from pioneer3.errors import ConfigError
 
 if TYPE_CHECKING:
+    from contextlib import AbstractAsyncContextManager
+
     from pioneer3.sim.worldfile import RobotSpec
+    from pioneer3.web.server import Served
 
 AS_USUAL = WorldOptions()
 MANY = Parameter(negative=(), show_default=False)
@@ -45,6 +49,7 @@ def run(
     web_port: TcpPort = 8080,
     lan: Flag = False,
     host: str = "127.0.0.1",
+    no_announce: Flag = False,
     cert: Path | None = None,
     key: Path | None = None,
     max_speed: Speed | None = None,
@@ -70,6 +75,7 @@ def run(
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
         host: Address the page is served on: 127.0.0.1 this computer only, others as --lan.
+        no_announce: Do not announce the page to other computers (zeroconf).
         cert: Certificate for https in PEM, instead of one made on first use.
         key: Its private key, a file that only you may read.
         max_speed: Keep below this.
@@ -89,6 +95,7 @@ def run(
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
+    served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
     options = Options(
         ports=port,
         baud=baud,
@@ -98,15 +105,23 @@ def run(
         ideal=ideal,
         sim_port=sim_port,
         web_port=web_port,
-        host="0.0.0.0" if lan and host == "127.0.0.1" else host,
+        host=served_at,
         cert=cert,
         key=key,
         show_tokens=sys.stdout.isatty(),
         max_speed=max_speed,
         record=record,
         lasers=lambda: lasers.specs(record, port),
+        announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, _tell))
+
+
+def _announced(host: str, served: "Served") -> "AbstractAsyncContextManager[None]":
+    """Let `pioneer3 fleet discover` find the page where other computers reach it."""
+    from pioneer3.fleet.announce import announced, of_page
+
+    return announced(of_page(host, served.https or served.http), write_warning)
 
 
 def _refuse_nonsense(

@@ -309,19 +309,11 @@ async def _simulate(
             print(running.progress, file=sys.stderr, flush=True)  # noqa: T201
         print("\n".join(greeting(running)), flush=True)  # noqa: T201
         if announce:
-            await _announce(running, stack)
+            from pioneer3.fleet.announce import announced, of_simulation
+
+            await stack.enter_async_context(announced(of_simulation(running), _warn))
         await asyncio.get_running_loop().create_future()
     return 0
-
-
-async def _announce(running: "RunningSimulation", stack: AsyncExitStack) -> None:
-    """Let `pioneer3 fleet discover` find robots that listen beyond this computer."""
-    from pioneer3.fleet.announce import announced, of_simulation
-
-    try:
-        await stack.enter_async_context(announced(of_simulation(running)))
-    except (ImportError, OSError) as error:
-        _warn(f"the robots are not announced in the network: {error}")
 
 
 def greeting(running: "RunningSimulation") -> Iterator[str]:

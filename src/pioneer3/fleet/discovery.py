@@ -44,6 +44,7 @@ class Kind(StrEnum):
     SIMULATOR = "simulator"
     BRIDGE = "serial bridge"
     COMPUTER = "computer"
+    PAGE = "page"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -280,6 +281,11 @@ def _announced(
         return
     if service == SSH:
         yield Found(kind=Kind.COMPUTER, address=address, name=host, detail="announces ssh")
+        return
+    if told.get("kind", "").endswith("page"):
+        place = f"[{address}]" if ":" in address else address
+        url = f"{told['kind'].partition(' ')[0]}://{place}:{port}"
+        yield Found(kind=Kind.PAGE, address=address, name=host, detail=f"its robots at {url}")
         return
     kind = Kind.SIMULATOR if told.get("kind") == Kind.SIMULATOR else Kind.ROBOT
     yield Found(

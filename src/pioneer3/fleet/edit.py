@@ -132,8 +132,9 @@ def _replace(path: Path, text: str, mode: int) -> None:
             file.flush()
             os.fsync(file.fileno())
         if path.exists():
-            status = path.stat()
-            os.chown(beside, status.st_uid, status.st_gid)
+            status, own = path.stat(), beside.stat()
+            if (status.st_uid, status.st_gid) != (own.st_uid, own.st_gid):
+                os.chown(beside, status.st_uid, status.st_gid)
             mode = status.st_mode & 0o7777
         beside.chmod(mode)
         beside.replace(path)

@@ -3,7 +3,7 @@
 import asyncio
 import re
 from collections.abc import Awaitable, Callable, Iterator, Sequence
-from contextlib import AsyncExitStack
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -25,7 +25,7 @@ from pioneer3.web.access.sessions import free_name
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
-from pioneer3.web.server import serve
+from pioneer3.web.server import Served, serve
 
 
 async def no_lasers() -> Sequence[LaserSpec]:
@@ -59,6 +59,8 @@ class Options:
         record: New file for every byte on the wire; of several robots each has its own, with its
             name added.
         lasers: Looks for the laser range finders of the only robot.
+        announced: Lets others find the page in the network while the block lasts; not called for
+            one on loopback.
     """
 
     ports: tuple[str, ...] = ()
@@ -76,6 +78,7 @@ class Options:
     max_speed: float | None = None
     record: Path | None = None
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
+    announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
 async def live(options: Options, tell: Callable[[str], None]) -> int:
@@ -110,6 +113,8 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
         tell(f"Drive {it} at {served.http}   (Ctrl-C ends)")
         for line in _pairing_lines(page, options):
             tell(line)
+        if options.announced is not None and not is_loopback(options.host):
+            await stack.enter_async_context(options.announced(served))
         await asyncio.get_running_loop().create_future()
     return 0
 
