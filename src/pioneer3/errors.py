@@ -6,7 +6,8 @@
         * :exc:`PortPermissionError` (also :exc:`PermissionError`): this user may not open the port
         * :exc:`PortBusyError`: another program has the port
         * :exc:`RecordingOverError`: a recording in the place of a robot has been played to its end
-        * :exc:`HostError`: another computer does not answer, or does not let this user in
+        * :exc:`HostError`: another computer does not answer over ssh
+            * :exc:`LoginError`: it answers, but does not let this user in
     * :exc:`NoRobotError` (also :exc:`TimeoutError`): the port opened, but no robot answered
     * :exc:`CommandError` (also :exc:`ValueError`): a command must not be sent to the robot
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
@@ -56,7 +57,11 @@ class RecordingOverError(LinkError):
 
 
 class HostError(LinkError):
-    """Another computer does not answer over ssh, or does not let this user in."""
+    """Another computer does not answer over ssh."""
+
+
+class LoginError(HostError):
+    """Another computer does not let this user in."""
 
 
 class NoRobotError(PioneerError, TimeoutError):

@@ -1,14 +1,14 @@
 """`pioneer3 fleet run` and its kin: work on the computers of many robots at once."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from pioneer3.cli.options import SEVERAL, FleetFile, Seconds, fleet_of
-from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Seconds, fleet_of
+from pioneer3.cli.process import run_until_told_to_leave, write_line
 
 if TYPE_CHECKING:
     from pioneer3.fleet.spec import Robot
@@ -157,7 +157,54 @@ async def _pull(paths: "tuple[str, ...]", to: Path, options: RobotsOptions) -> i
     return finish(outcomes)
 
 
+def key(
+    *names: Annotated[str, Parameter(metavar="NAMES")],
+    accept_new: Flag = False,
+    no_passphrase: Flag = False,
+    robots: RobotsOptions = ROBOTS,
+) -> int:
+    """Let yourself in on the robots' computers with a key in place of a password.
+
+    It makes a key if you have none, shows the host keys that are new here, asks for
+    the robots' password once, installs the key and tries it. The password is kept
+    nowhere. Then it says how to switch passwords off.
+
+    Example: pioneer3 fleet key
+    Example: pioneer3 fleet key p3at-1
+
+    Args:
+        names: Robots and groups, as --on takes them.
+        accept_new: Ask nothing about host keys that are new; another key than before is an error.
+        no_passphrase: Make the key without a passphrase, if one has to be made.
+        robots: Where.
+    """
+    if names:
+        robots = replace(robots, on=names)
+    return run_until_told_to_leave(
+        _key(robots, accept_new=accept_new, passphrase=not no_passphrase)
+    )
+
+
+async def _key(options: RobotsOptions, *, accept_new: bool, passphrase: bool) -> int:
+    from pioneer3.cli.fleet_output import Person, finish, show_password_advice
+    from pioneer3.fleet import key
+
+    robots = options.robots()
+    public = key.public_key() or await key.agent_key()
+    if public is None:
+        write_line(f"Making you a key, {key.make_key(passphrase=passphrase)}.")
+        public = key.public_key()
+        assert public is not None
+    person = Person(accept_new=accept_new)
+    outcomes = await key.install_key(robots, public, person, login=options.login)
+    code = finish(outcomes)
+    well = [robot for robot, each in zip(robots, outcomes, strict=True) if each.ok]
+    show_password_advice(await key.with_passwords(well, login=options.login))
+    return code
+
+
 WORK: tuple[tuple[str, Callable[..., object]], ...] = (
+    ("key", key),
     ("run", run),
     ("push", push),
     ("pull", pull),

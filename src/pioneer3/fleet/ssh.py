@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pioneer3.errors import HostError, how_to_get
+from pioneer3.errors import HostError, LoginError, how_to_get
 from pioneer3.fleet.spec import Robot
 
 if TYPE_CHECKING:
@@ -138,6 +138,25 @@ async def offered_host_key(robot: Robot, login: Login = LOGIN) -> str | None:
     return None
 
 
+async def accepts_passwords(robot: Robot, login: Login = LOGIN) -> bool:
+    """Return whether a robot's computer would let people in with a password.
+
+    Raises:
+        HostError: It cannot be reached, or its host key is wrong.
+    """
+    ssh = asyncssh_module()
+    attempt = _Attempt(robot, login, keys=False)
+    try:
+        connection = await attempt.connected()
+    except ssh.PermissionDenied:
+        return attempt.offers_passwords
+    except (OSError, ssh.Error, ValueError) as error:
+        raise attempt.explained(error) from error
+    connection.close()  # that user needs no password at all
+    await connection.wait_closed()
+    return True
+
+
 def fingerprint(public_key: str) -> str:
     """Return the fingerprint of a public key, as `ssh-keygen -l` shows it."""
     return str(asyncssh_module().import_public_key(public_key).get_fingerprint())
@@ -146,12 +165,13 @@ def fingerprint(public_key: str) -> str:
 class _Attempt:
     """One attempt to log in, and what is known when it fails."""
 
-    def __init__(self, robot: Robot, login: Login) -> None:
+    def __init__(self, robot: Robot, login: Login, *, keys: bool = True) -> None:
         self.robot, self.login = robot, login
-        self.reached = False
+        self.reached = self.offers_passwords = False
+        self._with_keys = keys and login.password is None
         self.offered: asyncssh.SSHKey | None = None
-        self._matched = _known_keys(robot, login.trusted)
-        self.known: Sequence[asyncssh.SSHKey] = (*self._matched[0], *self._matched[1])
+        self.matched = _known_keys(robot, login.trusted)
+        self.known: Sequence[asyncssh.SSHKey] = (*self.matched[0], *self.matched[1])
 
     async def connected(self) -> "asyncssh.SSHClientConnection":
         """Log in.
@@ -159,14 +179,13 @@ class _Attempt:
         Raises:
             OSError: The network or the other computer does not let us; or asyncssh.Error.
         """
-        login = self.login
-        with_keys = login.password is None
+        login, with_keys = self.login, self._with_keys
         async with asyncio.timeout(login.patience):
             connection: asyncssh.SSHClientConnection = await asyncssh_module().connect(
                 self.robot.address,
                 username=self.robot.user,
-                client_factory=self._client(),
-                known_hosts=self._matched,
+                client_factory=self.client(),
+                known_hosts=self.matched,
                 config=None,
                 client_keys=() if with_keys else None,
                 agent_path=() if with_keys else None,
@@ -178,7 +197,8 @@ class _Attempt:
             )
         return connection
 
-    def _client(self) -> "type[asyncssh.SSHClient]":
+    def client(self) -> "type[asyncssh.SSHClient]":
+        """Return the class whose objects notice how far the attempt comes."""
         attempt = self
 
         class Client(asyncssh_module().SSHClient):  # type: ignore[misc]
@@ -191,11 +211,20 @@ class _Attempt:
                 attempt.offered = key
                 return False
 
+            def password_auth_requested(self) -> None:
+                attempt.offers_passwords = True
+
+            def kbdint_auth_requested(self) -> None:
+                attempt.offers_passwords = True
+
         return Client
 
     def explained(self, error: Exception) -> HostError:
         """Return the error in words, with the next step."""
-        return error if isinstance(error, HostError) else HostError(self._words(error))
+        if isinstance(error, HostError):
+            return error
+        refused = isinstance(error, asyncssh_module().PermissionDenied)
+        return (LoginError if refused else HostError)(self._words(error))
 
     def _words(self, error: Exception) -> str:
         ssh = asyncssh_module()
