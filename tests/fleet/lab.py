@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -241,11 +240,22 @@ class OnBoard(Computer):
         """Its public host key, without a comment."""
         return " ".join((self.folder / "host_key.pub").read_text().split()[:2])
 
+    def replace_program(self, path: str, script: str) -> None:
+        """Put a script of the shell in the place of a program, which is `$0.real` to it."""
+        name = path.rpartition("/")[2]
+        new = self.folder / name
+        real = f"/run/{name}.real"
+        new.write_text("#!/bin/sh\n" + script.replace("$0.real", real))
+        new.chmod(0o755)
+        self.sh(f"if [ -e {path} ]; then cp {path} {real}; else touch {path}; fi")
+        self.sh(f"mount --bind {new} {path}")
+
     def set_password_login(self, *, on: bool) -> None:
         """Change the sshd's settings, and start it anew."""
         config = self.folder / "sshd_config"
         word = "yes" if on else "no"
-        config.write_text(f"PasswordAuthentication {word}\n" + self._filled(_SSHD_CONFIG))
+        first = f"PasswordAuthentication {word}\nKbdInteractiveAuthentication {word}\n"
+        config.write_text(first + self._filled(_SSHD_CONFIG))  # the first of two lines counts
         self.restart_sshd()
 
     def new_host_key(self) -> None:
@@ -257,16 +267,20 @@ class OnBoard(Computer):
 
     def restart_sshd(self) -> None:
         """End the sshd; the next one starts at once."""
-        for process in self.processes(f"sshd: {SSHD}") or self.processes(SSHD):
-            os.kill(process, signal.SIGTERM)
+        self._end_sshd()
         self.wait_for_sshd()
 
     def stop_sshd(self) -> None:
         """End the sshd for good: connections are refused."""
         (self.folder / "sshd_config").write_text("Nonsense yes\n")
-        for process in self.processes(SSHD):
+        self._end_sshd()
+
+    def _end_sshd(self) -> None:
+        listening = self.processes(f"sshd: {SSHD}")
+        assert listening
+        for process in listening:
             os.kill(process, signal.SIGTERM)
-        while self.processes("sshd: /"):
+        while set(listening) & set(self.processes()):
             time.sleep(0.02)
 
     def wait_for_sshd(self) -> None:
@@ -380,9 +394,10 @@ class Lab:
             "".join(f"{each.name},{each.address} {each.host_key}\n" for each in self.robots)
         )
 
-    def write_fleet(self, extra: Sequence[str] = ()) -> None:
-        """Write the operator's `fleet.toml`."""
-        lines = ["[operator]", 'name = "laptop"', f'address = "{OPERATOR_ADDRESS}"', *extra]
+    def write_fleet(self, **defaults: str) -> None:
+        """Write the operator's `fleet.toml`, with these defaults of all robots."""
+        lines = ["[operator]", 'name = "laptop"', f'address = "{OPERATOR_ADDRESS}"']
+        lines += ["[defaults]", *(f'{key} = "{value}"' for key, value in defaults.items())]
         for robot in self.robots:
             lines += ["", "[[robot]]", f'name = "{robot.name}"', f'address = "{robot.address}"']
         front = ", ".join(f'"{robot.name}"' for robot in self.robots[:2])

@@ -3,15 +3,23 @@
 import asyncio
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from getpass import getpass
 from typing import Final
 
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from pioneer3.cli.process import write_json
+from pioneer3.cli.tables import findings_table
+from pioneer3.doctor.facts import Finding, Level
 from pioneer3.errors import ConfigError
+from pioneer3.fleet.doctor import Diagnosis
+from pioneer3.fleet.host_checks import CLOCKS_DIFFER
+from pioneer3.fleet.host_facts import HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
 from pioneer3.fleet.run import Outcome, exit_code
 from pioneer3.fleet.spec import Robot
@@ -47,15 +55,20 @@ def printable(line: str) -> str:
     return "".join(letter if letter.isprintable() else "\ufffd" for letter in plain)
 
 
-def finish(outcomes: Sequence[Outcome]) -> int:
-    """Print the summary to standard error; return the exit code."""
+def finish(outcomes: Sequence[Outcome], *, quiet: bool = False) -> int:
+    """Print the summary to standard error; return the exit code.
+
+    Args:
+        outcomes: Of all robots.
+        quiet: Say nothing of those where all went well.
+    """
     console = Console(stderr=True, highlight=False)
     failed = [each for each in outcomes if not each.ok]
     if not outcomes:
         console.print("No robot is meant: that group is empty.")
         return exit_code(outcomes)
-    if len(outcomes) > 1 or failed:
-        console.print(outcome_table(outcomes))
+    if failed or not (quiet or len(outcomes) == 1):
+        console.print(outcome_table(failed if quiet else outcomes))
     if failed:
         names = ", ".join(each.robot for each in failed)
         console.print(Text(f"{len(failed)} of {len(outcomes)} failed: {names}", "bold red"))
@@ -75,6 +88,65 @@ def outcome_table(outcomes: Sequence[Outcome]) -> Table:
             sign = Text("NOT REACHED", "bold red")
         table.add_row(each.robot, sign, f"{each.seconds:.1f} s", Text(printable(each.why)))
     return table
+
+
+def print_json(value: object, outcomes: Sequence[Outcome]) -> int:
+    """Print `value` with the reasons of failures; return the exit code."""
+    problems = {each.robot: each.why for each in outcomes if not each.ok}
+    write_json({"robots": value, "problems": problems}, indent=2)
+    return exit_code(outcomes)
+
+
+def print_table(table: Table) -> None:
+    """Print a table to standard output."""
+    Console(highlight=False).print(table)
+
+
+def status_table(facts: Mapping[str, HostFacts]) -> Table:
+    """Return a row for each robot's computer that was reached."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("robot", "up", "clock", "load", "disk free", "pioneer3", "service", "ROS"):
+        table.add_column(heading, no_wrap=heading == "robot")
+    for name, each in facts.items():
+        offset = each.clock_offset or 0.0
+        table.add_row(
+            name,
+            _hours(each.up),
+            Text(f"{offset:+.2f} s", "bold yellow" if abs(offset) > CLOCKS_DIFFER else ""),
+            "-" if each.load is None else f"{each.load:.1f}",
+            "-" if each.free is None else f"{each.free / 1e9:.1f} GB",
+            printable(each.version) or "-",
+            printable(each.service) or "-",
+            printable(" ".join(each.ros)) or "-",
+        )
+    return table
+
+
+def _hours(seconds: float | None) -> str:
+    if seconds is None:
+        return "-"
+    minutes, hours = seconds // 60 % 60, seconds // 3600
+    return f"{hours / 24:.0f} days" if hours >= 48 else f"{hours:.0f}:{minutes:02.0f} h"
+
+
+def print_diagnoses(diagnoses: Sequence[Diagnosis], *, every: bool) -> None:
+    """Print the findings about each robot's computer.
+
+    Args:
+        diagnoses: Of all robots.
+        every: Whether to show the checks that went well, too.
+    """
+    console = Console(highlight=False)
+    for each in diagnoses:
+        well = [finding for finding in each.findings if finding.level is Level.OK]
+        shown = each.findings if every else [f for f in each.findings if f not in well]
+        console.print(Text(each.robot, "bold"), Text(f"{len(well)} checks are well", "green"))
+        if shown:
+            console.print(Padding(findings_table(map(_printable, shown)), (0, 0, 0, 2)))
+
+
+def _printable(finding: Finding) -> Finding:
+    return replace(finding, found=printable(finding.found))
 
 
 class Person:

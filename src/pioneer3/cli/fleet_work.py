@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import SEVERAL, Flag, FleetFile, Seconds, fleet_of
-from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.process import busy_sign, run_until_told_to_leave, write_json, write_line
 
 if TYPE_CHECKING:
     from pioneer3.fleet.spec import Robot
@@ -48,6 +48,7 @@ class RobotsOptions:
 
 
 ROBOTS = RobotsOptions()
+FollowFlag = Annotated[bool, Parameter(name=["--follow", "-f"], negative=(), show_default=False)]
 
 
 def run(
@@ -112,7 +113,6 @@ def push(
 
 async def _push(files: "tuple[str, ...]", destination: str, options: RobotsOptions) -> int:
     from pioneer3.cli.fleet_output import finish
-    from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.copy import push as push_to
 
     robots = options.robots()
@@ -148,7 +148,6 @@ def pull(
 
 async def _pull(paths: "tuple[str, ...]", to: Path, options: RobotsOptions) -> int:
     from pioneer3.cli.fleet_output import finish
-    from pioneer3.cli.process import busy_sign
     from pioneer3.fleet.copy import pull as pull_from
 
     robots = options.robots()
@@ -203,10 +202,93 @@ async def _key(options: RobotsOptions, *, accept_new: bool, passphrase: bool) ->
     return code
 
 
+def status(*, json: Flag = False, robots: RobotsOptions = ROBOTS) -> int:
+    """Show the robots' computers: clocks, disks, load, versions, and our service.
+
+    It asks over ssh; fleet list asks the robots themselves, without.
+
+    Example: pioneer3 fleet status
+
+    Args:
+        json: Print JSON for programs, nothing else.
+        robots: Which.
+    """
+    return run_until_told_to_leave(_status(robots, json=json))
+
+
+async def _status(options: RobotsOptions, *, json: bool) -> int:
+    from pioneer3.cli.fleet_output import finish, print_json, print_table, status_table
+    from pioneer3.fleet.doctor import gather
+
+    robots = options.robots()
+    with busy_sign(f"Asking {len(robots)} robots ..."):
+        fleet = fleet_of(options.fleet)
+        facts, outcomes = await gather(fleet, robots, login=options.login)
+    if json:
+        return print_json({each.robot: facts.get(each.robot) for each in outcomes}, outcomes)
+    print_table(status_table(facts))
+    return finish(outcomes, quiet=True)
+
+
+def logs(*, follow: FollowFlag = False, lines: int = 20, robots: RobotsOptions = ROBOTS) -> int:
+    """Show what the service that drives the robot says, on all robots.
+
+    Example: pioneer3 fleet logs
+    Example: pioneer3 fleet logs -f --on p3at-2
+
+    Args:
+        follow: Show new lines as they come, until Ctrl-C.
+        lines: Number of old lines to show of each.
+        robots: Which.
+    """
+    from pioneer3.fleet.host_facts import logs_command
+
+    return run_until_told_to_leave(_run(logs_command(lines, follow=follow), None, robots))
+
+
+def doctor(
+    *,
+    every: Annotated[bool, Parameter(name="--all", negative=(), show_default=False)] = False,
+    json: Flag = False,
+    robots: RobotsOptions = ROBOTS,
+) -> int:
+    """Check the robots' computers; say what is wrong and what to do.
+
+    Disks, names, firewalls, clocks, serial ports, ROS variables, versions and
+    passwords. Nothing is changed. The exit code is 0 unless a check failed.
+
+    Example: pioneer3 fleet doctor
+    Example: pioneer3 fleet doctor --on p3at-1 --all
+
+    Args:
+        every: Show the checks that went well, too.
+        json: Print JSON for programs, nothing else.
+        robots: Which.
+    """
+    return run_until_told_to_leave(_doctor(robots, every=every, json=json))
+
+
+async def _doctor(options: RobotsOptions, *, every: bool, json: bool) -> int:
+    from pioneer3.cli.fleet_output import print_diagnoses
+    from pioneer3.fleet.doctor import diagnose, exit_code
+
+    robots = options.robots()
+    with busy_sign(f"Asking {len(robots)} robots ..."):
+        diagnoses = await diagnose(fleet_of(options.fleet), robots, login=options.login)
+    if json:
+        write_json(diagnoses, indent=2)
+    else:
+        print_diagnoses(diagnoses, every=every)
+    return exit_code(diagnoses)
+
+
 WORK: tuple[tuple[str, Callable[..., object]], ...] = (
     ("key", key),
     ("run", run),
     ("push", push),
     ("pull", pull),
+    ("status", status),
+    ("logs", logs),
+    ("doctor", doctor),
 )
 """The commands, each with its name."""

@@ -14,6 +14,8 @@ CODES = {
     errors.CommandError: 2,
     errors.LinkError: 3,
     errors.PortNotFoundError: 3,
+    errors.HostError: 3,
+    errors.LoginError: 3,
     errors.NoRobotError: 3,
     errors.PortPermissionError: 4,
     errors.FilePermissionError: 4,
@@ -21,6 +23,7 @@ CODES = {
     errors.RecordingOverError: 3,
     errors.MotionError: 1,
     errors.DeviceError: 1,
+    errors.RemoteError: 1,
     errors.PioneerError: 1,
 }
 
