@@ -296,6 +296,8 @@ class Operator(Computer):
     """The computer of the person who works with the robots."""
 
     own_processes = False
+    source = ROOT / "src"
+    """Where its pioneer3 is."""
 
     @property
     def home(self) -> Path:
@@ -313,7 +315,7 @@ class Operator(Computer):
             "HOME": str(self.home),
             "USER": "root",
             "LANG": "C.UTF-8",
-            "PYTHONPATH": str(ROOT / "src"),
+            "PYTHONPATH": str(self.source),
             "COLUMNS": "100",
         }
 
@@ -394,12 +396,18 @@ class Lab:
             "".join(f"{each.name},{each.address} {each.host_key}\n" for each in self.robots)
         )
 
-    def write_fleet(self, **defaults: str) -> None:
-        """Write the operator's `fleet.toml`, with these defaults of all robots."""
+    def write_fleet(self, *, tcp: bool = False, **defaults: str) -> None:
+        """Write the operator's `fleet.toml`.
+
+        Args:
+            tcp: Whether the robots are at port 8101 of their computers.
+            defaults: Of all robots.
+        """
         lines = ["[operator]", 'name = "laptop"', f'address = "{OPERATOR_ADDRESS}"']
         lines += ["[defaults]", *(f'{key} = "{value}"' for key, value in defaults.items())]
         for robot in self.robots:
             lines += ["", "[[robot]]", f'name = "{robot.name}"', f'address = "{robot.address}"']
+            lines += [f'port = "tcp://{robot.name}:8101"'] if tcp else []
         front = ", ".join(f'"{robot.name}"' for robot in self.robots[:2])
         lines += ["", "[groups]", f"front = [{front}]"]
         (self.operator.home / "fleet.toml").write_text("\n".join(lines) + "\n")

@@ -67,7 +67,7 @@ def finish(outcomes: Sequence[Outcome], *, quiet: bool = False) -> int:
     if not outcomes:
         console.print("No robot is meant: that group is empty.")
         return exit_code(outcomes)
-    if failed or not (quiet or len(outcomes) == 1):
+    if failed or (not quiet and (len(outcomes) > 1 or outcomes[0].why)):
         console.print(outcome_table(failed if quiet else outcomes))
     if failed:
         names = ", ".join(each.robot for each in failed)

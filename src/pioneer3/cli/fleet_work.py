@@ -282,11 +282,47 @@ async def _doctor(options: RobotsOptions, *, every: bool, json: bool) -> int:
     return exit_code(diagnoses)
 
 
+def deploy(
+    *,
+    with_: Annotated[tuple[str, ...], Parameter(name="--with", metavar="EXTRA"), SEVERAL] = (),
+    no_service: Flag = False,
+    robots: RobotsOptions = ROBOTS,
+) -> int:
+    """Install pioneer3 on the robots' computers, as it is here, with a service.
+
+    The robots need no internet. A service drives the robot when its computer is
+    switched on: the ROS 1 node for ros = "1", else pioneer3 run; as the user of the
+    fleet file. A version that does not start gives way to the one before it.
+
+    Example: pioneer3 fleet deploy
+    Example: pioneer3 fleet deploy --on p3at-1 --with nav
+
+    Args:
+        with_: An optional part, such as nav; once for each.
+        no_service: Only install; leave the service as it is.
+        robots: Where.
+    """
+    return run_until_told_to_leave(_deploy(robots, with_, service=not no_service))
+
+
+async def _deploy(options: RobotsOptions, extras: "tuple[str, ...]", *, service: bool) -> int:
+    from pioneer3.cli.fleet_output import finish
+    from pioneer3.fleet import deploy as deployment
+
+    robots = options.robots()
+    with busy_sign(f"Installing on {len(robots)} robots ..."):
+        outcomes = await deployment.deploy(
+            fleet_of(options.fleet), robots, login=options.login, extras=extras, service=service
+        )
+    return finish(outcomes)
+
+
 WORK: tuple[tuple[str, Callable[..., object]], ...] = (
     ("key", key),
     ("run", run),
     ("push", push),
     ("pull", pull),
+    ("deploy", deploy),
     ("status", status),
     ("logs", logs),
     ("doctor", doctor),

@@ -20,6 +20,8 @@ HOME: Final = "~/.local/share/pioneer3"
 SERVICE: Final = "pioneer3"
 WITH_ROOT: Final = f"/etc/systemd/system/{SERVICE}.service"
 """The unit of a service that an administrator has installed; else it is the user's own."""
+RUNTIME: Final = "XDG_RUNTIME_DIR=${XDG_RUNTIME_DIR:-/run/user/$(id -u)}"
+"""The user's service manager is found by this; not every sshd sets it."""
 CLOCK_QUESTIONS: Final = 3
 REACHABLE: Final = 3.0
 """Longest wait for a connection to a free port there [s]."""
@@ -109,7 +111,7 @@ _QUESTIONS: Final = {
     "firewall": "grep -i '^ENABLED=yes' /etc/ufw/ufw.conf",
     "version": f"basename $(readlink {HOME}/current)",
     "service": f"if [ -e {WITH_ROOT} ]; then systemctl is-active {SERVICE}; "
-    f"else systemctl --user is-active {SERVICE}; fi",
+    f"else {RUNTIME} systemctl --user is-active {SERVICE}; fi",
 }
 """A line of the shell for each fact."""
 _LISTEN: Final = (

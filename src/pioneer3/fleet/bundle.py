@@ -1,0 +1,247 @@
+"""The package and all that it needs, for a robot without internet: one archive of site-packages.
+
+For a robot like this computer the packages are copied from here, in the versions that run here.
+For another processor or Python they come as wheels from PyPI, by uv or pip on this computer.
+"""
+
+import asyncio
+import hashlib
+import platform as this_platform
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Final
+
+import pioneer3
+from pioneer3.errors import SETUP, ConfigError
+
+OLDEST_PYTHON: Final = (3, 11)
+NAME: Final = "pioneer3"
+MANYLINUX: Final = ((2, 17), (2, 28), (2, 31), (2, 34))
+"""The levels of glibc for which wheels are made (PEP 600)."""
+MACHINES: Final = ("x86_64", "aarch64")
+"""Processors for which the packages have wheels."""
+_NOT_SHIPPED: Final = {"__pycache__"}
+_REQUIREMENT: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Platform:
+    """What packages have to fit.
+
+    Attributes:
+        machine: Processor, as `uname -m` says.
+        python: Version of Python, such as `(3, 11)`.
+        glibc: Version of the C library, such as `(2, 36)`.
+    """
+
+    machine: str
+    python: tuple[int, int]
+    glibc: tuple[int, int]
+
+    @property
+    def packages(self) -> str:
+        """Path of the packages in a virtual environment."""
+        return f"lib/python{self.python[0]}.{self.python[1]}/site-packages"
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """An archive for one platform; its name tells version and contents."""
+
+    name: str
+    path: Path
+    platform: Platform
+
+
+def here() -> Platform:
+    """Return the platform of this computer."""
+    return Platform(
+        machine=this_platform.machine(),
+        python=sys.version_info[:2],
+        glibc=version_pair(this_platform.libc_ver()[1]) or (0, 0),
+    )
+
+
+def version_pair(text: str) -> tuple[int, int] | None:
+    """Return the first two numbers of a version."""
+    found = re.match(r"(\d+)\.(\d+)", text)
+    return (int(found[1]), int(found[2])) if found else None
+
+
+def suits(ours: Platform, theirs: Platform) -> bool:
+    """Return whether packages of this computer run there as they are."""
+    same = (ours.machine, ours.python) == (theirs.machine, theirs.python)
+    return same and sys.platform == "linux" and theirs.glibc >= ours.glibc > (0, 0)
+
+
+class Bundler:
+    """Makes the archives of one deployment, each once.
+
+    Args:
+        folder: Where they are put.
+        extras: Optional parts, such as `nav`.
+    """
+
+    def __init__(self, folder: Path, extras: Sequence[str] = ()) -> None:
+        self._folder, self._extras = folder, tuple(sorted(extras))
+        self._made: dict[Platform, Bundle] = {}
+        self._making = asyncio.Lock()
+
+    async def bundle(self, platform: Platform) -> Bundle:
+        """Return the archive for a platform.
+
+        Raises:
+            ConfigError: A package is missing here, or there is none for that platform.
+        """
+        async with self._making:
+            if platform not in self._made:
+                self._made[platform] = await asyncio.to_thread(self._make, platform)
+            return self._made[platform]
+
+    def _make(self, platform: Platform) -> Bundle:
+        with tempfile.TemporaryDirectory(dir=self._folder) as temporary:
+            tree = Path(temporary)
+            if suits(here(), platform):
+                for name in installed(NAME, self._extras):
+                    copy_distribution(name, tree)
+            else:
+                _load(platform, _requirements(NAME, self._extras), tree)
+            _copy_own(tree)
+            name = f"{pioneer3.__version__}-{_digest(tree, platform)}"
+            path = self._folder / f"{name}.tar.gz"
+            with tarfile.open(path, "w:gz", compresslevel=3) as archive:
+                for item in sorted(tree.iterdir()):
+                    archive.add(item, item.name, filter=_nobodys)
+        return Bundle(name, path, platform)
+
+
+def _requirements(name: str, extras: Sequence[str]) -> list[str]:
+    """Return the requirements of an installed package that count with these extras."""
+    from packaging.requirements import Requirement
+
+    found = []
+    for line in metadata.requires(name) or ():
+        requirement = Requirement(line)
+        marker = requirement.marker
+        if marker is None or any(marker.evaluate({"extra": extra}) for extra in ("", *extras)):
+            requirement.marker = None
+            found.append(str(requirement))
+    return found
+
+
+def installed(name: str, extras: Sequence[str]) -> list[str]:
+    """Return the names of all packages that an installed one needs, in the order of the alphabet.
+
+    Raises:
+        ConfigError: One is not installed here.
+    """
+    from packaging.requirements import Requirement
+
+    found: set[str] = set()
+    waiting = [(line, name) for line in _requirements(name, extras)]
+    while waiting:
+        line, by = waiting.pop()
+        requirement = Requirement(line)
+        if requirement.name.lower() in found:
+            continue
+        try:
+            more = _requirements(requirement.name, tuple(requirement.extras))
+        except metadata.PackageNotFoundError:
+            raise ConfigError(
+                f"{requirement.name}, which {by} needs, is not installed here"
+            ) from None
+        found.add(requirement.name.lower())
+        waiting += [(each, requirement.name) for each in more]
+    return sorted(found)
+
+
+def copy_distribution(name: str, tree: Path) -> None:
+    """Copy the files of an installed package; its programs stay here."""
+    distribution = metadata.distribution(name)
+    for file in distribution.files or ():
+        source = Path(str(file.locate()))
+        inside = ".." not in file.parts and not file.is_absolute()
+        if inside and not _NOT_SHIPPED & set(file.parts) and source.is_file():
+            target = tree / file
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(source, target)
+
+
+def _copy_own(tree: Path) -> None:
+    """Copy this package as it runs here, and what `importlib.metadata` knows of it."""
+    source = Path(pioneer3.__file__).parent
+    ignored = shutil.ignore_patterns(*_NOT_SHIPPED, "*.nbi", "*.nbc")
+    shutil.copytree(source, tree / NAME, ignore=ignored)
+    distribution = metadata.distribution(NAME)
+    about = tree / f"{NAME}-{pioneer3.__version__}.dist-info"
+    about.mkdir()
+    for file in ("METADATA", "entry_points.txt"):
+        (about / file).write_text(distribution.read_text(file) or "", encoding="utf-8")
+
+
+def _load(platform: Platform, requirements: Sequence[str], tree: Path) -> None:
+    """Load wheels for another platform.
+
+    Raises:
+        ConfigError: There is no program that could, or no wheel.
+    """
+    if platform.machine not in MACHINES:
+        known = ", ".join(MACHINES)
+        raise ConfigError(
+            f"there are no packages for its processor {platform.machine}; for {known}"
+        )
+    python = ".".join(map(str, platform.python))
+    levels = [level for level in MANYLINUX if level <= platform.glibc]
+    uv = _uv()
+    if uv is not None:
+        level = "_".join(map(str, max((each for each in levels), default=MANYLINUX[0])))
+        words = [uv, "pip", "install", "--quiet", "--no-config", "--target", str(tree)]
+        words += ["--python-version", python, "--only-binary", ":all:"]
+        words += ["--python-platform", f"{platform.machine}-manylinux_{level}"]
+    else:
+        words = [sys.executable, "-m", "pip", "install", "--quiet", "--target", str(tree)]
+        words += ["--python-version", python, "--only-binary=:all:", "--no-compile"]
+        words += [f"--platform=manylinux_{a}_{b}_{platform.machine}" for a, b in levels]
+    done = subprocess.run([*words, *requirements], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        last = " ".join(done.stderr.split())[-300:]
+        raise ConfigError(
+            f"no packages for Python {python} on {platform.machine} (glibc "
+            f"{platform.glibc[0]}.{platform.glibc[1]}) are to be had from here: {last}"
+        )
+
+
+def _uv() -> str | None:
+    candidates = (
+        shutil.which("uv"),
+        Path.home() / ".local/bin/uv",
+        SETUP.parents[1] / ".tools/bin/uv",
+    )
+    return next((str(path) for path in candidates if path and Path(path).is_file()), None)
+
+
+def _digest(tree: Path, platform: Platform) -> str:
+    """Return a short digest of all files and the platform; the same files give the same."""
+    digest = hashlib.sha256(repr(platform).encode())
+    for path in _files(tree):
+        digest.update(f"\0{path.relative_to(tree)}\0".encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:8]
+
+
+def _files(tree: Path) -> Iterator[Path]:
+    yield from sorted(path for path in tree.rglob("*") if path.is_file())
+
+
+def _nobodys(item: tarfile.TarInfo) -> tarfile.TarInfo:
+    item.uid = item.gid = 0
+    item.uname = item.gname = ""
+    return item

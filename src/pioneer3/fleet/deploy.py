@@ -1,0 +1,317 @@
+"""Installs this package on robots' computers, with a service that drives the robot from the start.
+
+Versions lie side by side below `~/.local/share/pioneer3`; the link `current` points to the one in
+use. A version that does not start gives way to the one before it.
+"""
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from pioneer3.errors import ConfigError, RemoteError
+from pioneer3.fleet.bundle import OLDEST_PYTHON, Bundle, Bundler, Platform, version_pair
+from pioneer3.fleet.copy import put_file
+from pioneer3.fleet.host_facts import SERVICE, WITH_ROOT
+from pioneer3.fleet.run import Done, Outcome, on_each, output_of
+from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.ssh import LOGIN, Login, connect
+from pioneer3.fleet.unit import Unit
+
+if TYPE_CHECKING:
+    import asyncssh
+
+BASE: Final = ".local/share/pioneer3"
+"""Below the user's home."""
+USER_UNIT: Final = f".config/systemd/user/{SERVICE}.service"
+WATCHED: Final = 6
+"""So long a new version must run before it counts as started [s], and four times the time that the
+computer takes to load it."""
+KEPT: Final = 2
+"""Number of versions that stay: the new one, and the one before it."""
+
+_ASK: Final = """\
+for name in python3.14 python3.13 python3.12 python3.11 python3; do
+  path=$(command -v $name) && $path -c 'import sys; sys.exit(sys.version_info < (3, 11))' && break
+  path=
+done
+echo "$HOME"
+uname -m
+getconf GNU_LIBC_VERSION 2>/dev/null | cut -d' ' -f2 | grep . || echo none
+echo "${path:-none}"
+${path:-python3} -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null || echo none
+if [ "$(id -u)" = 0 ] || sudo -n true 2>/dev/null; then echo root; else echo user; fi
+command -v systemctl >/dev/null && echo systemd || echo none
+readlink @BASE@/current || echo none
+"""
+_UNPACK: Final = """\
+set -e
+cd @BASE@
+new=releases/@NAME@
+if [ ! -e $new/complete ]; then
+  rm -rf $new
+  @PYTHON@ -m venv --without-pip $new 2>&1 ||
+    { echo "its Python makes no venv; on it run: sudo apt-get install python3-venv" >&2; exit 1; }
+  tar -xzf @NAME@.tar.gz -C $new/@PACKAGES@ --no-same-owner
+  $new/bin/python -m pioneer3 --version
+  touch $new/complete
+fi
+rm -f @NAME@.tar.gz
+"""
+_SWITCH: Final = """\
+set -e
+cd @BASE@
+ln -sfn releases/@NAME@ current.new
+mv -T current.new current
+"""
+_MANAGER: Final = """\
+export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-/run/user/$(id -u)}"
+ctl() { @CTL@ "$@"; }
+"""
+_START: Final = """\
+set -e
+began=$(date +%s)
+@BASE@/current/bin/python -m pioneer3 run --help >/dev/null
+watched=$((@WATCHED@ + 4 * ($(date +%s) - began)))
+ctl daemon-reload
+ctl enable @SERVICE@ 2>&1
+ctl restart @SERVICE@
+restarts=$(ctl show -p NRestarts --value @SERVICE@)
+for second in $(seq $watched); do
+  sleep 1
+  state=$(ctl is-active @SERVICE@ || true)
+  if [ "$state" != active ] || [ "$(ctl show -p NRestarts --value @SERVICE@)" != "$restarts" ]; then
+    echo "the service is $state" >&2
+    exit 1
+  fi
+done
+"""
+_WHY: Final = "@JOURNAL@ -u @SERVICE@ -n 3 -o cat --no-pager 2>/dev/null || true"
+_PRUNE: Final = """\
+cd @BASE@/releases
+for name in $(ls -1t | tail -n +@FROM@); do
+  [ "releases/$name" = "$(readlink ../current)" ] || rm -rf "./$name"
+done
+"""
+_SWITCH_OFF: Final = """\
+ctl disable --now @SERVICE@ 2>&1 || true
+rm -f @BASE@/current
+"""
+_LINGER: Final = "loginctl enable-linger 2>/dev/null && echo yes || echo no"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Target:
+    """A robot's computer, as far as an installation has to know it."""
+
+    home: str
+    platform: Platform
+    python: str
+    with_root: bool
+    has_systemd: bool
+    current: str
+
+    @property
+    def base(self) -> str:
+        return f"{self.home}/{BASE}"
+
+    @property
+    def ctl(self) -> str:
+        return "sudo -n systemctl" if self.with_root else "systemctl --user"
+
+    @property
+    def journal(self) -> str:
+        return "sudo -n journalctl" if self.with_root else "journalctl --user"
+
+
+async def deploy(
+    fleet: Fleet,
+    robots: Sequence[Robot],
+    *,
+    login: Login = LOGIN,
+    extras: Sequence[str] = (),
+    service: bool = True,
+) -> tuple[Outcome, ...]:
+    """Install this package on all computers at once.
+
+    What is there already stays; a version that does not start gives way to the one before it.
+
+    Args:
+        fleet: Of the robots.
+        robots: Whose computers.
+        login: How to log in.
+        extras: Optional parts of the package, such as `nav`.
+        service: Whether to install the service that drives the robot, too.
+    """
+    with tempfile.TemporaryDirectory(prefix="pioneer3-") as folder:
+        bundler = Bundler(Path(folder), extras)
+
+        async def work(robot: Robot) -> Done:
+            async with connect(robot, login) as connection:
+                target = await _ask(connection)
+                try:
+                    bundle = await bundler.bundle(target.platform)
+                except ConfigError as error:
+                    raise RemoteError(str(error)) from None
+                is_new = await _install(connection, target, bundle)
+                said = bundle.name if is_new else f"{bundle.name} was there"
+                if service:
+                    unit = Unit(
+                        robot=robot,
+                        fleet=fleet,
+                        python=f"{target.base}/current/bin/python",
+                        with_root=target.with_root,
+                    )
+                    said += await _serve(connection, target, bundle, unit, Path(folder))
+                else:
+                    await _run(connection, _SWITCH, target, bundle)
+                await _run(connection, _PRUNE, target, bundle)
+            return Done(said=said)
+
+        return await on_each(robots, work)
+
+
+async def _ask(connection: "asyncssh.SSHClientConnection") -> _Target:
+    """Ask what is there.
+
+    Raises:
+        RemoteError: The package cannot run there; says what is possible.
+    """
+    answer = (await output_of(connection, _ASK.replace("@BASE@", BASE))).splitlines()
+    home, machine, glibc, path, python, root, systemd, current = answer[-8:]
+    version = version_pair(python)
+    if path == "none" or version is None or version < OLDEST_PYTHON:
+        found = f"it has Python {python}" if version else "it has no Python"
+        raise RemoteError(
+            f"{found}; pioneer3 needs 3.11 or newer. Install a system of 2023 or later there "
+            "(Debian 12, Ubuntu 24.04); or let this computer drive the robot over the network: "
+            "see how-to/fleet-work.md, An old computer on the robot"
+        )
+    libc = version_pair(glibc)
+    if libc is None:
+        raise RemoteError("its C library is not glibc: there are no packages for that")
+    return _Target(
+        home=home,
+        platform=Platform(machine, version, libc),
+        python=path,
+        with_root=root == "root",
+        has_systemd=systemd == "systemd",
+        current=current,
+    )
+
+
+async def _run(
+    connection: "asyncssh.SSHClientConnection", script: str, target: _Target, bundle: Bundle
+) -> str:
+    words = {
+        "@BASE@": BASE,
+        "@NAME@": bundle.name,
+        "@PYTHON@": target.python,
+        "@PACKAGES@": bundle.platform.packages,
+        "@CTL@": target.ctl,
+        "@JOURNAL@": target.journal,
+        "@SERVICE@": SERVICE,
+        "@WATCHED@": str(WATCHED),
+        "@FROM@": str(KEPT + 1),
+    }
+    for word, value in words.items():
+        script = script.replace(word, value)
+    return await output_of(connection, f"cd; {script}")
+
+
+async def _install(
+    connection: "asyncssh.SSHClientConnection", target: _Target, bundle: Bundle
+) -> bool:
+    """Put a version beside the others, if it is not there; return whether it was not."""
+    marker = f"{BASE}/releases/{bundle.name}/complete"
+    there = await output_of(connection, f"test -e {marker} && echo yes || echo no")
+    if there == "yes":
+        return False
+    await put_file(connection, bundle.path, f"{target.base}/{bundle.name}.tar.gz")
+    await _run(connection, _UNPACK, target, bundle)
+    return True
+
+
+async def _serve(
+    connection: "asyncssh.SSHClientConnection",
+    target: _Target,
+    bundle: Bundle,
+    unit: Unit,
+    folder: Path,
+) -> str:
+    """Let the service run this version; return a word about that.
+
+    Raises:
+        RemoteError: It does not start; the version before it runs again, if there is one.
+    """
+    if not target.has_systemd:
+        await _run(connection, _SWITCH, target, bundle)
+        return "; no systemd there: nothing starts it"
+    path = WITH_ROOT if target.with_root else f"{target.home}/{USER_UNIT}"
+    before = await output_of(connection, f"cat {path} 2>/dev/null || true")
+    state = await _run(
+        connection, _MANAGER + "ctl is-active @SERVICE@ 2>/dev/null || true", target, bundle
+    )
+    unchanged = before.rstrip("\n") == unit.text().rstrip("\n")
+    if unchanged and target.current == f"releases/{bundle.name}" and state == "active":
+        return ", and runs"
+    await _write_unit(connection, target, unit.text(), folder / unit.robot.name)
+    await _run(connection, _SWITCH, target, bundle)
+    try:
+        await _run(connection, _MANAGER + _START, target, bundle)
+    except RemoteError as error:
+        said = await _run(connection, _MANAGER + _WHY, target, bundle)
+        why = "; ".join(said.splitlines())
+        told = "That version was there before"
+        if not (unchanged and target.current == f"releases/{bundle.name}"):
+            told = await _roll_back(connection, target, bundle, before, folder / unit.robot.name)
+        raise RemoteError(f"{bundle.name} does not start: {error}; {why}. {told}") from None
+    if target.with_root:
+        return ", and drives the robot from the start"
+    if await output_of(connection, _LINGER) == "yes":
+        return ", and drives the robot from the start"
+    return (
+        ", and runs; to let it run from the start an administrator has to run there: "
+        f"sudo loginctl enable-linger {unit.robot.user}"
+    )
+
+
+async def _write_unit(
+    connection: "asyncssh.SSHClientConnection", target: _Target, text: str, file: Path
+) -> None:
+    _write(file, text)
+    if not target.with_root:
+        await put_file(connection, file, f"{target.home}/{USER_UNIT}")
+        return
+    staged = f"{target.base}/{SERVICE}.service"
+    await put_file(connection, file, staged)
+    await output_of(
+        connection, f"sudo -n install -o root -g root -m 644 {staged} {WITH_ROOT} && rm {staged}"
+    )
+
+
+def _write(file: Path, text: str) -> None:
+    file.write_text(text, encoding="utf-8")
+    file.chmod(0o644)
+
+
+async def _roll_back(
+    connection: "asyncssh.SSHClientConnection",
+    target: _Target,
+    bundle: Bundle,
+    unit: str,
+    file: Path,
+) -> str:
+    """Go back to the version before; return a word about that."""
+    if target.current == "none" or not unit:
+        await _run(connection, _MANAGER + _SWITCH_OFF, target, bundle)
+        return "The service is switched off again; nothing ran there before"
+    await _write_unit(connection, target, unit + "\n", file)
+    old = Bundle(target.current.rpartition("/")[2], bundle.path, bundle.platform)
+    try:
+        await _run(connection, _SWITCH, target, old)
+        await _run(connection, _MANAGER + _START, target, old)
+    except RemoteError as error:
+        return f"The version before, {old.name}, does not start any more either: {error}"
+    return f"The version before, {old.name}, runs again"

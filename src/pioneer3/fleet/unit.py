@@ -1,0 +1,102 @@
+"""The systemd unit that drives a robot from when its computer is switched on. Pure."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from pioneer3.fleet.spec import Fleet, Robot
+
+MASTER_PORT: Final = 11311
+STOPPING: Final = 10
+"""Time that the program has to stop the robot before it is killed [s]; the robot's own watchdog
+stops it 2 s after that."""
+_HARDENING: Final = (
+    "NoNewPrivileges=yes",
+    "LockPersonality=yes",
+    "RestrictRealtime=yes",
+    "RestrictSUIDSGID=yes",
+    "SystemCallArchitectures=native",
+    "RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6 AF_NETLINK",
+    "UMask=0027",
+)
+_HARDENING_WITH_ROOT: Final = (
+    "PrivateTmp=yes",
+    "ProtectSystem=full",
+    "ProtectKernelTunables=yes",
+    "ProtectKernelModules=yes",
+    "ProtectControlGroups=yes",
+    "ProtectClock=yes",
+    "CapabilityBoundingSet=",
+    "DevicePolicy=closed",
+    "DeviceAllow=char-ttyUSB rw",
+    "DeviceAllow=char-ttyACM rw",
+    "DeviceAllow=char-ttyS rw",
+)
+"""These need an administrator's service manager."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unit:
+    """The unit of one robot.
+
+    Attributes:
+        robot: The robot.
+        fleet: Its fleet.
+        python: Path of the Python that has the package.
+        with_root: Whether it belongs to the system, not to the user.
+    """
+
+    robot: Robot
+    fleet: Fleet
+    python: str
+    with_root: bool
+
+    def text(self) -> str:
+        """Return the text of the file."""
+        wants = ["Wants=network-online.target", "After=network-online.target"]
+        who = [f"User={self.robot.user}", "SupplementaryGroups=dialout"]
+        lines = [
+            "# Written by: pioneer3 fleet deploy",
+            "[Unit]",
+            f"Description=pioneer3 drives the robot {self.robot.name}",
+            *(wants if self.with_root else []),
+            "StartLimitIntervalSec=0",
+            "",
+            "[Service]",
+            "Type=exec",
+            f"ExecStart={self.command()}",
+            *self._environment(),
+            *(who if self.with_root else []),
+            "Restart=always",
+            "RestartSec=2",
+            "KillSignal=SIGTERM",
+            f"TimeoutStopSec={STOPPING}",
+            *_HARDENING,
+            *(_HARDENING_WITH_ROOT if self.with_root else []),
+            "",
+            "[Install]",
+            f"WantedBy={'multi-user.target' if self.with_root else 'default.target'}",
+        ]
+        return "\n".join(lines) + "\n"
+
+    def command(self) -> str:
+        """Return the command line that drives the robot."""
+        robot = self.robot
+        words = [self.python, "-m", "pioneer3", "ros1" if robot.ros == "1" else "run"]
+        words += ["--port", robot.port]
+        words += ["--laser", robot.laser] if robot.laser else []
+        words += [f"__name:={robot.node}"] if robot.ros == "1" else []
+        return " ".join(map(quoted, words))
+
+    def _environment(self) -> list[str]:
+        found = ["PYTHONUNBUFFERED=1"]
+        if self.robot.ros == "1":
+            master = self.fleet.operator.address or "localhost"
+            found.append(f"ROS_MASTER_URI=http://{master}:{MASTER_PORT}")
+            found.append(f"ROS_IP={self.robot.address}")
+        return [f"Environment={quoted(each)}" for each in found]
+
+
+def quoted(word: str) -> str:
+    """Return a word for a command line of systemd (systemd.service(5), COMMAND LINES)."""
+    escaped = word.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
+    return escaped if escaped and not set(escaped) & set(" \t'\";") else f'"{escaped}"'
