@@ -11,9 +11,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Final, Self
 
 from tests.fleet.network import CARD, Cable, Switch
@@ -298,6 +299,8 @@ class Operator(Computer):
     own_processes = False
     source = ROOT / "src"
     """Where its pioneer3 is."""
+    more: Mapping[str, str] = MappingProxyType({})
+    """Variables that its commands see, besides the usual ones."""
 
     @property
     def home(self) -> Path:
@@ -317,6 +320,7 @@ class Operator(Computer):
             "LANG": "C.UTF-8",
             "PYTHONPATH": str(self.source),
             "COLUMNS": "100",
+            **self.more,
         }
 
     @property

@@ -110,6 +110,7 @@ def test_pulled_files_go_to_a_folder_for_each_robot(lab: Lab) -> None:
 def test_a_large_file_comes_back_as_it_was_over_a_bad_network(lab: Lab, tmp_path: Path) -> None:
     data = hashlib.sha256(b"seed").digest() * 20_000
     (lab.operator.home / "file").write_bytes(data)
+    (lab.robots[1].user_home / ".bashrc").write_text("echo Welcome to the lab; cd /\n")
     lab.robots[0].cable.loss = 0.02
     lab.robots[0].cable.delay = 0.02
     assert lab.operator.p3("fleet", "push", "file", "file").returncode == 0

@@ -6,7 +6,7 @@ import re
 import select
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import pytest
 
@@ -155,3 +155,38 @@ def test_ctrl_c_at_the_password_gives_the_terminal_back(lab: Lab) -> None:
     time.sleep(0.2)
     terminal.process.send_signal(2)
     assert terminal.end() == 130
+
+
+@pytest.fixture
+def agent(new_lab: Lab) -> Iterator[Lab]:
+    """A lab whose operator has a key with a passphrase in an agent, and no longer in a file."""
+    lab, home = new_lab, new_lab.operator.home
+    key, answer, socket = home / ".ssh/id_ed25519", home / "answer", home / "agent"
+    lab.operator.make_key()
+    change = ["ssh-keygen", "-q", "-p", "-P", "", "-N", "a secret", "-f", str(key)]
+    subprocess.run(change, check=True, capture_output=True)
+    answer.write_text("#!/bin/sh\necho a secret\n")
+    answer.chmod(0o755)
+    with subprocess.Popen(["ssh-agent", "-D", "-a", socket], stdout=subprocess.DEVNULL) as process:
+        while not socket.exists():
+            time.sleep(0.02)
+        lab.operator.more = {"SSH_AUTH_SOCK": str(socket)}
+        asking = {"SSH_ASKPASS": str(answer), "SSH_ASKPASS_REQUIRE": "force", "DISPLAY": ":0"}
+        environment = lab.operator.environment | asking
+        subprocess.run(["ssh-add", key], env=environment, check=True, capture_output=True)
+        key.unlink()
+        yield lab
+        process.terminate()
+
+
+def test_a_key_in_the_agent_alone_is_installed_and_used(agent: Lab) -> None:
+    public = agent.operator.home / ".ssh/id_ed25519.pub"
+    body = public.read_text().split()[1]
+    public.unlink()
+    terminal = Terminal(agent, ["fleet", "key", "p3at-1", "--accept-new"])
+    terminal.until("Password of pioneer@p3at-1 .*: ")
+    terminal.type(PASSWORD)
+    assert terminal.end() == 0, terminal.shown
+    authorized = agent.robots[0].user_home / ".ssh/authorized_keys"
+    assert authorized.read_text().split()[:2] == ["ssh-ed25519", body]
+    assert not public.exists()

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -131,6 +132,40 @@ def test_one_robot_at_fault_costs_the_others_nothing(
     assert process.returncode == 1
     if fault in {freeze, drop}:  # the others did not wait for it
         assert others < time.monotonic() - began - 1.0
+
+
+def test_of_five_robots_with_four_faults_the_fifth_answers_at_once(
+    possible: None, tmp_path: Path
+) -> None:
+    with Lab(tmp_path, 5) as lab:
+        frozen, strange, refusing, lost, well = lab.robots
+        freeze(frozen, lab)
+        change_host_key(strange, lab)
+        refuse_key(refusing, lab)
+        drop(lost, lab)
+        well.cable.delay = 0.05
+        began = time.monotonic()
+        with subprocess.Popen(
+            lab.operator.command("fleet", "run", "--timeout", "10", "hostname"),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=lab.operator.environment,
+        ) as process:
+            assert process.stdout is not None
+            assert process.stderr is not None
+            assert process.stdout.readline() == "p3at-5 | p3at-5\n"
+            first = time.monotonic() - began
+            why = " ".join(process.stderr.read().split())
+        whole = time.monotonic() - began
+    assert "p3at-1 NOT REACHED" in why
+    assert "says nothing" in why
+    assert "another host key than before" in why
+    assert "does not accept your key" in why
+    assert "no answer from 192.168.1.114" in why
+    assert "4 of 5 failed: p3at-1, p3at-2, p3at-3, p3at-4" in why
+    assert first < whole - 3.0
+    assert whole < 10 + 10  # all faults at once cost as much as one, and the start
 
 
 def test_no_key_no_agent_and_a_locked_key_are_told_apart(lab: Lab) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from pioneer3.errors import ConfigError, RemoteError
 from pioneer3.fleet.bundle import OLDEST_PYTHON, Bundle, Bundler, Platform, version_pair
 from pioneer3.fleet.copy import put_file
-from pioneer3.fleet.host_facts import SERVICE, WITH_ROOT
+from pioneer3.fleet.host_facts import BASE, SERVICE, WITH_ROOT
 from pioneer3.fleet.run import Done, Outcome, on_each, output_of
 from pioneer3.fleet.spec import Fleet, Robot
 from pioneer3.fleet.ssh import LOGIN, Login, connect
@@ -22,8 +22,6 @@ from pioneer3.fleet.unit import Unit
 if TYPE_CHECKING:
     import asyncssh
 
-BASE: Final = ".local/share/pioneer3"
-"""Below the user's home."""
 USER_UNIT: Final = f".config/systemd/user/{SERVICE}.service"
 WATCHED: Final = 6
 """So long a new version must run before it counts as started [s], and four times the time that the
@@ -217,7 +215,7 @@ async def _run(
     }
     for word, value in words.items():
         script = script.replace(word, value)
-    return await output_of(connection, f"cd; {script}")
+    return await output_of(connection, script)
 
 
 async def _install(

@@ -8,13 +8,13 @@ from urllib.parse import urlsplit
 from pioneer3.doctor.facts import FAILED, FORBIDDEN, Finding, Level
 from pioneer3.fleet.host_facts import ROS_VARIABLES, HostFacts
 from pioneer3.fleet.key import WITHOUT_PASSWORDS
+from pioneer3.fleet.ros_graph import MASTER_PORT
 from pioneer3.fleet.spec import Fleet, Robot
 
 CLOCKS_DIFFER, CLOCKS_WRONG = 0.1, 1.0
 """From these offsets [s] transforms of two computers differ visibly, or are refused by tf."""
 DISK_LOW, DISK_FULL = 1_000_000_000, 100_000_000
 """Free space [bytes]: recordings soon stop; nothing can be installed."""
-MASTER_PORT: Final = 11311
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,8 +15,9 @@ from pioneer3.fleet.spec import Fleet, Robot
 if TYPE_CHECKING:
     import asyncssh
 
-HOME: Final = "~/.local/share/pioneer3"
-"""Where `fleet deploy` puts the package; `current` there points to the version in use."""
+BASE: Final = ".local/share/pioneer3"
+"""Below the user's home; `fleet deploy` puts the package there, and `current` points to the version
+in use."""
 SERVICE: Final = "pioneer3"
 WITH_ROOT: Final = f"/etc/systemd/system/{SERVICE}.service"
 """The unit of a service that an administrator has installed; else it is the user's own."""
@@ -109,7 +110,7 @@ _QUESTIONS: Final = {
     "ros": "ls /opt/ros",
     "own_addresses": 'getent ahostsv4 "$(hostname)" | cut -d" " -f1 | sort -u',
     "firewall": "grep -i '^ENABLED=yes' /etc/ufw/ufw.conf",
-    "version": f"basename $(readlink {HOME}/current)",
+    "version": f"basename $(readlink ~/{BASE}/current)",
     "service": f"if [ -e {WITH_ROOT} ]; then systemctl is-active {SERVICE}; "
     f"else {RUNTIME} systemctl --user is-active {SERVICE}; fi",
 }

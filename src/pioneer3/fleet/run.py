@@ -26,6 +26,8 @@ ENDING: Final = 4.0
 """Time for a remote command to end when it is told to [s]."""
 KILL_AFTER: Final = 2
 """A remote command that ignores SIGTERM is killed after this time [s]."""
+_BEGIN: Final = "pioneer3: the answer"
+"""What shells print before this line, as their start-up files say, is no answer."""
 _LINE_ENDS: Final = re.compile(r"\r\n|\n|\r(?!\Z)")
 """A carriage return at the end may be half of one."""
 
@@ -172,7 +174,7 @@ def _done(process: Any) -> Done:
 
 
 async def output_of(connection: "asyncssh.SSHClientConnection", command: str) -> str:
-    """Return the output of a short command.
+    """Return the output of a short command for `sh`, without what a login there prints.
 
     Raises:
         HostError: The connection was lost.
@@ -181,11 +183,13 @@ async def output_of(connection: "asyncssh.SSHClientConnection", command: str) ->
     out: list[str] = []
     err: list[str] = []
     done = await run_command(
-        connection, command, lambda line, is_error: (err if is_error else out).append(line)
+        connection,
+        f"exec sh -c {shlex.quote(f'cd; echo {_BEGIN}; {command}')}",
+        lambda line, is_error: (err if is_error else out).append(line),
     )
     if done.status:
         raise RemoteError("; ".join(err[-3:]) or done.said)
-    return "\n".join(out)
+    return "\n".join(out[out.index(_BEGIN) + 1 :] if _BEGIN in out else out)
 
 
 def bound_to_stdin(command: str) -> str:

@@ -46,12 +46,10 @@ class Login:
         patience: Longest time to connect and log in; a connection that is silent for so long is
             lost [s].
         password: In place of keys, where it is not `None`; never stored.
-        trusted: Public host keys to trust besides those that are known, in OpenSSH's format.
     """
 
     patience: float = PATIENCE
     password: str | None = None
-    trusted: tuple[str, ...] = ()
 
 
 LOGIN: Final = Login()
@@ -170,7 +168,7 @@ class _Attempt:
         self.reached = self.offers_passwords = False
         self._with_keys = keys and login.password is None
         self.offered: asyncssh.SSHKey | None = None
-        self.matched = _known_keys(robot, login.trusted)
+        self.matched = _known_keys(robot)
         self.known: Sequence[asyncssh.SSHKey] = (*self.matched[0], *self.matched[1])
 
     async def connected(self) -> "asyncssh.SSHClientConnection":
@@ -345,7 +343,7 @@ def _agent_answers() -> bool:
     return answer[4:5] == b"\x0c" and answer[5:9] != b"\0\0\0\0"
 
 
-def _known_keys(robot: Robot, trusted: Sequence[str]) -> tuple[list[Any], ...]:
+def _known_keys(robot: Robot) -> tuple[list[Any], ...]:
     """Return the host keys to trust, authorities, revoked keys, and lists for X.509, empty.
 
     Raises:
@@ -363,5 +361,4 @@ def _known_keys(robot: Robot, trusted: Sequence[str]) -> tuple[list[Any], ...]:
     for name in dict.fromkeys((robot.host, robot.name)):
         for keys, more in zip(found, hosts.match(name, robot.address, None), strict=False):
             keys.extend(key for key in more if key not in keys)
-    found[0].extend(ssh.import_public_key(line) for line in trusted)
     return found

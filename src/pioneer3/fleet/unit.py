@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Final
 
+from pioneer3.fleet.ros_graph import MASTER_PORT
 from pioneer3.fleet.spec import Fleet, Robot
 
-MASTER_PORT: Final = 11311
 STOPPING: Final = 10
 """Time that the program has to stop the robot before it is killed [s]; the robot's own watchdog
 stops it 2 s after that."""
