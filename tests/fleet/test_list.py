@@ -57,3 +57,9 @@ def test_without_any_computer_the_code_is_3(lab: Lab) -> None:
     live, code, _ = listed(lab, "--timeout", "1")
     assert [one["up"]["ok"] for one in live.values()] == [False] * 3
     assert code == 3
+
+
+def test_the_clocks_of_computers_that_let_the_operator_in_are_told(lab: Lab) -> None:
+    live, _, _ = listed(lab, "--timeout", "10")
+    clocks = [one["clock"] for one in live.values()]
+    assert all(isinstance(ahead, float) and abs(ahead) < 1.0 for ahead in clocks)

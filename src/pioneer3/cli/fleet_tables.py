@@ -56,6 +56,7 @@ def list_(
     if offline:
         _print(robots, None, json=json)
         return 0
+    from pioneer3.fleet.host_facts import clock_ahead
     from pioneer3.fleet.live import Questions
     from pioneer3.fleet.ros_graph import Endpoint
 
@@ -63,6 +64,7 @@ def list_(
     questions = Questions(
         timeout=timeout,
         masters=(Endpoint.of(master),) if master else (),
+        clock=clock_ahead,
         addresses=given.addresses,
     )
     if watch:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from pioneer3.errors import RemoteError
 from pioneer3.fleet.run import output_of
 from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.fleet.ssh import connect
 
 if TYPE_CHECKING:
     import asyncssh
@@ -233,3 +234,15 @@ async def reaches_ports(connection: "asyncssh.SSHClientConnection", address: str
     with suppress(OSError):
         await writer.wait_closed()
     return True
+
+
+async def clock_ahead(robot: Robot) -> float:
+    """Return how far the clock of a robot's computer is ahead of ours [s].
+
+    Raises:
+        HostError: It cannot be logged in to.
+        RemoteError: It does not tell the time.
+    """
+    async with connect(robot) as connection:
+        ahead, _ = await clock_of(connection)
+    return ahead
