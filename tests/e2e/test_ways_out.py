@@ -17,6 +17,7 @@ from pioneer3.arcos.commands import Command
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
+from pioneer3.runtime.signals import StopOnSignals
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
@@ -389,6 +390,22 @@ async def test_when_all_robots_are_left_signals_do_what_they_did(site: Site) -> 
         assert [signal.getsignal(number) for number in numbers] == before
         """
     assert await site.run(program) == (0, "")
+
+
+def test_robots_that_come_and_go_beside_each_other_leave_nothing_behind() -> None:
+    loop = asyncio.new_event_loop()
+    before = signal.getsignal(signal.SIGTERM)
+    one = StopOnSignals(loop, lambda: None)
+    one.__enter__()
+    for _ in range(100):  # the next one is there before the last one goes
+        other = StopOnSignals(loop, lambda: None)
+        other.__enter__()
+        one.__exit__(None, None, None)
+        one = other
+    assert one._before[signal.SIGTERM] == before
+    one.__exit__(None, None, None)
+    assert signal.getsignal(signal.SIGTERM) == before
+    loop.close()
 
 
 @pytest.mark.realtime

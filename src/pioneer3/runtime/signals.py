@@ -74,8 +74,13 @@ class StopOnSignals:
         self._open = False
         if threading.current_thread() is threading.main_thread():
             for number, handler in self._before.items():
-                if signal.getsignal(number) is self:  # else somebody else's calls it, or none does
+                later = signal.getsignal(number)
+                if later is self:
                     signal.signal(number, _still_open(handler, number))
+                while isinstance(later, StopOnSignals):  # robots that come and go would pile up
+                    if later._before[number] is self:
+                        later._before[number] = handler
+                    later = later._before[number]
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         """Stop this robot and those that were connected before; then let the signal do its work."""
