@@ -93,9 +93,9 @@ def rob_key_multi(
 ) -> int:
     """Drive several robots with one keyboard, one at a time or all together.
 
-    Arrows drive, q goes on to the next robot, a number chooses one, a all of them;
-    who is left stands. Space stops all, k is the emergency stop of all, Ctrl-R
-    releases it; Ctrl-D quits.
+    Arrows drive, q goes on to the next robot, a number chooses one, a all of them,
+    s several: mark them, then y; who is left stands. Space stops all, k is the
+    emergency stop of all, Ctrl-R releases it; Ctrl-D quits.
 
     Args:
         arguments: ROS's own, such as __name:=mine.
@@ -111,12 +111,8 @@ def rob_key_multi(
     from pioneer3.ros.client.graph import chosen
     from pioneer3.ros.ros1.client import find_robots, run_program
     from pioneer3.teleop.keyboard import Keyboard
-    from pioneer3.teleop.keyboard_drive import (
-        KEYS,
-        KeyboardDriver,
-        KeyRouter,
-        numbers,
-    )
+    from pioneer3.teleop.keyboard_drive import KeyboardDriver
+    from pioneer3.teleop.several import KEYS, KeyRouter, numbers
     from pioneer3.teleop.terminal import raw_terminal, tokens
 
     known = find_robots()
@@ -125,7 +121,7 @@ def rob_key_multi(
     async def drive(driven: "list[TopicRobot]") -> None:
         board = KeyRouter(numbers([each.name for each in wanted]), rewrite)
         for topics, each in zip(wanted, driven, strict=True):
-            announce(each, f"is number {board.numbers[topics.name]}")
+            announce(each, f"is number {board.selection.label(topics.name)}")
             limits = each.info.limits
             keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
             board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))

@@ -1,10 +1,8 @@
 """The demo as a full screen of a terminal, for 80 x 24 characters and more."""
 
 import asyncio
-import sys
 from collections import deque
 from collections.abc import Callable
-from queue import Full
 from typing import ClassVar
 
 from rich.console import RenderableType
@@ -19,46 +17,7 @@ from pioneer3.demo import view
 from pioneer3.demo.drawing import Trail, reach_for, ring
 from pioneer3.demo.program import Program
 from pioneer3.demo.view import panel
-
-if sys.platform == "win32":
-    from textual.drivers.windows_driver import WindowsDriver as TerminalDriver
-else:
-    from textual.drivers.linux_driver import LinuxDriver as TerminalDriver
-
-PATIENCE = 1.0
-"""For the last words to a terminal [s]."""
-
-
-class PatientDriver(TerminalDriver):
-    """Textual's, except that it never waits for the terminal.
-
-    Attributes:
-        missed: Whether something was not written, so that the screen must be drawn anew.
-    """
-
-    missed = False
-
-    def write(self, data: str) -> None:
-        """Write `data` when the terminal takes it; if too much waits already, never."""
-        writer = self._writer_thread
-        if writer is None or not writer.is_alive():
-            return
-        try:
-            writer._queue.put_nowait(data)
-        except Full:
-            self.missed = True
-
-    def close(self) -> None:
-        """Wait for the rest to be written, but not for ever."""
-        writer = self._writer_thread
-        if writer is None or not writer.is_alive():
-            return
-        try:
-            writer._queue.put(None, timeout=PATIENCE)
-        except Full:
-            return
-        writer.join(PATIENCE)
-
+from pioneer3.teleop.screen import PatientDriver
 
 REFRESH = 0.1
 BELOW = ("row", "flags", "why", "said", "foot")

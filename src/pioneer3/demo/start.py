@@ -1,9 +1,7 @@
 """Starts the demo, on a screen or as lines, and runs it until a key or the terminal ends it."""
 
-import logging
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from functools import partial
 
 from pioneer3.demo.plain import Plain, serve_plain, typed
@@ -14,30 +12,10 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.teleop.terminal import raw_terminal
 
 
-class _Teller(logging.Handler):
-    def __init__(self, say: Callable[[str], None]) -> None:
-        super().__init__(logging.WARNING)
-        self._say = say
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self._say(record.getMessage())
-
-
-@contextmanager
-def log_told_by(say: Callable[[str], None]) -> Iterator[None]:
-    """Hand warnings and errors to `say` during the block, and to nobody else."""
-    root = logging.getLogger()
-    before = root.handlers[:]
-    root.handlers[:] = [_Teller(say)]
-    try:
-        yield
-    finally:
-        root.handlers[:] = before
-
-
 async def start_screen(robot: Robot, *, first: str, patience: float, acts: Acts) -> int:
     """Run the demo on the whole terminal; return the exit code."""
     from pioneer3.demo.app import DemoApp  # textual takes its time
+    from pioneer3.teleop.screen import log_told_by
 
     app = DemoApp(partial(Program, robot, first=first, patience=patience, acts=acts))
     with log_told_by(app.say):

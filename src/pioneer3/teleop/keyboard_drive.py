@@ -1,21 +1,21 @@
-"""Joins a keyboard to robots: keys become commands, and a live line shows the effect."""
+"""Joins a keyboard to a robot: keys become commands, and a live line shows the effect."""
 
 import asyncio
-import re
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from math import isfinite
-from typing import Final
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.runtime.arbiter import KEYBOARD
 from pioneer3.runtime.driven import Driven
 from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key, Keyboard
-from pioneer3.teleop.terminal import SEQUENCES
 from pioneer3.units import degrees
 
 RENEW = 0.1
 """Pause between two commands, and two live lines [s]."""
+RENEW_UNSEEN = 0.15
+"""The same where nobody reads a live line [s]: half of :data:`COMMAND_TIMEOUT`."""
 COMMAND_TIMEOUT = 0.3
 """A command that is not renewed ends after this [s]: this program may hang too."""
 
@@ -26,10 +26,12 @@ class KeyboardDriver:
     Args:
         robot: Connected.
         keyboard: Speeds, and how long a key acts.
-        show: Given the live line, again and again.
+        show: Given the live line, again and again; `None` where nobody reads it.
     """
 
-    def __init__(self, robot: Driven, keyboard: Keyboard, show: Callable[[str], None]) -> None:
+    def __init__(
+        self, robot: Driven, keyboard: Keyboard, show: Callable[[str], None] | None = None
+    ) -> None:
         self._robot = robot
         self._keyboard = keyboard
         self._show = show
@@ -38,20 +40,39 @@ class KeyboardDriver:
 
     async def run(self, keys: AsyncIterator[Key]) -> None:
         """Drive until the quit key or the end of `keys`; then the robot stands."""
-        self._robot.arbiter.add(self._hold, KEYBOARD)
-        renewing = asyncio.ensure_future(self._renew())
-        try:
+        async with self.driving():
             async for key in keys:
                 if key is Key.QUIT:
                     return
-                self._obey(key)
-                self._command()
-                self._show(self.line())
+                self.press(key)
+
+    @asynccontextmanager
+    async def driving(self) -> AsyncIterator[None]:
+        """Drive with the keys that are pressed during the block; then the robot stands."""
+        self._robot.arbiter.add(self._hold, KEYBOARD)
+        try:
+            async with running(self._renew()):
+                yield
         finally:
-            renewing.cancel()
-            await asyncio.gather(renewing, return_exceptions=True)
             self._robot.arbiter.remove(self._hold)
             self._robot.stop()
+
+    def press(self, key: Key) -> None:
+        """Obey a key."""
+        self._obey(key)
+        self._command()
+        self._tell()
+
+    @property
+    def moves(self) -> bool:
+        """Whether the robot moves, or is asked to."""
+        now, pilot = self._robot.snapshot, self._robot.supervisor.pilot
+        return (now is not None and now.motors.moving) or not pilot.asked(self._clock()).is_zero
+
+    @property
+    def keyboard(self) -> Keyboard:
+        """The speeds of its keys."""
+        return self._keyboard
 
     def line(self) -> str:
         """Return the live line: speed or why it stands, speeds set, battery, nearest sonar, pose.
@@ -81,8 +102,12 @@ class KeyboardDriver:
             if self._robot.supervisor.pilot.blocked:
                 self._keyboard.press(Key.STOP, self._clock())  # a latched key must be pressed anew
             self._command()
+            self._tell()
+            await asyncio.sleep(RENEW if self._show else RENEW_UNSEEN)
+
+    def _tell(self) -> None:
+        if self._show is not None:
             self._show(self.line())
-            await asyncio.sleep(RENEW)
 
     def _command(self) -> None:
         twist, seconds = self._keyboard.wanted(self._clock())
@@ -105,91 +130,3 @@ class KeyboardDriver:
             case Key.RESET:
                 supervisor.reset_emergency_stop()
         self._keyboard.press(key, self._clock())
-
-
-KEYS: Final = (
-    "arrows: drive   q: next robot   0-9: this robot   a: all   space: stop all   + -: speed   "
-    "m: motors   k: emergency stop   Ctrl-R: release it   Ctrl-D: quit"
-)
-NEXT, ALL, QUIT = {"q", "\t"}, {"a"}, {"\x04", "\x1b"}
-FOR_ALL: Final = {Key.STOP, Key.EMERGENCY, Key.RESET}
-"""Keys that every robot obeys, chosen or not."""
-LETTERS: Final = {"w", "a", "s", "d", "q"}
-"""They drive where there is one robot; here arrows do."""
-LAB_NUMBER: Final = re.compile(r".*p3[a-z]+_(\d)_")
-"""The lab numbers its robots, as in p3at_1_113."""
-
-
-def numbers(names: Sequence[str]) -> dict[str, int]:
-    """Return a digit for each robot: the lab's, or else in their order from 0."""
-    found = [match[1] for name in names if (match := LAB_NUMBER.match(name))]
-    if len(set(found)) == len(names):
-        return {name: int(digit) for name, digit in zip(names, found, strict=True)}
-    return {name: number for number, name in enumerate(names)}
-
-
-class KeyRouter:
-    """Routes keys to the drivers of robots.
-
-    Args:
-        numbers: The digit of each robot.
-        show: Given the live line of the robot chosen.
-
-    Attributes:
-        chosen: The robots that drive; the others stand.
-    """
-
-    def __init__(self, numbers: dict[str, int], show: Callable[[str], None]) -> None:
-        self.numbers = numbers
-        self.chosen = [min(numbers, key=lambda name: numbers[name])]
-        self._show = show
-        self._drivers: dict[str, KeyboardDriver] = {}
-        self._keys: dict[str, asyncio.Queue[Key]] = {name: asyncio.Queue() for name in numbers}
-
-    def shows(self, name: str) -> Callable[[str], None]:
-        """Return the function that shows the live lines of a robot."""
-
-        def show(line: str) -> None:
-            if name == self.chosen[0]:
-                who = name if len(self.chosen) == 1 else "ALL ROBOTS"
-                self._show(f"{who}: {line}")
-
-        return show
-
-    def add(self, name: str, driver: KeyboardDriver) -> None:
-        """Let `driver` have the keys of this robot."""
-        self._drivers[name] = driver
-
-    async def run(self, tokens: AsyncIterator[str]) -> None:
-        """Drive until the quit key or the end of `tokens`; then all robots stand."""
-        driving = [driver.run(_pressed(self._keys[name])) for name, driver in self._drivers.items()]
-        async with running(*driving):
-            async for token in tokens:
-                if token in QUIT:
-                    return
-                self.press(token)
-
-    def press(self, token: str) -> None:
-        """Obey a key."""
-        order = sorted(self.numbers, key=lambda name: self.numbers[name])
-        if token in NEXT:
-            self._choose([order[(order.index(self.chosen[0]) + 1) % len(order)]])
-        elif token in ALL:
-            self._choose(order)
-        elif token.isdecimal():
-            self._choose([name for name in order if self.numbers[name] == int(token)])
-        elif token not in LETTERS and (key := SEQUENCES.get(token)):
-            for name in order if key in FOR_ALL else self.chosen:
-                self._keys[name].put_nowait(key)
-
-    def _choose(self, names: Sequence[str]) -> None:
-        """Let these robots have the keys; the robots that lose them stand."""
-        for name in self.chosen:
-            if names and name not in names:
-                self._keys[name].put_nowait(Key.STOP)
-        self.chosen = list(names) or self.chosen
-
-
-async def _pressed(keys: "asyncio.Queue[Key]") -> AsyncIterator[Key]:
-    while True:
-        yield await keys.get()

@@ -4,10 +4,12 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from typing import cast
 
 from pioneer3.runtime.connect import connect_async
-from pioneer3.teleop.keyboard import Keyboard
-from pioneer3.teleop.keyboard_drive import KeyboardDriver, KeyRouter, numbers
+from pioneer3.teleop.keyboard import Key, Keyboard
+from pioneer3.teleop.keyboard_drive import KeyboardDriver
+from pioneer3.teleop.several import KeyRouter, numbers
 from tests.support import SimulatedRobot
 
 UP, LEFT = "\x1b[A", "\x1b[D"
@@ -57,7 +59,7 @@ async def seat() -> AsyncIterator[Seat]:
 
         lines: list[str] = []
         board, sims = KeyRouter({"one": 1, "three": 3}, lines.append), []
-        for name in board.numbers:
+        for name in board.selection.numbers:
             sims.append(sim := await stack.enter_async_context(SimulatedRobot()))
             robot = await stack.enter_async_context(connect_async(sim.open))
             keyboard = Keyboard(speed=0.2, latch=True)
@@ -89,7 +91,7 @@ async def test_all_drive_together_and_space_stops_all() -> None:
 async def test_a_number_that_no_robot_has_changes_nothing() -> None:
     async with seat() as the:
         assert await the.press(UP, "7") == [2, 0]
-        assert the.board.chosen == ["one"]
+        assert the.board.selection.chosen == ("one",)
 
 
 async def test_letters_that_drive_elsewhere_do_not_here() -> None:
@@ -112,3 +114,35 @@ async def test_the_emergency_stop_is_for_all_and_leaving_stops_all() -> None:
         assert [sim.powered for sim in the.sims] == [False, False]
         the.typed.put_nowait("\x04")
         await asyncio.wait_for(the.driving, 5.0)
+
+
+async def test_a_stop_goes_first_to_those_that_move_whoever_is_chosen() -> None:
+    told: list[str] = []
+
+    @dataclass
+    class Noted:
+        name: str
+        moves: bool
+
+        def press(self, key: Key) -> None:
+            told.append(self.name)
+
+    board = KeyRouter({name: number for number, name in enumerate("abcd")})
+    for name in "abcd":
+        board.add(name, cast("KeyboardDriver", Noted(name, moves=name in "bd")))
+    assert board.press(" ")
+    assert told == ["b", "d", "a", "c"]
+
+
+async def test_escape_ends_choosing_and_then_the_program() -> None:
+    async with seat() as the:
+        assert await the.press("s", "3", "\x1b", UP) == [2, 0]
+        assert await the.press("s", "1", "3", "y", UP) == [2, 2]
+        the.typed.put_nowait("\x1b")
+        await asyncio.wait_for(the.driving, 5.0)
+
+
+async def test_the_live_line_asks_which_robots_while_several_are_chosen() -> None:
+    async with seat() as the:
+        await the.press("s", "3")
+        assert the.lines[-1].endswith("marked: three")

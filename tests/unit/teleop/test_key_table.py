@@ -7,10 +7,10 @@ import pytest
 
 from pioneer3.demo.modes import MODES
 from pioneer3.demo.program import EMERGENCY_KEYS, HELP_KEYS, QUIT_KEYS, RESET_KEY, STOP_KEY, named
-from pioneer3.teleop import keyboard_drive
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.teleop.keyboard import Key
-from pioneer3.teleop.terminal import SEQUENCES, keys_in
+from pioneer3.teleop.several import FOR_ALL, KEYS, TABLE, Choice, act_of
+from pioneer3.teleop.terminal import keys_in
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs/how-to/drive.md").read_text("utf-8")
@@ -21,7 +21,7 @@ TOKENS = {
     "Ctrl-D": "\x04",
     "Escape": "\x1b",
     "Tab": "\t",
-    "another letter": "y",
+    "another letter": "x",
 }
 WORDS = {
     Key.STOP: "stop",
@@ -32,6 +32,13 @@ WORDS = {
     Key.FASTER: "speed",
     Key.SLOWER: "speed",
     **dict.fromkeys((Key.FORWARD, Key.BACK, Key.LEFT, Key.RIGHT), "drive"),
+}
+CHOICES = {
+    Choice.NEXT: "next robot",
+    Choice.NUMBER: "this robot",
+    Choice.ALL: "all robots",
+    Choice.SEVERAL: "several robots",
+    Choice.CONFIRM: "those marked",
 }
 LETTERS_OF_MODES = frozenset(mode.key for mode in MODES)
 
@@ -58,20 +65,18 @@ def test_the_keys_of_drive(token: str, row: list[str]) -> None:
 
 @pytest.mark.parametrize(("token", "row"), ROWS, ids=IDS)
 def test_the_keys_of_several_robots(token: str, row: list[str]) -> None:
-    key = None if token in keyboard_drive.LETTERS else SEQUENCES.get(token)
-    told = WORDS[key] if key else ""
-    if key in {Key.STOP, Key.EMERGENCY}:
-        assert key in keyboard_drive.FOR_ALL
-        told += " of all"
-    if token in keyboard_drive.NEXT:
-        told = "next robot"
-    elif token in keyboard_drive.ALL:
-        told = "all robots"
-    elif token.isdecimal():
-        told = "this robot"
-    elif token in keyboard_drive.QUIT:
-        told = "quit"
+    act = act_of(token)
+    if isinstance(act, Key):
+        told = WORDS[act] + (" of all" if act in {Key.STOP, Key.EMERGENCY} else "")
+        assert (act in FOR_ALL) == (act in {Key.STOP, Key.EMERGENCY, Key.RESET})
+    else:
+        told = CHOICES[act] if act else ""
     assert row[3] == told
+
+
+def test_every_key_of_several_robots_is_in_the_help() -> None:
+    for row in TABLE:
+        assert f"{row.name}: {row.words}" in KEYS or not row.name
 
 
 @pytest.mark.parametrize(("token", "row"), ROWS, ids=IDS)
@@ -89,7 +94,7 @@ def test_the_keys_of_the_demo(token: str, row: list[str]) -> None:
         assert row[4] == told
     else:
         assert ("mode" in row[4] and "of the mode" not in row[4]) == (key in LETTERS_OF_MODES) or (
-            key == "y"
+            key == "x"
         )
 
 

@@ -1,0 +1,67 @@
+"""What full screens of a terminal share: a driver that never waits, and where the log goes."""
+
+import logging
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from queue import Full
+
+if sys.platform == "win32":
+    from textual.drivers.windows_driver import WindowsDriver as TerminalDriver
+else:
+    from textual.drivers.linux_driver import LinuxDriver as TerminalDriver
+
+PATIENCE = 1.0
+"""For the last words to a terminal [s]."""
+
+
+class PatientDriver(TerminalDriver):
+    """Textual's, except that it never waits for the terminal.
+
+    Attributes:
+        missed: Whether something was not written, so that the screen must be drawn anew.
+    """
+
+    missed = False
+
+    def write(self, data: str) -> None:
+        """Write `data` when the terminal takes it; if too much waits already, never."""
+        writer = self._writer_thread
+        if writer is None or not writer.is_alive():
+            return
+        try:
+            writer._queue.put_nowait(data)
+        except Full:
+            self.missed = True
+
+    def close(self) -> None:
+        """Wait for the rest to be written, but not for ever."""
+        writer = self._writer_thread
+        if writer is None or not writer.is_alive():
+            return
+        try:
+            writer._queue.put(None, timeout=PATIENCE)
+        except Full:
+            return
+        writer.join(PATIENCE)
+
+
+class _Teller(logging.Handler):
+    def __init__(self, say: Callable[[str], None]) -> None:
+        super().__init__(logging.WARNING)
+        self._say = say
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._say(record.getMessage())
+
+
+@contextmanager
+def log_told_by(say: Callable[[str], None]) -> Iterator[None]:
+    """Hand warnings and errors to `say` during the block, and to nobody else."""
+    root = logging.getLogger()
+    before = root.handlers[:]
+    root.handlers[:] = [_Teller(say)]
+    try:
+        yield
+    finally:
+        root.handlers[:] = before
