@@ -5,6 +5,7 @@ import json
 import signal
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
+from pathlib import Path
 
 import pytest
 import pytest_asyncio
@@ -158,3 +159,43 @@ async def test_without_a_master_it_says_where_it_looked(
     assert done.returncode == 3
     assert "there is no ROS master at http://127.0.0.1:1" in done.stderr
     assert "start roscore, or set ROS_MASTER_URI" in done.stderr
+
+
+def fleet_file(folder: Path) -> str:
+    """Write a fleet of both robots, and of one whose node is not there; return its path."""
+    rows = (
+        f'[[robot]]\nname = "p3at-{number}"\naddress = "127.0.0.{number + 2}"\nros = "1"\n'
+        f'node = "RosAria_{name}"\n'
+        for number, name in enumerate((LEFT, RIGHT, "p3at_2_115"))
+    )
+    (folder / "fleet.toml").write_text("\n".join(rows), "utf-8")
+    return str(folder / "fleet.toml")
+
+
+async def test_the_nodes_of_a_fleet_are_driven_together_though_one_is_missing(
+    labs: list[Lab], tmp_path: Path
+) -> None:
+    ahead = Twist2(0.1)
+    async with terminal("fleet", "drive", "--fleet", fleet_file(tmp_path), "--latch") as the:
+        await the.shows(b"2 connected")
+        await the.shows(b"no node Ros")
+        the.type(b"a" + UP)
+        await until(lambda: [lab.tap.now for lab in labs] == [ahead, ahead])
+        the.type(b" ")
+        await until(lambda: [lab.tap.now for lab in labs] == [STILL, STILL])
+        the.type(b"1" + UP)
+        await until(lambda: [lab.tap.now for lab in labs] == [STILL, ahead])
+        the.type(b"\x04")
+        assert await the.code() == 0
+    await until(lambda: [lab.tap.now for lab in labs] == [STILL, STILL])
+
+
+async def test_the_nodes_of_a_fleet_are_stopped_and_who_is_missing_is_named(
+    labs: list[Lab], tmp_path: Path
+) -> None:
+    words = ("fleet", "stop", "--emergency", "--timeout", "8", "--json", "--fleet")
+    done = await asyncio.to_thread(p3, *words, fleet_file(tmp_path))
+    assert done.returncode == 1, done.stderr
+    left, right, missing = json.loads(done.stdout)
+    assert (left["ok"], right["ok"], missing["ok"]) == (True, True, False), done.stdout
+    assert "no node RosAria_p3at_2_115" in missing["why"]

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Group, Parameter
 
 from pioneer3.cli.fleet_discover import discover
+from pioneer3.cli.fleet_drive import drive, stop
 from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
@@ -107,6 +108,7 @@ def _version(answer: str) -> Literal["", "1", "2"]:
 
 COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
     "The file": (("init", init), ("discover", discover), ("list", list_)),
+    "Driving": (("drive", drive), ("stop", stop)),
     "Names on this computer": (
         ("hosts", hosts),
         ("ssh-config", ssh_config),

@@ -13,6 +13,7 @@ from pioneer3.behaviors.actions.limiters import LimiterBySonar
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
 from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
+from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
@@ -108,6 +109,9 @@ class Arbiter:
         mode: The stack that was started last and has not ended, or `None`.
         lasers: That it looks through, while they are on.
         ended: The end of the last mode; `None` while one runs and before the first.
+        remembers: Whether it keeps what the sensors have seen. Inputs do not need it, and it costs
+            half of all: who drives a crowd by hand sets it to false. It is true again from the
+            first action that is no input.
     """
 
     def __init__(self, supervisor: Drivable, remark: Callable[[str], None] | None = None) -> None:
@@ -115,6 +119,7 @@ class Arbiter:
         self.mode: Stack | None = None
         self.ended: Ended | None = None
         self.lasers: Sequence[LaserSource] = ()
+        self.remembers = True
         self._supervisor = supervisor
         self._remark = remark
         self._remarked: str | None = None
@@ -145,7 +150,7 @@ class Arbiter:
             snapshot=snapshot,
             model=info.model,
             limits=info.limits,
-            around=self._memory.around(now),
+            around=self._memory.around(now) if self.remembers else NOTHING_SENSED,
             scan=self._memory.newest_scan(now),
             lost_lasers=tuple(laser.lost for laser in self.lasers if laser.lost),
             last_stop=self.last_stop,
@@ -236,6 +241,7 @@ class Arbiter:
         return any(_has(part.stack, action) for part in self._parts)
 
     def _join(self, stack: Stack) -> None:
+        self.remembers |= not all(isinstance(ranked.action, Hold) for ranked in stack.actions)
         self._parts.append(_Part(stack, self.last_stop.number))
 
     def start(self, mode: Stack) -> str | None:
@@ -293,7 +299,7 @@ class Arbiter:
         info = self._supervisor.info
         if info is not None and (self._memory is None or self._memory.model is not info.model):
             self._memory = RangeMemory(info.model)
-        if self._memory is not None:
+        if self._memory is not None and self.remembers:
             scans = (laser.latest for laser in self.lasers)
             self._memory.update(snapshot, [scan for scan in scans if scan is not None])
         self.decide()

@@ -143,3 +143,29 @@ def test_names_are_checked_printed_and_written(
     assert execute([*words, "--apply"]) == 0
     assert names.read_text().startswith("# 127.0.1.1 a\n")
     assert execute(words) == 0
+
+
+def test_a_keyboard_for_all_needs_a_terminal(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["fleet", "init", "p3at-1=10.0.0.1", "--yes"]) == 0
+    assert execute(["fleet", "drive"]) == 2
+    assert "needs a terminal" in capsys.readouterr().err
+
+
+def test_who_was_not_stopped_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = (
+        '[[robot]]\nname = "off"\naddress = "127.0.0.2"\n'
+        f'port = "tcp://127.0.0.1:{free_port()}"\n'
+        '[[robot]]\nname = "far"\naddress = "192.0.2.1"\n'
+    )
+    (folder / "fleet.toml").write_text(rows, "utf-8")
+    assert execute(["fleet", "stop", "--timeout", "1"]) == 3
+    told = capsys.readouterr().out
+    assert "off    NOT REACHED" in told
+    assert "nobody listens there" in told
+    assert "a device of far (192.0.2.1) and not of this computer" in told
+    assert "2 of 2 robots may still move" in told
+    assert execute(["fleet", "stop", "off", "--json"]) == 3
+    (answer,) = json.loads(capsys.readouterr().out)
+    assert (answer["robot"], answer["ok"], answer["reached"]) == ("off", False, False)

@@ -12,7 +12,7 @@ from pioneer3.behaviors.action import MODE, Desire, Situation, Stack
 from pioneer3.behaviors.actions import Hold
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, PROGRAM, WEB, Arbiter
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, wall_at
 
 LONG = 0.5
 FORTH, BACK, TURNING = Twist2(0.3, 0.0), Twist2(-0.2, 0.0), Twist2(0.0, 0.5)
@@ -346,3 +346,27 @@ async def test_a_key_held_through_an_outage_must_be_let_go_first() -> None:
         await asyncio.sleep(1.0)
         await the.keep(the.keyboard, FORTH, 1.5)
         assert the.sim.speed == pytest.approx(0.3)
+
+
+async def test_what_was_sensed_is_kept_from_the_first_mode_on_where_only_inputs_drive() -> None:
+    class Looks:
+        name = "looks"
+        seen = 0
+
+        def decide(self, situation: Situation) -> Desire | None:
+            self.seen = max(self.seen, len(situation.around.points()))
+            return None
+
+    async with SimulatedRobot(wall_at(1.0)) as sim, connect_async(sim.open) as robot:
+        robot.arbiter.remembers = False
+        robot.arbiter.add(Hold("keyboard"), KEYBOARD)
+        await asyncio.sleep(2)
+        situation = robot.arbiter.situation()
+        assert situation is not None
+        assert not situation.around.points()
+        assert not robot.arbiter.remembers
+        looks = Looks()
+        robot.arbiter.start(Stack.alone(looks, MODE))
+        assert robot.arbiter.remembers
+        await asyncio.sleep(2)
+        assert looks.seen > 0

@@ -3,7 +3,13 @@
 import asyncio
 import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, closing, suppress
+from contextlib import (
+    AbstractAsyncContextManager,
+    AsyncExitStack,
+    asynccontextmanager,
+    closing,
+    suppress,
+)
 from functools import partial
 from socket import create_connection
 from typing import Any, Final
@@ -27,6 +33,8 @@ from pioneer3.tasks import running
 
 ALIVE: Final = 0.5
 """A node that takes no connection within this time [s] has gone."""
+MASTER_PATIENCE: Final = 2.0
+"""A master that takes no connection within this time [s] is not there."""
 FIRST: Final = 5.0
 """Longest wait for the first snapshot [s]."""
 FAREWELL: Final = 0.1
@@ -84,6 +92,55 @@ async def run_program(
     """
     async with _program(name, arguments) as ended, _joined_all(robots, model) as driven:
         await _unless_shut_down(ended, work(driven))
+
+
+@asynccontextmanager
+async def robots_by_node(
+    name: str,
+) -> AsyncIterator[Callable[[str, str | None], AbstractAsyncContextManager[TopicRobot]]]:
+    """Yield a function that connects to the robot of a node, given its name and a model or `None`.
+
+    This program becomes the node `name` with the first robot, and is one until the block ends: who
+    has no robot on ROS needs no ROS.
+
+    Raises:
+        ConfigError: by that function: ROS 1 is not installed.
+        NoRobotError: by that function: there is no master, or no such robot on it.
+    """
+    async with AsyncExitStack() as stack:
+        begun = asyncio.Lock()
+        is_node = False
+
+        @asynccontextmanager
+        async def connect(node: str, model: str | None) -> AsyncIterator[TopicRobot]:
+            nonlocal is_node
+            topics = await asyncio.to_thread(_robot_of, node)
+            async with begun:
+                if not is_node:
+                    await stack.enter_async_context(_program(name, ()))
+                    is_node = True
+            async with _joined(topics, model) as robot:
+                yield robot
+
+        yield connect
+
+
+def _robot_of(node: str) -> RobotTopics:
+    """Return the robot of a node.
+
+    Raises:
+        ConfigError, NoRobotError: see :func:`robots_by_node`.
+    """
+    find_rospy()
+    import rosgraph
+
+    uri = rosgraph.get_master_uri()
+    if not _is_alive(uri, MASTER_PATIENCE):  # rospy would wait for minutes
+        raise NoRobotError(f"there is no ROS master at {uri}: start roscore, or set ROS_MASTER_URI")
+    for robot in find_robots():
+        if robot.node.lstrip("/") == node.lstrip("/"):
+            return robot
+    raise NoRobotError(f"no node {node} that drives a robot is on the ROS master at {uri}")
 
 
 @asynccontextmanager
@@ -200,11 +257,11 @@ def _switch_motors(node: str, on: bool) -> None:
     asyncio.get_running_loop().run_in_executor(None, call)
 
 
-def _is_alive(uri: str) -> bool:
+def _is_alive(uri: str, patience: float = ALIVE) -> bool:
     """Return whether a node answers at its address: one that was killed stays registered."""
     address = urlsplit(uri)
     try:
-        with closing(create_connection((address.hostname, address.port), ALIVE)):
+        with closing(create_connection((address.hostname, address.port), patience)):
             return True
     except OSError:
         return False

@@ -1,0 +1,161 @@
+"""`pioneer3 fleet drive` and `pioneer3 fleet stop`: all robots at one keyboard."""
+
+import sys
+from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from pioneer3.cli.options import (
+    Flag,
+    FleetFile,
+    Patience,
+    Seconds,
+    Speed,
+    TurnRate,
+    fleet_of,
+)
+from pioneer3.cli.process import run_until_told_to_leave, write_json
+
+if TYPE_CHECKING:
+    from pioneer3.fleet.drive import Manner
+    from pioneer3.fleet.members import Connect
+    from pioneer3.fleet.spec import Fleet, Robot
+    from pioneer3.fleet.stop import Stopped
+    from pioneer3.runtime.driven import Driven
+
+Names = Annotated[str, Parameter(negative=(), metavar="NAME")]
+
+
+def drive(
+    *names: Names,
+    fleet: FleetFile = None,
+    speed: Speed = 0.1,
+    turn_rate: TurnRate = 0.1,
+    max_speed: Speed | None = None,
+    latch: Flag = False,
+    patience: Patience = 10.0,
+) -> int:
+    """Drive several robots with one keyboard: one, some or all of them together.
+
+    Arrows drive those chosen: q goes on to the next robot, a number chooses one, a
+    all, s several: mark them, then y. A click does, too. Who is left stands. Space
+    stops ALL robots, k is the emergency stop of all, Ctrl-R releases it, Ctrl-D
+    quits, and all stand. A key acts for 0.6 s, and its repeats extend that.
+
+    Example: pioneer3 fleet drive
+    Example: pioneer3 fleet drive front p3at-5 --speed 0.3
+
+    Args:
+        names: Robots or groups; all if none is given.
+        fleet: The fleet file.
+        speed: Of the forward key; + and - change it.
+        turn_rate: Of the turning keys; + and - change it.
+        max_speed: Keep below this in any case.
+        latch: One press keeps moving until another key, as in the lab's rob_key_multi.
+        patience: What --latch keeps moving stops after so long without a key; 10 at most.
+    """
+    from pioneer3.errors import ConfigError
+    from pioneer3.fleet.drive import Manner
+
+    given = fleet_of(fleet)
+    robots = given.select(names or ("all",))
+    if not (sys.stdin and sys.stdin.isatty() and sys.stdout and sys.stdout.isatty()):
+        raise ConfigError("fleet drive needs a terminal: its keys and its table are on it")
+    manner = Manner(
+        speed=speed, turn_rate=turn_rate, max_speed=max_speed, latch=latch, patience=patience
+    )
+    return run_until_told_to_leave(_drive(given, robots, manner))
+
+
+async def _drive(fleet: "Fleet", robots: "tuple[Robot, ...]", manner: "Manner") -> int:
+    from pioneer3.fleet.drive import FleetDrive
+    from pioneer3.fleet.screen import run_screen
+
+    async with _connecting(fleet, "fleet_drive", manner.max_speed) as connect:
+        return await run_screen(FleetDrive(robots, connect, manner))
+
+
+def stop(
+    *names: Names,
+    fleet: FleetFile = None,
+    emergency: Flag = False,
+    timeout: Seconds = 3.0,
+    json: Flag = False,
+) -> int:
+    """Stop all robots now, from any computer that reaches them.
+
+    All are told at once; one that is off delays nobody. It says who has confirmed:
+    whose own reports say that it stands. A robot takes one program at a time: where
+    another one is connected to its port, the robot is not reached; stop it there,
+    with k. A node of ROS is reached all the same, and goes on as soon as another
+    program drives it. Its motors are off afterwards with --emergency, or if it was
+    reached by its own port. The exit code is 1 if a robot has not confirmed, and 3
+    if none was reached.
+
+    Example: pioneer3 fleet stop
+    Example: pioneer3 fleet stop --emergency
+
+    Args:
+        names: Robots or groups; all if none is given.
+        fleet: The fleet file.
+        emergency: As hard as they can, and motors off.
+        timeout: For each robot.
+        json: Print JSON for programs.
+    """
+    given = fleet_of(fleet)
+    robots = given.select(names or ("all",))
+    return run_until_told_to_leave(_stop(given, robots, timeout, emergency=emergency, json=json))
+
+
+async def _stop(
+    fleet: "Fleet", robots: "tuple[Robot, ...]", patience: float, *, emergency: bool, json: bool
+) -> int:
+    from pioneer3.fleet.stop import exit_code, stop_all
+
+    async with _connecting(fleet, "fleet_stop", None) as connect:
+        answers = await stop_all(robots, connect, emergency=emergency, patience=patience)
+    if json:
+        write_json(answers)
+    else:
+        _print(answers)
+    return exit_code(answers)
+
+
+def _print(answers: "tuple[Stopped, ...]") -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("robot", "state", "after", "why"):
+        made.add_column(title, overflow="fold")
+    for each in answers:
+        state = "stands" if each.ok else "NOT CONFIRMED" if each.reached else "NOT REACHED"
+        shown = Text(state, "green" if each.ok else "bold red")
+        made.add_row(each.robot, shown, f"{each.seconds:.2f} s", each.why)
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = 400  # a file or a program takes long lines
+    console.print(made)
+    missed = sum(not each.ok for each in answers)
+    if missed:
+        words = f"{missed} of {len(answers)} robots may still move: go there, or press their button"
+        console.print(Text(words, "bold red"))
+
+
+@asynccontextmanager
+async def _connecting(
+    fleet: "Fleet", name: str, max_speed: float | None
+) -> "AsyncIterator[Connect]":
+    """Yield the function that connects to a robot; over ROS this is the node `name`."""
+    from pioneer3.fleet.connecting import connects
+    from pioneer3.ros.ros1.client import robots_by_node
+
+    async with robots_by_node(name) as by_node:
+
+        def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
+            return by_node(robot.node, robot.model)
+
+        yield connects(fleet, ros1, max_speed=max_speed)

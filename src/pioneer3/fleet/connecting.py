@@ -1,0 +1,33 @@
+"""How the robots of a fleet are connected to: at their ports, or over ROS."""
+
+from contextlib import AbstractAsyncContextManager
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.members import Connect
+from pioneer3.fleet.reach import port_of
+from pioneer3.fleet.spec import Fleet, Robot
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.driven import Driven
+
+
+def connects(fleet: Fleet, ros1: Connect, *, max_speed: float | None = None) -> Connect:
+    """Return the function that connects to a robot: over ROS if its node has it, or at its port.
+
+    Args:
+        fleet: Of the robots.
+        ros1: Connects over ROS 1.
+        max_speed: Keep below this at ports [m/s].
+    """
+
+    def connect(robot: Robot) -> AbstractAsyncContextManager[Driven]:
+        match robot.ros:
+            case "1":
+                return ros1(robot)
+            case "2":
+                raise ConfigError(
+                    f"{robot.name} has a node of ROS 2, which is not driven yet; without "
+                    f'ros = "2" in {fleet.path} its port is used'
+                )
+        return connect_async(port_of(fleet, robot.name), max_speed=max_speed)
+
+    return connect

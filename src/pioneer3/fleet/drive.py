@@ -1,0 +1,85 @@
+"""Drives the robots of a fleet with one keyboard; it knows no screen."""
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.members import Connect, Member, Members
+from pioneer3.fleet.spec import Robot
+from pioneer3.runtime.driven import Driven
+from pioneer3.teleop.keyboard import PATIENCE, Keyboard
+from pioneer3.teleop.keyboard_drive import KeyboardDriver
+from pioneer3.teleop.several import KeyRouter, numbers
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manner:
+    """How keys drive.
+
+    Attributes:
+        speed: Of the forward key [m/s].
+        turn_rate: Of the turning keys [rad/s].
+        max_speed: Keep below this [m/s], or `None` for the robot's own bound.
+        latch: One press keeps moving until another key.
+        patience: How long a latched key acts without a further one [s].
+    """
+
+    speed: float = 0.1
+    turn_rate: float = 0.1
+    max_speed: float | None = None
+    latch: bool = False
+    patience: float = PATIENCE
+
+
+class FleetDrive:
+    """Robots, who of them is chosen, and what keys do.
+
+    Args:
+        robots: Of the fleet; at least one.
+        connect: Connects to one.
+        manner: How keys drive.
+
+    Attributes:
+        board: Routes the keys.
+        over: Set by the quit key.
+    """
+
+    def __init__(self, robots: Sequence[Robot], connect: Connect, manner: Manner) -> None:
+        if not robots:
+            raise ConfigError("no robot is named: there is nobody to drive")
+        self.board = KeyRouter(numbers([robot.name for robot in robots]))
+        self.over = asyncio.Event()
+        self._manner = manner
+        self._members = Members(robots, self.board.selection.numbers, connect, self._join)
+
+    async def run(self) -> None:
+        """Keep the robots connected until cancelled; then all stand."""
+        await self._members.run()
+
+    def press(self, token: str) -> None:
+        """Obey a key, by the text that a terminal sends for it."""
+        if not self.board.press(token):
+            self.over.set()
+
+    def look(self) -> list[Member]:
+        """Return the state of all robots now, by their numbers."""
+        return self._members.look()
+
+    @asynccontextmanager
+    async def _join(self, robot: Robot, driven: Driven) -> AsyncIterator[None]:
+        """Let a robot that is connected have the keys for the length of the block."""
+        driven.arbiter.remembers = False
+        manner = self._manner
+        keyboard = Keyboard.within(
+            driven.info.limits.lowered_to(manner.max_speed, None),
+            manner.speed,
+            manner.turn_rate,
+            latch=manner.latch,
+            patience=manner.patience,
+        )
+        driver = KeyboardDriver(driven, keyboard)
+        async with driver.driving():
+            with self.board.joined(robot.name, driver):
+                yield

@@ -1,0 +1,136 @@
+"""The table of robots that are driven, column by column; each says in words what a colour does."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from pioneer3.fleet.columns import Cell
+from pioneer3.fleet.members import Member, Reached
+from pioneer3.robot.explain import kind_of
+from pioneer3.teleop.several import Selection
+from pioneer3.units import degrees
+
+WIDEST_NAME: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A robot, and who is chosen, at one instant.
+
+    Attributes:
+        member: The robot.
+        selection: Of the keys.
+        now: [s, monotonic].
+    """
+
+    member: Member
+    selection: Selection
+    now: float
+
+
+@dataclass(frozen=True, slots=True)
+class DriveColumn:
+    """A column.
+
+    Attributes:
+        title: Above it.
+        meaning: For the reference.
+        width: In characters; 0 for the room that is left.
+        of: Returns its cell.
+    """
+
+    title: str
+    meaning: str
+    width: int
+    of: Callable[[Look], Cell]
+
+
+def _keys(look: Look) -> Cell:
+    name, marked = look.member.name, look.selection.marked
+    if marked is not None and name in marked:
+        return Cell("marked", True)
+    return Cell("drives", True) if name in look.selection.chosen else Cell("")
+
+
+def _state(look: Look) -> Cell:
+    member = look.member
+    if member.reached is Reached.CONNECTED:
+        return Cell(member.reached.value, True)
+    return Cell(f"{member.reached.value} {_time(look.now - member.since)}", False)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 99.5 else f"{seconds / 60:.0f} min"
+
+
+def _motion(look: Look) -> Cell:
+    told = look.member.told
+    return Cell(f"{told.speed:z5.2f} {degrees(told.turn_rate):z4.0f}" if told else "-")
+
+
+def _motors(look: Look) -> Cell:
+    told = look.member.told
+    return Cell("-" if told is None else "on" if told.motors else "off")
+
+
+def _battery(look: Look) -> Cell:
+    told = look.member.told
+    if told is None:
+        return Cell("-")
+    return Cell(f"{told.voltage:.1f} LOW", False) if told.low else Cell(f"{told.voltage:.1f}", True)
+
+
+def _why(look: Look) -> Cell:
+    kind = kind_of(why := why_of(look.member))
+    if kind == "fault":
+        return Cell(ADDRESS.sub("", why), False)
+    return Cell("" if kind == "idle" else why)
+
+
+def why_of(member: Member) -> str:
+    """Return what is wrong with a robot, or why it stands; empty while it moves."""
+    if member.told is None:
+        return member.why
+    return member.told.stands or ""
+
+
+COLUMNS: Final = (
+    DriveColumn("keys", "drives with the keys, or is marked to do so next", 6, _keys),
+    DriveColumn("nr", "its number", 3, lambda look: Cell(look.selection.label(look.member.name))),
+    DriveColumn("robot", "its name", 0, lambda look: Cell(look.member.name)),
+    DriveColumn("state", "whether it is connected; else since when it is not", 12, _state),
+    DriveColumn(" m/s deg/s", "how it moves", 10, _motion),
+    DriveColumn("motors", "whether they have power", 6, _motors),
+    DriveColumn("volt", "of the battery", 8, _battery),
+    DriveColumn("why", "what is wrong with it, or why it stands", 0, _why),
+)
+GAP: Final = 1
+ADDRESS: Final = re.compile(r"^\w+://\S+: ")
+"""Errors of links begin with it; the file has it, and the row little room."""
+
+
+def widths(names: Sequence[str], columns: int) -> tuple[int, ...]:
+    """Return the width of each column for robots with these names, on so many columns."""
+    longest = min(WIDEST_NAME, max(map(len, names), default=0))
+    fixed = [
+        column.width or (max(5, longest) if column.title == "robot" else 0) for column in COLUMNS
+    ]
+    rest = columns - sum(fixed) - GAP * (len(COLUMNS) - 1)
+    return (*fixed[:-1], max(1, rest))
+
+
+def cells(look: Look) -> tuple[Cell, ...]:
+    """Return the row of a robot."""
+    return tuple(column.of(look) for column in COLUMNS)
+
+
+def headline(looks: Sequence[Look], *, emergency: bool) -> str:
+    """Return how many robots there are, and how many of them are not well."""
+    counts = dict.fromkeys(Reached, 0)
+    for look in looks:
+        counts[look.member.reached] += 1
+    moving = sum(1 for look in looks if look.member.told and look.member.told.stands is None)
+    words = [f"{count} {kind}" for kind, count in counts.items() if count]
+    latched = "   EMERGENCY STOP is latched" if emergency else ""
+    return f"{len(looks)} robots: {', '.join(words)}; {moving} move{latched}"

@@ -1,0 +1,193 @@
+"""The robots that one operator drives: each is connected by itself, and holds up no other one."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from pioneer3.errors import ConfigError, PioneerError, PortBusyError, PortPermissionError
+from pioneer3.fleet.spec import Robot
+from pioneer3.links.base import HUNG_UP
+from pioneer3.robot.supervisor import Connection
+from pioneer3.runtime.driven import Driven
+
+log = logging.getLogger(__name__)
+
+PAUSES: Final = (0.5, 1.0, 2.0, 4.0, 8.0)
+"""Before the next attempts to connect [s]; the last one repeats."""
+
+Connect = Callable[[Robot], AbstractAsyncContextManager[Driven]]
+"""Connects to a robot for the length of a block: at its port, or over topics."""
+Join = Callable[[Robot, Driven], AbstractAsyncContextManager[None]]
+"""Lets a connected robot take part for the length of a block."""
+
+
+class Reached(StrEnum):
+    """Whether a robot is reached."""
+
+    WAITS = "waits"
+    CONNECTED = "connected"
+    LOST = "lost"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """What a robot that is connected tells.
+
+    Attributes:
+        speed: [m/s].
+        turn_rate: [rad/s].
+        motors: Whether they have power.
+        voltage: Of the battery [V].
+        low: Whether that is too low.
+        stands: Why it stands, or `None` while it moves.
+    """
+
+    speed: float
+    turn_rate: float
+    motors: bool
+    voltage: float
+    low: bool
+    stands: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """One robot at one instant.
+
+    Attributes:
+        name: Of the robot.
+        number: That chooses it.
+        reached: Whether it is connected.
+        why: What is wrong, in plain words; empty while it is connected.
+        since: When that began [s, monotonic].
+        told: What it tells, if it is connected.
+    """
+
+    name: str
+    number: int
+    reached: Reached
+    why: str
+    since: float
+    told: Told | None
+
+
+class Connector:
+    """Keeps one robot connected, again and again.
+
+    Args:
+        robot: Of the fleet.
+        number: That chooses it.
+        connect: Connects to it.
+        join: Lets it take part while it is connected.
+    """
+
+    def __init__(self, robot: Robot, number: int, connect: Connect, join: Join) -> None:
+        self.robot = robot
+        self._number = number
+        self._connect = connect
+        self._join = join
+        self._driven: Driven | None = None
+        self._clock = asyncio.get_running_loop().time
+        self._reached, self._why = Reached.WAITS, "connecting"
+        self._since = self._clock()
+
+    async def run(self) -> None:
+        """Connect, and connect again after each end, until cancelled; then the robot stands."""
+        failed = 0
+        while True:
+            try:
+                async with self._connect(self.robot) as driven, self._join(self.robot, driven):
+                    self._driven, failed = driven, 0
+                    await self._follow(driven)
+            except (PioneerError, OSError) as error:
+                self._note(_kind(error, self._reached), str(error))
+            except Exception as error:
+                log.exception("%s: failed", self.robot.name)
+                self._note(Reached.LOST, f"{type(error).__name__}: {error}")
+            finally:
+                self._driven = None
+            await asyncio.sleep(PAUSES[min(failed, len(PAUSES) - 1)])
+            failed += 1
+
+    def look(self) -> Member:
+        """Return its state now."""
+        driven = self._driven
+        return Member(
+            name=self.robot.name,
+            number=self._number,
+            reached=self._reached,
+            why=self._why,
+            since=self._since,
+            told=_told(driven) if driven and self._reached is Reached.CONNECTED else None,
+        )
+
+    async def _follow(self, driven: Driven) -> None:
+        """Note each loss, and each return, until the driver ends; it connects again by itself."""
+        async for status in driven.supervisor.status.values(latest_first=True):
+            match status.connection:
+                case Connection.CONNECTED:
+                    self._note(Reached.CONNECTED, "")
+                case Connection.LOST | Connection.CLOSED:
+                    self._note(Reached.LOST, status.message)
+
+    def _note(self, reached: Reached, why: str) -> None:
+        if reached is not self._reached:
+            self._since = self._clock()
+        self._reached, self._why = reached, why
+
+
+class Members:
+    """All robots of one operator.
+
+    Args:
+        robots: Of the fleet.
+        numbers: Theirs, by name.
+        connect: Connects to one.
+        join: Lets one take part while it is connected.
+    """
+
+    def __init__(
+        self, robots: Sequence[Robot], numbers: Mapping[str, int], connect: Connect, join: Join
+    ) -> None:
+        self._connectors = [
+            Connector(robot, numbers[robot.name], connect, join)
+            for robot in sorted(robots, key=lambda robot: numbers[robot.name])
+        ]
+
+    async def run(self) -> None:
+        """Keep all connected until cancelled; then all stand, side by side."""
+        async with asyncio.TaskGroup() as group:
+            for connector in self._connectors:
+                group.create_task(connector.run(), name=connector.robot.name)
+
+    def look(self) -> list[Member]:
+        """Return the state of all now, by their numbers."""
+        return [connector.look() for connector in self._connectors]
+
+
+def _kind(error: Exception, before: Reached) -> Reached:
+    """Return what an attempt that failed with `error` means."""
+    if isinstance(error, ConfigError | PortPermissionError | PortBusyError):
+        return Reached.REFUSED
+    if HUNG_UP in str(error):
+        return Reached.REFUSED
+    return Reached.LOST if before in {Reached.CONNECTED, Reached.LOST} else Reached.WAITS
+
+
+def _told(driven: Driven) -> Told | None:
+    now = driven.snapshot
+    if now is None:
+        return None
+    return Told(
+        speed=now.odometry.twist.v,
+        turn_rate=now.odometry.twist.w,
+        motors=now.motors.enabled,
+        voltage=now.battery.voltage,
+        low=now.battery.low,
+        stands=driven.why_not_moving(),
+    )
