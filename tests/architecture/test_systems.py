@@ -33,12 +33,13 @@ def missing(*_):
 asyncio.SelectorEventLoop.add_signal_handler = missing
 """
 """As on Windows, which has neither these modules nor these names (docs.python.org says so)."""
-# ROS 1 is Debian's; of the demo's screen Textual has a part for each system.
+# ROS 1 is Debian's; of full screens Textual has a part for each system.
 EVERYTHING = """
 import importlib, pkgutil
 import pioneer3
 
-OTHERS = ("pioneer3.ros.ros1", "pioneer3.demo.app", "pioneer3.demo.app", "pioneer3.__main__")
+SCREENS = ("pioneer3.demo.app", "pioneer3.fleet.screen", "pioneer3.teleop.screen")
+OTHERS = ("pioneer3.ros.ros1", "pioneer3.__main__", *SCREENS)
 
 for module in pkgutil.walk_packages(pioneer3.__path__, "pioneer3."):
     if not module.name.startswith(OTHERS):

@@ -56,7 +56,7 @@ def list_(
     if offline:
         _print(robots, None, json=json)
         return 0
-    from pioneer3.fleet.host_facts import clock_ahead
+    from pioneer3.fleet.host_facts import clocks
     from pioneer3.fleet.live import Questions
     from pioneer3.fleet.ros_graph import Endpoint
 
@@ -64,7 +64,7 @@ def list_(
     questions = Questions(
         timeout=timeout,
         masters=(Endpoint.of(master),) if master else (),
-        clock=clock_ahead,
+        clock=clocks(),
         addresses=given.addresses,
     )
     if watch:

@@ -3,15 +3,15 @@
 import asyncio
 import shlex
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from pioneer3.errors import RemoteError
+from pioneer3.errors import HostError, RemoteError
 from pioneer3.fleet.run import output_of
 from pioneer3.fleet.spec import Fleet, Robot
-from pioneer3.fleet.ssh import connect
+from pioneer3.fleet.ssh import asyncssh_module, connect
 
 if TYPE_CHECKING:
     import asyncssh
@@ -246,3 +246,15 @@ async def clock_ahead(robot: Robot) -> float:
     async with connect(robot) as connection:
         ahead, _ = await clock_of(connection)
     return ahead
+
+
+def clocks() -> Callable[[Robot], Awaitable[float]] | None:
+    """Return :func:`clock_ahead`, or `None` where asyncssh is missing.
+
+    Loads asyncssh, which takes so long that it must not happen while robots are asked.
+    """
+    try:
+        asyncssh_module()
+    except HostError:
+        return None
+    return clock_ahead

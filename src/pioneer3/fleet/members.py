@@ -13,6 +13,7 @@ from pioneer3.fleet.spec import Robot
 from pioneer3.links.base import HUNG_UP
 from pioneer3.robot.supervisor import Connection
 from pioneer3.runtime.driven import Driven
+from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
 
@@ -161,9 +162,8 @@ class Members:
 
     async def run(self) -> None:
         """Keep all connected until cancelled; then all stand, side by side."""
-        async with asyncio.TaskGroup() as group:
-            for connector in self._connectors:
-                group.create_task(connector.run(), name=connector.robot.name)
+        async with running(*(connector.run() for connector in self._connectors)):
+            await asyncio.get_running_loop().create_future()
 
     def look(self) -> list[Member]:
         """Return the state of all now, by their numbers."""

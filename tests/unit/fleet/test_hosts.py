@@ -129,11 +129,13 @@ def test_the_system_finds_all_names_where_the_file_is_mounted_as_in_containers(
     )
     script = f"""
     set -e
+    cp -a /etc etc
+    rm -f etc/hosts.before-fleet-*
+    mount --bind etc /etc
     mount --bind hosts /etc/hosts
     {sys.executable} -m pioneer3 fleet hosts --apply --name laptop --fleet fleet.toml >said
     getent hosts laptop p3at-1 192.168.1.113 laptop.lab
     cat /etc/hosts.before-fleet-1
-    rm /etc/hosts.before-fleet-1
     """
     done = subprocess.run(
         ["unshare", "--mount", "sh", "-c", script],
