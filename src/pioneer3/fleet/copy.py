@@ -172,7 +172,7 @@ async def _put(connection: Any, sftp: Any, source: Path, target: str) -> None:
 
 
 async def _why(sftp: Any, place: PurePosixPath, error: Exception, size: int) -> str:
-    """Return why a file did not arrive; the protocol has one word for most failures."""
+    """Return the reason that a file did not arrive; the protocol has one word for most."""
     ssh = asyncssh_module()
     if isinstance(error, RemoteError):
         return str(error)

@@ -171,7 +171,7 @@ async def deploy(
 
 
 async def _ask(connection: "asyncssh.SSHClientConnection") -> _Target:
-    """Ask what is there.
+    """Ask a computer for the facts that decide about an installation.
 
     Raises:
         RemoteError: The package cannot run there; says what is possible.

@@ -34,7 +34,7 @@ class Manner:
 
 
 class FleetDrive:
-    """Robots, who of them is chosen, and what keys do.
+    """Robots, those of them that are chosen, and the keys that drive them.
 
     Args:
         robots: Of the fleet; at least one.

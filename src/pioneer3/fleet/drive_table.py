@@ -89,7 +89,7 @@ def _why(look: Look) -> Cell:
 
 
 def why_of(member: Member) -> str:
-    """Return what is wrong with a robot, or why it stands; empty while it moves."""
+    """Return the trouble of a robot, or the reason that it stands; empty while it moves."""
     if member.told is None:
         return member.why
     return member.told.stands or ""

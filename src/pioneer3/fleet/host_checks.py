@@ -1,4 +1,4 @@
-"""Findings about a robot's computer, from its facts: what the notes of lab manuals warn about."""
+"""Findings about a robot's computer, from its facts, as the notes of lab manuals warn of them."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

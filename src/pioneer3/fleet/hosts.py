@@ -1,4 +1,4 @@
-"""The names of a fleet in /etc/hosts: entries for all its computers, and what is wrong there.
+"""The names of a fleet in /etc/hosts: entries for all its computers, and mistakes there.
 
 Every computer of a fleet needs the same entries: a ROS node tells the others its host's name, and
 whoever cannot turn that into an address receives nothing.
@@ -77,7 +77,7 @@ def with_entries(text: str, fleet: Fleet) -> str:
 
 
 def check_hosts(text: str, fleet: Fleet, name: str) -> tuple[Finding, ...]:
-    """Return what is right and wrong in a hosts file.
+    """Return the findings about a hosts file.
 
     Args:
         text: Of the file.
@@ -89,7 +89,7 @@ def check_hosts(text: str, fleet: Fleet, name: str) -> tuple[Finding, ...]:
 
 
 def _own_name(here: Situation) -> Iterator[Finding]:
-    """Look whether this computer is of the fleet, and what its own name means to it."""
+    """Look whether this computer is of the fleet, and which addresses its own name leads to."""
     known = {name.lower(): e for e in entries(here.fleet) for name in e.names}
     mine = known.get(here.name.lower())
     if mine is None:

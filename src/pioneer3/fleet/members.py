@@ -64,9 +64,9 @@ class Member:
         name: Of the robot.
         number: That chooses it.
         reached: Whether it is connected.
-        why: What is wrong, in plain words; empty while it is connected.
+        why: The trouble, in plain words; empty while it is connected.
         since: When that began [s, monotonic].
-        told: What it tells, if it is connected.
+        told: Its own report, if it is connected.
     """
 
     name: str
@@ -171,7 +171,7 @@ class Members:
 
 
 def _kind(error: Exception, before: Reached) -> Reached:
-    """Return what an attempt that failed with `error` means."""
+    """Return the meaning of an `error` that ended an attempt."""
     if isinstance(error, ConfigError | PortPermissionError | PortBusyError):
         return Reached.REFUSED
     if HUNG_UP in str(error):

@@ -197,7 +197,7 @@ class FleetApp(App[None]):
         self._put(self._foot, (CHOOSING if choosing else KEYS) + typed)
 
     def _about_chosen(self, looks: Sequence[Look]) -> str:
-        """Return who drives, and in full what is wrong with the first who is not well."""
+        """Return the names of those that drive, and the whole trouble of the first that has any."""
         selection = self._drive.board.selection
         chosen = [look.member for look in looks if look.member.name in selection.chosen]
         who = ", ".join(member.name for member in chosen)

@@ -14,13 +14,13 @@ from pioneer3.state import Snapshot
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stopped:
-    """What came of the stop of one robot.
+    """The outcome of the stop of one robot.
 
     Attributes:
         robot: Its name.
         ok: Whether its own reports say that it stands; after an emergency stop, without power, too.
         reached: Whether the stop was sent to it.
-        why: Why not, in plain words; empty if it stands.
+        why: The reason that it does not, in plain words; empty if it stands.
         seconds: Until that was known.
     """
 

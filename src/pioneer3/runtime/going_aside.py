@@ -85,7 +85,7 @@ class GoingAside:
         return Desire(v=v, w=w, reason=reason)
 
     def _let_be(self, waiting: list[Mover], now: float) -> None:
-        """Note who does not wait for the robot: they stay though it goes aside."""
+        """Note people who do not wait for the robot: they stay though it goes aside."""
         self._stay += [
             (each.x, each.y, now + STAYS)
             for each in waiting

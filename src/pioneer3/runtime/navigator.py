@@ -172,7 +172,7 @@ class Navigator:
         self._sightings.forget()
 
     def forget_obstacles(self) -> None:
-        """Forget all that it has seen and that is not on the map; what is there is seen again."""
+        """Forget all things that it has seen and the map does not show; it sees them again."""
         self._drives.ways.forget()
 
     def lose(self) -> None:

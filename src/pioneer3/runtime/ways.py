@@ -63,7 +63,7 @@ class Ways:
         self._avoided: list[tuple[float, float, float]] = []
 
     def forget(self) -> None:
-        """Forget all that is not on the map; what is there is seen again."""
+        """Forget all things that are not on the map; the robot sees them again."""
         self._sightings.forget()
         self._avoided.clear()
 

@@ -100,7 +100,7 @@ class FollowLeader:
         return _bounded(situation, v, w, self.top_speed, f"{gap:.2f} m behind {self.leader}")
 
     def _note(self, here: Pose2, leader: Pose2) -> None:
-        """Remember the track, and forget what lies behind the robot."""
+        """Remember the track, and forget its part behind the robot."""
         track = self._track
         if not track or hypot(track[-1][0] - leader.x, track[-1][1] - leader.y) > SPACING:
             track.append((leader.x, leader.y))

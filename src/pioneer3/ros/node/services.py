@@ -142,7 +142,7 @@ class Services:
         """Forget what the robot has seen and the map does not show."""
         assert self._navigation is not None
         self._navigation.forget_obstacles()
-        return Response(True, "what was seen is forgotten")
+        return Response(True, "all things that the map does not show are forgotten")
 
     def localize_globally(self) -> Response:
         """Have the whole map searched for the robot."""
@@ -265,7 +265,7 @@ NAVIGATION_SERVICES: Final = (
         standard="move_base/clear_costmaps",
         type_name=EMPTY,
         act=lambda services, _: services.clear_costmaps(),
-        note="forgets what was seen and is not on the map; what is there is seen again",
+        note="forgets all things that the map does not show; the robot sees them again",
     ),
     Service(
         compatibility="global_localization",
