@@ -40,10 +40,12 @@ WORTH = 0.4
 INLIERS, RATIO = 0.65, 0.05
 """A match closes a loop from this share of points on walls on, and where the walls fix the position
 in all directions: see `Match.ratio`."""
-WITNESSED = 0.3
-"""A loop that moves the robot farther than this [m] needs another that agrees with it."""
+ALONE, ALONE_PER_WAY, MOST_ALONE = 0.05, 0.02, 0.3
+"""A loop that moves the robot no farther than this is taken by itself: [m], a share of the way
+since the last loop, and [m] at most. Another one needs a second that agrees with it."""
 AGREE, AGREE_TURN, FORGET = 0.2, 0.05, 20.0
-"""Two agree if they differ by less than this [m, rad] within this way [m]."""
+"""Two agree if they differ by less than this, and than one that is taken by itself moves the robot
+[m, rad], within this way [m]."""
 MOVED, MOVED_TURN, PATIENCE = 0.02, 0.004, 8
 """Poses are made new when a loop differs from them by more than this [m, rad], or after so many."""
 NOTHING = np.diag([1.0, 1.0, 10.0])
@@ -178,14 +180,14 @@ class _Search:
 
     def _take(self, edge: Edge) -> None:
         """Close a loop, or wait for another that agrees."""
-        moved = self._error(edge)
-        if hypot(moved.x, moved.y) < WITNESSED:
+        moved, way = self._error(edge), self._ways[edge.second]
+        alone = min(MOST_ALONE, ALONE + ALONE_PER_WAY * (way - self._closed))
+        if hypot(moved.x, moved.y) < alone:
             self._accept(edge, moved)
             return
-        way = self._ways[edge.second]
         self._waiting = [e for e in self._waiting if way - self._ways[e.second] < FORGET]
         for other in self._waiting:
-            if edge.second - other.second >= POOLED and self._agree(other, edge):
+            if edge.second - other.second >= POOLED and self._agree(other, edge, alone):
                 self._waiting.remove(other)
                 self._edges.append(other)
                 self._accept(edge, moved)
@@ -197,12 +199,12 @@ class _Search:
         between = self._poses[edge.first].inverse() @ self._poses[edge.second]
         return between.inverse() @ edge.second_in_first
 
-    def _agree(self, a: Edge, b: Edge) -> bool:
-        """Whether two loops say the same."""
+    def _agree(self, a: Edge, b: Edge, near: float) -> bool:
+        """Whether two loops say the same, within `near` [m]."""
         olds = self._poses[a.first].inverse() @ self._poses[b.first]
         news = self._poses[a.second].inverse() @ self._poses[b.second]
         off = (a.second_in_first @ news).inverse() @ (olds @ b.second_in_first)
-        return hypot(off.x, off.y) < AGREE and abs(off.theta) < AGREE_TURN
+        return hypot(off.x, off.y) < min(AGREE, near) and abs(off.theta) < AGREE_TURN
 
     def _accept(self, edge: Edge, moved: Pose2) -> None:
         self._edges.append(edge)
@@ -212,7 +214,7 @@ class _Search:
         far = hypot(moved.x, moved.y) > MOVED or abs(moved.theta) > MOVED_TURN
         if far or self._fresh >= PATIENCE:
             self._fresh = 0
-            plain = 0 if hypot(moved.x, moved.y) < WITNESSED else PLAIN
+            plain = 0 if hypot(moved.x, moved.y) < MOST_ALONE else PLAIN
             self._poses = optimized(
                 self._poses, self._edges, plain=plain, rounds=ROUNDS, small=SMALL
             )

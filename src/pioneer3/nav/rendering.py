@@ -27,6 +27,9 @@ CELL = 0.025
 HITS, SHARE = 2, 0.2
 """A cell is a wall where so many scans end, and this share of those that pass or end there: people
 who walked by were in a cell for a scan or two, and light passes it before and after."""
+SPILL, SPILL_REACH = 0.2, 0.05
+"""Fewer hits than this share of a cell so near [m] are that cell's: ranges are noisy, and behind a
+wall no light passes that would speak against them."""
 CLEAR = 8.0
 """Where nothing echoes, the way is taken to be clear this far [m]: farther off, glass and dark
 walls send too little light back."""
@@ -116,7 +119,8 @@ class Renderer:
         free = self._misses > 0
         closed = ndimage.binary_closing(np.pad(free, GAP), iterations=GAP)[GAP:-GAP, GAP:-GAP]
         states[free | closed] = FREE
-        states[(hits >= HITS) & (hits >= SHARE * total)] = OCCUPIED
+        most = ndimage.maximum_filter(hits, size=2 * round(SPILL_REACH / self._cell) + 1)
+        states[(hits >= HITS) & (hits >= SHARE * total) & (hits >= SPILL * most)] = OCCUPIED
         known = np.argwhere(states != UNKNOWN)
         if not len(known):
             nothing = np.full((1, 1), UNKNOWN, dtype=np.uint8)

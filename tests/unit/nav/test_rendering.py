@@ -48,6 +48,15 @@ def test_walls_are_where_they_are_and_nowhere_else(noise: float) -> None:
     assert (np.array(missed) < 0.05).mean() > 0.98
 
 
+def test_a_noisy_wall_gets_no_thicker_by_being_seen_for_long() -> None:
+    rng = np.random.default_rng(3)
+    places = 12 * ROUND[::3]
+    survey = survey_of(*((look(HALL, p, noise=0.02, rng=rng), p) for p in places))
+    drawn = samples(line_map_of(render(survey), "hall").walls, 0.02)
+    off = np.array([distances(point, HALL).min() for point in drawn])
+    assert (off > 0.05).mean() < 0.002
+
+
 def test_what_was_passed_is_free_and_the_rest_unknown() -> None:
     grid = render(around())
     assert state_at(grid, 2.0, 4.0) == FREE
