@@ -17,6 +17,7 @@ from functools import cache, cached_property, wraps
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from threading import Lock
 from types import FunctionType
 from typing import Any, Final, ParamSpec, TypeVar
 
@@ -28,6 +29,8 @@ R = TypeVar("R")
 INLINE: Final = "kernel_inline"
 """The attribute of a marked function: numba's option `inline`."""
 
+CACHE_DIR_IS_SET: Final = Lock()
+"""Held while numba's setting is ours: kernels are loaded in several threads."""
 COMPLETE: Final = "complete"
 """A file in the cache of which all kernels are there."""
 
@@ -127,9 +130,10 @@ def _compiled(function: Any, directory: Path) -> Any:
     copy.__module__, copy.__qualname__ = function.__module__, function.__qualname__
     inline = getattr(function, INLINE)
     config: Any = numba.config
-    before, config.CACHE_DIR = config.CACHE_DIR, str(directory)
-    try:
-        options = {"inline": inline, "cache": inline == "never", "error_model": "numpy"}
-        return numba.njit(nogil=True, **options)(copy)
-    finally:
-        config.CACHE_DIR = before
+    options = {"inline": inline, "cache": inline == "never", "error_model": "numpy"}
+    with CACHE_DIR_IS_SET:
+        before, config.CACHE_DIR = config.CACHE_DIR, str(directory)
+        try:
+            return numba.njit(nogil=True, **options)(copy)
+        finally:
+            config.CACHE_DIR = before

@@ -1,15 +1,18 @@
 """What goes wrong in a lab, and what the node makes of it."""
 
 import asyncio
+import os
 import signal
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
 from pioneer3.arcos import commands
 from pioneer3.geometry import STILL, Twist2
-from tests.e2e.processes import running, until
+from tests.e2e.processes import free_port, running, until
 from tests.ros1.conftest import Lab, laboratory
-from tests.ros1.master import ended, program, script
+from tests.ros1.master import ended, environment_of, program, roscore, script
 
 pytestmark = pytest.mark.realtime
 
@@ -71,3 +74,35 @@ async def test_of_a_robot_that_has_frozen_nothing_is_published(lab: Lab) -> None
     poses = await script("press.py", "0.0", "1.0")
     assert poses
     assert all(0 <= came - stamp < 1 for *_, stamp, came in poses)
+
+
+async def test_a_master_that_hangs_keeps_nobody_from_stopping_the_robot(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    port = free_port()
+    for name, value in environment_of(port, home).items():
+        monkeypatch.setenv(name, value)
+    with roscore(port, home):
+        async with laboratory() as lab:
+            command = ("rostopic", "pub", "-r", "10", "/RosAria/cmd_vel", "geometry_msgs/Twist")
+            publisher = await asyncio.create_subprocess_exec(*command, "{linear: {x: 0.1}}")
+            (master,) = processes_of(f"rosmaster --core -p {port}")
+            try:
+                await until(lambda: not lab.tap.now.is_zero)
+                os.kill(master, signal.SIGSTOP)
+                publisher.kill()
+                await until(lambda: lab.tap.now.is_zero)
+                await lab.warns("cmd_vel of /rostopic")
+            finally:
+                os.kill(master, signal.SIGCONT)
+                await publisher.wait()
+
+
+def processes_of(words: str) -> list[int]:
+    """Return the processes whose command lines contain `words`."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            line = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+            found += [int(process.name)] if words in line else []
+    return found

@@ -66,6 +66,7 @@ SERVICES = {
 }
 X = ("rostopic", "echo", "-n", "1", "/odom/pose/pose/position/x")
 """Where the robot says it is."""
+JOINTS = ("rostopic", "echo", "-n", "1", "/joint_states/position")
 DRIVE = ("rostopic", "pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist")
 
 
@@ -107,15 +108,23 @@ async def test_every_topic_has_its_type_frame_latch_and_rate(standard: None) -> 
 
 async def test_a_turning_robot_turns_its_wheels_in_joints_and_tree(standard: None) -> None:
     await ended(*DRIVE, "{angular: {z: 0.5}}", patience=2.5)
-    said = await ros("rostopic", "echo", "-n", "1", "/joint_states/position")
+    said = await standing()
     tree = await script("look_up.py", "1.5", "base_link", "front_left_wheel")
-    left, right, rear_left, rear_right = json.loads(said.split("\n")[0])
+    left, right, rear_left, rear_right = said
     assert left == rear_left < -0.2
     assert right == rear_right > 0.2
     _, _, _, qx, qy, qz, qw = tree["at"]["front_left_wheel"]
     assert hypot(qx, qz) == pytest.approx(0.0, abs=1e-9)
     assert abs(qy) == pytest.approx(abs(sin(left / 2)), abs=0.1)
     assert abs(qw) == pytest.approx(abs(cos(left / 2)), abs=0.1)
+
+
+async def standing() -> list[float]:
+    """Wait until the robot stands; return the angles of its wheels [rad]."""
+    before: list[float] = []
+    while (now := json.loads((await ros(*JOINTS)).split("\n")[0])) != before:
+        before = now
+    return before
 
 
 async def test_a_recording_plays_as_it_was(standard: None, tmp_path: Path) -> None:

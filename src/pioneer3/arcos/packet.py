@@ -63,6 +63,11 @@ class PacketReader:
         self._buffer = bytearray()
         self._heard = 0.0
 
+    @property
+    def unfinished(self) -> bytes:
+        """The bytes of a packet that has begun, and is not whole yet."""
+        return bytes(self._buffer)
+
     def discard(self) -> None:
         """Drop a packet that has begun: the next bytes have another sender."""
         self._buffer.clear()

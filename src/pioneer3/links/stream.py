@@ -3,10 +3,19 @@
 import asyncio
 import errno
 import socket
+import sys
+from array import array
 from collections.abc import Awaitable, Callable
+from ipaddress import ip_address
 
 from pioneer3.errors import LinkError, PortNotFoundError
 from pioneer3.links.base import HUNG_UP
+
+try:
+    import fcntl
+    import termios
+except ImportError:  # Windows
+    fcntl = termios = None  # type: ignore[assignment]
 
 CLOSE_PATIENCE = 0.5
 CONNECT_PATIENCE = 5.0
@@ -100,11 +109,22 @@ async def open_tcp(host: str, port: int) -> StreamLink:
         raise PortNotFoundError(f"{url}: no host of the name {host!r} is known") from None
     except OSError as error:
         if error.errno == errno.ECONNREFUSED or "Connect call failed" in str(error):
-            raise PortNotFoundError(
-                f"{url}: nobody listens there; a simulator starts with: pioneer3 sim -p {port}"
-            ) from None
+            starts = (
+                f"a simulator starts with: pioneer3 sim -p {port}"
+                if _is_this_computer(host)
+                else "on the robot's computer start pioneer3 bridge, or the "
+                "service of pioneer3 fleet deploy"
+            )
+            raise PortNotFoundError(f"{url}: nobody listens there; {starts}") from None
         raise LinkError(f"{url}: {error}") from error
     return accepted(url, reader, writer, round_trip=min(clock() - began, LONGEST_ROUND_TRIP))
+
+
+def _is_this_computer(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
 
 
 def accepted(
@@ -126,3 +146,23 @@ def tune(connection: socket.socket) -> None:
     for name, value in KEEPALIVE.items():
         if (option := getattr(socket, name, None)) is not None:  # differs between systems
             connection.setsockopt(socket.IPPROTO_TCP, option, value)
+
+
+def unacknowledged(file: int) -> int | None:
+    """Return the number of bytes sent over a TCP socket that the far computer has not confirmed.
+
+    Args:
+        file: Descriptor of the socket.
+
+    Returns:
+        The number, as Linux counts it (tcp(7), SIOCOUTQ); `None` on another system, and for a
+        socket that is closed.
+    """
+    if sys.platform != "linux":
+        return None
+    count = array("i", [0])
+    try:
+        fcntl.ioctl(file, termios.TIOCOUTQ, count)
+    except OSError:
+        return None
+    return count[0]

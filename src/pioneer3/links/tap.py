@@ -39,6 +39,51 @@ class Chunk:
     data: bytes
 
 
+class Recording:
+    """Writes bytes and events to an open file, one line each; a full disk ends it, no more.
+
+    Args:
+        file: Open for writing text.
+        clock: The time [s, monotonic].
+        began: When the recording began [s]; now if `None`.
+
+    Attributes:
+        failure: The reason why it has ended by itself, or empty.
+    """
+
+    def __init__(self, file: TextIO, clock: Clock, began: float | None = None) -> None:
+        self.failure = ""
+        self._file = file
+        self._clock = clock
+        self._began = clock() if began is None else began
+
+    def note(self, way: str, data: bytes) -> None:
+        """Write bytes that pass now, in the direction :data:`FROM_HOST` or :data:`FROM_ROBOT`."""
+        if data:
+            seconds = self._clock() - self._began
+            self.put(f"{seconds:.6f} {way} {len(data)} {data.hex()}")
+
+    def remark(self, words: str) -> None:
+        """Write a comment with its time."""
+        self.put(f"# {self._clock() - self._began:.6f} {' '.join(words.split())}")
+
+    def put(self, line: str) -> None:
+        """Write one line."""
+        if self.failure:
+            return
+        try:
+            self._file.write(line + "\n")
+        except OSError as error:
+            self.failure = error.strerror or str(error)
+            log.warning("%s: recording ended: %s", self._file.name, error.strerror)
+
+    def flush(self) -> None:
+        """Hand all lines to the operating system."""
+        if not self.failure:
+            with suppress(OSError):
+                self._file.flush()
+
+
 class TapLink:
     """A host's link that records all bytes; same contract as the link inside."""
 
@@ -47,21 +92,18 @@ class TapLink:
         self.speeds = link.speeds
         self.round_trip = link.round_trip
         self._link = link
-        self._file = file
-        self._clock = clock
-        self._began = clock() if began is None else began
-        self._broken = False
-        self._put(f"# {link.url}")
+        self._recording = Recording(file, clock, began)
+        self._recording.put(f"# {link.url}")
 
     async def read(self) -> bytes:
         """Read from the link inside."""
         data = await self._link.read()
-        self._note(FROM_ROBOT, data)
+        self._recording.note(FROM_ROBOT, data)
         return data
 
     async def write(self, data: bytes) -> None:
         """Write to the link inside."""
-        self._note(FROM_HOST, data)
+        self._recording.note(FROM_HOST, data)
         await self._link.write(data)
 
     async def set_speed(self, baud: int) -> None:
@@ -72,28 +114,11 @@ class TapLink:
     async def close(self) -> None:
         """Close the link inside; the file stays open."""
         await self._link.close()
-        if not self._broken:
-            with suppress(OSError):
-                self._file.flush()
+        self._recording.flush()
 
     def remark(self, words: str) -> None:
         """Write a comment with its time."""
-        self._put(f"# {self._clock() - self._began:.6f} {' '.join(words.split())}")
-
-    def _note(self, way: str, data: bytes) -> None:
-        if data:
-            seconds = self._clock() - self._began
-            self._put(f"{seconds:.6f} {way} {len(data)} {data.hex()}")
-
-    def _put(self, line: str) -> None:
-        """Write one line; a full disk ends the recording, not the session."""
-        if self._broken:
-            return
-        try:
-            self._file.write(line + "\n")
-        except OSError as error:
-            self._broken = True
-            log.warning("%s: recording ended: %s", self._file.name, error.strerror)
+        self._recording.remark(words)
 
 
 class Recorder:
@@ -117,9 +142,8 @@ class Recorder:
             self._tap.remark(words)
 
 
-@contextmanager
-def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
-    """Record every link that `opener` opens to one new file.
+def begun(path: Path) -> TextIO:
+    """Return a new file, open, with the heading of a recording.
 
     Raises:
         ConfigError: the file cannot be written; one that exists is left alone.
@@ -130,6 +154,17 @@ def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
         file.write(f"# pioneer3 {__version__}, {when}\n")
     except OSError as error:
         raise ConfigError(f"{path}: cannot record there: {error.strerror}") from None
+    return file
+
+
+@contextmanager
+def recorded(opener: Opener, path: Path, clock: Clock) -> Iterator[Recorder]:
+    """Record every link that `opener` opens to one new file.
+
+    Raises:
+        ConfigError: the file cannot be written; one that exists is left alone.
+    """
+    file = begun(path)
     with file:
         yield Recorder(opener, file, clock)
 

@@ -114,6 +114,7 @@ class Pilot:
         emergency: Whether the emergency stop is latched.
         auto_enable: Whether a command switches the motors on.
         last_stop: A command must have begun after this stop.
+        drove: Whether a command of this session may have moved the robot.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -122,6 +123,7 @@ class Pilot:
         self.emergency = False
         self.auto_enable = auto_enable
         self.last_stop = Stop()
+        self.drove = False
         self._outbox = Outbox()
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
@@ -150,6 +152,7 @@ class Pilot:
     ) -> None:
         """Stop the robot, set its limits as far as the firmware allows, switch the sonar on."""
         self.limits = limits
+        self.drove = False
         settings: list[Command] = []
         if settable_speed:
             settings += [
@@ -233,6 +236,7 @@ class Pilot:
         """Leave motion to raw commands until :meth:`stop` or a fresh velocity command."""
         self._block("a raw command drives the robot", now)
         self._left_to_raw_commands, self._sent = True, None
+        self.drove = True
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
         """Switch the motors on, or off once the robot stands; return a refusal, or `None`."""
@@ -362,6 +366,7 @@ class Pilot:
             self._enabled, self._enabled_at = wanted, now
             self._enable_tries += 1
             self._outbox.power = wanted
+            self.drove |= wanted
 
     def _still_stopping(self, now: float) -> bool:
         """Return whether motors to be switched off are still needed to stop the robot."""
@@ -383,6 +388,7 @@ class Pilot:
             self._interval_until = max(self._interval_until, now) + MIN_INTERVAL
         if changed or due:
             self._outbox.velocity = twist
+            self.drove |= not twist.is_zero
             self._sent, self._sent_at = twist, now
         again = self._sent_at + REPEAT if twist == self._sent else change_at
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING

@@ -69,6 +69,10 @@ class Session:
         model: Used in place of the model that the robot names.
         restrict: Turns the robot's limits into the ones to keep.
         timing: Timeouts of the host.
+
+    Attributes:
+        taken: Whether another program drives the robot, and this one watches, as over a bridge:
+            its motors have had power since the beginning, though this session switched them off.
     """
 
     def __init__(
@@ -102,6 +106,7 @@ class Session:
         self._held_back = False
         self._lost: Lost | None = None
         self._configured = False
+        self.taken: bool | None = None
 
     def wake(self) -> None:
         """Wake the writer: there is something to send."""
@@ -255,6 +260,7 @@ class Session:
 
     def _handle_sip(self, report: Sip, now: float) -> None:
         snapshot = self._snapshot(report, now)
+        self.taken = snapshot.motors.enabled and self.taken is not False
         self._pilot.observe(snapshot, now)
         self._listener.on_snapshot(snapshot)
 
@@ -296,11 +302,14 @@ class Session:
     async def _stop_robot(self) -> None:
         """Stop, and wait until the robot stands: without power it would roll on.
 
+        A robot that this session never moved is another program's, which this one watches: the
+        STOP at the end of the session suffices.
+
         Raises:
             LinkError: the link has failed.
             TimeoutError: it still moves after :data:`~pioneer3.robot.pilot.BRAKING`.
         """
-        if not self._configured or self._host.state is not State.OPEN:
+        if not self._configured or self._host.state is not State.OPEN or not self._pilot.drove:
             return
         async with asyncio.timeout(BRAKING):
             while not self._pilot.stands:

@@ -72,6 +72,7 @@ class Feed(Generic[T]):
 
 log = logging.getLogger(__name__)
 
+TAKEN = "another program drives this robot, and this one watches: only a stop counts"
 BACK_OFF = (0.2, 0.5, 1.0, 2.0, 3.0)
 """Pauses before the attempts to reconnect [s]; the last one repeats."""
 
@@ -161,6 +162,11 @@ class Supervisor:
         """The latest snapshot of the session that is open, or `None`."""
         return self._snapshot
 
+    @property
+    def taken(self) -> bool:
+        """Whether another program drives the robot, and this one watches."""
+        return self._session is not None and bool(self._session.taken)
+
     async def run(self) -> None:
         """Connect, and reconnect after every loss; ends by cancellation, or with a recording.
 
@@ -184,7 +190,9 @@ class Supervisor:
             self.reports.close()
 
     def drive(self, command: VelocityCommand) -> str | None:
-        """See :meth:`Pilot.drive`."""
+        """See :meth:`Pilot.drive`; a robot that is :attr:`taken` is not driven."""
+        if self.taken:
+            return TAKEN
         return self._wake_writer(self.pilot.drive(command, self._clock()))
 
     def stop(self) -> None:
@@ -274,7 +282,8 @@ class Supervisor:
 
         `decided` is the reason for a command to stand still, if there was one.
         """
-        return why_not_moving(self.pilot, self._snapshot, self._clock(), decided)
+        why = why_not_moving(self.pilot, self._snapshot, self._clock(), decided)
+        return f"{TAKEN[0].upper()}{TAKEN[1:]}." if why is not None and self.taken else why
 
     def on_connected(self, session: Session) -> None:
         """Store the description of the robot, and publish the connection."""

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pioneer3.jit import numba_version
 from pioneer3.sim.kernels import (
     Echoes,
     Kernels,
     Robots,
     build_grid,
+    compiled_kernels,
     find_edges,
     sonar_mounts,
 )
@@ -135,3 +137,15 @@ def test_a_hidden_edge_is_not_heard(kernels: Kernels) -> None:
 def test_what_moves_before_an_edge_is_nearer(kernels: Kernels) -> None:
     assert heard(kernels, CORNER, others=((0.5, 0.0, 0.0),)) == pytest.approx(0.45)
     assert heard(kernels, CORNER, others=((1.0, 0.9, 0.0),)) == pytest.approx(0.7)
+
+
+@pytest.mark.skipif(not numba_version(), reason="numba is not installed")
+def test_nothing_is_compiled_in_the_middle_of_a_run_when_few_robots_listen() -> None:
+    kernels = compiled_kernels()
+    size = np.full(3, 0.2)
+    mounts = sonar_mounts([np.zeros((1, 3))], [0, 0, 0])
+    before = len(kernels._sonar.signatures)  # type: ignore[attr-defined]
+    owners = np.array([0, 2], dtype=np.int32)
+    grid = build_grid(np.array([[1.0, -1.0, 1.0, 1.0]]))
+    kernels.sonar(grid, Robots(size, size, size), mounts, SILENT, owners=owners)
+    assert len(kernels._sonar.signatures) == before  # type: ignore[attr-defined]

@@ -21,11 +21,11 @@ from pioneer3 import (
 from pioneer3.arcos.commands import Open, SimCtrl, SimOperation
 from pioneer3.arcos.packet import encode
 from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.links.addresses import machine_address, url_of
 from pioneer3.links.urls import open_link, split_host
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.faults import LinkFaults
-from pioneer3.sim.server.listeners import machine_address, url_of
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator

@@ -56,6 +56,11 @@ class TopicSupervisor:
         self._clock = asyncio.get_running_loop().time
 
     @property
+    def taken(self) -> bool:
+        """Never: a node takes commands of all programs."""
+        return False
+
+    @property
     def snapshot(self) -> Snapshot | None:
         """The latest snapshot, or `None` while the topics are silent."""
         return self._fresh

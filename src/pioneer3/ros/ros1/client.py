@@ -27,6 +27,7 @@ from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotSubscriber
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
 from pioneer3.ros.ros1.middleware import Publisher, RospyTopics, find_rospy
+from pioneer3.ros.ros1.rosout import log_in_background
 from pioneer3.ros.ros1.start import stay_on_this_computer
 from pioneer3.state import Identity
 from pioneer3.tasks import running
@@ -162,6 +163,7 @@ async def _program(name: str, arguments: Sequence[str]) -> AsyncIterator[asyncio
 
     argv = ["pioneer3", *arguments]
     await asyncio.to_thread(rospy.init_node, name, argv=argv, disable_signals=True)
+    log_in_background()
     rospy.on_shutdown(end)
     try:
         yield ended

@@ -36,6 +36,7 @@ from pioneer3.ros.node.parameters import (
 from pioneer3.ros.node.values import RawParameters
 from pioneer3.ros.ros1.master import MasterWatch, wait_for_master
 from pioneer3.ros.ros1.middleware import RospyMiddleware, find_move_base, find_rospy
+from pioneer3.ros.ros1.rosout import log_in_background
 from pioneer3.runtime.connect import connect_async
 
 LAB_NAME: Final = "_lab_name:="
@@ -103,6 +104,7 @@ async def on_ros(
     await asyncio.to_thread(
         rospy.init_node, name, argv=["pioneer3", *arguments], disable_signals=True
     )
+    log_in_background()
     watch = MasterWatch(rospy.get_name(), rospy.logwarn)
     try:
         yield watch

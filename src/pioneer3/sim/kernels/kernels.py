@@ -134,7 +134,8 @@ class Kernels:
         if owners is None:
             owners = robots.everyone[: len(mounts.kinds)]
         else:
-            poses, layout = poses[:, owners], (*layout[:2], mounts.kinds[owners])
+            # poses[:, owners] would be F-contiguous, and compiled anew in the middle of a run
+            poses, layout = poses.take(owners, axis=1), (*layout[:2], mounts.kinds[owners])
         count = len(owners)
         ranges = np.empty((count, mounts.most)) if out is None else out
         walls, others = grid.arrays, robots.arrays

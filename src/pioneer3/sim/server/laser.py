@@ -11,12 +11,13 @@ from math import inf
 
 from pioneer3.errors import LinkError
 from pioneer3.lasers.device import Device, Sweep, Turn
+from pioneer3.links.addresses import url_of
 from pioneer3.models.lasers import LaserModel, LaserProtocol
 from pioneer3.sim.body import Body
 from pioneer3.sim.laser_scanner import Arc, LaserScanner
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser_hosts import LaserHosts, OneHost, SeveralHosts
-from pioneer3.sim.server.listeners import PtyListener, TcpListener, url_of
+from pioneer3.sim.server.listeners import PtyListener, TcpListener
 from pioneer3.sim.world import World
 
 SWITCHED_ON = 60.0

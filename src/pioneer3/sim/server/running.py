@@ -1,7 +1,7 @@
 """A running simulator: its robots, and the methods that change its world."""
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pioneer3.arcos.reports import MapChanged
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.geometry import Pose2
+from pioneer3.links.addresses import url_of
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
@@ -23,7 +24,6 @@ from pioneer3.sim.placement.spawn import unique_name
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
-from pioneer3.sim.server.listeners import url_of
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
@@ -40,7 +40,7 @@ class SimulatedRobot:
         body: The robot in the world.
         firmware: Its controller.
         port: Connects its host, over a cable that may have faults.
-        url: For hosts.
+        url: For hosts; `memory:NAME` where it does not listen.
         pty: Its serial port, or `None`.
         laser: Its range finder with a port of its own, or `None`.
     """
@@ -61,15 +61,14 @@ class SimulatedRobot:
         pty: str | None = None,
         laser: SimulatedLaser | None = None,
     ) -> Self:
-        """Return the robot behind `port`, which listens."""
+        """Return the robot behind `port`."""
         firmware, address = port.firmware, port.address
-        assert address is not None
         return cls(
             name=name,
             body=firmware.body,
             firmware=firmware,
             port=port,
-            url=url_of(*address),
+            url=url_of(*address) if address is not None else f"memory:{name}",
             pty=pty,
             laser=laser,
         )
@@ -235,16 +234,32 @@ class RunningSimulation:
         if not isinstance(item, SimulatedRobot):
             self._refuse_on_robots(_outline(item, pose), pose)
             self.world.move_obstacle(item, pose)
-        elif self.has_room(item.model, pose, but=item):
+        elif self.has_room(item.model, pose, item):
             item.body.robot_in_world = pose
         else:
             raise CommandError(
                 f"{item.name}: something stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
             )
 
-    def has_room(self, model: RobotModel, pose: Pose2, but: SimulatedRobot | None = None) -> bool:
+    def move_robots(self, places: Mapping[SimulatedRobot, Pose2]) -> list[SimulatedRobot]:
+        """Put several robots elsewhere at once, so that one may take another's place.
+
+        Returns:
+            The robots that stay, because something stands at their new places.
+        """
+        moving = dict(places)
+        while stay := [
+            robot for robot, pose in moving.items() if not self.has_room(robot.model, pose, *moving)
+        ]:
+            for robot in stay:
+                del moving[robot]
+        for robot, pose in moving.items():
+            robot.body.robot_in_world = pose
+        return [robot for robot in places if robot not in moving]
+
+    def has_room(self, model: RobotModel, pose: Pose2, *but: SimulatedRobot) -> bool:
         """Whether a robot fits at `pose`: on no wall and in no obstacle or robot except `but`."""
-        bodies = [robot.body for robot in self.robots if robot is not but]
+        bodies = [robot.body for robot in self.robots if robot not in but]
         return not (
             hits(model, pose, self.world.map.walls)
             or any(overlap(model, pose, body.model, body.robot_in_world) for body in bodies)

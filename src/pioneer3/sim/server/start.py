@@ -14,6 +14,7 @@ from numpy.random import default_rng
 
 from pioneer3.errors import ConfigError, PioneerError, how_to_get
 from pioneer3.jit import numba_version
+from pioneer3.links.addresses import url_of
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
@@ -24,7 +25,7 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.faults import LinkFaults
 from pioneer3.sim.server.laser import SimulatedLaser
-from pioneer3.sim.server.listeners import listening, url_of
+from pioneer3.sim.server.listeners import listening
 from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.server.trackers import colour_trackers
@@ -104,7 +105,7 @@ async def simulator(
     *,
     map_name: str | Path | WorldFile = "office",
     robot: str | None = None,
-    port: int = FIRST_PORT,
+    port: int | None = FIRST_PORT,
     host: str = LOOPBACK,
     overrides: WorldOverrides = NO_OVERRIDES,
     realism: Realism | None = None,
@@ -120,7 +121,8 @@ async def simulator(
         robot: Model of the only robot, by name or file; `None` for those of `overrides` or of the
             world, or a P3-AT where there is none.
         port: TCP port of the first robot, the others have the next ones; 0 takes free ones. A
-            factory comes before the robots.
+            factory comes before the robots. With `None` no robot listens: hosts are given to
+            :meth:`RobotPort.serve <pioneer3.sim.server.port.RobotPort.serve>`.
         host: Address of this machine to listen at.
         overrides: Changes of the world before it begins.
         realism: Noise, slip and wide sonar beams; `None` is ideal: without them.
@@ -159,13 +161,13 @@ async def simulator(
     factory_robot = overrides.factory_robot
     if factory_robot:
         load_model(factory_robot.model)  # better now than when the first client comes
-    first_port = port + 1 if factory_robot and port else port
-    await simulation.listen(
-        first_port,
-        host,
-        ports=[each.port for each in spawned],
-        hosts=[each.host for each in spawned],
-    )
+    if port is not None:
+        await simulation.listen(
+            port + 1 if factory_robot and port else port,
+            host,
+            ports=[each.port for each in spawned],
+            hosts=[each.host for each in spawned],
+        )
     # connections are accepted from now on; time begins when compiled kernels are loaded
     lasers = await _lasers(spawned, simulation)
     robots = _robots(spawned, simulation, lasers, ptys=ptys)
@@ -184,7 +186,7 @@ async def simulator(
         await stack.enter_async_context(running(*work))
         if faults is not None:
             here.set_faults(faults)
-        if factory_robot:
+        if factory_robot and port is not None:
             listener = robot_factory(here, factory_robot, port, host)
             here.factory_url = await stack.enter_async_context(listener)
         if acts is not None:

@@ -1,0 +1,91 @@
+"""One host of a bridge: the robot's side of its handshake. No I/O, no clock.
+
+The robot has shaken hands with the bridge; each host gets the same answers, identity included. A
+host that asks for the identity before the robot has told it waits for the answer.
+"""
+
+from enum import Enum, auto
+from typing import Protocol
+
+from pioneer3.arcos.packet import PacketReader, encode
+
+
+class Port(Protocol):
+    """The connection of one host.
+
+    Attributes:
+        name: Of the host, for people.
+        gives_way: Whether another host may take the robot from it.
+    """
+
+    name: str
+    gives_way: bool
+
+    def send(self, data: bytes) -> None:
+        """Send `data` at once or later; a host that takes nothing is closed instead."""
+
+    def close(self) -> None:
+        """Close the connection, once the bytes sent have left."""
+
+
+class Phase(Enum):
+    """Progress of a host's session."""
+
+    WAITING = auto()
+    SYNCED0 = auto()
+    SYNCED1 = auto()
+    ASKED = auto()
+    """It waits for the identity."""
+    READY = auto()
+    OPEN = auto()
+
+
+class Client:
+    """One host.
+
+    Attributes:
+        port: Its connection.
+        phase: Of its session.
+        joined_at, heard_at: When it connected, and sent its last packet [s, monotonic].
+        reader: Of its packets.
+    """
+
+    def __init__(self, port: Port, now: float) -> None:
+        self.port = port
+        self.phase = Phase.WAITING
+        self.joined_at = self.heard_at = now
+        self.reader = PacketReader()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it gets the robot's reports."""
+        return self.phase is Phase.OPEN
+
+    def shake_hands(self, payload: bytes, identity: bytes) -> bool:
+        """Answer a packet before OPEN; return whether that opened the session.
+
+        Args:
+            payload: Of the packet.
+            identity: Payload of the robot's answer to SYNC2; empty while it is not known.
+        """
+        match payload[0], self.phase:
+            case 0, _:
+                self._answer(payload[:1], Phase.SYNCED0)
+            case 1, Phase.READY:
+                self.phase = Phase.OPEN
+                return True
+            case 1, Phase.SYNCED0 | Phase.SYNCED1:
+                self._answer(payload[:1], Phase.SYNCED1)
+            case 2, Phase.SYNCED1 | Phase.ASKED | Phase.READY:
+                self.phase = Phase.ASKED
+                self.introduce(identity)
+        return False
+
+    def introduce(self, identity: bytes) -> None:
+        """Send the robot's identity if the host waits for it, and it is known."""
+        if identity and self.phase is Phase.ASKED:
+            self._answer(identity, Phase.READY)
+
+    def _answer(self, payload: bytes, phase: Phase) -> None:
+        self.phase = phase
+        self.port.send(encode(payload))
