@@ -142,6 +142,7 @@ async def test_a_robot_follows_another_through_the_door() -> None:
         assert the.nearest > 0.7
 
 
+@pytest.mark.timeout(600)  # half a minute of work, which other work on the machine makes longer
 async def test_four_robots_change_places_in_an_office() -> None:
     office = shipped_map("office")
     starts = [

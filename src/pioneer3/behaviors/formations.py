@@ -1,7 +1,9 @@
 """Formations: the places of robots beside and behind their leader."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import permutations
+from math import dist
 from typing import Final
 
 Place = tuple[float, float]
@@ -55,3 +57,34 @@ FORMATIONS: Final = {
         Formation("column", "one behind the other, on the leader's track", _column),
     )
 }
+
+MOST_TRIED: Final = 7
+"""Of so many robots all orders are tried: 5040."""
+
+
+def assigned(robots: Sequence[Place], places: Sequence[Place]) -> list[int]:
+    """Return the number of the place for each robot, from 0, so that their ways are short.
+
+    The sum of the squared distances is the least; ways that are the shortest together do not
+    cross. Of more than :data:`MOST_TRIED` robots, the pairs that are nearest are matched first.
+
+    Args:
+        robots: Where they are.
+        places: As many, in the same frame.
+    """
+    numbers = range(len(robots))
+    if len(robots) <= MOST_TRIED:
+        orders = permutations(numbers)
+        best = min(
+            orders,
+            key=lambda order: sum(
+                dist(robots[robot], places[place]) ** 2 for robot, place in enumerate(order)
+            ),
+        )
+        return list(best)
+    pairs = sorted((dist(robots[a], places[b]), a, b) for a in numbers for b in numbers)
+    matched: dict[int, int] = {}
+    for _, robot, place in pairs:
+        if robot not in matched and place not in matched.values():
+            matched[robot] = place
+    return [matched[robot] for robot in numbers]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, hypot, sin
 
 from pioneer3.geometry import STILL, Pose2, Twist2
 
@@ -19,14 +19,21 @@ class Peer:
         pose: Where it was, in this robot's odometry frame [m, rad].
         twist: Its motion then [m/s, rad/s].
         stamp: When that was [s, monotonic].
-        radius: From its middle to its farthest corner [m].
+        length: Twice from its middle to its farther end [m].
+        width: From side to side [m].
     """
 
     name: str
     pose: Pose2
     stamp: float
     twist: Twist2 = STILL
-    radius: float = 0.4
+    length: float = 0.63
+    width: float = 0.5
+
+    @property
+    def radius(self) -> float:
+        """From its middle to its farthest corner [m]."""
+        return hypot(self.length, self.width) / 2
 
     def at(self, now: float) -> Pose2:
         """Return where it is expected at `now`, if it goes on as it did; for `LOST` at most."""

@@ -9,10 +9,12 @@ from typing import Protocol
 
 from pioneer3.behaviors.action import MODE, Action, ProgressChecker, Situation, Stack
 from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.actions.keep_apart import LimiterPeers
 from pioneer3.behaviors.actions.limiters import LimiterBySonar
 from pioneer3.behaviors.engine import ActionError, Decision, resolve
 from pioneer3.behaviors.explanations import explain, explain_standstill
 from pioneer3.behaviors.memory import RangeMemory
+from pioneer3.behaviors.peers import Peers
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
@@ -27,6 +29,8 @@ KEYBOARD = 90
 WEB = 80
 PROGRAM = 50
 """Priorities of inputs, above that of modes: the order of twist_mux (facts.md 14.6)."""
+KEEP_APART = 10
+"""Priority of the limiter by other robots, below all: it knows the turn that is asked for."""
 
 log = logging.getLogger(__name__)
 
@@ -51,6 +55,10 @@ class Drivable(Protocol):
     @property
     def snapshot(self) -> Snapshot | None:
         """The latest snapshot, or `None` without a connection."""
+
+    @property
+    def taken(self) -> bool:
+        """Whether another program drives the robot, and this one watches."""
 
     def drive(self, command: VelocityCommand) -> str | None:
         """Drive as :meth:`Pilot.drive` does; return the reason to ignore it, or `None`."""
@@ -129,6 +137,7 @@ class Arbiter:
         self._progress = ProgressChecker()
         self._laser_on = ExitStack()
         self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
+        self._apart: Stack | None = None
         self._clock = asyncio.get_running_loop().time
         supervisor.snapshot_taken = self._take
 
@@ -160,6 +169,11 @@ class Arbiter:
     def last_stop(self) -> Stop:
         """The stop that a command must have begun after."""
         return self._supervisor.pilot.last_stop
+
+    def keep_apart(self, peers: Peers | None) -> None:
+        """Keep the robot apart from others from now on, whoever drives it; `None` knows none."""
+        limiter = LimiterPeers(peers=peers) if peers else None
+        self._apart = Stack.alone(limiter, KEEP_APART) if limiter else None
 
     def decide(self) -> str | None:
         """Resolve now; return the reason to ignore the result, or `None`."""
@@ -195,7 +209,11 @@ class Arbiter:
     def _stacks(self) -> list[Stack]:
         """Return all stacks that decide; modes see no better than the sensors that work."""
         stacks = [part.stack for part in self._parts]
-        return [*stacks, self._by_sonar] if self.mode is not None else stacks
+        if self.mode is not None:
+            stacks.append(self._by_sonar)
+        if self._apart is not None:
+            stacks.append(self._apart)
+        return stacks
 
     def _end_motions(self) -> None:
         """Remove motions that began before the last stop and cannot answer it."""

@@ -98,6 +98,7 @@ class Drives:
 
     Attributes:
         line_map: The map.
+        robot: The robot.
         present: The drive of now, or `None`.
         ways: Plans them.
     """
@@ -113,7 +114,7 @@ class Drives:
         in_thread: InThread,
         name: str,
     ) -> None:
-        self.line_map = localization.line_map
+        self.line_map, self.robot = localization.line_map, robot
         self.present: Drive | None = None
         self._robot, self._costs, self._localization = robot, costs, localization
         self._sightings, self._traffic, self._name = sightings, traffic, name

@@ -183,7 +183,7 @@ class Navigator:
     async def run(self) -> None:
         """Keep track of the robot and of its way, until cancelled."""
         drives = self._drives
-        with self._localization.sensing(), self._traffic.joined(drives):
+        with self._localization.sensing(), self._traffic.travelling(drives):
             async with running(self._localization.search(), drives.steer(), drives.keep_apart()):
                 async for snapshot in self._robot.supervisor.snapshots.values():
                     self._take(snapshot)

@@ -1,16 +1,70 @@
-"""The robots of this program on one map, which keep out of each other's ways."""
+"""The robots of this program: each knows where the others are, and keeps out of their ways."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from math import hypot, inf
 from typing import TYPE_CHECKING, Protocol
+
+from pioneer3.behaviors.peers import Peer
+from pioneer3.geometry import Pose2
+from pioneer3.runtime.driven import Driven
+from pioneer3.state import Snapshot
 
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
     from pioneer3.nav.traffic import Traveller
 
+NEAR = 4.5
+"""Robots farther away than this do not hold each other up [m]."""
+OVERLAP = 0.15
+"""No two robots are so near [m]."""
+LOOK, SLACK = 0.25, 1.0
+"""Robots that are near are looked up so often [s], and may come so much nearer meanwhile [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place of a robot's odometry in a frame that it shares with others.
+
+    Attributes:
+        frame: Identifies the frame, such as that of a map.
+        odom_in_frame: Pose of odometry's origin [m, rad].
+        true: Whether a simulator told it. Two robots of which such places overlap are not in one
+            world, though their simulators are on one computer.
+    """
+
+    frame: Hashable
+    odom_in_frame: Pose2
+    true: bool = False
+
+
+def frame_of(line_map: "LineMap") -> Hashable:
+    """Return the identity of a map's frame."""
+    return "map", id(line_map)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Participant:
+    """A robot of this program.
+
+    Attributes:
+        name: For people; no two have the same.
+        robot: The robot.
+        place: Returns its place by its newest snapshot, or the reason that it is not known.
+    """
+
+    name: str
+    robot: Driven
+    place: Callable[[Snapshot], Place | str]
+
 
 class Navigating(Protocol):
-    """A robot that takes part in the traffic."""
+    """A robot that drives along ways of a map."""
+
+    @property
+    def robot(self) -> Driven:
+        """The robot."""
 
     @property
     def line_map(self) -> "LineMap":
@@ -21,42 +75,207 @@ class Navigating(Protocol):
         """Where it is and goes; `None` while it is not sure where it is."""
 
 
-class Traffic:
-    """All robots that know of each other."""
+@dataclass(frozen=True, slots=True)
+class _News:
+    """Where a robot was last.
 
-    def __init__(self) -> None:
-        self._members: list[Navigating] = []
+    Attributes:
+        place: By which it is known.
+        peer: The robot as others know it, in that frame.
+    """
+
+    place: Place
+    peer: Peer
+
+
+@dataclass(frozen=True, slots=True)
+class _Near:
+    """The robots that were near at `stamp` [s], `within` a distance [m]."""
+
+    names: list[str]
+    within: float
+    stamp: float
+
+
+@dataclass(slots=True)
+class Traffic:
+    """All robots that know of each other.
+
+    A robot is known to the others while it is sure where it is, in a frame that they share. The
+    last news of one that is lost stays: it stands there still, or has strayed.
+    """
+
+    _participants: dict[str, Participant] = field(default_factory=dict, init=False)
+    _news: dict[str, _News] = field(default_factory=dict, init=False)
+    _strangers: set[frozenset[str]] = field(default_factory=set, init=False)
+    _near: dict[str, _Near] = field(default_factory=dict, init=False)
+    _navigating: list[Navigating] = field(default_factory=list, init=False)
 
     @contextmanager
-    def joined(self, member: Navigating) -> Iterator[None]:
-        """Let `member` take part during the block."""
-        self._members.append(member)
+    def joined(self, participant: Participant) -> Iterator[None]:
+        """Let `participant` know the others during the block, and keep it apart from them."""
+        self._participants[participant.name] = participant
+        participant.robot.arbiter.keep_apart(lambda: self.peers_of(participant.name, NEAR))
         try:
             yield
         finally:
-            self._members.remove(member)
+            participant.robot.arbiter.keep_apart(None)
+            if self._participants.get(participant.name) is participant:
+                self._note(participant)
+                del self._participants[participant.name]
 
-    def others(self, member: Navigating) -> "list[Traveller]":
+    def forget(self, name: str) -> None:
+        """Forget a robot that is not there any more."""
+        self._participants.pop(name, None)
+        self._news.pop(name, None)
+
+    def peers_of(self, name: str, within: float = inf) -> list[Peer]:
+        """Return the other robots as one knows them, in its odometry's frame.
+
+        Args:
+            name: Of the robot; while its own place is not known, it knows no others.
+            within: Leaves out those that are farther away [m].
+        """
+        participant = self._participants.get(name)
+        mine = self._note(participant) if participant else None
+        if mine is None:
+            return []
+        to_odom = mine.place.odom_in_frame.inverse()
+        return [
+            replace(news.peer, pose=to_odom @ news.peer.pose) for news in self._around(mine, within)
+        ]
+
+    def unknown(self, name: str) -> str:
+        """Return the reason that a robot does not know where it is among others, or nothing."""
+        participant = self._participants.get(name)
+        if participant is None:
+            return "it is not connected"
+        snapshot = participant.robot.snapshot
+        if snapshot is None:
+            return "it is not connected"
+        place = participant.place(snapshot)
+        return place if isinstance(place, str) else ""
+
+    def share_frame(self, names: Sequence[str]) -> bool:
+        """Return whether these robots know each other's places."""
+        known = [
+            self._note(self._participants[name]) for name in names if name in self._participants
+        ]
+        frames = {news.place.frame for news in known if news is not None}
+        if len(frames) != 1 or len(known) != len(names) or None in known:
+            return False
+        others = {peer.name for peer in self.peers_of(names[0])}
+        return others.issuperset(names[1:])
+
+    def _around(self, mine: _News, within: float) -> list[_News]:
+        """Return the news of the others that are near, also of those that are lost or have left.
+
+        Among many robots, which of them are near is looked up again after :data:`LOOK` only.
+        """
+        name, now = mine.peer.name, mine.peer.stamp
+        known = self._near.get(name)
+        if known is None or known.within < within or not 0 <= now - known.stamp < LOOK:
+            names = [other for other in self._names() if other != name]
+            near = [other for other in names if self._is_near(mine, other, within + SLACK)]
+            known = self._near[name] = _Near(near, within, now)
+        return [news for other in known.names if (news := self._is_near(mine, other, within))]
+
+    def _names(self) -> list[str]:
+        return [*dict.fromkeys((*self._participants, *self._news))]
+
+    def _is_near(self, mine: _News, name: str, within: float) -> _News | None:
+        """Return the news of another robot if it is near."""
+        if name in self._participants:
+            self._note(self._participants[name])
+        news, pair = self._news.get(name), frozenset((mine.peer.name, name))
+        if news is None or news.place.frame != mine.place.frame or pair in self._strangers:
+            return None
+        here, there = mine.peer.pose, news.peer.pose
+        away = hypot(there.x - here.x, there.y - here.y)
+        if away < OVERLAP and mine.place.true and news.place.true:
+            self._strangers.add(pair)
+            return None
+        return news if away <= within else None
+
+    def _note(self, participant: Participant) -> _News | None:
+        """Return the news of a robot that is there and sure of its place, and keep them."""
+        snapshot = participant.robot.snapshot
+        if snapshot is None:
+            return None
+        known = self._news.get(participant.name)
+        if known is not None and known.peer.stamp == snapshot.stamp:
+            return known
+        place = participant.place(snapshot)
+        if isinstance(place, str):
+            return None  # others keep clear of where it was last
+        pose = place.odom_in_frame @ snapshot.odometry.robot_in_odom
+        model = participant.robot.info.model
+        peer = Peer(
+            name=participant.name,
+            pose=pose,
+            twist=snapshot.odometry.twist,
+            stamp=snapshot.stamp,
+            length=2 * max(model.length_front, model.length_rear),
+            width=model.width,
+        )
+        news = self._news[participant.name] = _News(place, peer)
+        return news
+
+    @contextmanager
+    def travelling(self, one: Navigating) -> Iterator[None]:
+        """Let the others know the ways of a robot during the block."""
+        self._navigating.append(one)
+        try:
+            yield
+        finally:
+            self._navigating.remove(one)
+
+    def others(self, one: Navigating) -> "list[Traveller]":
         """Return the other robots on the same map, those of which it is known where they are."""
-        return [other for each in self._members if (other := self._beside(member, each))]
+        travellers = {
+            id(each.robot): other for each in self._navigating if (other := _beside(one, each))
+        }
+        stand = [
+            standing
+            for participant in self._participants.values()
+            if participant.robot is not one.robot
+            and id(participant.robot) not in travellers
+            and (standing := self._standing(participant, one.line_map))
+        ]
+        return [*travellers.values(), *stand]
 
-    def ahead_of(self, member: Navigating) -> "list[Traveller]":
-        """Return the other robots that are on their way and go before `member`.
+    def ahead_of(self, one: Navigating) -> "list[Traveller]":
+        """Return the other robots that are on their way and go before `one`.
 
         The one that set out first does; of two that set out at once, the one that joined first.
         """
-        mine = member.traveller
+        mine = one.traveller
         if mine is None:
             return []
-        number = self._members.index(member)
+        number = self._navigating.index(one)
         return [
             other
-            for at, each in enumerate(self._members)
-            if (other := self._beside(member, each))
+            for at, each in enumerate(self._navigating)
+            if (other := _beside(one, each))
             and len(other.way)
             and (other.since, at) < (mine.since, number)
         ]
 
-    def _beside(self, member: Navigating, each: Navigating) -> "Traveller | None":
-        same = each is not member and each.line_map is member.line_map
-        return each.traveller if same else None
+    def _standing(self, participant: Participant, line_map: "LineMap") -> "Traveller | None":
+        """Return a robot that does not navigate as a traveller without a way."""
+        from pioneer3.nav.traffic import Traveller
+        from pioneer3.runtime.ways import NOWHERE
+
+        news = self._note(participant)
+        if news is None or news.place.frame != frame_of(line_map):
+            return None
+        corner = participant.robot.info.model.corner
+        here = news.peer.pose
+        return Traveller(
+            name=participant.name, robot_in_map=here, corner=corner, way=NOWHERE, since=inf
+        )
+
+
+def _beside(one: Navigating, each: Navigating) -> "Traveller | None":
+    same = each is not one and each.line_map is one.line_map
+    return each.traveller if same else None

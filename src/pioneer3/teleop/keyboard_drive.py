@@ -55,7 +55,8 @@ class KeyboardDriver:
                 yield
         finally:
             self._robot.arbiter.remove(self._hold)
-            self._robot.stop()
+            if not self._robot.supervisor.taken:
+                self._robot.stop()
 
     def press(self, key: Key) -> None:
         """Obey a key."""

@@ -143,6 +143,11 @@ class Selection:
         was, self.marked, self.typed = self.marked is not None, None, ""
         return was
 
+    def choose(self, name: str) -> None:
+        """Let one robot drive."""
+        self._last = name
+        self._choose(frozenset({name}))
+
     def toggle(self, name: str) -> None:
         """Mark a robot or not; while nobody chooses several, let it drive or not."""
         self._last = name

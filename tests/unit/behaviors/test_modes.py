@@ -17,6 +17,7 @@ from pioneer3.behaviors.modes import (
     wander,
 )
 from pioneer3.behaviors.modes.by_hand import teleop, unguarded
+from pioneer3.behaviors.modes.group import GROUP_MODES, Membership
 from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import Twist2
 from tests.unit.behaviors.support import LIMITS, around, seen
@@ -110,6 +111,21 @@ def test_each_mode_is_described_and_makes_its_stack() -> None:
         for one in mode.parameters():
             assert one.quantity or one.choices
             assert one.help or one.choices
+
+
+def test_each_mode_of_groups_is_described_and_makes_a_stack_for_each_robot() -> None:
+    for mode in GROUP_MODES:
+        made = mode()
+        one, two = (
+            made.stack(Membership(leader="ann", number=number, peers=list), LIMITS)
+            for number in (1, 2)
+        )
+        assert (one.name, one.hint, one.priority) == (mode.name(), mode.doing, 20)
+        assert not {id(r.action) for r in one.actions} & {id(r.action) for r in two.actions}
+        assert len(made.places(3)) == 3
+        assert made.nearest >= 1.0
+        assert mode.summary().endswith(".")
+        assert all(one.help or one.choices for one in mode.parameters())
 
 
 def test_no_mode_is_faster_than_the_robot_may_be() -> None:

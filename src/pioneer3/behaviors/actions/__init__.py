@@ -7,10 +7,10 @@ from pioneer3.behaviors.actions.follow import Blob, BlobSource, ColorFollow
 from pioneer3.behaviors.actions.group import (
     FollowLeader,
     KeepFormation,
-    LimiterPeers,
     SpreadOut,
 )
 from pioneer3.behaviors.actions.hold import Hold
+from pioneer3.behaviors.actions.keep_apart import LimiterPeers
 from pioneer3.behaviors.actions.limiters import (
     DeceleratingLimiter,
     LimiterBackwards,

@@ -1,13 +1,14 @@
 """Actions of robots in a group: formations, the track of a leader, apart from each other."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import atan2, cos, hypot, inf, isfinite, pi, sin, sqrt
+from math import atan2, cos, hypot, inf, pi, sin
 
 from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.behaviors.formations import Place
-from pioneer3.behaviors.peers import LOST, Peer, Peers, named
+from pioneer3.behaviors.peers import Peer, Peers, named
 from pioneer3.geometry import Pose2, Twist2, wrap
 
 ALONG, ASIDE, TURN = 0.8, 2.0, 1.6
@@ -21,6 +22,35 @@ STEEP = 0.6
 """Farther off the place it turns where it stands [rad]."""
 APPROACH = 0.6
 """Speed per way that is left [1/s]."""
+
+
+GIVES_UP = 10.0
+"""A follower that has not known where its leader is for so long ends [s]."""
+
+
+@dataclass(slots=True)
+class _Search:
+    """Knows how long a leader has been lost.
+
+    Attributes:
+        name: Of the leader.
+        failed: The reason to give up, or `None`.
+    """
+
+    name: str
+    failed: str | None = None
+    _since: float | None = None
+
+    def find(self, peers: Sequence[Peer], now: float) -> Peer | None:
+        """Return the leader, or `None` while it is not known where it is."""
+        leader = named(peers, self.name)
+        if leader is not None and not leader.is_lost(now):
+            self._since = None
+            return leader
+        self._since = now if self._since is None else self._since
+        if now - self._since > GIVES_UP:
+            self.failed = f"where {self.name} is has not been known for {GIVES_UP:.0f} s"
+        return None
 
 
 @dataclass(slots=True, kw_only=True)
@@ -39,12 +69,21 @@ class KeepFormation:
     peers: Peers
     top_speed: float = inf
     name: str = "keep formation"
+    _search: _Search = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._search = _Search(self.leader)
+
+    @property
+    def failed(self) -> str | None:
+        """The reason to give up, or `None`."""
+        return self._search.failed
 
     def decide(self, situation: Situation) -> Desire:
         """Return the velocity towards the place, and with it."""
-        leader = named(self.peers(), self.leader)
-        if leader is None or leader.is_lost(situation.now):
-            return _stand(f"where {self.leader} is is not known")
+        leader = self._search.find(self.peers(), situation.now)
+        if leader is None:
+            return _stand(f"it is not known where {self.leader} is")
         there, twist = _beside(leader, self.place, situation.now)
         moves = abs(twist.v) > MOVING
         v, w = _track(situation.pose, there, twist) if moves else _settle(situation.pose, there)
@@ -79,12 +118,21 @@ class FollowLeader:
     _track: deque[tuple[float, float]] = field(
         default_factory=lambda: deque(maxlen=LONGEST), init=False
     )
+    _search: _Search = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._search = _Search(self.leader)
+
+    @property
+    def failed(self) -> str | None:
+        """The reason to give up, or `None`."""
+        return self._search.failed
 
     def decide(self, situation: Situation) -> Desire:
         """Return the velocity along the track."""
-        leader = named(self.peers(), self.leader)
-        if leader is None or leader.is_lost(situation.now):
-            return _stand(f"where {self.leader} is is not known")
+        leader = self._search.find(self.peers(), situation.now)
+        if leader is None:
+            return _stand(f"it is not known where {self.leader} is")
         ahead = leader.at(situation.now)
         here = situation.pose
         self._note(here, ahead)
@@ -158,74 +206,6 @@ class SpreadOut:
         off = wrap(atan2(push_y, push_x) - here.theta)
         v = min(self.speed, APPROACH * missing + MOVING) if abs(off) < STEEP else 0.0
         return _bounded(situation, v, 2.0 * off, self.speed, f"{nearest:.2f} m from the next")
-
-
-MARGIN = 0.25
-"""Kept between the corners of two robots [m]."""
-STRAYS = 0.75
-"""A robot may have gone so fast since it was heard last [m/s], for up to this long [s]."""
-STRAYS_FOR = 2.0
-BESIDE = 0.15
-"""Robots that are so much beside the way are passed [m]."""
-REACTION = 0.3
-"""From where the others are heard of until the robot brakes [s]."""
-
-
-@dataclass(slots=True, kw_only=True)
-class LimiterPeers:
-    """Limits the speed by the other robots of a group, also where no sensor sees them.
-
-    Both of two robots that meet brake, so that each needs half of the room. One that has been
-    silent may be nearer than it was.
-
-    Attributes:
-        peers: The other robots.
-    """
-
-    peers: Peers
-    name: str = "limiter peers"
-
-    def decide(self, situation: Situation) -> Desire | None:
-        """Return the limits towards those that are ahead and behind."""
-        ahead, behind = (inf, ""), (inf, "")
-        for peer in self.peers():
-            rests = self._rest(situation, peer)
-            if rests is not None:
-                rest, front = rests
-                if front:
-                    ahead = min(ahead, (rest, peer.name))
-                else:
-                    behind = min(behind, (rest, peer.name))
-        if not isfinite(ahead[0]) and not isfinite(behind[0]):
-            return None
-        rest, name = min(ahead, behind)
-        return Desire(
-            v_max=self._speed(situation, ahead[0]),
-            back_max=self._speed(situation, behind[0]),
-            reason=f"{name} is {max(0.0, rest):.2f} m away",
-        )
-
-    def _rest(self, situation: Situation, peer: Peer) -> tuple[float, bool] | None:
-        """Return the way that is left to a peer [m], and whether it is ahead; `None` beside it."""
-        silent = max(0.0, situation.now - peer.stamp - LOST)
-        grown = peer.radius + STRAYS * min(silent, STRAYS_FOR)
-        at = situation.pose.inverse() @ peer.at(situation.now)
-        if abs(at.y) > grown + situation.model.width / 2 + BESIDE:
-            return None
-        along = abs(at.x) - grown - situation.model.length / 2 - MARGIN
-        relative = wrap(peer.at(situation.now).theta - situation.pose.theta)
-        comes = -peer.twist.v * cos(relative) * (1 if at.x > 0 else -1)
-        if comes > 0:  # it needs room to brake as well
-            along -= comes * REACTION + comes * comes / (2 * situation.limits.deceleration)
-        return along, at.x > 0
-
-    @staticmethod
-    def _speed(situation: Situation, rest: float) -> float:
-        if not isfinite(rest):
-            return situation.limits.max_speed
-        deceleration = situation.limits.deceleration
-        delay = deceleration * REACTION
-        return max(0.0, sqrt(delay * delay + 2 * deceleration * max(0.0, rest)) - delay)
 
 
 def _beside(leader: Peer, place: Place, now: float) -> tuple[Pose2, Twist2]:

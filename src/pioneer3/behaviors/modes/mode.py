@@ -93,8 +93,10 @@ class Parameter:
         return value
 
 
-class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="mode"):
-    """A behavior that drives by itself, with its parameters.
+class Described(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="mode"
+):
+    """A behavior with its parameters, of one robot (:class:`Mode`) or of several.
 
     The first line of a subclass's docstring is its summary, the rest is advice before the start.
     Its `tag` is its name.
@@ -104,26 +106,18 @@ class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         doing: Its effect, for a line about the robot: "wanders".
         start: On the button that starts it.
         example: Options of the command line, to copy.
-        finishes: Whether it comes to an end by itself, so that the end of its time is a failure.
         arguments: Parameters that the command line takes by their order, not as options.
-        goes_to_place: Whether `x`, `y` and `heading` are a place, which the page gives in its map.
     """
 
     title: ClassVar[str]
     doing: ClassVar[str]
     start: ClassVar[str]
     example: ClassVar[str] = ""
-    finishes: ClassVar[bool] = False
     arguments: ClassVar[tuple[str, ...]] = ()
-    goes_to_place: ClassVar[bool] = False
 
     seconds: Annotated[Seconds, Meta(title="For at most", description="Stop after this time.")] = (
         60.0
     )
-
-    def stack(self, limits: "Limits") -> "Stack":
-        """Return a fresh stack that does this, no faster than `limits`."""
-        raise NotImplementedError
 
     @classmethod
     def name(cls) -> str:
@@ -148,6 +142,22 @@ class Mode(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         hints = get_type_hints(cls, include_extras=True)
         fields = [field for field in msgspec.structs.fields(cls) if field.name != "seconds"]
         return tuple(_parameter(field, hints[field.name]) for field in fields)
+
+
+class Mode(Described, frozen=True):
+    """A behavior of one robot that drives by itself.
+
+    Attributes:
+        finishes: Whether it comes to an end by itself, so that the end of its time is a failure.
+        goes_to_place: Whether `x`, `y` and `heading` are a place, which the page gives in its map.
+    """
+
+    finishes: ClassVar[bool] = False
+    goes_to_place: ClassVar[bool] = False
+
+    def stack(self, limits: "Limits") -> "Stack":
+        """Return a fresh stack that does this, no faster than `limits`."""
+        raise NotImplementedError
 
 
 def _parameter(field: msgspec.structs.FieldInfo, hint: Any) -> Parameter:

@@ -1,7 +1,7 @@
 """Robots in a group."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 from math import cos, hypot, pi, sin
 
@@ -11,17 +11,16 @@ from hypothesis import strategies as st
 
 from pioneer3.behaviors.action import Action, Desire
 from pioneer3.behaviors.actions.group import (
-    MARGIN,
     SETTLED,
     FollowLeader,
     KeepFormation,
-    LimiterPeers,
     SpreadOut,
 )
-from pioneer3.behaviors.formations import FORMATIONS
+from pioneer3.behaviors.actions.keep_apart import LimiterPeers
+from pioneer3.behaviors.formations import FORMATIONS, assigned
 from pioneer3.behaviors.peers import LOST, Peer
 from pioneer3.geometry import ORIGIN, STILL, Pose2, Twist2, arc, wrap
-from tests.unit.behaviors.support import LIMITS, P3AT, seen
+from tests.unit.behaviors.support import LIMITS, P3AT, above, seen
 
 DT = 0.1
 LATE = 1
@@ -91,7 +90,8 @@ class Group:
                     pose=mate.pose,
                     twist=mate.twist,
                     stamp=self.now,
-                    radius=P3AT.corner,
+                    length=P3AT.length,
+                    width=P3AT.width,
                 )
                 mate.past.append(told)
         for mate in self.mates:
@@ -126,6 +126,19 @@ def test_formations_are_as_people_draw_them() -> None:
     assert FORMATIONS["line"].places(4, 1.0) == [(0, 1), (0, -1), (0, 2), (0, -2)]
     assert FORMATIONS["wedge"].places(4, 2.0) == [(-2, 2), (-2, -2), (-4, 4), (-4, -4)]
     assert FORMATIONS["column"].places(2, 0.8) == [(-0.8, 0), (-1.6, 0)]
+
+
+@given(st.permutations(range(5)))
+def test_each_robot_takes_the_place_that_is_near(order: list[int]) -> None:
+    places = FORMATIONS["wedge"].places(5, 1.5)
+    robots = [(places[n][0] + 0.3, places[n][1] - 0.4) for n in order]
+    assert assigned(robots, places) == list(order)
+
+
+def test_of_many_robots_the_nearest_pairs_are_matched_first() -> None:
+    places = FORMATIONS["column"].places(20, 1.0)
+    robots = [(x + 0.2, y) for x, y in reversed(places)]
+    assert assigned(robots, places) == [*reversed(range(20))]
 
 
 @pytest.mark.parametrize("name", ["line", "wedge"])
@@ -196,7 +209,7 @@ def test_without_word_of_the_leader_nobody_moves() -> None:
     group.run(LOST + LATE * DT + 1.5, leader=Twist2(0.3, 0.0))
     assert all(mate.twist.is_zero for mate in group.mates[1:])
     assert group.mates[1].wanted is not None
-    assert group.mates[1].wanted.reason == "where leader is is not known"
+    assert group.mates[1].wanted.reason == "it is not known where leader is"
 
 
 @given(
@@ -229,20 +242,41 @@ def test_head_on_they_stop_with_room_between_them() -> None:
     gap = bob.pose.x - ann.pose.x - P3AT.length
     assert ann.twist.is_zero
     assert bob.twist.is_zero
-    assert MARGIN < gap < 1.0
+    assert 0.25 < gap < 1.0
 
 
 def test_a_robot_that_is_silent_may_be_nearer_than_it_was() -> None:
-    peer = Peer(name="bob", pose=Pose2(2.0), stamp=0.0, radius=P3AT.corner)
+    peer = Peer(name="bob", pose=Pose2(2.0), twist=Twist2(0.5), stamp=0.0)
     limiter = LimiterPeers(peers=lambda: [peer])
-    fresh = limiter.decide(replace(seen(0.2)))
+    assert limiter.decide(seen(0.2)) is None
     silent = limiter.decide(seen(3.0))
-    assert fresh is not None
     assert silent is not None
-    assert isinstance(fresh.v_max, float)
-    assert isinstance(silent.v_max, float)
-    assert fresh.v_max > 0.3
     assert silent.v_max == 0.0
+    assert silent.back_max == LIMITS.max_speed
+
+
+def test_robots_in_a_row_drive_straight_on_side_by_side_and_turn_slowly() -> None:
+    peer = Peer(name="bob", pose=Pose2(0.1, 0.65), stamp=0.0)
+    limits = LimiterPeers(peers=lambda: [peer]).decide(seen(0.1))
+    assert limits is not None
+    assert limits.v_max == limits.back_max == LIMITS.max_speed
+    assert limits.left_max == limits.right_max == pytest.approx(0.035 / P3AT.corner)
+    turning = above(Desire(v=0.3, w=0.5))
+    towards_it = LimiterPeers(peers=lambda: [peer]).decide(seen(0.1, higher=turning))
+    assert towards_it is not None
+    assert towards_it.v_max == 0.0
+
+
+def test_who_drives_ahead_leaves_room_by_the_way_that_it_needs_to_stop() -> None:
+    def allowed(speed: float, stamp: float = 0.0) -> float:
+        peer = Peer(name="bob", pose=Pose2(1.05), twist=Twist2(speed), stamp=stamp)
+        limits = LimiterPeers(peers=lambda: [peer]).decide(seen(0.1))
+        assert limits is not None
+        assert isinstance(limits.v_max, float)
+        return limits.v_max
+
+    assert allowed(0.5) > allowed(0.0) > allowed(-0.5)
+    assert allowed(0.5, stamp=-0.6) == allowed(0.0)  # old news
 
 
 def test_who_is_beside_limits_nothing() -> None:
