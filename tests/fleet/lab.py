@@ -201,6 +201,11 @@ class Computer:
         for process in self.processes():
             os.kill(process, signal.SIGSTOP)
 
+    def thaw(self) -> None:
+        """Let every process go on."""
+        for process in self.processes():
+            os.kill(process, signal.SIGCONT)
+
     def stop(self) -> None:
         """Switch it off."""
         if self._holder.poll() is None:
@@ -333,6 +338,18 @@ class Operator(Computer):
         key = self.home / ".ssh/id_ed25519"
         subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", key], check=True)
         return key.with_suffix(".pub").read_text()
+
+    def in_lab(self, *words: str) -> list[str]:
+        """Return the command line that runs `words` in the folder `lab` of the home."""
+        spaces = self.inside[:-2]  # the last two name the home
+        return [*spaces, f"--wd={self.home / 'lab'}", "--", *words]
+
+    def install(self, name: str, script: str) -> None:
+        """Put a program of the shell on the path, before all others."""
+        folder = self.folder / "bin"
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+        (folder / name).chmod(0o755)
 
     def command(self, *arguments: str) -> list[str]:
         """Return the command line of `pioneer3` with these arguments, here."""

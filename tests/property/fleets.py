@@ -42,15 +42,17 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
     robots = []
     for name, host, address in zip(names, hosts, addresses, strict=False):
         reached = f"tcp://{host}:{draw(st.integers(1, 65535))}"
+        ros = draw(ROS)
         robot = Robot(
             name=name,
             host=draw(st.sampled_from([name, host, f"{host}.local"])),
             address=address,
-            port=draw(DEVICES | st.just(reached)),
+            port=(port := draw(DEVICES | st.just(reached))),
+            bridge=0 if ros or port == reached else draw(st.integers(0, 65535)),
             user=draw(USERS | st.just(defaults.user)),
             model=draw(MODELS),
             laser=draw(LASERS),
-            ros=draw(ROS),
+            ros=ros,
             node=lab_node(name) if draw(st.booleans()) else f"Own_{name.replace('-', '_')}",
             note=draw(PRINTABLE),
         )

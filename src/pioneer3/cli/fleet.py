@@ -9,6 +9,7 @@ from cyclopts import App, Group, Parameter
 
 from pioneer3.cli.fleet_discover import discover
 from pioneer3.cli.fleet_drive import drive, stop
+from pioneer3.cli.fleet_group import GROUP_COMMANDS
 from pioneer3.cli.fleet_network import aliases, hosts, ssh_config, tell_applied
 from pioneer3.cli.fleet_tables import list_
 from pioneer3.cli.fleet_work import WORK
@@ -38,9 +39,11 @@ def init(
     ros: Literal["", "1", "2"] = "",
     yes: Flag = False,
 ) -> int:
-    """Write a fleet file; asks for what is not given.
+    """Write a fleet file; asks for all that is not given.
 
     A file that is there is replaced only after a question, and kept as a backup.
+    Robots without ROS get bridge = 8101, where others reach them once they have
+    the service of fleet deploy.
 
     Example: pioneer3 fleet init
     Example: pioneer3 fleet init p3at-1=192.168.1.113 p3at-2=192.168.1.114 --yes
@@ -49,7 +52,7 @@ def init(
         robot: NAME=ADDRESS of each, such as p3at-1=192.168.1.113.
         fleet: The new file; fleet.toml here if it is not given.
         operator: NAME=ADDRESS of this computer; its own if it is not given.
-        user: Who logs in on the robots' computers.
+        user: Account on the robots' computers.
         model: Type of the robots.
         ros: Version of ROS on the robots' computers.
         yes: Ask nothing; a file that is there is an error.
@@ -58,21 +61,31 @@ def init(
     from pioneer3.fleet.draft import draft, here, robot_of
     from pioneer3.fleet.edit import Change, text_of
     from pioneer3.fleet.inventory import FILE, Defaults, Operator, to_toml
+    from pioneer3.links.urls import TCP_PORT
 
     path = fleet or Path(FILE)
     if yes and text_of(path):
         raise ConfigError(f"{path}: it is there already; name another file with --fleet")
-    me, robots = here(), list(robot)
+    robots = list(robot)
+    if not yes:
+        user, model = ask("User on the robots", user), ask("Model of the robots", model)
+        ros = _version(ask("Version of ROS on the robots: 1, 2 or none", ros or "none"))
+        while word := ask("Robot as NAME=ADDRESS, or Enter to end", ""):
+            try:
+                draft(path, Operator(), Defaults(), [*robots, word])
+            except ConfigError as error:
+                sys.stderr.write(f"{error}\n")
+            else:
+                robots.append(word)
+    me = here(robots)
     if operator is not None:
         given = robot_of(operator, Defaults())
         me = Operator(name=given.name, address=given.address)
     if not yes:
-        me = Operator(name=ask("This computer's name", me.name), address=ask("Address", me.address))
-        user, model = ask("User on the robots", user), ask("Model of the robots", model)
-        ros = _version(ask("Version of ROS on the robots: 1, 2 or none", ros or "none"))
-        while word := ask("Robot as NAME=ADDRESS, or Enter to end", ""):
-            robots.append(word)
-    fleet_ = draft(path, me, Defaults(user=user, model=model, ros=ros), robots)
+        name = ask("This computer's name", me.name)
+        me = Operator(name=name, address=ask("This computer's address", me.address))
+    defaults = Defaults(user=user, model=model, ros=ros, bridge=0 if ros else TCP_PORT)
+    fleet_ = draft(path, me, defaults, robots)
     change = Change.of(path, to_toml(fleet_))
     if change.old and change.is_needed:
         write_line(change.diff())
@@ -85,7 +98,7 @@ def init(
 
 
 def ask(question: str, otherwise: str) -> str:
-    """Return the answer of a person at the terminal; Enter takes what is in brackets."""
+    """Return the answer of a person at the terminal; Enter takes the one in brackets."""
     shown = f" [{otherwise}]" if otherwise else ""
     sys.stderr.write(f"{question}{shown}: ")
     sys.stderr.flush()
@@ -108,7 +121,7 @@ def _version(answer: str) -> Literal["", "1", "2"]:
 
 COMMANDS: dict[str, tuple[tuple[str, Callable[..., object]], ...]] = {
     "The file": (("init", init), ("discover", discover), ("list", list_)),
-    "Driving": (("drive", drive), ("stop", stop)),
+    "Driving": (("drive", drive), *GROUP_COMMANDS, ("stop", stop)),
     "Names on this computer": (
         ("hosts", hosts),
         ("ssh-config", ssh_config),

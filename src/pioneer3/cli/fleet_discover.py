@@ -23,10 +23,10 @@ def discover(
 ) -> int:
     """Find robots, simulators and on-board computers; print them as lines of a file.
 
-    All of the network are asked: who announces himself (zeroconf), and the serial
+    All of the network are asked: announced robots (zeroconf), and the serial
     bridges of Pioneer robots. At the addresses given it looks for robots at TCP
     ports 8101 to 8120, and for ssh. A robot that answers is asked for its name by
-    a short session; nothing moves. What the fleet file has already is left out. The
+    a short session; nothing moves. Rows of the fleet file are left out. The
     exit code is 3 if nothing was found.
 
     Example: pioneer3 fleet discover

@@ -1,5 +1,6 @@
 """`pioneer3 fleet drive` and `pioneer3 fleet stop`: all robots at one keyboard."""
 
+import os
 import sys
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -10,6 +11,7 @@ from cyclopts import Parameter
 from pioneer3.cli.options import (
     Flag,
     FleetFile,
+    Length,
     Patience,
     Seconds,
     Speed,
@@ -36,13 +38,15 @@ def drive(
     max_speed: Speed | None = None,
     latch: Flag = False,
     patience: Patience = 10.0,
+    lined_up: Length | None = None,
 ) -> int:
     """Drive several robots with one keyboard: one, some or all of them together.
 
     Arrows drive those chosen: q goes on to the next robot, a number chooses one, a
-    all, s several: mark them, then y. A click does, too. Who is left stands. Space
+    all, s several: mark them, then y. A click does, too. The others stand. Space
     stops ALL robots, k is the emergency stop of all, Ctrl-R releases it, Ctrl-D
     quits, and all stand. A key acts for 0.6 s, and its repeats extend that.
+    Robots that know where the others are keep apart: those of one simulator do.
 
     Example: pioneer3 fleet drive
     Example: pioneer3 fleet drive front p3at-5 --speed 0.3
@@ -54,7 +58,9 @@ def drive(
         turn_rate: Of the turning keys; + and - change it.
         max_speed: Keep below this in any case.
         latch: One press keeps moving until another key, as in the lab's rob_key_multi.
-        patience: What --latch keeps moving stops after so long without a key; 10 at most.
+        patience: Time after which --latch stops them without a key; 10 at most.
+        lined_up: The robots stand side by side, so far apart, from left to right by their
+            numbers, all looking ahead: then they know where the others are.
     """
     from pioneer3.errors import ConfigError
     from pioneer3.fleet.drive import Manner
@@ -66,15 +72,17 @@ def drive(
     manner = Manner(
         speed=speed, turn_rate=turn_rate, max_speed=max_speed, latch=latch, patience=patience
     )
-    return run_until_told_to_leave(_drive(given, robots, manner))
+    return run_until_told_to_leave(_drive(given, robots, manner, lined_up))
 
 
-async def _drive(fleet: "Fleet", robots: "tuple[Robot, ...]", manner: "Manner") -> int:
+async def _drive(
+    fleet: "Fleet", robots: "tuple[Robot, ...]", manner: "Manner", lined_up: float | None
+) -> int:
     from pioneer3.fleet.drive import FleetDrive
     from pioneer3.fleet.screen import run_screen
 
-    async with _connecting(fleet, "fleet_drive", manner.max_speed) as connect:
-        return await run_screen(FleetDrive(robots, connect, manner))
+    async with connecting(fleet, "fleet_drive", manner.max_speed) as connect:
+        return await run_screen(FleetDrive(robots, connect, manner, lined_up=lined_up))
 
 
 def stop(
@@ -86,13 +94,15 @@ def stop(
 ) -> int:
     """Stop all robots now, from any computer that reaches them.
 
-    All are told at once; one that is off delays nobody. It says who has confirmed:
-    whose own reports say that it stands. A robot takes one program at a time: where
-    another one is connected to its port, the robot is not reached; stop it there,
-    with k. A node of ROS is reached all the same, and goes on as soon as another
-    program drives it. Its motors are off afterwards with --emergency, or if it was
-    reached by its own port. The exit code is 1 if a robot has not confirmed, and 3
-    if none was reached.
+    All are told at once; one that is off delays nobody. It names those that
+    have confirmed it: their own reports say that they stand. A robot takes one
+    program at a time: where another one is connected to its port, the robot is not
+    reached; stop it there, with k. A bridge (bridge = 8101 in the fleet file) lets
+    stops in all the same; the other program has to switch the motors on again. A
+    node of ROS is reached, too, and goes on as soon as another program drives it.
+    Its motors are off afterwards with --emergency, or if it was reached by its own
+    port. The exit code is 1 if a robot has not confirmed, and 3 if none was
+    reached.
 
     Example: pioneer3 fleet stop
     Example: pioneer3 fleet stop --emergency
@@ -114,7 +124,7 @@ async def _stop(
 ) -> int:
     from pioneer3.fleet.stop import exit_code, stop_all
 
-    async with _connecting(fleet, "fleet_stop", None) as connect:
+    async with connecting(fleet, "fleet_stop", None) as connect:
         answers = await stop_all(robots, connect, emergency=emergency, patience=patience)
     if json:
         write_json(answers)
@@ -134,7 +144,7 @@ def _print(answers: "tuple[Stopped, ...]") -> None:
     for each in answers:
         state = "stands" if each.ok else "NOT CONFIRMED" if each.reached else "NOT REACHED"
         shown = Text(state, "green" if each.ok else "bold red")
-        made.add_row(each.robot, shown, f"{each.seconds:.2f} s", each.why)
+        made.add_row(each.robot, shown, f"{each.seconds:.2f} s", each.why or _note(each))
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 400  # a file or a program takes long lines
@@ -145,14 +155,22 @@ def _print(answers: "tuple[Stopped, ...]") -> None:
         console.print(Text(words, "bold red"))
 
 
+def _note(answer: "Stopped") -> str:
+    if not answer.taken:
+        return ""
+    return "another program drove it, and has to switch the motors on before it drives on"
+
+
 @asynccontextmanager
-async def _connecting(
+async def connecting(
     fleet: "Fleet", name: str, max_speed: float | None
 ) -> "AsyncIterator[Connect]":
     """Yield the function that connects to a robot; over ROS this is the node `name`."""
     from pioneer3.fleet.connecting import connects
+    from pioneer3.fleet.ros_variables import missing_variables
     from pioneer3.ros.ros1.client import robots_by_node
 
+    os.environ.update(missing_variables(fleet, os.environ))  # rospy takes them from there
     async with robots_by_node(name) as by_node:
 
         def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":

@@ -110,7 +110,7 @@ def aliases(
 
     Args:
         fleet: The fleet file.
-        prefix: What each alias begins with.
+        prefix: Beginning of each alias.
         apply: Write them as a block into ~/.bashrc, with the difference and a backup.
         file: Another start-up file than ~/.bashrc.
     """
@@ -133,14 +133,14 @@ def aliases(
 
 
 def show_applied(change: "Change") -> None:
-    """Show a change of a file, make it, and tell what was done."""
+    """Show a change of a file, make it, and tell that it was made."""
     if change.is_needed:
         write_line(change.diff())
     tell_applied(change)
 
 
 def tell_applied(change: "Change") -> None:
-    """Make a change of a file, and tell what was done."""
+    """Make a change of a file, and tell that it was made."""
     if not change.is_needed:
         write_line(f"{change.path} is so already.")
         return

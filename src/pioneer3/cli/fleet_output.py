@@ -48,7 +48,7 @@ class Lines:
 
 
 def printable(line: str) -> str:
-    """Return `line` without what a terminal would obey."""
+    """Return `line` without sequences that a terminal would obey."""
     if line.isprintable():
         return line
     plain = ESCAPES.sub("", line).expandtabs()

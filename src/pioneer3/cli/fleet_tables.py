@@ -29,13 +29,14 @@ def list_(
     timeout: Seconds = 3.0,
     json: Flag = False,
 ) -> int:
-    """List the robots, and what each answers now.
+    """List the robots, and the answers of each now.
 
     All are asked at once; one that is off delays nobody by more than the timeout.
     Nothing moves. A robot's own port is asked by a short session, so its motors are
     off afterwards; a robot with ros = "1" is asked by its node, which goes on.
-    ROS_MASTER_URI is asked first, then the master on each robot. The exit code is 1
-    if a computer does not answer, and 3 if none does.
+    ROS_MASTER_URI is asked first, then the master of the operator's computer, then
+    the one on each robot. The exit code is 1 if a computer does not answer, and 3
+    if none does.
 
     Example: pioneer3 fleet list
     Example: pioneer3 fleet list p3at-1 --watch
@@ -59,11 +60,12 @@ def list_(
     from pioneer3.fleet.host_facts import clocks
     from pioneer3.fleet.live import Questions
     from pioneer3.fleet.ros_graph import Endpoint
+    from pioneer3.fleet.ros_variables import master_of
 
-    master = os.environ.get("ROS_MASTER_URI")
+    masters = (os.environ.get("ROS_MASTER_URI"), master_of(given))
     questions = Questions(
         timeout=timeout,
-        masters=(Endpoint.of(master),) if master else (),
+        masters=tuple(Endpoint.of(master) for master in masters if master),
         clock=clocks(),
         addresses=given.addresses,
     )
@@ -119,7 +121,7 @@ def _print(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", *, j
 
 
 def table(robots: "tuple[Robot, ...]", answers: "tuple[Live, ...] | None", width: int) -> "Table":
-    """Return the table of a fleet; without answers, what the file says."""
+    """Return the table of a fleet; without answers, that of the file."""
     from rich.table import Table
     from rich.text import Text
 

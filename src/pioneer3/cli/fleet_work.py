@@ -231,7 +231,7 @@ async def _status(options: RobotsOptions, *, json: bool) -> int:
 
 
 def logs(*, follow: FollowFlag = False, lines: int = 20, robots: RobotsOptions = ROBOTS) -> int:
-    """Show what the service that drives the robot says, on all robots.
+    """Show the output of the service that drives the robot, on all robots.
 
     Example: pioneer3 fleet logs
     Example: pioneer3 fleet logs -f --on p3at-2
@@ -252,7 +252,7 @@ def doctor(
     json: Flag = False,
     robots: RobotsOptions = ROBOTS,
 ) -> int:
-    """Check the robots' computers; say what is wrong and what to do.
+    """Check the robots' computers; name faults and remedies.
 
     Disks, names, firewalls, clocks, serial ports, ROS variables, versions and
     passwords. Nothing is changed. The exit code is 0 unless a check failed.

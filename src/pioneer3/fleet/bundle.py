@@ -34,7 +34,7 @@ _REQUIREMENT: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """What packages have to fit.
+    """The platform that packages have to fit.
 
     Attributes:
         machine: Processor, as `uname -m` says.

@@ -52,6 +52,7 @@ def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defa
     """
     checks: tuple[tuple[str, Callable[[], object]], ...] = (
         ("port", lambda: _check_port(given.port)),
+        ("bridge", lambda: _check_bridge(given)),
         ("model", lambda: _check_model(folder, given.model)),
         ("laser", lambda: _check_laser(given.laser)),
     )
@@ -110,7 +111,7 @@ def _check_name(source: Source, place: str, name: str) -> None:
 
 
 def _check_address(source: Source, place: str, text: str) -> None:
-    """Refuse what no computer has."""
+    """Refuse a text that is no address of a computer."""
     try:
         address = ip_address(text)
     except ValueError:
@@ -128,6 +129,15 @@ def _check_port(port: str) -> None:
         raise ConfigError(f"{shown(port)} is a recording, no robot")
     if scheme == "tcp":
         split_host(f"tcp:{rest}")
+
+
+def _check_bridge(given: Robot | Defaults) -> None:
+    if not given.bridge or isinstance(given, Defaults):
+        return
+    if not given.is_device:
+        raise ConfigError(f"{given.port} is reached by others as it is; leave bridge out, or 0")
+    if given.ros:
+        raise ConfigError(f"the node of ROS {given.ros} has the port; leave ros or bridge out")
 
 
 def _check_model(folder: Path, model: str) -> None:

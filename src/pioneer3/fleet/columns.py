@@ -1,4 +1,4 @@
-"""The table of a fleet, column by column: what each says about a robot, and its meaning."""
+"""The table of a fleet, column by column: the contents of each, and its meaning."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class LiveColumn:
-    """A column of what a robot answered.
+    """A column of the answers of a robot.
 
     Attributes:
         title: Above it.
@@ -56,12 +56,18 @@ COLUMNS: Final = (
     Column("name", "of the robot", lambda robot: Cell(robot.name)),
     Column("host", "name of its computer, if another", lambda robot: Cell(robot.host)),
     Column("address", "of its computer", lambda robot: Cell(robot.address)),
-    Column("port", "the robot's own", lambda robot: Cell(robot.port)),
+    Column("port", "the robot's own, and that of its bridge", lambda robot: Cell(_port(robot))),
     Column("model", "its type", lambda robot: Cell(robot.model)),
     Column("laser", "as `--laser` takes it", lambda robot: Cell(robot.laser)),
     Column("ROS", "version on its computer", lambda robot: Cell(robot.ros)),
     Column("note", "for people", lambda robot: Cell(robot.note)),
 )
+
+
+def _port(robot: Robot) -> str:
+    return f"{robot.port} {robot.bridge}" if robot.bridge else robot.port
+
+
 LIVE_COLUMNS: Final = (
     LiveColumn(
         "up",

@@ -75,7 +75,7 @@ async def put_file(connection: "asyncssh.SSHClientConnection", source: Path, tar
     """Copy one file over an open connection, whole or not at all.
 
     Raises:
-        RemoteError: It did not arrive; what was there before is unchanged.
+        RemoteError: It did not arrive; the file before it is unchanged.
     """
     async with _sftp(connection) as sftp:
         await _put(connection, sftp, source, target)
@@ -143,7 +143,7 @@ async def _put(connection: Any, sftp: Any, source: Path, target: str) -> None:
     """Copy one file there.
 
     Raises:
-        RemoteError: It did not arrive; what was there before is unchanged.
+        RemoteError: It did not arrive; the file before it is unchanged.
     """
     ssh = asyncssh_module()
     place = PurePosixPath(target)
@@ -190,7 +190,7 @@ async def _get(connection: Any, sftp: Any, path: str, target: Path) -> int:
     """Copy one file here; return its size.
 
     Raises:
-        RemoteError: It did not arrive; what was here before is unchanged.
+        RemoteError: It did not arrive; the file before it is unchanged.
     """
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     digest = hashlib.sha256()

@@ -133,7 +133,7 @@ async def deploy(
 ) -> tuple[Outcome, ...]:
     """Install this package on all computers at once.
 
-    What is there already stays; a version that does not start gives way to the one before it.
+    A version that is there already stays; one that does not start gives way to the one before it.
 
     Args:
         fleet: Of the robots.
@@ -174,7 +174,7 @@ async def _ask(connection: "asyncssh.SSHClientConnection") -> _Target:
     """Ask a computer for the facts that decide about an installation.
 
     Raises:
-        RemoteError: The package cannot run there; says what is possible.
+        RemoteError: The package cannot run there; names the possible ways.
     """
     answer = (await output_of(connection, _ASK.replace("@BASE@", BASE))).splitlines()
     home, machine, glibc, path, python, root, systemd, current = answer[-8:]

@@ -1,4 +1,4 @@
-"""What is on the network: robots, simulators, serial bridges, and computers that may be on robots.
+"""Finds robots, simulators, serial bridges, and computers that may be on robots.
 
 Four ways are gone at once: announcements (zeroconf), the query of the serial bridges, TCP ports of
 robots at given addresses, and the greeting of ssh there. Nothing moves; a robot's port that answers
@@ -38,7 +38,7 @@ AT_ONCE: Final = 128
 
 
 class Kind(StrEnum):
-    """What was found."""
+    """Kinds of findings."""
 
     ROBOT = "robot"
     SIMULATOR = "simulator"
@@ -52,7 +52,7 @@ class Found:
     """Something on the network.
 
     Attributes:
-        kind: What it is.
+        kind: Of the finding.
         address: Its IP address.
         port: The TCP port of a robot; `None` for a computer, or a bridge whose port is unknown.
         name: Its own; empty if it told none.
@@ -236,7 +236,7 @@ async def _robot(address: str, port: int, seconds: float) -> Found | None:
 
 
 async def _announcements(seconds: float) -> list[Found]:
-    """Collect what is announced; nothing where zeroconf is missing, or there is no network."""
+    """Collect announcements; nothing where zeroconf is missing, or there is no network."""
     try:
         from zeroconf import ServiceStateChange
         from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf

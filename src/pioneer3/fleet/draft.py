@@ -6,10 +6,12 @@ from pathlib import Path
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.inventory import parse_fleet, to_toml
+from pioneer3.fleet.reach import address_towards
+from pioneer3.fleet.schema import usual_bridge
 from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, lab_node
 from pioneer3.maps.text import shown
 
-DOCUMENTATION_NETWORK = ("192.0.2.1", 9)
+DOCUMENTATION_ADDRESS = "192.0.2.1"
 """An address that no computer has (RFC 5737)."""
 
 
@@ -27,6 +29,7 @@ def robot_of(word: str, defaults: Defaults) -> Robot:
         host=name,
         address=address,
         port=defaults.port,
+        bridge=usual_bridge(defaults, defaults.port, defaults.ros),
         user=defaults.user,
         model=defaults.model,
         laser=defaults.laser,
@@ -52,12 +55,15 @@ def draft(path: Path, operator: Operator, defaults: Defaults, robots: Sequence[s
     return parse_fleet(path, to_toml(fleet))
 
 
-def here() -> Operator:
-    """Return this computer: its name, and the address that others see; no packet is sent."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(DOCUMENTATION_NETWORK)
-            address = str(probe.getsockname()[0])
-        except OSError:  # no network
-            address = ""
-    return Operator(name=socket.gethostname().partition(".")[0], address=address)
+def here(robots: Sequence[str]) -> Operator:
+    """Return this computer: its name, and the address that the first of `robots` sees.
+
+    The address is empty if it is a robot's: simulated robots are on this computer.
+
+    Args:
+        robots: `NAME=ADDRESS` of each; a network without a router has no other hint.
+    """
+    addresses = [word.partition("=")[2].strip() for word in robots]
+    own = address_towards(next(iter(addresses), DOCUMENTATION_ADDRESS))
+    name = socket.gethostname().partition(".")[0]
+    return Operator(name=name, address="" if own in addresses else own)

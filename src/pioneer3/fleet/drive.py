@@ -6,7 +6,9 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from pioneer3.errors import ConfigError
+from pioneer3.fleet.group import Group, Together
 from pioneer3.fleet.members import Connect, Member, Members
+from pioneer3.fleet.places import Places
 from pioneer3.fleet.spec import Robot
 from pioneer3.runtime.driven import Driven
 from pioneer3.teleop.keyboard import PATIENCE, Keyboard
@@ -40,16 +42,32 @@ class FleetDrive:
         robots: Of the fleet; at least one.
         connect: Connects to one.
         manner: How keys drive.
+        together: The mode that the key `g` starts, if any.
+        lined_up: The robots stand so far apart [m], from left to right by their numbers.
 
     Attributes:
         board: Routes the keys.
+        group: Keeps the robots apart, and starts what they do together.
         over: Set by the quit key.
     """
 
-    def __init__(self, robots: Sequence[Robot], connect: Connect, manner: Manner) -> None:
+    def __init__(
+        self,
+        robots: Sequence[Robot],
+        connect: Connect,
+        manner: Manner,
+        *,
+        together: Together | None = None,
+        lined_up: float | None = None,
+    ) -> None:
         if not robots:
             raise ConfigError("no robot is named: there is nobody to drive")
         self.board = KeyRouter(numbers([robot.name for robot in robots]))
+        order = self.board.selection.order
+        self.group = Group(order, together)
+        self._places = Places(order, lined_up)
+        if together is not None and together.leader is not None:
+            self.board.selection.choose(together.leader)
         self.over = asyncio.Event()
         self._manner = manner
         self._members = Members(robots, self.board.selection.numbers, connect, self._join)
@@ -60,8 +78,15 @@ class FleetDrive:
 
     def press(self, token: str) -> None:
         """Obey a key, by the text that a terminal sends for it."""
-        if not self.board.press(token):
+        if token in {"g", "G"}:
+            self.group.start()
+        elif not self.board.press(token):
             self.over.set()
+
+    def let_go(self) -> None:
+        """Let all stand that the keys or the mode of the group drive: nobody is at the keys."""
+        self.group.end("the terminal lost the focus")
+        self.board.let_go()
 
     def look(self) -> list[Member]:
         """Return the state of all robots now, by their numbers."""
@@ -80,6 +105,9 @@ class FleetDrive:
             patience=manner.patience,
         )
         driver = KeyboardDriver(driven, keyboard)
-        async with driver.driving():
-            with self.board.joined(robot.name, driver):
+        async with driver.driving(), self._places.of(robot.name, driven) as place:
+            with (
+                self.group.joined(robot.name, driven, place),
+                self.board.joined(robot.name, driver),
+            ):
                 yield

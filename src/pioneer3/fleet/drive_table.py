@@ -1,4 +1,4 @@
-"""The table of robots that are driven, column by column; each says in words what a colour does."""
+"""The table of robots that are driven, column by column; each has words for its colours."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ WIDEST_NAME: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """A robot, and who is chosen, at one instant.
+    """A robot, and the choice of robots, at one instant.
 
     Attributes:
         member: The robot.
@@ -92,6 +92,8 @@ def why_of(member: Member) -> str:
     """Return the trouble of a robot, or the reason that it stands; empty while it moves."""
     if member.told is None:
         return member.why
+    if member.told.taken:
+        return TAKEN
     return member.told.stands or ""
 
 
@@ -103,8 +105,9 @@ COLUMNS: Final = (
     DriveColumn(" m/s deg/s", "how it moves", 10, _motion),
     DriveColumn("motors", "whether they have power", 6, _motors),
     DriveColumn("volt", "of the battery", 8, _battery),
-    DriveColumn("why", "what is wrong with it, or why it stands", 0, _why),
+    DriveColumn("why", "its trouble, or the reason that it stands", 0, _why),
 )
+TAKEN: Final = "another program drives it; only stops count"
 GAP: Final = 1
 ADDRESS: Final = re.compile(r"^\w+://\S+: ")
 """Errors of links begin with it; the file has it, and the row little room."""

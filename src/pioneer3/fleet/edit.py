@@ -18,7 +18,7 @@ _BLOCK: Final = re.compile(rf"^{BEGIN}\b[^\n]*\n(?:.*?^{END}\b[^\n]*\n?)", re.DO
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A file, and what it is to become.
+    """A file, and its new text.
 
     Attributes:
         path: Of the file.

@@ -106,7 +106,7 @@ def check_names(patient: Patient) -> Iterator[Finding]:
 
 
 def check_own_name(patient: Patient) -> Iterator[Finding]:
-    """Is its own name what others call it, and does it lead to it?"""
+    """Is its own name the one that others use, and does it lead to it?"""
     facts, robot = patient.facts, patient.robot
     if facts.hostname and facts.hostname != robot.host:
         yield Finding(
@@ -263,7 +263,7 @@ def check_passwords(patient: Patient) -> Iterator[Finding]:
             level=Level.WARN,
             found="passwords let people in",
             meaning="Whoever knows the shared one can drive this robot.",
-            advice=f"pioneer3 fleet key for all who need it; then on it: {WITHOUT_PASSWORDS}",
+            advice=f"pioneer3 fleet key for every user; then on it: {WITHOUT_PASSWORDS}",
         )
     else:
         yield Finding(check="passwords", level=Level.OK, found="keys only")

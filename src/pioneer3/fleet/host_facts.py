@@ -1,4 +1,4 @@
-"""What a robot's computer says of itself: one question over ssh, and its answer as data."""
+"""The facts that a robot's computer tells: one question over ssh, and its answer as data."""
 
 import asyncio
 import shlex
@@ -44,7 +44,7 @@ def logs_command(lines: int, *, follow: bool) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HostFacts:
-    """The facts about a robot's computer; what it did not say is empty, or `None`.
+    """The facts about a robot's computer; facts that it did not tell are empty, or `None`.
 
     Attributes:
         hostname: Its own name for itself.
@@ -125,7 +125,7 @@ _LISTEN: Final = (
 def question(robot: Robot, fleet: Fleet) -> str:
     """Return the script that answers with a line for each fact, `key=value`."""
     asked = dict(_QUESTIONS)
-    if robot.endpoint is None:
+    if robot.is_device:
         device = shlex.quote(robot.port)
         asked["device"] = f"test -e {device} && echo yes"
         asked["device_allowed"] = f"test -r {device} && test -w {device} && echo yes"
@@ -174,7 +174,7 @@ def parsed(robot: Robot, answer: str) -> HostFacts:
         load=_number(said.get("load", "")),
         free=None if free is None else int(free * 1024),
         groups=tuple(said.get("groups", "").split()),
-        device=said.get("device") == "yes" if robot.endpoint is None else None,
+        device=said.get("device") == "yes" if robot.is_device else None,
         device_allowed=said.get("device_allowed") == "yes",
         ros=tuple(said.get("ros", "").split()),
         environment=group("environment"),

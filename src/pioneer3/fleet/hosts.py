@@ -123,7 +123,7 @@ def _missing(here: Situation) -> Iterator[Finding]:
                 check="missing",
                 level=Level.FAIL,
                 found=f"{' and '.join(absent)} at {entry.address}",
-                meaning="What cannot be found by its name gets no messages of ROS.",
+                meaning="A computer that cannot be found by its name gets no messages of ROS.",
                 advice="pioneer3 fleet hosts --apply",
                 code=FAILED,
             )

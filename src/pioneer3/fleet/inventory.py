@@ -99,7 +99,7 @@ def parse_fleet(path: Path, text: str) -> Fleet:
 
 
 def to_toml(fleet: Fleet) -> str:
-    """Return the text of a fleet file; what is a default is left out."""
+    """Return the text of a fleet file; defaults are left out."""
     from pioneer3.fleet.schema import FileTable  # imports msgspec
 
     return written(FileTable.of(fleet))

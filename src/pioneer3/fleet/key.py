@@ -26,6 +26,7 @@ from pioneer3.fleet.ssh import (
     offered_host_key,
     ssh_folder,
 )
+from pioneer3.fleet.ssh_settings import settings_for
 
 WITHOUT_PASSWORDS: Final = (
     "printf 'PasswordAuthentication no\\nKbdInteractiveAuthentication no\\n' | "
@@ -164,7 +165,8 @@ async def _introduced(robot: Robot, key: str, asker: Asker) -> bool:
     """Ask about a host key, and remember it if it is accepted."""
     if not await asker.accepts_host_key(robot, fingerprint(key)):
         return False
-    names = (robot.host, robot.name, robot.address)
+    settings = await settings_for(robot.name)
+    names = settings.names_of(robot.host, robot.name, robot.address)
     await asyncio.to_thread(remember, known_hosts_file(), names, key)
     return True
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pioneer3.arcos.host_events import Timing
+from pioneer3.arcos.reports.sip import SipFlag
 from pioneer3.doctor.probe_session import ProbeSession
 from pioneer3.errors import LinkError, NoRobotError, PioneerError
 from pioneer3.fleet.ros_graph import MASTER_PORT, Endpoint, Graph, RosGraphError
@@ -38,7 +39,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Live:
-    """What a robot and its computer answered.
+    """The answers of a robot and its computer.
 
     Attributes:
         robot: Its name.
@@ -96,6 +97,8 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
     (up, ssh), told, ahead = await asyncio.gather(
         _ssh(robot, questions), _driver(robot, questions), _clock(robot, questions)
     )
+    if ahead is not None:
+        up = ssh = Answer(True, "yes")  # at another port, or by way of another computer
     if not up.ok and (told.driver.ok or told.ros.ok):
         up = Answer(True, "yes")  # a firewall that lets ssh go unanswered
     return Live(
@@ -113,7 +116,7 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Told:
-    """What the robot's port or node says."""
+    """The answer of the robot's port or node."""
 
     driver: Answer
     ros: Answer = Answer(None, "")
@@ -160,20 +163,33 @@ async def _port(robot: Robot, endpoint: tuple[str, int], questions: Questions) -
     address = questions.addresses.get(host.lower(), host)
     try:
         async with asyncio.timeout(questions.timeout):
-            battery = await asked_port(address, number, questions.timeout)
+            told = await asked_port(address, number, questions.timeout)
     except TimeoutError:
         return _Told(driver=Answer(False, "silent"))
     except ConnectionResetError:
         return _Told(driver=Answer(False, "busy"))
     except LinkError:
         return _Told(driver=Answer(False, "refused"))
-    return _Told(driver=Answer(True, f"{number} answers"), battery=battery, motors=False)
+    says = f"{number} in use" if told.motors else f"{number} answers"
+    return _Told(driver=Answer(True, says), battery=told.battery, motors=told.motors)
 
 
-async def asked_port(address: str, number: int, patience: float) -> float | None:
-    """Return the voltage of a robot's battery at a TCP port.
+@dataclass(frozen=True, slots=True)
+class AtPort:
+    """The report of a robot at its port.
 
-    Its motors are off then: a robot without a host has them off, and the question ends so.
+    Attributes:
+        battery: [V]; `None` if it reports nothing.
+        motors: Whether they have power. At a port of its own a robot has them off, as the question
+            switches them off; over a bridge they have power if another program has the robot.
+    """
+
+    battery: float | None
+    motors: bool
+
+
+async def asked_port(address: str, number: int, patience: float) -> AtPort:
+    """Return the report of a robot at a TCP port.
 
     Raises:
         LinkError: Nobody listens.
@@ -189,10 +205,11 @@ async def asked_port(address: str, number: int, patience: float) -> float | None
         if not session.sips:
             await session.listen(0.3)
         if not session.sips:
-            return None
+            return AtPort(None, motors=False)
         sip = session.sips[-1][1]
         wide = sip.battery_decivolts_wide
-        return (sip.battery_decivolts if wide is None else wide) * DECIVOLT
+        voltage = (sip.battery_decivolts if wide is None else wide) * DECIVOLT
+        return AtPort(voltage, motors=bool(sip.flags & SipFlag.MOTORS_ENABLED))
     finally:
         await session.close()
 

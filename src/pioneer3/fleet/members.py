@@ -37,7 +37,7 @@ class Reached(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Told:
-    """What a robot that is connected tells.
+    """The report of a robot that is connected.
 
     Attributes:
         speed: [m/s].
@@ -46,6 +46,7 @@ class Told:
         voltage: Of the battery [V].
         low: Whether that is too low.
         stands: Why it stands, or `None` while it moves.
+        taken: Whether another program drives it, and only stops count here.
     """
 
     speed: float
@@ -54,6 +55,7 @@ class Told:
     voltage: float
     low: bool
     stands: str | None
+    taken: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,4 +192,5 @@ def _told(driven: Driven) -> Told | None:
         voltage=now.battery.voltage,
         low=now.battery.low,
         stands=driven.why_not_moving(),
+        taken=driven.supervisor.taken,
     )

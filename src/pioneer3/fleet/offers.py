@@ -1,4 +1,4 @@
-"""Lines for a fleet file, of what was found on the network."""
+"""Lines for a fleet file, for findings on the network."""
 
 import re
 from collections.abc import Iterator, Sequence

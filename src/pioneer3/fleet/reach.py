@@ -3,12 +3,16 @@
 import socket
 from collections.abc import Sequence
 from ipaddress import ip_address
+from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.spec import ALL, Fleet, Robot
 from pioneer3.links.urls import split_url
 from pioneer3.models import find_model
 from pioneer3.sim.worldfile.toml import MODEL_FILES
+
+ANY_PORT: Final = 9
+"""Nothing is sent there."""
 
 
 def port_of(fleet: Fleet, name: str) -> str:
@@ -19,8 +23,7 @@ def port_of(fleet: Fleet, name: str) -> str:
     """
     robot = fleet.robot(name)
     if robot.endpoint is not None:
-        host, number = robot.endpoint
-        address = fleet.addresses.get(host.lower(), host)
+        address, number = reached_at(fleet, robot.endpoint)
         return f"tcp://[{address}]:{number}" if ":" in address else f"tcp://{address}:{number}"
     if is_here(robot):
         return robot.port
@@ -28,7 +31,7 @@ def port_of(fleet: Fleet, name: str) -> str:
     raise ConfigError(
         f"{place}: {name} is at {robot.port}, a device of {robot.host} ({robot.address}) and not "
         f"of this computer. Run the command there, after ssh {robot.user}@{robot.address}; or let "
-        f'others reach the robot, and say port = "tcp://{robot.host}:8101" in the file'
+        f"others reach the robot: say bridge = 8101 in the file, and run: pioneer3 fleet deploy"
     )
 
 
@@ -64,12 +67,37 @@ def laser_of(robot: Robot) -> str:
     return robot.laser if url != "auto" and split_url(url)[0] == "tcp" else ""
 
 
+def reached_at(fleet: Fleet, endpoint: tuple[str, int]) -> tuple[str, int]:
+    """Return a host and a TCP port with the host's address, if the fleet has a host of the name."""
+    host, number = endpoint
+    return fleet.addresses.get(host.lower(), host), number
+
+
 def is_here(robot: Robot) -> bool:
-    """Whether the robot's computer is this one: whether it has the address."""
-    family = socket.AF_INET6 if ip_address(robot.address).version == 6 else socket.AF_INET
+    """Whether the robot's computer is this one."""
+    return is_own(robot.address)
+
+
+def is_own(address: str) -> bool:
+    """Whether this computer has an IP address."""
+    family = socket.AF_INET6 if ip_address(address).version == 6 else socket.AF_INET
     with socket.socket(family, socket.SOCK_DGRAM) as tried:
         try:
-            tried.bind((robot.address, 0))
+            tried.bind((address, 0))
         except OSError:
             return False
     return True
+
+
+def address_towards(address: str) -> str:
+    """Return this computer's address on the way to another one; empty without a way there.
+
+    No packet is sent.
+    """
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    with socket.socket(family, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((address, ANY_PORT))
+        except OSError:  # no network leads there, or it is no address
+            return ""
+        return str(probe.getsockname()[0])

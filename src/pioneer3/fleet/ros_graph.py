@@ -1,4 +1,4 @@
-"""Questions to a ROS 1 graph without ROS: is a node there, and what is on a topic of its.
+"""Questions to a ROS 1 graph without ROS: is a node there, and the next message on its topic.
 
 A program of rospy knows one master; robots with a roscore each have several. The master and the
 nodes speak XML-RPC (https://wiki.ros.org/ROS/Master_API, https://wiki.ros.org/ROS/Slave_API), a

@@ -27,7 +27,7 @@ ENDING: Final = 4.0
 KILL_AFTER: Final = 2
 """A remote command that ignores SIGTERM is killed after this time [s]."""
 _BEGIN: Final = "pioneer3: the answer"
-"""What shells print before this line, as their start-up files say, is no answer."""
+"""Lines that the start-up files of shells print before this one are no answer."""
 _LINE_ENDS: Final = re.compile(r"\r\n|\n|\r(?!\Z)")
 """A carriage return at the end may be half of one."""
 
@@ -174,7 +174,7 @@ def _done(process: Any) -> Done:
 
 
 async def output_of(connection: "asyncssh.SSHClientConnection", command: str) -> str:
-    """Return the output of a short command for `sh`, without what a login there prints.
+    """Return the output of a short command for `sh`, without the lines that a login there prints.
 
     Raises:
         HostError: The connection was lost.

@@ -4,7 +4,8 @@ from typing import Annotated, Literal, Self
 
 from msgspec import Meta, Struct, field
 
-from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, lab_node
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, is_device, lab_node
 
 LABEL = r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?"
 """A host name without a domain (RFC 1123, 2.1)."""
@@ -30,6 +31,10 @@ User = Annotated[
         pattern=r"\A[A-Za-z_][A-Za-z0-9_.-]{0,31}\Z",
         extra={"expected": "the name of a user such as pioneer"},
     ),
+]
+Bridge = Annotated[
+    int,
+    Meta(ge=0, le=65535, extra={"expected": "a TCP port such as 8101, or 0 for no bridge"}),
 ]
 Ros = Annotated[Literal["", "1", "2"], Meta(extra={"expected": '"1" or "2", or "" for none'})]
 Node = Annotated[
@@ -69,6 +74,7 @@ class DefaultsTable(Table):
 
     user: User = Defaults().user
     port: str = Defaults().port
+    bridge: Bridge = Defaults().bridge
     model: str = Defaults().model
     laser: str = Defaults().laser
     ros: Ros = ""
@@ -76,7 +82,12 @@ class DefaultsTable(Table):
     def defaults(self) -> Defaults:
         """Return the defaults."""
         return Defaults(
-            user=self.user, port=self.port, model=self.model, laser=self.laser, ros=self.ros
+            user=self.user,
+            port=self.port,
+            bridge=self.bridge,
+            model=self.model,
+            laser=self.laser,
+            ros=self.ros,
         )
 
     @classmethod
@@ -85,6 +96,7 @@ class DefaultsTable(Table):
         return cls(
             user=defaults.user,
             port=defaults.port,
+            bridge=defaults.bridge,
             model=defaults.model,
             laser=defaults.laser,
             ros=_ros(defaults.ros),
@@ -98,6 +110,7 @@ class RobotTable(Table):
     address: str
     host: Host | None = None
     port: str | None = None
+    bridge: Bridge | None = None
     user: User | None = None
     model: str | None = None
     laser: str | None = None
@@ -106,16 +119,20 @@ class RobotTable(Table):
     note: str = ""
 
     def robot(self, defaults: Defaults, line: int) -> Robot:
-        """Return the robot with the defaults for what the table does not give."""
+        """Return the robot with the defaults for keys that the table does not give."""
+        port = defaults.port if self.port is None else self.port
+        ros = defaults.ros if self.ros is None else self.ros
+        usual = usual_bridge(defaults, port, ros)
         return Robot(
             name=self.name,
             host=self.name if self.host is None else self.host,
             address=self.address,
-            port=defaults.port if self.port is None else self.port,
+            port=port,
+            bridge=usual if self.bridge is None else self.bridge,
             user=defaults.user if self.user is None else self.user,
             model=defaults.model if self.model is None else self.model,
             laser=defaults.laser if self.laser is None else self.laser,
-            ros=defaults.ros if self.ros is None else self.ros,
+            ros=ros,
             node=lab_node(self.name) if self.node is None else self.node,
             note=self.note,
             line=line,
@@ -123,13 +140,15 @@ class RobotTable(Table):
 
     @classmethod
     def of(cls, robot: Robot, defaults: Defaults) -> Self:
-        """Return the table of a robot, without what is a default."""
+        """Return the table of a robot, without its defaults."""
         usual = lab_node(robot.name)
+        bridge = usual_bridge(defaults, robot.port, robot.ros)
         return cls(
             name=robot.name,
             address=robot.address,
             host=None if robot.host == robot.name else robot.host,
             port=None if robot.port == defaults.port else robot.port,
+            bridge=None if robot.bridge == bridge else robot.bridge,
             user=None if robot.user == defaults.user else robot.user,
             model=None if robot.model == defaults.model else robot.model,
             laser=None if robot.laser == defaults.laser else robot.laser,
@@ -156,6 +175,22 @@ class FileTable(Table):
             robot=tuple(RobotTable.of(robot, fleet.defaults) for robot in fleet.robots),
             groups={name: list(members) for name, members in fleet.groups.items()},
         )
+
+
+def usual_bridge(defaults: Defaults, port: str, ros: str) -> int:
+    """Return the bridge of a robot that gives none of its own.
+
+    A node of ROS has the device to itself, and a port of the network needs no bridge.
+    """
+    return defaults.bridge if defaults.bridge and not ros and _may_be_device(port) else 0
+
+
+def _may_be_device(port: str) -> bool:
+    """Return whether a port, which is checked later, is a device."""
+    try:
+        return is_device(port)
+    except ConfigError:
+        return False
 
 
 def _ros(version: str) -> Literal["", "1", "2"]:

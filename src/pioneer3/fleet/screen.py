@@ -171,7 +171,7 @@ class FleetApp(App[None]):
 
     def on_app_blur(self) -> None:
         """Let go: nobody looks at this terminal any more."""
-        self._drive.board.let_go()
+        self._drive.let_go()
 
     def say(self, text: str) -> None:
         """Show a sentence for a while."""
@@ -194,7 +194,8 @@ class FleetApp(App[None]):
         self._put(self._said, "\n".join(fresh))
         choosing = board.selection.marked is not None
         typed = f"   number: {board.selection.typed}_" if board.selection.typed else ""
-        self._put(self._foot, (CHOOSING if choosing else KEYS) + typed)
+        more = f"   {self._drive.group.key_help}" if self._drive.group.key_help else ""
+        self._put(self._foot, (CHOOSING if choosing else KEYS + more) + typed)
 
     def _about_chosen(self, looks: Sequence[Look]) -> str:
         """Return the names of those that drive, and the whole trouble of the first that has any."""

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from ipaddress import ip_address
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.reach import is_here
+from pioneer3.fleet.reach import is_own, reached_at
 from pioneer3.fleet.spec import Fleet, Robot
-from pioneer3.sim.server.listeners import ANY
+from pioneer3.links.addresses import ANY
 from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.toml import MODEL_FILES
 
@@ -16,8 +16,9 @@ def simulated(
 ) -> tuple[RobotSpec, ...]:
     """Return a robot for each row, with its name, model and TCP port.
 
-    A row whose address this computer has listens there: on loopback, and elsewhere if `network`
-    allows it. Of rows that would listen at the same place, the later ones get the next port.
+    A row listens where others look for it, if this computer has that address: on loopback, and
+    elsewhere if `network` allows it. Of rows that would listen at the same place, the later ones
+    get the next port.
 
     Args:
         fleet: With at least one robot.
@@ -35,8 +36,8 @@ def simulated(
 def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
     taken: set[tuple[str, int]] = set()
     for robot in fleet.robots:
-        host = robot.address if bind not in ANY and _may_listen(robot, network=network) else ""
-        number = robot.endpoint[1] if robot.endpoint else None
+        address, number = _place(fleet, robot)
+        host = address if bind not in ANY and _may_listen(address, network=network) else ""
         if number is not None:
             # at all addresses of this computer no number is free twice
             place = ("" if bind in ANY else host or bind, number)
@@ -45,9 +46,20 @@ def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
         yield RobotSpec(model=_model(fleet, robot), name=robot.name, port=number, host=host)
 
 
-def _may_listen(robot: Robot, *, network: bool) -> bool:
-    """Whether a simulated robot listens at the address of its row."""
-    return (network or ip_address(robot.address).is_loopback) and is_here(robot)
+def _place(fleet: Fleet, robot: Robot) -> tuple[str, int | None]:
+    """Return the address at which others look for a robot, and its TCP port if it has one."""
+    if robot.endpoint is None:
+        return robot.address, None
+    return reached_at(fleet, robot.endpoint)
+
+
+def _may_listen(host: str, *, network: bool) -> bool:
+    """Whether a simulated robot listens at an address; names are not looked up."""
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return False
+    return (network or address.is_loopback) and is_own(host)
 
 
 def _model(fleet: Fleet, robot: Robot) -> str:

@@ -26,7 +26,8 @@ class Robot:
         host: Name of its computer in the network.
         address: IP address of its computer.
         port: The robot's port: a device of its computer, or an address that others reach.
-        user: Who logs in on its computer.
+        bridge: TCP port at which its computer lets others reach the device; 0 for none.
+        user: The account on its computer.
         model: Name of a robot model, or the path of its file.
         laser: Its laser, as `--laser` takes it; empty for none.
         ros: Version of ROS on its computer, `1` or `2`; empty for none.
@@ -39,6 +40,7 @@ class Robot:
     host: str
     address: str
     port: str = DEVICE
+    bridge: int = 0
     user: str = USER
     model: str = MODEL
     laser: str = ""
@@ -48,10 +50,16 @@ class Robot:
     line: int = field(default=0, compare=False)
 
     @property
+    def is_device(self) -> bool:
+        """Whether the robot's port is a device of its computer."""
+        return is_device(self.port)
+
+    @property
     def endpoint(self) -> tuple[str, int] | None:
-        """Host and TCP port of a robot that others reach; `None` for a device."""
-        scheme, rest = split_url(self.port)
-        return split_host(f"tcp:{rest}") if scheme == "tcp" else None
+        """Host and TCP port at which others reach the robot; `None` for a device alone."""
+        if self.is_device:
+            return (self.address, self.bridge) if self.bridge else None
+        return split_host(f"tcp:{split_url(self.port)[1]}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +69,7 @@ class Operator:
     Attributes:
         name: Its host name; empty if it is not given.
         address: Its IP address; empty if it is not given.
-        user: Who works there; empty for whoever starts a command.
+        user: The account there; empty for that of the person at the terminal.
     """
 
     name: str = ""
@@ -75,6 +83,7 @@ class Defaults:
 
     user: str = USER
     port: str = DEVICE
+    bridge: int = 0
     model: str = MODEL
     laser: str = ""
     ros: str = ""
@@ -137,6 +146,15 @@ class Fleet:
         if not known:
             raise ConfigError(f"{self.path}: it has no robot yet; add one as [[robot]]")
         raise ConfigError(f"{self.path}: no robot {name!r}, {nearest(name, known)}")
+
+
+def is_device(port: str) -> bool:
+    """Return whether a robot's port is a device of its computer, not an address.
+
+    Raises:
+        ConfigError: It is no port at all.
+    """
+    return split_url(port)[0] != "tcp"
 
 
 def lab_node(name: str) -> str:

@@ -1,7 +1,7 @@
-"""Logging in on a robot's computer over ssh, and what a failure means.
+"""Logging in on a robot's computer over ssh, and the meaning of failures.
 
-Host keys are always checked, against the files that `ssh` uses. Keys come from the agent and from
-the usual files in `~/.ssh`; passwords only where a caller asks for one.
+Host keys are always checked, against the files that `ssh` uses; its settings count, too. Keys come
+from the agent and from the usual files in `~/.ssh`; passwords only where a caller asks for one.
 """
 
 import asyncio
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pioneer3.errors import HostError, LoginError, how_to_get
 from pioneer3.fleet.spec import Robot
+from pioneer3.fleet.ssh_settings import SSH_PORT, Settings, settings_for
 
 if TYPE_CHECKING:
     import asyncssh
@@ -161,15 +162,15 @@ def fingerprint(public_key: str) -> str:
 
 
 class _Attempt:
-    """One attempt to log in, and what is known when it fails."""
+    """One attempt to log in, and the facts for its error."""
 
     def __init__(self, robot: Robot, login: Login, *, keys: bool = True) -> None:
         self.robot, self.login = robot, login
         self.reached = self.offers_passwords = False
         self._with_keys = keys and login.password is None
         self.offered: asyncssh.SSHKey | None = None
-        self.matched = _known_keys(robot)
-        self.known: Sequence[asyncssh.SSHKey] = (*self.matched[0], *self.matched[1])
+        self.settings = Settings()
+        self.known: Sequence[asyncssh.SSHKey] = ()
 
     async def connected(self) -> "asyncssh.SSHClientConnection":
         """Log in.
@@ -179,13 +180,18 @@ class _Attempt:
         """
         login, with_keys = self.login, self._with_keys
         async with asyncio.timeout(login.patience):
+            self.settings = settings = await settings_for(self.robot.name)
+            matched = _known_keys(self.robot, settings)
+            self.known = (*matched[0], *matched[1])
             connection: asyncssh.SSHClientConnection = await asyncssh_module().connect(
                 self.robot.address,
+                settings.port,
+                tunnel=settings.jump or None,
                 username=self.robot.user,
                 client_factory=self.client(),
-                known_hosts=self.matched,
+                known_hosts=matched,
                 config=None,
-                client_keys=() if with_keys else None,
+                client_keys=_client_keys(settings) if with_keys else None,
                 agent_path=() if with_keys else None,
                 password=login.password,
                 preferred_auth="publickey" if with_keys else "password,keyboard-interactive",
@@ -254,14 +260,21 @@ class _Attempt:
             )
         return (
             f"no answer from {address} for {seconds:g} s: it is off, out of reach, or a "
-            "firewall drops ssh (port 22)"
+            f"firewall drops ssh (port {self.settings.port}){self._way}"
         )
 
     def _not_reached(self, error: OSError) -> str:
         if error.errno in _HANGING_UP:
             return self._hung_up()
         words = _NETWORK.get(error.errno or 0, f"{{address}}: {error.strerror or error}")
-        return words.replace("{address}", self.robot.address)
+        return words.replace("{address}", self.robot.address) + self._way
+
+    @property
+    def _way(self) -> str:
+        """How `~/.ssh/config` leads there, if not by the usual way."""
+        found = [f"port {self.settings.port}"] if self.settings.port != SSH_PORT else []
+        found += [f"by way of {self.settings.jump}"] if self.settings.jump else []
+        return f" ({', '.join(found)}, as ~/.ssh/config says)" if found else ""
 
     def _hung_up(self) -> str:
         return (
@@ -271,12 +284,13 @@ class _Attempt:
 
     def _changed_key(self) -> str:
         shown = f" ({self.offered.get_fingerprint()})" if self.offered is not None else ""
-        name = self.robot.host
+        robot = self.robot
+        names = self.settings.names_of(robot.host, robot.address)
+        forget = "; ".join(f"ssh-keygen -R '{name}'" for name in names)
         return (
             f"another host key than before{shown}: its system was installed anew, or ANOTHER "
-            f"COMPUTER answers at {self.robot.address}. If you know why, forget the old key: "
-            f"ssh-keygen -R {name}; ssh-keygen -R {self.robot.address}; then: "
-            f"pioneer3 fleet key {self.robot.name}"
+            f"COMPUTER answers at {robot.address}. If you know why, forget the old key: "
+            f"{forget}; then: pioneer3 fleet key {robot.name}"
         )
 
     def _unknown_key(self) -> str:
@@ -343,7 +357,14 @@ def _agent_answers() -> bool:
     return answer[4:5] == b"\x0c" and answer[5:9] != b"\0\0\0\0"
 
 
-def _known_keys(robot: Robot) -> tuple[list[Any], ...]:
+def _client_keys(settings: Settings) -> tuple[str, ...]:
+    """Return the files of keys to try besides the agent's; empty for the usual ones."""
+    usual = {ssh_folder() / name for name in KEY_NAMES}
+    own = [key for key in settings.keys if key.is_file() and not _is_locked(key)]
+    return () if set(own) <= usual else tuple(map(str, own))
+
+
+def _known_keys(robot: Robot, settings: Settings) -> tuple[list[Any], ...]:
     """Return the host keys to trust, authorities, revoked keys, and lists for X.509, empty.
 
     Raises:
@@ -358,7 +379,11 @@ def _known_keys(robot: Robot) -> tuple[list[Any], ...]:
     except ValueError as error:
         raise HostError(f"{known_hosts_file()}: {error}; mend or remove that line") from None
     found: tuple[list[Any], ...] = tuple([] for _ in range(7))
-    for name in dict.fromkeys((robot.host, robot.name)):
-        for keys, more in zip(found, hosts.match(name, robot.address, None), strict=False):
+    usual = settings.port == SSH_PORT or settings.alias
+    names = (settings.alias,) if settings.alias else dict.fromkeys((robot.host, robot.name))
+    for name in names:
+        address = "" if settings.alias else robot.address
+        matched = hosts.match(name, address, None if usual else settings.port)
+        for keys, more in zip(found, matched, strict=False):
             keys.extend(key for key in more if key not in keys)
     return found

@@ -1,7 +1,7 @@
-"""Stops all robots of a fleet at once, and tells who has confirmed it."""
+"""Stops all robots of a fleet at once, and tells which have confirmed it."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pioneer3.errors import PioneerError
@@ -10,6 +10,9 @@ from pioneer3.fleet.spec import Robot
 from pioneer3.robot.pilot import STANDING
 from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
+
+AGAIN = 0.5
+"""A robot that still moves is told to stop again after this [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,6 +25,7 @@ class Stopped:
         reached: Whether the stop was sent to it.
         why: The reason that it does not, in plain words; empty if it stands.
         seconds: Until that was known.
+        taken: Whether another program drove it: it stands until that switches the motors on.
     """
 
     robot: str
@@ -29,6 +33,7 @@ class Stopped:
     reached: bool
     why: str
     seconds: float
+    taken: bool = False
 
 
 async def stop_all(
@@ -52,11 +57,14 @@ async def stop_all(
 async def _stop(robot: Robot, connect: Connect, *, emergency: bool, patience: float) -> Stopped:
     clock = asyncio.get_running_loop().time
     began, reached, seconds, why = clock(), False, None, ""
+    taken = False
     try:
         async with asyncio.timeout(patience), connect(robot) as driven:
-            (driven.emergency_stop if emergency else driven.stop)()
+            taken = driven.supervisor.taken
+            stop = driven.emergency_stop if emergency else driven.stop
+            stop()
             reached = True
-            await _confirmed(driven, clock(), emergency=emergency)
+            await _confirmed(driven, clock(), stop, emergency=emergency)
             seconds = clock() - began
     except (PioneerError, OSError) as error:
         if seconds is None:
@@ -71,14 +79,21 @@ async def _stop(robot: Robot, connect: Connect, *, emergency: bool, patience: fl
         reached=reached,
         why=why,
         seconds=clock() - began if seconds is None else seconds,
+        taken=taken,
     )
 
 
-async def _confirmed(driven: Driven, told: float, *, emergency: bool) -> None:
-    """Wait until a report that came after `told` says that the robot stands."""
+async def _confirmed(
+    driven: Driven, told: float, stop: Callable[[], None], *, emergency: bool
+) -> None:
+    """Wait until a report that came after `told` says that the robot stands; stop it again."""
+    again = told + AGAIN
     async for snapshot in driven.snapshots():
         if snapshot.stamp > told and _stands(snapshot, emergency=emergency):
             return
+        if snapshot.stamp > again:
+            stop()
+            again = snapshot.stamp + AGAIN
 
 
 def _stands(snapshot: Snapshot, *, emergency: bool) -> bool:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from pioneer3.fleet.ros_graph import MASTER_PORT
+from pioneer3.fleet.ros_variables import master_of
 from pioneer3.fleet.spec import Fleet, Robot
 
 STOPPING: Final = 10
@@ -57,7 +57,7 @@ class Unit:
         lines = [
             "# Written by: pioneer3 fleet deploy",
             "[Unit]",
-            f"Description=pioneer3 drives the robot {self.robot.name}",
+            f"Description=pioneer3 {self._purpose} the robot {self.robot.name}",
             *(wants if self.with_root else []),
             "StartLimitIntervalSec=0",
             "",
@@ -79,19 +79,26 @@ class Unit:
         return "\n".join(lines) + "\n"
 
     def command(self) -> str:
-        """Return the command line that drives the robot."""
+        """Return the command line that drives the robot, or lets others reach it."""
         robot = self.robot
+        if robot.bridge:
+            words = [self.python, "-m", "pioneer3", "bridge", "--port", robot.port]
+            words += ["--bind", robot.address, "--listen", str(robot.bridge)]
+            return " ".join(map(quoted, words))
         words = [self.python, "-m", "pioneer3", "ros1" if robot.ros == "1" else "run"]
         words += ["--port", robot.port]
         words += ["--laser", robot.laser] if robot.laser else []
         words += [f"__name:={robot.node}"] if robot.ros == "1" else []
         return " ".join(map(quoted, words))
 
+    @property
+    def _purpose(self) -> str:
+        return "bridges" if self.robot.bridge else "drives"
+
     def _environment(self) -> list[str]:
         found = ["PYTHONUNBUFFERED=1"]
         if self.robot.ros == "1":
-            master = self.fleet.operator.address or "localhost"
-            found.append(f"ROS_MASTER_URI=http://{master}:{MASTER_PORT}")
+            found.append(f"ROS_MASTER_URI={master_of(self.fleet)}")
             found.append(f"ROS_IP={self.robot.address}")
         return [f"Environment={quoted(each)}" for each in found]
 

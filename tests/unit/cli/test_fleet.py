@@ -36,8 +36,13 @@ def test_a_script_writes_a_fleet_without_being_asked(folder: Path) -> None:
     assert (fleet.operator.name, fleet.operator.address) == ("laptop", "10.0.0.9")
 
 
+def test_robots_without_ros_get_a_bridge(folder: Path) -> None:
+    assert execute(["fleet", "init", "p3at-1=10.0.0.1", "--yes"]) == 0
+    assert read_fleet(folder / "fleet.toml").robots[0].endpoint == ("10.0.0.1", 8101)
+
+
 def test_a_person_is_asked_for_all_of_it(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    answers(monkeypatch, "laptop", "10.0.0.9", "robot", "", "1", "p3at-1=10.0.0.1", "")
+    answers(monkeypatch, "robot", "", "1", "p3at-1=10.0.0.1", "", "laptop", "10.0.0.9")
     assert execute(["fleet", "init"]) == 0
     fleet = read_fleet(folder / "fleet.toml")
     assert (fleet.operator.name, fleet.defaults.user, fleet.defaults.ros) == (
@@ -48,6 +53,20 @@ def test_a_person_is_asked_for_all_of_it(folder: Path, monkeypatch: pytest.Monke
     assert [robot.name for robot in fleet.robots] == ["p3at-1"]
 
 
+def test_a_wrong_robot_is_told_at_once_and_asked_for_again(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robots = ("p3at-1", "p3at-1=10.0.0", "p3at-1=10.0.0.1", "p3at-2=10.0.0.1", "p3at-2=10.0.0.2")
+    answers(monkeypatch, "", "", "", *robots, "", "laptop", "10.0.0.9")
+    assert execute(["fleet", "init"]) == 0
+    fleet = read_fleet(folder / "fleet.toml")
+    assert [robot.address for robot in fleet.robots] == ["10.0.0.1", "10.0.0.2"]
+    told = capsys.readouterr().err
+    assert "expected NAME=ADDRESS" in told
+    assert "expected an IP address" in told
+    assert "10.0.0.1 is robot[0]'s already" in told
+
+
 def test_a_file_that_is_there_is_never_lost(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -55,10 +74,10 @@ def test_a_file_that_is_there_is_never_lost(
     mine.write_text("# mine\n")
     assert execute(["fleet", "init", "a=10.0.0.1", "--yes"]) == 2
     assert "fleet.toml: it is there already" in capsys.readouterr().err
-    answers(monkeypatch, "l", "10.0.0.9", "", "", "", "", "no")
+    answers(monkeypatch, "", "", "", "", "l", "10.0.0.9", "no")
     assert execute(["fleet", "init", "a=10.0.0.1"]) == 1
     assert mine.read_text() == "# mine\n"
-    answers(monkeypatch, "l", "10.0.0.9", "", "", "", "", "yes")
+    answers(monkeypatch, "", "", "", "", "l", "10.0.0.9", "yes")
     assert execute(["fleet", "init", "a=10.0.0.1"]) == 0
     assert [robot.name for robot in read_fleet(mine).robots] == ["a"]
     assert (folder / "fleet.toml.before-fleet-1").read_text() == "# mine\n"

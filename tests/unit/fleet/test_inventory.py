@@ -108,6 +108,20 @@ def test_a_model_file_is_looked_for_beside_the_fleet_file(tmp_path: Path) -> Non
         ('[[robot]]\naddress = "10.0.0.1"', "f.toml:1: robot[0].name: missing, add it"),
         (TWO + 'name = "c"', "f.toml:7: not valid TOML: Cannot overwrite a value"),
         (TWO + "ros = 1", 'f.toml:7: robot[1].ros: expected "1" or "2", or "" for none, got 1'),
+        (TWO + "bridge = 70000", "f.toml:7: robot[1].bridge: expected a TCP port such as 8101"),
+        (
+            TWO + 'port = "tcp://b:8101"\nbridge = 8101',
+            "f.toml:8: robot[1].bridge: tcp://b:8101 is reached by others as it is; leave bridge",
+        ),
+        (
+            TWO + 'ros = "1"\nbridge = 8101',
+            "f.toml:8: robot[1].bridge: the node of ROS 1 has the port; leave ros or bridge out",
+        ),
+        (TWO + 'port = ""', "f.toml:7: robot[1].port: '' names no port; use one of: /dev/ttyUSB0"),
+        (
+            "[defaults]\nbridge = 8101\n" + TWO + 'port = "x"',
+            "f.toml:9: robot[1].port: 'x' names no port; use one of: /dev/ttyUSB0",
+        ),
         (TWO + 'user = "a b"', "f.toml:7: robot[1].user: expected the name of a user such as"),
         (TWO + 'host = "A"', "f.toml:7: robot[1].host: A is robot[0]'s already"),
         (TWO + 'node = "RosAria_a"', "f.toml:7: robot[1].node: RosAria_a is robot[0]'s already"),
@@ -165,3 +179,15 @@ def test_the_file_is_found_in_this_order(tmp_path: Path) -> None:
     assert find_fleet(None, environment={}, here=here, home=home) == here / "fleet.toml"
     assert find_fleet(None, environment=named, here=here, home=home) == Path("lab.toml")
     assert find_fleet(Path("f"), environment=named, here=here, home=home) == Path("f")
+
+
+def test_a_default_bridge_is_for_robots_whose_device_nobody_else_has() -> None:
+    rows = (
+        "[defaults]\nbridge = 8101\n"
+        '[[robot]]\nname = "a"\naddress = "10.0.0.1"\n'
+        '[[robot]]\nname = "b"\naddress = "10.0.0.2"\nros = "1"\n'
+        '[[robot]]\nname = "c"\naddress = "10.0.0.3"\nport = "tcp://c:8101"\n'
+    )
+    fleet = parse_fleet(Path("fleet.toml"), rows)
+    assert [robot.bridge for robot in fleet.robots] == [8101, 0, 0]
+    assert parse_fleet(fleet.path, to_toml(fleet)).robots == fleet.robots

@@ -35,6 +35,10 @@ laser = "auto"
 name = "elsewhere"
 address = "192.0.2.10"
 port = "bridge.lab:8102"
+[[robot]]
+name = "bridged"
+address = "192.0.2.11"
+bridge = 8103
 [groups]
 front = ["near", "far"]
 """,
@@ -48,6 +52,7 @@ front = ["near", "far"]
         ("served", "tcp://192.0.2.8:8102"),
         ("six", "tcp://[fd00::7]:8101"),
         ("elsewhere", "tcp://bridge.lab:8102"),
+        ("bridged", "tcp://192.0.2.11:8103"),
     ],
 )
 def test_a_name_stands_for_a_port_that_is_reached_from_here(name: str, port: str) -> None:
@@ -60,7 +65,7 @@ def test_a_device_of_another_computer_is_refused_with_what_to_do() -> None:
     message = str(caught.value)
     assert message.startswith("fleet.toml:5: far is at /dev/ttyUSB0, a device of far (192.0.2.7)")
     assert "after ssh pioneer@192.0.2.7" in message
-    assert 'say port = "tcp://far:8101"' in message
+    assert "say bridge = 8101" in message
 
 
 def test_a_laser_is_taken_where_it_is_reached_from_here() -> None:
@@ -71,6 +76,7 @@ def test_a_laser_is_taken_where_it_is_reached_from_here() -> None:
         "served": "lms-111@tcp:192.0.2.9",
         "six": "",
         "elsewhere": "",
+        "bridged": "",
     }
 
 
@@ -102,6 +108,7 @@ def test_simulated_robots_listen_on_loopback_at_the_ports_of_their_rows() -> Non
         ("served", "p3dx-sh", "", 8102),
         ("six", "p3at", "", 8101),
         ("elsewhere", "p3at", "", None),
+        ("bridged", "p3at", "", 8103),
     ]
 
 
@@ -118,6 +125,20 @@ def test_every_address_of_loopback_has_ports_of_its_own() -> None:
     assert [(each.host, each.port) for each in simulated(fleet, "0.0.0.0", network=True)] == [
         ("", 8101),
         ("", None),
+    ]
+
+
+def test_a_simulated_robot_listens_where_its_port_says_not_at_its_computers_address() -> None:
+    rows = (
+        '[[robot]]\nname = "a"\naddress = "127.0.0.2"\nport = "tcp://127.0.0.3:8101"\n'
+        '[[robot]]\nname = "b"\naddress = "127.0.0.4"\nbridge = 8102\n'
+        '[[robot]]\nname = "c"\naddress = "127.0.0.5"\nport = "tcp://elsewhere:8103"\n'
+    )
+    fleet = parse_fleet(Path("fleet.toml"), rows)
+    assert [(each.host, each.port) for each in simulated(fleet)] == [
+        ("127.0.0.3", 8101),
+        ("127.0.0.4", 8102),
+        ("", 8103),
     ]
 
 

@@ -46,6 +46,13 @@ def test_with_ros_it_is_the_node_at_the_operators_master() -> None:
     assert "Environment=ROS_IP=192.168.1.111\n" in text
 
 
+def test_with_a_bridge_it_lets_others_reach_the_device_at_the_robots_address() -> None:
+    text = unit(replace(ROBOT, bridge=8101)).text()
+    command = "pioneer3 bridge --port /dev/ttyUSB0 --bind 192.168.1.111 --listen 8101\n"
+    assert command in text
+    assert "Description=pioneer3 bridges the robot p3at-1\n" in text
+
+
 @pytest.mark.parametrize(
     ("word", "written"),
     [
