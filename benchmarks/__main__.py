@@ -7,6 +7,7 @@ import argparse
 
 from benchmarks import (
     bench_behaviors,
+    bench_bridge,
     bench_codec,
     bench_firmware,
     bench_fleet,
@@ -32,6 +33,7 @@ BENCHMARKS = {
     "codec": bench_codec,
     "lasers": bench_lasers,
     "behaviors": bench_behaviors,
+    "bridge": bench_bridge,
     "kernels": bench_kernels,
     "world": bench_world,
     "maps": bench_maps,

@@ -127,7 +127,7 @@ def hello() -> messages.Hello:
         )
         for number in range(1, ROBOTS + 1)
     )
-    return messages.Hello("benchmark", robots, None, SCHEME)
+    return messages.Hello("benchmark", robots, None, SCHEME, class_=None)
 
 
 async def talk(socket: WebSocket) -> None:

@@ -8,10 +8,13 @@ from pathlib import Path
 
 from docs.reference.protocol_tables import table
 from pioneer3.behaviors.modes import MODES
-from pioneer3.behaviors.modes.mode import Mode, Parameter
+from pioneer3.behaviors.modes.group import GROUP_MODES
+from pioneer3.behaviors.modes.mode import Described, Parameter
 from pioneer3.demo.modes import MODES as DEMO_MODES
 
-PAGES = tuple(Path(__file__).parents[1] / "how-to" / name for name in ("behave.md", "demo.md"))
+PAGES = tuple(
+    Path(__file__).parents[1] / "how-to" / name for name in ("behave.md", "demo.md", "together.md")
+)
 BLOCK = re.compile(r"<!-- made: ([\w ]+) -->\n.*?<!-- end -->\n", re.DOTALL)
 
 
@@ -30,13 +33,19 @@ def modes() -> str:
     return table(("mode", "parameter", "", "default", "range"), rows)
 
 
+def modes_of_groups() -> str:
+    """Return the modes of groups with their parameters."""
+    rows = [row for mode in GROUP_MODES for row in _rows(mode)]
+    return table(("mode", "parameter", "", "default", "range"), rows)
+
+
 def modes_of_the_demo() -> str:
     """Return the modes of the demo with their keys."""
     rows = [(f"`{one.key}`", f"{one.name}: {one.hint}", one.needs) for one in DEMO_MODES]
     return table(("key", "mode", "needs, and how the demo knows"), rows)
 
 
-def _rows(mode: type[Mode]) -> list[tuple[str, ...]]:
+def _rows(mode: type[Described]) -> list[tuple[str, ...]]:
     first = f"`{mode.name()}`: {mode.summary()}"
     rows = [_parameter(parameter) for parameter in mode.parameters()]
     return [(first if number == 0 else "", *row) for number, row in enumerate(rows)]
@@ -56,7 +65,11 @@ def _parameter(one: Parameter) -> tuple[str, str, str, str]:
     return f"`{one.name}`", one.help, shown(one.default), f"{low} to {shown(one.high)}"
 
 
-MAKERS = {"modes": modes, "modes of the demo": modes_of_the_demo}
+MAKERS = {
+    "modes": modes,
+    "modes of groups": modes_of_groups,
+    "modes of the demo": modes_of_the_demo,
+}
 
 if __name__ == "__main__":
     for page in PAGES:

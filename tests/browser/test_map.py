@@ -106,7 +106,7 @@ def say(product: Product, target: Target, mode: str | None = None) -> None:
         bumpers=Bumpers(front=(True, True, False, False, False), rear=()),
     )
     told = structs.replace(view.snapshot(moment, None), target=target, mode=mode)
-    product.call(lambda: product.web.snapshots.put(view.number, encode(told)))
+    product.call(lambda: product.web.audiences[0].snapshots.put(view.number, encode(told)))
 
 
 def freeze_with_everything(page: Page, product: Product) -> None:

@@ -17,7 +17,11 @@ from pioneer3.web.server import serve
 from tests.support import SimulatedRobot
 
 REFERENCE = Path(__file__).parents[2] / "docs/reference/http-api.md"
-EXAMPLES = re.findall(r"```sh\n(.*?)```", REFERENCE.read_text(), re.DOTALL)
+EXAMPLES = [
+    example
+    for example in re.findall(r"```sh\n(.*?)```", REFERENCE.read_text(), re.DOTALL)
+    if "$API/class" not in example  # those run in tests/e2e/test_class.py
+]
 OFFICE = shipped_map("office")
 PATIENCE = 60.0
 

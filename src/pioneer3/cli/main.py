@@ -9,6 +9,8 @@ from cyclopts import App, CycloptsError, Group
 
 from pioneer3 import __version__
 from pioneer3.cli.access import access_app
+from pioneer3.cli.bridge import bridge
+from pioneer3.cli.classroom import class_
 from pioneer3.cli.demo import demo
 from pioneer3.cli.diagnosis import doctor, find_port, info
 from pioneer3.cli.drive import drive
@@ -70,10 +72,10 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Let the robot drive": (*MODE_COMMANDS, goto, move, patrol, turn),
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
-    "Many robots": (fleet_app,),
+    "Many robots": (fleet_app, bridge, class_),
     "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),
 }
-WITHOUT_UNITS = (sim, info, find_port, setup_app, map_app, access_app)
+WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, access_app)
 for number, (name, commands) in enumerate(GROUPS.items()):
     group = Group(name, sort_key=number)
     for place, command in enumerate(commands):
@@ -82,7 +84,13 @@ for number, (name, commands) in enumerate(GROUPS.items()):
             command.group, command.sort_key, command.help_epilogue = (group,), place, below
             app.command(command)
         else:
-            app.command(command, group=group, sort_key=place, help_epilogue=below)
+            app.command(
+                command,
+                name=command.__name__.rstrip("_").replace("_", "-"),
+                group=group,
+                sort_key=place,
+                help_epilogue=below,
+            )
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

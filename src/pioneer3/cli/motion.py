@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from pioneer3.behaviors.modes import MODES, Mode
+from pioneer3.behaviors.modes.mode import Described
 from pioneer3.behaviors.modes.mode import Parameter as ModeParameter
 from pioneer3.cli.live import carry_out
 from pioneer3.cli.options import (
@@ -128,10 +129,10 @@ def mode_command(mode: type[Mode]) -> Callable[..., int]:
         keyword("max_speed", top, None),
         keyword("motion", MotionOptions, MOTION),
     ]
-    return with_signature(run, mode.name(), [*_positional(mode), *common])
+    return with_signature(run, mode.name(), [*positional(mode), *common])
 
 
-def mode_options(mode: type[Mode]) -> list[Argument]:
+def mode_options(mode: type[Described]) -> list[Argument]:
     """Return the options of a command that runs `mode`."""
     return [
         keyword(one.name, _annotation(one), Argument.empty if one.required else one.default)
@@ -155,7 +156,8 @@ def with_signature(
     return run
 
 
-def _positional(mode: type[Mode]) -> list[Argument]:
+def positional(mode: type[Described]) -> list[Argument]:
+    """Return the arguments that a command takes by their order."""
     known = {one.name: one for one in mode.parameters()}
     return [
         Argument(

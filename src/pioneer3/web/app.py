@@ -31,6 +31,9 @@ IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
 FILES = {
     "/pair": "pages/pair.html",
     "/api": "pages/api.html",
+    "/join": "pages/join.html",
+    "/class": "pages/class.html",
+    "/lessons": "pages/lessons.html",
     "/app.webmanifest": "app/app.webmanifest",
     "/worker.js": "app/worker.js",  # here: a worker serves only its own folder
 }

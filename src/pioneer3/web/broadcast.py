@@ -10,7 +10,7 @@ from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.state import Scan
 from pioneer3.tasks import running
 from pioneer3.units import MM
-from pioneer3.web.messages import Robots, Scans, Sweep, encode
+from pioneer3.web.messages import ClassRobots, Robots, Scans, Sweep, encode
 
 PERIOD = 0.04
 """Least time between two frames [s]."""
@@ -70,10 +70,17 @@ class FrameChannel:
     Args:
         flushed: Called when there is a new frame.
         empty: The message without parts; the last of its fields is the list of them.
+        period: Least time between two frames [s].
     """
 
-    def __init__(self, flushed: Callable[[], None], empty: Robots | Scans = NO_SNAPSHOTS) -> None:
+    def __init__(
+        self,
+        flushed: Callable[[], None],
+        empty: Robots | Scans | ClassRobots = NO_SNAPSHOTS,
+        period: float = PERIOD,
+    ) -> None:
         self.version = 0
+        self._period = period
         self._start = encode(empty).removesuffix(END)
         self._flushed = flushed
         self._parts: dict[tuple[int, int], tuple[int, str]] = {}
@@ -83,11 +90,11 @@ class FrameChannel:
         self._due: asyncio.TimerHandle | None = None
 
     def put(self, robot: int, text: str, part: int = 0) -> None:
-        """Take a robot's newest part, or one of several; it goes out within :data:`PERIOD`."""
+        """Take a robot's newest part, or one of several; it goes out within the period."""
         self._parts[robot, part] = self.version + 1, text
         self._frames.clear()
         if self._due is None:
-            at = max(self._loop.time() + GATHER, self._flushed_at + PERIOD)
+            at = max(self._loop.time() + GATHER, self._flushed_at + self._period)
             self._due = self._loop.call_at(at, self._flush)
 
     def forget(self, robot: int) -> None:

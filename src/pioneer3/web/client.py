@@ -6,17 +6,20 @@ robot.
 
 import asyncio
 import logging
+import re
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 
 from msgspec import MsgspecError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from pioneer3.errors import CommandError, MotionError
+from pioneer3.geometry import Twist2
 from pioneer3.robot.limits import checked
-from pioneer3.web import requests
+from pioneer3.web import group, requests
 from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.audience import Audience
 from pioneer3.web.broadcast import Channel
 from pioneer3.web.messages import EditRefused, Message, Pong, Refused, Told, encode
 from pioneer3.web.page import Page
@@ -30,7 +33,8 @@ REVOKED = 4401
 """Close code for a session that was revoked."""
 TRY_AGAIN_LATER = 1013
 """Close code for a page that takes nothing."""
-ONLY_DRIVERS = "you are a viewer: you may look, and stop the robot"
+CLASS_VIEW = "class"
+"""In the address of the WebSocket of a class's page."""
 MOST_ANSWERS = 32
 """A client that takes no answers misses the oldest."""
 
@@ -45,13 +49,16 @@ class SendQueue:
         details: The channel that this client alone has subscribed to.
     """
 
-    def __init__(self, page: Page, number: int) -> None:
+    def __init__(self, page: Page, audience: Audience, number: int) -> None:
         self._page = page
+        self._audience = audience
         self._number = number
         self._clients = 0
+        self._people = ""
         self._seen: dict[Channel, int] = {
-            page.snapshots: page.snapshots.version,
-            page.scans: page.scans.version,
+            # small ones are sent when they change: of a robot that stands the last one holds
+            audience.snapshots: 0 if audience.small else audience.snapshots.version,
+            audience.scans: audience.scans.version,
         }
         self.details: Channel | None = None
         self._answers: deque[str] = deque(maxlen=MOST_ANSWERS)
@@ -74,18 +81,20 @@ class SendQueue:
         return self._due()
 
     def _due(self) -> Iterator[str]:
-        page = self._page
-        yield from self._newer(page.retained)
+        page, audience = self._page, self._audience
+        yield from self._newer(audience.retained)
         if page.clients.version != self._clients:
             self._clients = page.clients.version
-            yield page.clients.message_for(self._number)
-        if page.world_changes is not None:
-            yield from self._newer(page.world_changes)
-        yield from self._newer(page.snapshots)
+            before, self._people = self._people, page.clients.message_for(self._number)
+            if self._people != before:
+                yield self._people
+        if audience.world is not None:
+            yield from self._newer(audience.world)
+        yield from self._newer(audience.snapshots)
         if self.details is not None:
             yield from self._newer(self.details)
-        if page.scans.has(self._number):
-            yield from self._newer(page.scans)
+        if audience.scans.has(self._number):
+            yield from self._newer(audience.scans)
         while self._answers:
             yield self._answers.popleft()
 
@@ -101,15 +110,26 @@ class Client:
     def __init__(self, page: Page, socket: WebSocket, session: Session) -> None:
         self._page = page
         self._socket = socket
-        self._session = session
-        self.name = page.name_for(session, socket.headers.get("user-agent", ""))
+        self.session = session
+        asked = socket.query_params
+        self._audience = page.audience_for(
+            session,
+            robot=_number(asked.get("robot")),
+            small=asked.get("view") == CLASS_VIEW,
+        )
+        self._name = page.name_for(session, socket.headers.get("user-agent", ""))
         self._queue: SendQueue | None = None
         self._number = 0
 
     @property
+    def name(self) -> str:
+        """Shown to all; a student may change it."""
+        return self.session.name if self.role is Role.STUDENT else self._name
+
+    @property
     def role(self) -> Role:
         """The permissions of the client."""
-        return self._session.role
+        return self.session.role
 
     def tell(self, news: str) -> None:
         """Show `news`; a client that reads too slowly misses the oldest."""
@@ -127,8 +147,8 @@ class Client:
     async def serve(self) -> None:
         """Talk until the browser goes; then end its control."""
         await self._socket.accept()
-        self._number = number = self._page.join(self)
-        self._queue = queue = SendQueue(self._page, number)
+        self._number = number = self._page.join(self, self._audience)
+        self._queue = queue = SendQueue(self._page, self._audience, number)
         parts = (self._send(queue), self._receive(), self._await_revocation())
         talk = [asyncio.ensure_future(part) for part in (*parts, self._page.closed.wait())]
         try:
@@ -154,7 +174,7 @@ class Client:
 
     async def _await_revocation(self) -> None:
         """Close when the session is revoked."""
-        await self._session.ended.wait()
+        await self.session.ended.wait()
         self._page.release_control(self)
         why = "this session was revoked"
         try:
@@ -185,6 +205,7 @@ class Client:
         try:
             request = requests.decode(text)
             self._keep_alive()
+            self._fill_in_robot(request)
             return self._check_permission(request) or await self._carry_out(request)
         except (MsgspecError, CommandError) as error:
             return Refused(f"not understood: {error}")
@@ -196,15 +217,30 @@ class Client:
             self._queue.answer(message)
 
     def _keep_alive(self) -> None:
-        self._session.seen = asyncio.get_running_loop().time()
+        self.session.seen = asyncio.get_running_loop().time()
         self._page.keep_alive(self)
+
+    def _fill_in_robot(self, request: requests.AnyRequest) -> None:
+        """Let a request without a number be about the only robot that this client sees."""
+        own = self._audience.robot
+        if own is None or getattr(request, "robot", own) is not None:
+            return  # it needs no number, or has one
+        if isinstance(request, requests.EmergencyStop) and self.role is not Role.STUDENT:
+            return  # it means all robots
+        if isinstance(request, requests.RobotRequest | requests.RecordRun):
+            request.robot = own
 
     def _check_permission(self, request: requests.AnyRequest) -> Message | None:
         """Return the refusal of a request that this role may not make, or `None`."""
-        if self.role is Role.DRIVER or isinstance(request, requests.FOR_ALL):
+        why = ""
+        if self.role is Role.STUDENT:
+            why = requests.refusal_for_student(request, self.session.robot)
+        elif self.role is not Role.DRIVER and not isinstance(request, requests.FOR_ALL):
+            why = requests.ONLY_DRIVERS
+        if not why:
             return None
         refusal = EditRefused if isinstance(request, requests.Edit | requests.MapEdit) else Refused
-        return refusal(ONLY_DRIVERS)
+        return refusal(why)
 
     async def _carry_out(self, request: requests.AnyRequest) -> Message | None:
         """Carry out a request; return the answer, if there is one."""
@@ -227,8 +263,18 @@ class Client:
                 | requests.EndMode()
             ):
                 refused = self._change_mode(self._page.robot(request.robot), request)
+            case requests.StartGroupMode(robots, mode, leader):
+                refused = group.start(self._page, self, mode, robots, leader)
             case requests.Patrol() | requests.LookAround() | requests.PlaceRobot():
                 refused = self._navigate(self._page.robot(request.robot), request)
+            case (
+                requests.PauseRobots()
+                | requests.PutBack()
+                | requests.FreeSeat()
+                | requests.LockJoining()
+                | requests.RecordRun()
+            ):
+                refused = self._ask_class(request)
             case requests.RobotRequest():
                 refused = self._drive(self._page.robot(request.robot), request)
             case _:
@@ -239,10 +285,11 @@ class Client:
         self, view: RobotView, request: requests.DriveRequest | requests.ControlRequest
     ) -> str | None:
         """Carry out a request to drive or to control a robot; return the refusal, or `None`."""
-        control = view.control
+        control, refused = view.control, None
         match request:
-            case requests.Drive(v, w, source):
-                return control.drive_from_page(self, checked(v, w), source)
+            case requests.Drive(v, w, source, also):
+                views = [view, *self._page.known(also)]
+                refused = self._drive_all(views, checked(v, w), source)
             case requests.Stop():
                 control.stop(self)
             case requests.EmergencyStop():
@@ -250,19 +297,33 @@ class Client:
             case requests.ResetEmergencyStop():
                 view.robot.reset_emergency_stop()
             case requests.SwitchMotors(on):
-                return view.robot.arbiter.set_motors(on=on)
+                refused = control.switch_motors(self, on=on)
             case requests.TakeControl():
-                return control.take(self, keep=True)
+                refused = control.take(self, keep=True)
             case requests.TakeOver():
-                control.take_over(self)
+                refused = control.take_over(self)
             case requests.HandOver(to):
                 client = self._page.clients.connected.get(to)
                 if client is None or client.role is not Role.DRIVER:
                     return "nobody of that number is here who may drive"
-                return control.hand_over(self, client)
+                refused = control.hand_over(self, client)
             case requests.ReleaseControl():
                 control.release(self)
-        return None
+        return refused
+
+    def _ask_class(self, request: requests.ClassRequest) -> str | None:
+        """Pass a request on to the class; return the refusal, or `None`."""
+        if self._page.classroom is None:
+            return "there is no class here: start one with pioneer3 class"
+        return self._page.classroom.carry_out(request)
+
+    def _drive_all(
+        self, views: Sequence[RobotView], twist: Twist2, source: requests.Input
+    ) -> str | None:
+        """Drive robots, each by its own control; return the first refusal, or `None`."""
+        refusals = [(one.name, one.control.drive_from_page(self, twist, source)) for one in views]
+        named = (f"{name}: {why}" if len(views) > 1 else why for name, why in refusals if why)
+        return next(named, None)
 
     def _change_mode(self, view: RobotView, request: requests.ModeRequest) -> str | None:
         """Start or end a mode; return the refusal, or `None`."""
@@ -297,7 +358,7 @@ class Client:
         """Change the subscriptions of this client."""
         match request:
             case requests.WatchLasers(on):
-                self._page.scans.subscribe(self._number, on=on)
+                self._audience.scans.subscribe(self._number, on=on)
             case requests.WatchDetails(on):
                 view = self._page.robot(request.robot)
                 for each in self._page.robots.values():
@@ -308,3 +369,8 @@ class Client:
                     view.details.subscribe(self)
             case requests.AskConfig():
                 self._page.robot(request.robot).details.request_config()
+
+
+def _number(text: str | None) -> int | None:
+    """Return the number of a robot in an address, `None` without one."""
+    return int(text) if text is not None and re.fullmatch("[0-9]{1,6}", text) else None

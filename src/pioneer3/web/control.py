@@ -63,6 +63,17 @@ class Operator(Protocol):
         """Shown to all."""
 
 
+class Rule(Protocol):
+    """Decides whether an operator may drive a robot now, besides control."""
+
+    def __call__(self, operator: Operator, *, take_over: bool) -> str | None:
+        """Return the reason to refuse driving, or taking control over; `None` if it is allowed."""
+
+
+def no_rule(operator: Operator, *, take_over: bool) -> None:
+    """Allow everything."""
+
+
 class Lease(Generic[T]):
     """A right that one holder has at a time; it ends unless it is renewed."""
 
@@ -151,12 +162,22 @@ class Inputs:
 
 
 class Control:
-    """Lets one operator at a time drive `robot`; `tell` passes news on to an operator."""
+    """Lets one operator at a time drive `robot`, if `rule` does not refuse it.
 
-    def __init__(self, robot: Robot, scene: Scene, tell: Callable[[Operator, str], None]) -> None:
+    `tell` passes news on to an operator.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Scene,
+        tell: Callable[[Operator, str], None],
+        rule: Rule = no_rule,
+    ) -> None:
         self._robot = robot
         self._scene = scene
         self._tell = tell
+        self._rule = rule
         self._inputs = Inputs(robot.arbiter)
         self._lease: Lease[Operator] = Lease()
         self._keeper: Operator | None = None
@@ -275,6 +296,8 @@ class Control:
 
         With `keep` it stays with the operator while the client is alive.
         """
+        if refused := self._rule(operator, take_over=False):
+            return refused
         holder = self.holder
         if holder is not None and holder is not operator:
             return f"{holder.name} has control"
@@ -290,8 +313,19 @@ class Control:
         if self._keeper is operator and self._lease.holder(self._clock()) is operator:
             self._lease.take(operator, self._clock(), KEPT)
 
-    def take_over(self, operator: Operator) -> None:
-        """Stop the robot, and give control to `operator`; the operator before is told."""
+    def switch_motors(self, operator: Operator, *, on: bool) -> str | None:
+        """Switch the motors' power; return the reason not to, or `None`."""
+        if on and (refused := self._rule(operator, take_over=False)):
+            return refused
+        return self._robot.arbiter.set_motors(on=on)
+
+    def take_over(self, operator: Operator) -> str | None:
+        """Stop the robot, and give control to `operator`; the operator before is told.
+
+        Return the reason not to, or `None`.
+        """
+        if refused := self._rule(operator, take_over=True):
+            return refused
         before = self.holder
         if before is not operator:
             self._inputs.stop(f"{operator.name} took over")
@@ -299,6 +333,7 @@ class Control:
         self._pass_to(operator)
         if before is not None and before is not operator:
             self._tell(before, f"{operator.name} took over; you watch now")
+        return None
 
     def hand_over(self, operator: Operator, to: Operator) -> str | None:
         """Stop the robot, and pass control on to another; return the reason not to, or `None`."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
+from pioneer3.links import Opener
 from pioneer3.models import RobotModel
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.identity import kind
@@ -34,6 +35,7 @@ class Target:
 
     Attributes:
         url: Its address.
+        open: Opens the link to it in place of the address; `None` uses that.
         scene: Its surroundings.
         name: Shown to people; empty for its own name.
         baud: Serial speed to try first.
@@ -46,6 +48,7 @@ class Target:
 
     url: str
     scene: Scene
+    open: Opener | None = None
     name: str = ""
     baud: int | None = None
     model: RobotModel | None = None
@@ -125,7 +128,7 @@ class RobotConnection:
         target = self._target
         async with (
             connect_async(
-                target.url,
+                target.open or target.url,
                 baud=target.baud,
                 model=target.model,
                 max_speed=target.max_speed,

@@ -11,6 +11,7 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import PortBusyError
 from pioneer3.models import load_model
+from pioneer3.names import free_name
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.laser import SimulatedLaser
@@ -21,7 +22,6 @@ from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.web.access.certificate import certificate_for, digest
 from pioneer3.web.access.hosts import is_loopback
 from pioneer3.web.access.invitations import invitation_lines
-from pioneer3.web.access.sessions import free_name
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene

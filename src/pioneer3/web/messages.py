@@ -88,13 +88,24 @@ class Model(Part, frozen=True):
     title: str
 
 
+class ClassMember(Part, frozen=True):
+    """The receiver's part in a class: a teacher, or the student of one `robot`."""
+
+    teacher: bool
+    robot: int | None
+
+
 class Hello(Message, tag="hello", frozen=True):
-    """All robots. `models` is null where the world cannot be changed."""
+    """The robots that the receiver sees: all of them, or in a class a student's own.
+
+    `models` is null where the receiver cannot change the world, `class` without a class.
+    """
 
     version: str
     robots: tuple[Robot, ...]
     models: tuple[Model, ...] | None
     gamepad: Scheme
+    class_: ClassMember | None = msgspec.field(name="class")
 
 
 class Status(Message, tag="status", frozen=True):
@@ -548,8 +559,91 @@ class Config(Message, tag="config", frozen=True):
     error: str | None
 
 
+# -- a class: each student has a robot
+
+
+class HandedIn(Part, frozen=True):
+    """A run that was handed in; `at` is the Unix time [s], `seconds` its length."""
+
+    file: str
+    student: str
+    robot: int
+    at: float
+    seconds: float
+    size: int
+
+
+class Recording(Part, frozen=True):
+    """A recorded run that is not handed in; `ended` says why it has ended by itself, or is empty.
+
+    `began` is the Unix time [s]; `seconds` is its length, null while it goes on.
+    """
+
+    began: float
+    seconds: float | None
+    ended: str = ""
+
+
+class Seat(Part, frozen=True):
+    """A robot of a class and its student: `name` is null while nobody has joined.
+
+    `online` counts the student's open pages. `program` is the address of the program that has the
+    robot, null without; programs connect to `url`. The teacher has `paused` it. A student of the
+    class may drive it from the page unless `refusal` says why not.
+    """
+
+    robot: int
+    name: str | None
+    online: int
+    program: str | None
+    paused: bool
+    refusal: str
+    recording: Recording | None
+    url: str
+
+
+class Class(Message, tag="class", frozen=True):
+    """The class. Students get their own seat and runs only, and no `join_url`.
+
+    `paused` says that the teacher has paused all robots, `locked` that nobody else can join, and
+    `lan` that other devices can reach `join_url`.
+    """
+
+    paused: bool
+    locked: bool
+    lan: bool
+    join_url: str | None
+    seats: tuple[Seat, ...]
+    handed_in: tuple[HandedIn, ...]
+
+
+class SmallSnapshot(Part, frozen=True):
+    """A robot of a class at one instant, for the teacher's page; the pose is in the map.
+
+    `driver` is null while nobody drives. `by` is the kind of driver: a student's page, the
+    teacher's, a program at the robot's port, or a mode or script. `battery` is in volts.
+    """
+
+    robot: int
+    pose: Placed
+    v: float
+    battery: float
+    stalled: bool
+    emergency_stop: bool
+    connected: bool
+    by: Literal["student", "teacher", "program", "mode"] | None
+    driver: str | None
+    why: str | None
+
+
+class ClassRobots(Message, tag="class_robots", frozen=True):
+    """New small snapshots of a class's robots, five times a second."""
+
+    snapshots: tuple[SmallSnapshot, ...]
+
+
 EVERY = (
-    *(Hello, Status, Robots, Scans, Map, MapDraft, World, People),
+    *(Hello, Status, Robots, Scans, Map, MapDraft, World, People, Class, ClassRobots),
     *(
         Way,
         Navigation,

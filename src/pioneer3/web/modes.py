@@ -3,7 +3,8 @@
 import msgspec
 
 from pioneer3.behaviors.modes import MODES
-from pioneer3.behaviors.modes.mode import Mode, Parameter
+from pioneer3.behaviors.modes.group import GROUP_MODES
+from pioneer3.behaviors.modes.mode import Described, Mode, Parameter
 
 
 class FormChoice(msgspec.Struct):
@@ -41,6 +42,34 @@ class ModeForm(msgspec.Struct, kw_only=True):
     fields: list[FormField]
 
 
+class GroupModeForm(msgspec.Struct, kw_only=True):
+    """A mode of several robots; `led` where one of them is the leader."""
+
+    name: str
+    title: str
+    summary: str
+    advice: str
+    start: str
+    led: bool
+    fields: list[FormField]
+
+
+def group_forms() -> list[GroupModeForm]:
+    """Return the forms of all modes of groups, in their order."""
+    return [
+        GroupModeForm(
+            name=mode.name(),
+            title=mode.title,
+            summary=mode.summary(),
+            advice=mode.advice(),
+            start=mode.start,
+            led=mode.led,
+            fields=_fields(mode),
+        )
+        for mode in GROUP_MODES
+    ]
+
+
 def forms() -> list[ModeForm]:
     """Return the forms of all modes, in their order."""
     return [_form(mode) for mode in MODES]
@@ -54,8 +83,12 @@ def _form(mode: type[Mode]) -> ModeForm:
         advice=mode.advice(),
         start=mode.start,
         goes_to_place=mode.goes_to_place,
-        fields=[_field(parameter) for parameter in mode.parameters()],
+        fields=_fields(mode),
     )
+
+
+def _fields(mode: type[Described]) -> list[FormField]:
+    return [_field(parameter) for parameter in mode.parameters()]
 
 
 def _field(parameter: Parameter) -> FormField:

@@ -346,6 +346,7 @@ class RobotNavigation:
             )
             navigator = self._navigator
             self._scene.located.odom_in_map = lambda: navigator.estimate.odom_in_map
+            self._scene.located.unsure = lambda: _unsure(navigator)
             await stack.enter_async_context(running(navigator.run(), self._tell_state()))
         return self._navigator
 
@@ -379,6 +380,11 @@ class RobotNavigation:
                 await asyncio.sleep(PERIOD)
         finally:
             self._publish(None)
+
+
+def _unsure(navigator: "Navigator") -> str:
+    estimate = navigator.estimate
+    return "" if estimate.sure else f"it is not sure where it is on the map: {estimate.reason}"
 
 
 def _rounded(values: Iterable[float]) -> tuple[float, float, float]:

@@ -1,24 +1,26 @@
 """The state that all clients share: the robots, the world around them, and the clients."""
 
 import asyncio
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from functools import partial
 from itertools import count
-from typing import Protocol
 
 from pioneer3 import __version__
 from pioneer3.errors import CommandError
 from pioneer3.maps import LineMap
+from pioneer3.names import free_name
 from pioneer3.runtime.robot import Robot
-from pioneer3.runtime.traffic import Traffic
+from pioneer3.runtime.traffic import Participant, Traffic
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
 from pioneer3.web.access.access import Access, device
-from pioneer3.web.access.sessions import Role, Session, free_name
-from pioneer3.web.broadcast import FrameChannel, RetainedChannel, ScanChannel, Subscriber
-from pioneer3.web.control import Control, Operator
+from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.audience import Audience, find_audience
+from pioneer3.web.classroom.classroom import Classroom
+from pioneer3.web.clients import Clients, PageClient
+from pioneer3.web.control import Control, Operator, Rule
 from pioneer3.web.editor import Editor
 from pioneer3.web.map_editor import MapEditor
 from pioneer3.web.mapping import RobotMapping
@@ -29,79 +31,8 @@ from pioneer3.web.world import WorldChannel, WorldView, map_message
 
 UPDATE_PERIOD = 0.1
 """Time between two updates about the simulated world and the clients [s]."""
-
-
-class PageClient(Operator, Subscriber, Protocol):
-    """A client of the page. Clients are compared by identity."""
-
-    @property
-    def role(self) -> Role:
-        """The permissions of the client."""
-
-    def tell(self, news: str) -> None:
-        """Show `news`."""
-
-    def show(self, message: messages.Message) -> None:
-        """Send `message` to this client alone."""
-
-
-class Clients:
-    """The connected clients of a page.
-
-    Attributes:
-        connected: By number; a number is never used again.
-        version: Counts the changes of the clients and of the operators who have control.
-    """
-
-    def __init__(self, robots: Mapping[int, RobotView]) -> None:
-        self.connected: dict[int, PageClient] = {}
-        self.version = 0
-        self._robots = robots
-        self._count = count(1)
-        self._holders: tuple[messages.Holder, ...] = ()
-        self._clients: tuple[messages.Client, ...] = ()
-
-    def add(self, client: PageClient) -> int:
-        """Add `client`; return its number."""
-        number = next(self._count)
-        self.connected[number] = client
-        return number
-
-    def remove(self, number: int) -> PageClient:
-        """Remove a client; return it."""
-        return self.connected.pop(number)
-
-    def update(self) -> bool:
-        """Compare the clients with the last update; return whether anything has changed."""
-        clients = tuple(
-            messages.Client(number, client.name, client.role)
-            for number, client in self.connected.items()
-        )
-        holders = tuple(
-            messages.Holder(view.number, self.number_of(holder), holder.name)
-            for view in self._robots.values()
-            if (holder := view.control.holder) is not None
-        )
-        if (holders, clients) == (self._holders, self._clients):
-            return False
-        self._holders, self._clients = holders, clients
-        self.version += 1
-        return True
-
-    def message_for(self, number: int) -> str:
-        """Return the message about all clients, for the client of this number."""
-        you = self.connected[number]
-        return messages.encode(
-            messages.People(number, you.name, you.role, self._holders, self._clients)
-        )
-
-    def number_of(self, operator: object) -> int | None:
-        """Return the number of an operator that is a client, or `None`."""
-        return next((n for n, client in self.connected.items() if client is operator), None)
-
-    def find(self, operator: object) -> PageClient | None:
-        """Return `operator` if it is a client."""
-        return next((client for client in self.connected.values() if client is operator), None)
+SLOW_UPDATES = 5
+"""Audiences of one robot are sent every fifth update about the world."""
 
 
 class Page:
@@ -113,10 +44,10 @@ class Page:
         access: Decides who is let in.
         map_editor: Edits the map.
         world: The world of simulated robots, which can be changed; `None` without.
-        retained: The robots, their connections, and the map.
+        audiences: Sets of clients that are sent the same; the first sees all robots.
         world_changes: The changes of the world; `None` without one.
-        snapshots: The newest snapshots.
-        scans: The newest sweeps of lasers.
+        traffic: The places of the robots, by which they keep apart.
+        classroom: The class that the robots belong to; `None` without one.
         closed: Set when clients are to go.
     """
 
@@ -124,17 +55,19 @@ class Page:
         self.robots: dict[int, RobotView] = {}
         self.clients = Clients(self.robots)
         self.access = access or Access(asyncio.get_running_loop().time)
-        self.access.sessions.on_end = self.release_control
+        self.access.sessions.on_end = self._session_ended
         self.world: WorldView | None = None
         self.closed = asyncio.Event()
         self._count = count(1)
         self._map: LineMap | None = None
         self._drawn: LineMap | None = None
-        self._traffic = Traffic()
-        self.retained = RetainedChannel()
-        self.snapshots = FrameChannel(self._wake)
-        self.scans = ScanChannel(self._wake)
+        self.traffic = Traffic()
+        self.audiences = [Audience()]
         self.world_changes: WorldChannel | None = None
+        self._slow_changes: WorldChannel | None = None
+        self._updates = 0
+        self.classroom: Classroom | None = None
+        self._labels: dict[int, str] = {}
         self._editor: Editor | None = None
         self.map_editor = MapEditor(
             self._map_in_use,
@@ -155,30 +88,39 @@ class Page:
             name: Shown to people; empty for the robot's own name.
             number: Identifies it in requests; 0 for the next.
         """
+        number = number or next(self._count)
         taken = {view.name for view in self.robots.values()}
         named = free_name(name or robot.info.identity.name, taken)
-        view = self._view(number or next(self._count), named, robot, scene)
-        number = self._add(view, scene)
+        view = self._view(number, named, robot, scene)
+        view.label = self._labels.get(number, named)
+        self._add(view, scene)
+        followed = (
+            audience.scans.follow(number, robot.lasers, view.sensor_in_map)
+            for audience in self.audiences
+            if audience.sees(number)
+        )
         try:
             self._publish_robots()
             self._publish_status(view)
-            async with running(
-                self._watch_status(view),
-                view.publish_snapshots(self.snapshots, self.clients),
-                view.details.run(),
-                view.navigation.run(),
-                view.mapping.run(),
-                view.details.ask(),
-                self.scans.follow(number, robot.lasers, view.sensor_in_map),
-            ):
-                yield view
+            with self.traffic.joined(Participant(view.name, robot, scene.place)):
+                async with running(
+                    self._watch_status(view),
+                    view.publish_snapshots(self.audiences, self.clients),
+                    view.details.run(),
+                    view.navigation.run(),
+                    view.mapping.run(),
+                    view.details.ask(),
+                    *followed,
+                ):
+                    yield view
         finally:
+            if scene.simulated:
+                self.traffic.forget(view.name)  # it is in the world no more
             del self.robots[number]
             if self.world is not None and scene.simulated:
                 del self.world.driven[scene.simulated[1]]
-            self.snapshots.forget(number)
-            self.scans.forget(number)
-            self.retained.forget(f"status {number}")
+            for audience in self.audiences:
+                audience.forget(number)
             self._publish_robots()
 
     async def run(self) -> None:
@@ -196,13 +138,11 @@ class Page:
         self.map_editor.follow()
         if not self.clients.connected:
             return
-        changed = self.clients.update()
-        if self.world_changes is not None:
-            changed |= self.world_changes.update()
+        if self.clients.update():
+            self._wake()
+        self._update_world()
         if self._map_now() is not self._map:  # clients of a simulator may load another
             self._publish_robots()
-        if changed:
-            self._wake()
 
     def robot(self, number: int | None) -> RobotView:
         """Return the robot of this number, the first without one.
@@ -216,21 +156,45 @@ class Page:
             raise CommandError("there is no robot" if number is None else f"no robot {number}")
         return found
 
-    def emergency_stop(self) -> None:
-        """Stop every robot as hard as possible, latched."""
-        for view in self.robots.values():
-            view.robot.emergency_stop()
+    def known(self, numbers: Iterable[int]) -> list[RobotView]:
+        """Return the robots of these numbers; those that are gone are left out."""
+        return [self.robots[number] for number in numbers if number in self.robots]
 
-    def join(self, client: PageClient) -> int:
-        """Add a client; return its number."""
+    def emergency_stop(self, number: int | None = None) -> None:
+        """Stop a robot, or every one without a number, as hard as possible, latched."""
+        for view in self.robots.values():
+            if number in {None, view.number}:
+                view.robot.emergency_stop()
+
+    def add_audience(self, audience: Audience) -> None:
+        """Let clients belong to `audience`; to be called before the first robot is hosted."""
+        self.audiences.append(audience)
+        self._publish_robots()
+
+    def audience_for(self, session: Session, *, robot: int | None, small: bool) -> Audience:
+        """Return the audience of a client that asks for one robot, or for small snapshots.
+
+        A student's is always that of the own robot.
+        """
+        if session.role is Role.STUDENT:
+            found = find_audience(self.audiences, robot=session.robot, student=True)
+            assert found is not None
+            return found
+        return find_audience(self.audiences, robot=robot, small=small) or self.audiences[0]
+
+    def join(self, client: PageClient, audience: Audience | None = None) -> int:
+        """Add a client to an audience, without one to that of all robots; return its number."""
+        (audience or self.audiences[0]).clients.add(client)
         number = self.clients.add(client)
         self.update()
         return number
 
     def leave(self, number: int) -> None:
         """Remove a client: robots that it drives stop at once."""
-        self.scans.subscribe(number, on=False)
         client = self.clients.remove(number)
+        for audience in self.audiences:
+            audience.clients.discard(client)
+            audience.scans.subscribe(number, on=False)
         self.release_control(client)
         for view in self.robots.values():
             view.details.unsubscribe(client)
@@ -240,6 +204,11 @@ class Page:
         for view in self.robots.values():
             view.control.release(operator)
 
+    def _session_ended(self, session: Session) -> None:
+        self.release_control(session)
+        if self.classroom is not None:
+            self.classroom.session_ended(session)
+
     def keep_alive(self, operator: Operator) -> None:
         """Note that the client of `operator` is alive."""
         for view in self.robots.values():
@@ -247,6 +216,8 @@ class Page:
 
     def name_for(self, session: Session, user_agent: str) -> str:
         """Return a name for a client, from its session or its device, that no other client has."""
+        if session.role is Role.STUDENT:
+            return session.name
         names = {client.name for client in self.clients.connected.values()}
         if session is not self.access.here:
             return free_name(session.name, names)
@@ -272,7 +243,7 @@ class Page:
         def tell(operator: Operator, news: str) -> None:
             client = self.clients.find(operator)
             if client is not None:
-                client.tell(f"{name}: {news}" if len(self.robots) > 1 else news)
+                client.tell(self._prefixed(client, number, news))
 
         def show(operator: Operator, message: messages.Message) -> None:
             client = self.clients.find(operator)
@@ -281,12 +252,14 @@ class Page:
 
         def publish(kind: str, state: messages.Navigation | messages.Mapping | None) -> None:
             key = f"{kind} {number}"
-            if state is None:
-                self.retained.forget(key)
-            elif self.retained.put(key, messages.encode(state)):
-                self._wake()
+            text = "" if state is None else messages.encode(state)
+            for audience in self.audiences:
+                if state is None:
+                    audience.retained.forget(key)
+                elif audience.sees(number) and not audience.small:
+                    audience.put(key, text)
 
-        control = Control(robot, scene, tell)
+        control = Control(robot, scene, tell, self._rule_for(number))
         navigation = RobotNavigation(
             number,
             robot,
@@ -295,7 +268,7 @@ class Page:
             tell=tell,
             show=show,
             publish=partial(publish, "navigation"),
-            traffic=self._traffic,
+            traffic=self.traffic,
             name=name,
         )
         mapping = RobotMapping(
@@ -311,8 +284,23 @@ class Page:
             mapping=mapping,
         )
 
-    def _add(self, view: RobotView, scene: Scene) -> int:
-        """Add a robot, with its world if it is the first; return its number."""
+    def _prefixed(self, client: PageClient, number: int, news: str) -> str:
+        """Return `news` about a robot with its name, for a client that sees several."""
+        several = len(self.robots) > 1 and client.role is not Role.STUDENT
+        return f"{self.robots[number].label}: {news}" if several else news
+
+    def _rule_for(self, number: int) -> Rule:
+        """Return the rule for driving a robot; a class has its own."""
+
+        def refusal(operator: Operator, *, take_over: bool) -> str | None:
+            if self.classroom is None:
+                return None
+            return self.classroom.refusal(number, operator, take_over=take_over)
+
+        return refusal
+
+    def _add(self, view: RobotView, scene: Scene) -> None:
+        """Add a robot, with its world if it is the first."""
         others = dict(self.robots)
         self.robots.clear()
         self.robots.update(sorted({**others, view.number: view}.items()))
@@ -321,9 +309,21 @@ class Page:
             if self.world is None:
                 self.world = WorldView(simulation)
                 self.world_changes = WorldChannel(self.world)
+                self._slow_changes = WorldChannel(self.world)
+                for audience in self.audiences:
+                    slow = audience.is_limited
+                    audience.world = self._slow_changes if slow else self.world_changes
                 self._editor = Editor(self.world, self._take_control, self._stop)
             self.world.driven[robot] = view.number
-        return view.number
+
+    def _update_world(self) -> None:
+        """Tell the changes of the world; audiences of one robot less often."""
+        self._updates += 1
+        for channel, every in ((self.world_changes, 1), (self._slow_changes, SLOW_UPDATES)):
+            readers = [each for each in self.audiences if each.world is channel and each.clients]
+            if channel is not None and readers and not self._updates % every and channel.update():
+                for audience in readers:
+                    audience.wake()
 
     def _take_control(self, client: object, robot: int | None) -> bool:
         """Give `client` control of a robot, or of all without a number; return whether it has it.
@@ -340,21 +340,37 @@ class Page:
     def _stop(self, robot: int) -> None:
         self.robots[robot].robot.arbiter.stop()
 
+    def relabel(self, number: int, label: str) -> None:
+        """Show a robot under another name from now on."""
+        self._labels[number] = label
+        if number in self.robots:
+            self.robots[number].label = label
+            self._publish_robots()
+
     def _publish_robots(self) -> None:
         """Tell the robots and the map, if they have changed."""
         self._map = self._map_now()
-        hello = messages.Hello(
-            version=__version__,
-            robots=tuple(view.describe() for view in self.robots.values()),
-            models=self.world.models if self.world else None,
-            gamepad=SCHEME,
-        )
-        changed = self.retained.put("hello", messages.encode(hello))
+        robots = tuple(view.describe() for view in self.robots.values())
+        for audience in self.audiences:
+            audience.put("hello", messages.encode(self._hello(robots, audience)))
         if self._drawn is not self._map:  # a map may be large
             self._drawn = self._map
-            changed |= self.retained.put("map", self._map_text())
-        if changed:
-            self._wake()
+            text = self._map_text()
+            for audience in self.audiences:
+                audience.put("map", text)
+
+    def _hello(self, robots: tuple[messages.Robot, ...], audience: Audience) -> messages.Hello:
+        member = None
+        if self.classroom is not None:
+            own = audience.robot if audience.student else None
+            member = messages.ClassMember(teacher=not audience.student, robot=own)
+        return messages.Hello(
+            version=__version__,
+            robots=tuple(robot for robot in robots if audience.sees(robot.id)),
+            models=self.world.models if self.world and not audience.student else None,
+            gamepad=SCHEME,
+            class_=member,
+        )
 
     def _map_text(self) -> str:
         """Return the message for the map."""
@@ -394,13 +410,15 @@ class Page:
         self.update()
 
     def _publish_draft(self, text: str) -> None:
-        if self.retained.put("map draft", text):
-            self._wake()
+        for audience in self.audiences:
+            if not audience.is_limited:
+                audience.put("map draft", text)
 
     def _publish_status(self, view: RobotView) -> None:
         text = messages.encode(view.status())
-        if self.retained.put(f"status {view.number}", text):
-            self._wake()
+        for audience in self.audiences:
+            if audience.sees(view.number):
+                audience.put(f"status {view.number}", text)
 
     async def _watch_status(self, view: RobotView) -> None:
         async for _ in view.robot.supervisor.status.values():

@@ -6,6 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from pioneer3.behaviors.modes import AnyMode
+from pioneer3.behaviors.modes.group import AnyGroupMode
 from pioneer3.maps.edit import NewRole
 
 Input = Literal["gamepad", "keyboard", "touch", "tilt"]
@@ -38,11 +39,15 @@ class RobotRequest(Request, kw_only=True):
 
 
 class Drive(RobotRequest, tag="drive"):
-    """Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go."""
+    """Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go.
+
+    The robots `also` hold the same.
+    """
 
     v: float
     w: float
     input: Input = "touch"
+    also: Annotated[tuple[int, ...], Meta(max_length=100)] = ()
 
 
 class Stop(RobotRequest, tag="stop"):
@@ -85,6 +90,14 @@ class StartMode(RobotRequest, tag="start_mode"):
     """Stop, then start a mode; the place of a `goto` is in odometry's frame."""
 
     mode: AnyMode
+
+
+class StartGroupMode(Request, tag="start_group_mode"):
+    """Start a mode of several robots, of which one may be the leader; it is left to its driver."""
+
+    robots: Annotated[tuple[int, ...], Meta(min_length=2, max_length=100)]
+    mode: AnyGroupMode
+    leader: int | None = None
 
 
 class GotoPlace(RobotRequest, tag="goto"):
@@ -323,6 +336,41 @@ class SaveMap(Request, tag="save_map"):
     format: Literal[".map", ".yaml", ".toml"] = ".map"
 
 
+class PauseRobots(Request, tag="pause_robots"):
+    """Stop a robot of the class, or all without a number, and let nobody drive; or end that."""
+
+    paused: bool
+    robot: int | None = None
+
+
+class PutBack(Request, tag="put_back"):
+    """Stop a simulated robot of the class and put it where it began; without a number, all."""
+
+    robot: int | None = None
+
+
+class FreeSeat(Request, tag="free_seat"):
+    """Show the student of a robot out, so that another can have it."""
+
+    robot: int
+
+
+class LockJoining(Request, tag="lock_joining"):
+    """Let no more students join the class, or let them again."""
+
+    locked: bool
+
+
+class RecordRun(Request, tag="record_run"):
+    """Record a run of a robot of the class, end the recording, hand it in, or drop it.
+
+    Handing in ends it. `robot` is null for a student's own.
+    """
+
+    step: Literal["begin", "end", "hand_in", "discard"]
+    robot: int | None = None
+
+
 DriveRequest = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors
 """Drives or stops one robot."""
 ControlRequest = TakeControl | TakeOver | HandOver | ReleaseControl
@@ -353,8 +401,20 @@ MapChange = EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveOb
 """Changes the draft of the map."""
 MapEdit = MapChange | UndoMapEdit | DiscardMapEdits | SaveMap
 """Concerns the draft of the map."""
+ClassRequest = PauseRobots | PutBack | FreeSeat | LockJoining | RecordRun
+"""Concerns a class."""
 RobotAction = DriveRequest | ControlRequest | ModeRequest | MapRequest
-AnyRequest = RobotAction | ViewRequest | Ping | Edit | MapEdit
+AnyRequest = RobotAction | StartGroupMode | ViewRequest | Ping | Edit | MapEdit | ClassRequest
+FOR_STUDENTS = (
+    *(Drive, Stop, EmergencyStop, ResetEmergencyStop, SwitchMotors),
+    *(TakeControl, TakeOver, ReleaseControl),
+    *(StartMode, GotoPlace, EndMode, Patrol, LookAround, PlaceRobot, PlanWay),
+    *(WatchDetails, AskConfig, WatchLasers, Ping, RecordRun),
+)
+"""Requests that the students of a class may make, about their own robots."""
+ONLY_DRIVERS = "you are a viewer: you may look, and stop the robot"
+ONLY_TEACHERS = "only your teacher may do this"
+NOT_YOURS = "this is not your robot"
 TOO_DEEP = "nested too deeply"
 _decoder: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
 _stops: msgspec.json.Decoder[Stop | EmergencyStop] = msgspec.json.Decoder(Stop | EmergencyStop)
@@ -370,6 +430,16 @@ def decode(text: str) -> AnyRequest:
         return _decoder.decode(text)
     except RecursionError:
         raise msgspec.ValidationError(TOO_DEEP) from None
+
+
+def refusal_for_student(request: AnyRequest, robot: int | None) -> str:
+    """Return the reason to refuse this request of the student of `robot`; empty for none."""
+    if not isinstance(request, FOR_STUDENTS):
+        return ONLY_TEACHERS
+    if isinstance(request, WatchLasers | Ping):
+        return ""
+    alone = not isinstance(request, Drive) or not request.also
+    return "" if request.robot == robot is not None and alone else NOT_YOURS
 
 
 def is_stop(text: bytes) -> bool:

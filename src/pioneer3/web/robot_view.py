@@ -1,6 +1,6 @@
 """One robot of the page: its control, and the messages that describe it."""
 
-from collections.abc import Sized
+from collections.abc import Sequence
 from typing import Protocol
 
 from pioneer3.behaviors.action import Goal
@@ -14,7 +14,7 @@ from pioneer3.runtime.arbiter import Ended
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Scan, Snapshot
 from pioneer3.web import messages
-from pioneer3.web.broadcast import FrameChannel
+from pioneer3.web.audience import Audience
 from pioneer3.web.control import Control, Operator
 from pioneer3.web.details import Details
 from pioneer3.web.mapping import RobotMapping
@@ -28,10 +28,6 @@ DEFAULT_SPEED, DEFAULT_TURN_RATE = 0.3, 0.6
 class ConnectedClients(Protocol):
     """The clients of a page, as far as a robot's messages name them."""
 
-    @property
-    def connected(self) -> Sized:
-        """All of them."""
-
     def number_of(self, operator: object) -> int | None:
         """Return the number of a client, or `None` for a script."""
 
@@ -41,7 +37,8 @@ class RobotView:
 
     Attributes:
         number: Identifies it in requests and paths; never used again.
-        name: Shown to people; no two robots of a page have the same.
+        name: No two robots of a page have the same.
+        label: Shown to people: its name, or that of the student who has it.
         robot: The driver of the robot.
         control: Decides who drives it.
         scene: The map around it.
@@ -62,7 +59,7 @@ class RobotView:
         mapping: RobotMapping,
     ) -> None:
         self.number = number
-        self.name = name
+        self.name = self.label = name
         self.robot = robot
         self.control = control
         self.navigation = navigation
@@ -79,7 +76,7 @@ class RobotView:
         laser = self.robot.laser
         return robot_part(
             self.number,
-            self.name,
+            self.label,
             self.robot.supervisor.info,
             laser=bool(laser.presence.there),
             scans=laser is not self.robot.devices.laser,
@@ -92,12 +89,17 @@ class RobotView:
         assert status is not None
         return messages.Status(self.number, status.connection, status.message)
 
-    async def publish_snapshots(self, channel: FrameChannel, clients: ConnectedClients) -> None:
-        """Put each snapshot into `channel`, encoded once for all, while there are `clients`."""
+    async def publish_snapshots(
+        self, audiences: Sequence[Audience], clients: ConnectedClients
+    ) -> None:
+        """Send each snapshot, encoded once for all, to the `audiences` that want it."""
         async for snapshot in self.robot.supervisor.snapshots.values():
-            if clients.connected:
+            wanting = [audience for audience in audiences if audience.wants(self.number)]
+            if wanting:
                 driver = _driver(self.control.driver(), clients)
-                channel.put(self.number, messages.encode(self.snapshot(snapshot, driver)))
+                text = messages.encode(self.snapshot(snapshot, driver))
+                for audience in wanting:
+                    audience.snapshots.put(self.number, text)
 
     def snapshot(self, snapshot: Snapshot, driver: messages.Driver | None) -> messages.Snapshot:
         """Return the message part for a snapshot."""

@@ -6,27 +6,29 @@ a map that the user gave.
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import radians
 from pathlib import Path
 from typing import Self
 
-from pioneer3.arcos.commands import RequestMode, RequestSimStat, SimCtrl, SimOperation
-from pioneer3.arcos.reports import MapChanged, Report, SimStat
+from pioneer3.arcos.commands import SimCtrl, SimOperation
+from pioneer3.arcos.reports import MapChanged, Report
 from pioneer3.errors import CommandError, ConfigError
-from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.geometry import ORIGIN, Pose2
 from pioneer3.maps import LineMap, shipped_maps
 from pioneer3.robot.identity import is_simulator
 from pioneer3.runtime.robot import Robot
+from pioneer3.runtime.traffic import Place, frame_of
+from pioneer3.runtime.true_pose import TruePose
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.worldfile import load_world, shipped_worlds
+from pioneer3.state import Snapshot
 from pioneer3.tasks import running
-from pioneer3.units import MM
 
 log = logging.getLogger(__name__)
 
+NOT_LOOKED_FOR = "nothing tells where it is; with --map, a robot with a laser is found"
 ENDINGS = (".map", ".toml", ".yaml")
 
 
@@ -43,16 +45,24 @@ class RemoteWorld:
 
     Attributes:
         map: The map, `None` while none is known.
-        pose: The robot's true pose in it, `None` while none is told.
     """
 
     def __init__(self, robot: Robot, line_map: LineMap | None, tell: Callable[[str], None]) -> None:
         self.map = line_map
-        self.pose: Pose2 | None = None
-        self._robot = robot
+        self._robot, self._true = robot, TruePose(robot)
         self._given = line_map is not None
         self._tell = tell
         self._names: asyncio.Queue[str] = asyncio.Queue()
+
+    @property
+    def pose(self) -> Pose2 | None:
+        """The robot's true pose in the map [m, rad], `None` while none is told."""
+        return self._true.pose
+
+    @property
+    def frame(self) -> Hashable:
+        """Identity of the simulated world: robots of one simulator on one map are in the same."""
+        return "simulator", self._true.world, self.map.name if self.map else ""
 
     def adopt(self, line_map: LineMap) -> None:
         """Show this map from now on, whatever the simulator says."""
@@ -60,28 +70,23 @@ class RemoteWorld:
 
     async def follow(self) -> None:
         """Ask at every connection, and read the answers; ends by cancellation."""
-        forget = self._robot.supervisor.reports.hand_to(self._take, MapChanged, SimStat)
+        forget = self._robot.supervisor.reports.hand_to(self._take, MapChanged)
         try:
             self._ask()
-            async with running(self._load()):
+            async with running(self._load(), self._true.follow()):
                 async for _ in self._robot.supervisor.status.values():
                     self._ask()
         finally:
             forget()
 
     def _ask(self) -> None:
-        self.pose = None  # until the simulator sends it: the robot may have been moved
         info = self._robot.supervisor.info
         if info is not None and is_simulator(info):
             with suppress(CommandError):  # no session is open
                 self._robot.send(SimCtrl(SimOperation.REQUEST_INFO))
-                self._robot.send(RequestSimStat(RequestMode.STREAM))
 
     def _take(self, report: Report, stamp: float) -> None:
-        if isinstance(report, SimStat):
-            heading = wrap(radians(report.heading_deg))
-            self.pose = Pose2(report.x_mm * MM, report.y_mm * MM, heading)
-        elif isinstance(report, MapChanged) and (report.by_user or report.reloaded):
+        if isinstance(report, MapChanged) and (report.by_user or report.reloaded):
             self._names.put_nowait(report.file_name)
 
     async def _load(self) -> None:
@@ -118,9 +123,11 @@ class Located:
 
     Attributes:
         odom_in_map: Returns the pose of odometry's frame [m, rad], or `None` while it is not known.
+        unsure: Returns the reason not to act upon it, or nothing.
     """
 
     odom_in_map: Callable[[], Pose2 | None] = lambda: None
+    unsure: Callable[[], str] = lambda: NOT_LOOKED_FOR
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +171,22 @@ class Scene:
         reported = self.remote.pose if self.remote else None
         true = reported or (self.truth() if self.truth else None)
         return true or (self.located.odom_in_map() or self.odom_in_map) @ robot_in_odom
+
+    def place(self, snapshot: Snapshot) -> Place | str:
+        """Return the place of odometry in a frame that is shared by robots of the same world.
+
+        Returns:
+            The reason that it is not known, where no simulator tells it and the robot is not sure.
+        """
+        frame: Hashable = "no map"
+        if self.map_now is not None:
+            frame = frame_of(self.map_now)
+        remote = self.remote is not None and self.remote.pose is not None
+        if self.remote is not None and remote:
+            frame = self.remote.frame
+        elif self.truth is None and (unsure := self.located.unsure()):
+            return unsure
+        return Place(frame, self.odom_in_map_now(snapshot.odometry.robot_in_odom), true=remote)
 
     @property
     def map_now(self) -> LineMap | None:

@@ -47,11 +47,13 @@ class WorldView:
     Attributes:
         simulation: The simulation.
         driven: The robots that the page drives, each with its number on the page.
+        urls: Of robots that hosts reach elsewhere than the simulation says.
     """
 
     def __init__(self, simulation: RunningSimulation) -> None:
         self.simulation = simulation
         self.driven: dict[RobotItem, int] = {}
+        self.urls: dict[RobotItem, str] = {}
         self._numbers: dict[Item, int] = {}
         self._count = count(1)
 
@@ -113,7 +115,7 @@ class WorldView:
             pose=_placed(item.body.robot_in_world),
             model=model.name,
             title=model.title,
-            url=item.url,
+            url=self.urls.get(item, item.url),
             own=self.driven.get(item),
             connected=port.connected,
             stop_button=item.body.stop_button,

@@ -21,6 +21,8 @@ from pioneer3.sim.map_convert import look
 ROOT = Path(__file__).parents[3]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 OPENED = re.compile(r"\S+\.(?:map|toml|yaml|png|p)\b")
+PART = re.compile(r"(?:'[^']*'|[^|;)&'])+")
+"""A command of a line, with what is quoted."""
 OTHER_WORDS = {("sim", "--port"), ("sim", "--speed"), ("map check", "--robot")}
 """Options of MobileSim's that mean something else; a model in the place of a robot."""
 
@@ -70,10 +72,10 @@ def in_pages() -> list[tuple[str, str]]:
     for page in PAGES:
         for block in re.findall(r"```sh\n(.*?)```", page.read_text("utf-8"), re.DOTALL):
             for line in block.replace("\\\n", " ").splitlines():
-                for part in re.split(r"[|;)&]", line.partition(" #")[0].partition("  ")[0]):
+                for part in PART.findall(line.partition(" #")[0].partition("  ")[0]):
                     match = re.fullmatch(r"\s*(?:\.venv/bin/)?(?:pioneer3|p3) (.+)", part)
                     if match and "$" not in part:
-                        found.append((page.name, match[1].partition(" > ")[0]))
+                        found.append((page.name, re.split(r" > (?!.*')", match[1])[0]))
     return found
 
 

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import re
 import socket
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from pioneer3.web import live as live_module
 from pioneer3.web.access import hosts
-from pioneer3.web.access.sessions import Role
+from pioneer3.web.access.sessions import Kind, Role, Session
 from pioneer3.web.hosting import Target, hosted
 from pioneer3.web.live import Options, live
 from pioneer3.web.page import Page
@@ -242,7 +242,7 @@ async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_
             assert (drawn.x, drawn.y) == pytest.approx((home.x, home.y), abs=0.002)
             assert drawn.theta == pytest.approx(home.theta, abs=0.01)
             page.join(Onlooker())
-            assert '"name":"lab"' in "".join(page.retained.since(0))
+            assert '"name":"lab"' in "".join(page.audiences[0].retained.since(0))
     assert "SIMULATOR" in told[0]
 
 
@@ -250,6 +250,9 @@ async def test_the_map_of_a_simulator_in_another_program_is_shown_and_the_robot_
 class Onlooker:
     name: str = "ann"
     role: Role = Role.VIEWER
+    session: Session = field(
+        default_factory=lambda: Session(id="1", name="ann", role=Role.VIEWER, kind=Kind.BROWSER)
+    )
 
     def tell(self, news: str) -> None: ...
 

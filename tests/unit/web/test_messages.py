@@ -98,7 +98,7 @@ def test_no_more_than_the_limits_is_ever_offered() -> None:
 
 
 def test_hello_says_what_it_is() -> None:
-    hello = said(messages.Hello("1.2", (), None, SCHEME))
+    hello = said(messages.Hello("1.2", (), None, SCHEME, None))
     assert (hello["type"], hello["version"], hello["models"]) == ("hello", "1.2", None)
 
 

@@ -38,6 +38,13 @@ async def at_once(function: Callable[..., Any], *arguments: Any) -> Any:
     return function(*arguments)
 
 
+@pytest.fixture(autouse=True)
+def _chances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let localizers draw the same numbers in each run."""
+    drawn = np.random.default_rng
+    monkeypatch.setattr(np.random, "default_rng", lambda seed=1: drawn(seed))
+
+
 @asynccontextmanager
 async def rooms() -> AsyncIterator[tuple[Playground, Browser]]:
     async with playground(BEGIN, line_map=ROOMS) as the, Browser(the.app) as ann:

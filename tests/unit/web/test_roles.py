@@ -5,7 +5,8 @@ import asyncio
 import pytest
 
 from pioneer3.web.access.sessions import Kind, Role
-from pioneer3.web.client import ONLY_DRIVERS, REVOKED
+from pioneer3.web.client import REVOKED
+from pioneer3.web.requests import ONLY_DRIVERS
 from tests.unit.web.asking import ELSEWHERE, LAN, Script
 from tests.unit.web.browser import Browser, Playground, Product, playground, product
 

@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, Robot, connect_async
 from pioneer3.web.access import certificate
-from pioneer3.web.app import STATIC, index
+from pioneer3.web.app import STATIC, index, modules
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
@@ -176,9 +176,13 @@ def test_small_messages_leave_at_once() -> None:
 
 def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None:
     named = re.findall(r'(?:modulepreload" href|module" src)="/static/(.+?\.js)"', index())
-    others = {"pages", "app"}
-    files = {path.relative_to(STATIC) for path in STATIC.rglob("*.js")}
-    assert sorted(named) == sorted(str(path) for path in files if path.parts[0] not in others)
+    others = [f"pages/{path.name}" for path in (STATIC / "pages").glob("*.js")]
+    elsewhere = {module for page in others for module in modules(page)}
+    files = {path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*.js")}
+    files -= {f"app/{path.name}" for path in (STATIC / "app").glob("*.js")}
+    assert len(named) == len(set(named))
+    assert not set(named) & set(others)
+    assert set(named) | elsewhere == files
 
 
 async def test_a_port_in_use_is_refused_with_a_way_out() -> None:

@@ -119,8 +119,11 @@ class Access:
     def exceeds_rate(self, peer: str, session: Session | None, path: str, *, visit: bool) -> bool:
         """Count a request, or the `visit` of a page; return whether `peer` exceeds its rate.
 
-        Stops are counted apart, so that a flood of other requests blocks none of them.
+        Stops are counted apart, so that a flood of other requests blocks none of them. Students
+        are counted one by one: a class may share an address.
         """
+        if session is not None and session.role is Role.STUDENT:
+            peer = f"student {session.id}"
         if visit:
             return self._visits.wait(peer) > 0
         if session is not None and self.is_stop(session, path):

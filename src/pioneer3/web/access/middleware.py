@@ -151,7 +151,11 @@ def cookie_name(scope: Mapping[str, object]) -> str:
     return f"__Host-pioneer3-{port}" if scope["scheme"] in SECURE else f"pioneer3-{port}"
 
 
-def cookie(scope: Mapping[str, object], secret: str) -> str:
-    """Return the Set-Cookie header that lets this browser in again; gone when it is closed."""
+def cookie(scope: Mapping[str, object], secret: str, seconds: float | None = None) -> str:
+    """Return the Set-Cookie header that lets this browser in again.
+
+    It is kept for so many `seconds`; `None` until the browser is closed.
+    """
     secure = "; Secure" if scope["scheme"] in SECURE else ""
-    return f"{cookie_name(scope)}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}"
+    age = "" if seconds is None else f"; Max-Age={seconds:.0f}"
+    return f"{cookie_name(scope)}={secret}; Path=/; HttpOnly; SameSite=Strict{age}{secure}"

@@ -8,11 +8,11 @@ from hashlib import sha256
 from itertools import count
 from secrets import token_urlsafe
 
+from pioneer3.names import clean_name, free_name
+
 IDLE = 12 * 3600.0
 """A session that is not used for this long ends [s]."""
 MOST = 200
-NAME = 40
-"""Longest name [characters]."""
 SECRET_BYTES = 32
 """Entropy of a secret: 256 bits, where 128 would do."""
 LONGEST_SECRET = 128
@@ -20,14 +20,18 @@ LONGEST_SECRET = 128
 
 
 class Role(StrEnum):
-    """Permissions. Viewers look, and stop the robot. Drivers do the rest as well."""
+    """Permissions. Viewers look, and stop robots. Drivers do the rest as well.
+
+    Students of a class look at their own robot only, and drive it.
+    """
 
     VIEWER = "viewer"
+    STUDENT = "student"
     DRIVER = "driver"
 
     def covers(self, needed: "Role") -> bool:
-        """Whether this role has all permissions of `needed`."""
-        return self is Role.DRIVER or needed is Role.VIEWER
+        """Whether this role has all permissions of `needed`, a student for the own robot."""
+        return self is Role.DRIVER or needed in {self, Role.VIEWER}
 
 
 class Kind(StrEnum):
@@ -46,6 +50,7 @@ class Session:
         id: Shown to people; it is no secret.
         name: Shown to all.
         parent: Id of the session that made this one, empty for none.
+        robot: Number of a student's robot; `None` of others.
         seen: Time of its last use [s, monotonic].
         ended: Set when it is revoked: its connections must close.
     """
@@ -55,6 +60,7 @@ class Session:
     role: Role
     kind: Kind
     parent: str = ""
+    robot: int | None = None
     seen: float = 0.0
     ended: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -145,19 +151,6 @@ class Sessions:
         }
         session.ended.set()
         self.on_end(session)
-
-
-def clean_name(text: str) -> str:
-    """Return `text` as a name: printable, single spaces, not long."""
-    printable = "".join(c if c.isprintable() else " " for c in text)
-    return " ".join(printable.split())[:NAME].strip()
-
-
-def free_name(wanted: str, taken: set[str]) -> str:
-    """Return `wanted`, or `wanted 2`, `wanted 3` if that is taken."""
-    if wanted not in taken:
-        return wanted
-    return next(name for n in count(2) if (name := f"{wanted} {n}") not in taken)
 
 
 def new_secret() -> str:

@@ -96,10 +96,10 @@ def _place(known: LineMap, body: types.Place) -> "Destination":
 
 
 ROBOT = "/api/robots/{robot}"
-VIEWER, DRIVER = Role.VIEWER, Role.DRIVER
+VIEWER, STUDENT = Role.VIEWER, Role.STUDENT
 NAVIGATION = (
     operation("GET", f"{ROBOT}/places", list_places, VIEWER, 404, 409),
     operation("GET", f"{ROBOT}/navigation", get_navigation, VIEWER, 404, 409),
-    operation("POST", f"{ROBOT}/way", plan_way, DRIVER, 404, 409),
-    operation("POST", f"{ROBOT}/goto_place", goto_place, DRIVER, 404, 409),
+    operation("POST", f"{ROBOT}/way", plan_way, STUDENT, 404, 409),
+    operation("POST", f"{ROBOT}/goto_place", goto_place, STUDENT, 404, 409),
 )

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from inspect import cleandoc
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_type_hints
 
@@ -21,9 +22,11 @@ from pioneer3.web.robot_view import RobotView
 Method = Literal["GET", "POST", "PUT", "DELETE"]
 Json = dict[str, object]
 """An object of JSON that is written as it is."""
+PLAIN = "text/plain"
 PERMISSIONS = {
     None: "For everybody.",
     Role.VIEWER: "For everybody with a session.",
+    Role.STUDENT: "For drivers, and for the student of the robot.",
     Role.DRIVER: "For drivers.",
 }
 
@@ -61,6 +64,13 @@ class ApiRequest:
         """The robot that the path names, where it names one."""
         assert self.named is not None
         return self.named
+
+
+@dataclass(frozen=True, slots=True)
+class TextFile:
+    """An answer that is a file, for people to keep under its name."""
+
+    path: Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,6 +166,8 @@ def openapi(operations: Sequence[Operation]) -> bytes:
         success: Json = {"description": "Done."}
         if _has_schema(one.answer):
             success["content"] = _content(next(refs))
+        elif one.answer is TextFile:
+            success["content"] = _content({"type": "string"}, PLAIN)
         status = "200" if "content" in success else "204"
         described["responses"] = {status: success, **_errors(one, schemas[-1])}
         paths.setdefault(one.path, {})[one.method.lower()] = described
@@ -176,7 +188,7 @@ def openapi(operations: Sequence[Operation]) -> bytes:
 
 
 def _has_schema(kind: object) -> bool:
-    return kind not in {None, NoneType}
+    return kind not in {None, NoneType, TextFile}
 
 
 def _content(schema: Json, media_type: str = "application/json") -> Json:

@@ -3,20 +3,22 @@
 from math import inf
 
 from pioneer3.behaviors.modes import AnyMode, Goto
+from pioneer3.errors import MotionError
 from pioneer3.robot.limits import checked
 from pioneer3.state import Snapshot
-from pioneer3.web import messages
+from pioneer3.web import group, messages
 from pioneer3.web.access.middleware import ErrorResponse
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api import types
 from pioneer3.web.api.operation import ApiRequest, operation
-from pioneer3.web.modes import ModeForm, forms
+from pioneer3.web.modes import GroupModeForm, ModeForm, forms, group_forms
 from pioneer3.web.robot_view import RobotView
 
 
 def list_robots(request: ApiRequest) -> list[types.Robot]:
-    """List the robots."""
-    return [describe(view) for view in request.page.robots.values()]
+    """List the robots; a student's own only."""
+    own = request.caller.robot
+    return [describe(view) for n, view in request.page.robots.items() if own in {None, n}]
 
 
 def get_snapshot(request: ApiRequest) -> types.Snapshot | ErrorResponse:
@@ -28,8 +30,11 @@ def get_snapshot(request: ApiRequest) -> types.Snapshot | ErrorResponse:
 
 
 def emergency_stop_all(request: ApiRequest) -> None:
-    """Stop all robots as hard as possible, motors off, until each is reset."""
-    request.page.emergency_stop()
+    """Stop all robots as hard as possible, motors off, until each is reset.
+
+    A student stops the own one.
+    """
+    request.page.emergency_stop(request.caller.robot)
 
 
 def stop(request: ApiRequest) -> types.CommandResult | ErrorResponse:
@@ -54,7 +59,7 @@ def switch_motors(
     request: ApiRequest, body: types.MotorPower
 ) -> types.CommandResult | ErrorResponse:
     """Stop, then switch the motors' power."""
-    if refused := _refused(request.view.robot.arbiter.set_motors(on=body.on)):
+    if refused := _refused(request.view.control.switch_motors(request.caller, on=body.on)):
         return refused
     return _result(request)
 
@@ -85,10 +90,10 @@ def take_control(
     """
     control = request.view.control
     if body.take_over:
-        control.take_over(request.caller)
-    elif refused := control.take(request.caller, keep=True):
-        return ErrorResponse(409, refused)
-    return get_control(request)
+        refused = control.take_over(request.caller)
+    else:
+        refused = control.take(request.caller, keep=True)
+    return _refused(refused) or get_control(request)
 
 
 def release_control(request: ApiRequest) -> ErrorResponse | None:
@@ -128,6 +133,26 @@ def end_mode(request: ApiRequest) -> types.ModeState | ErrorResponse:
     return _refused(request.view.control.end_mode(request.caller)) or get_mode(request)
 
 
+def list_group_modes(request: ApiRequest) -> list[GroupModeForm]:
+    """List the modes of several robots and their parameters."""
+    return group_forms()
+
+
+def start_group_mode(request: ApiRequest, body: types.Group) -> ErrorResponse | None:
+    """Start a mode of several robots, of all of them or none.
+
+    Takes control of each but the leader, where it is free. Each mode ends as one that was started
+    for its robot alone.
+    """
+    try:
+        refused = group.start(
+            request.page, request.caller, body.mode, body.robots, body.leader, waits=False
+        )
+    except MotionError as error:
+        refused = str(error)
+    return _refused(refused)
+
+
 def goto(request: ApiRequest, body: Goto) -> types.ModeState | ErrorResponse:
     """Drive to a point: the same as that mode."""
     return start_mode(request, body)
@@ -139,7 +164,7 @@ def describe(view: RobotView) -> types.Robot:
     info, status = robot.info, robot.supervisor.status.latest
     return types.Robot(
         number=view.number,
-        name=view.name,
+        name=view.label,
         model=info.model.name,
         title=info.model.title,
         url=info.url,
@@ -176,22 +201,24 @@ def _result(request: ApiRequest) -> types.CommandResult:
 
 
 ROBOT = "/api/robots/{robot}"
-VIEWER, DRIVER = Role.VIEWER, Role.DRIVER
+VIEWER, STUDENT, DRIVER = Role.VIEWER, Role.STUDENT, Role.DRIVER
 ROBOTS = (
     operation("GET", "/api/robots", list_robots, VIEWER),
     operation("POST", "/api/emergency_stop", emergency_stop_all, VIEWER),
     operation("GET", f"{ROBOT}/snapshot", get_snapshot, VIEWER, 404, 409),
     operation("POST", f"{ROBOT}/stop", stop, VIEWER, 404),
     operation("POST", f"{ROBOT}/emergency_stop", emergency_stop, VIEWER, 404),
-    operation("POST", f"{ROBOT}/reset", reset_emergency_stop, DRIVER, 404),
-    operation("PUT", f"{ROBOT}/motors", switch_motors, DRIVER, 404, 409),
-    operation("POST", f"{ROBOT}/drive", drive, DRIVER, 404, 409),
+    operation("POST", f"{ROBOT}/reset", reset_emergency_stop, STUDENT, 404),
+    operation("PUT", f"{ROBOT}/motors", switch_motors, STUDENT, 404, 409),
+    operation("POST", f"{ROBOT}/drive", drive, STUDENT, 404, 409),
     operation("GET", f"{ROBOT}/control", get_control, VIEWER, 404),
-    operation("PUT", f"{ROBOT}/control", take_control, DRIVER, 404, 409),
-    operation("DELETE", f"{ROBOT}/control", release_control, DRIVER, 404),
+    operation("PUT", f"{ROBOT}/control", take_control, STUDENT, 404, 409),
+    operation("DELETE", f"{ROBOT}/control", release_control, STUDENT, 404),
     operation("GET", "/api/modes", list_modes, VIEWER),
+    operation("GET", "/api/group_modes", list_group_modes, VIEWER),
+    operation("POST", "/api/group_mode", start_group_mode, DRIVER, 404, 409),
     operation("GET", f"{ROBOT}/mode", get_mode, VIEWER, 404),
-    operation("PUT", f"{ROBOT}/mode", start_mode, DRIVER, 404, 409),
-    operation("DELETE", f"{ROBOT}/mode", end_mode, DRIVER, 404, 409),
-    operation("POST", f"{ROBOT}/goto", goto, DRIVER, 404, 409),
+    operation("PUT", f"{ROBOT}/mode", start_mode, STUDENT, 404, 409),
+    operation("DELETE", f"{ROBOT}/mode", end_mode, STUDENT, 404, 409),
+    operation("POST", f"{ROBOT}/goto", goto, STUDENT, 404, 409),
 )

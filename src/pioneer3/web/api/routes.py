@@ -5,20 +5,22 @@ from inspect import isawaitable
 
 import msgspec
 from starlette.requests import Request
-from starlette.responses import Response
+from starlette.responses import FileResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from pioneer3.errors import CommandError
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
-from pioneer3.web.access.sessions import Role
+from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.api.access_operations import ACCESS
+from pioneer3.web.api.class_operations import CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
-from pioneer3.web.api.operation import ApiRequest, Operation, decode, openapi
+from pioneer3.web.api.operation import PLAIN, ApiRequest, Operation, TextFile, decode, openapi
 from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
+from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS
 from pioneer3.web.robot_view import RobotView
 
-OPERATIONS = (*ROBOTS, *NAVIGATION, *ACCESS)
+OPERATIONS = (*ROBOTS, *NAVIGATION, *CLASS, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 
@@ -47,7 +49,7 @@ def _route(page: Page, path: str) -> Route:
 
 async def _serve(page: Page, operation: Operation, request: Request) -> Response:
     session = session_of(request)
-    if refused := _refuse(operation, session.role if session else None):
+    if refused := _refuse(operation, session, request.path_params):
         return respond(refused)
     call = ApiRequest(
         page=page,
@@ -64,6 +66,8 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
         result = await result
     if isinstance(result, ErrorResponse):
         return respond(result)
+    if isinstance(result, TextFile):
+        return FileResponse(result.path, media_type=PLAIN, filename=result.path.name)
     headers = {"Set-Cookie": call.cookie} if call.cookie else None
     if result is None:
         return Response(status_code=204, headers=headers)
@@ -101,13 +105,18 @@ async def _read(request: Request) -> bytes | ErrorResponse:
     return bytes(data)
 
 
-def _refuse(operation: Operation, role: Role | None) -> ErrorResponse | None:
+def _refuse(
+    operation: Operation, session: Session | None, path: Mapping[str, str]
+) -> ErrorResponse | None:
     if operation.needs is None:
         return None
-    if role is None:
+    if session is None:
         return ErrorResponse(
             401, "pair this browser, or send a bearer token; see docs/how-to/share.md"
         )
-    if not role.covers(operation.needs):
-        return ErrorResponse(403, "you are a viewer: you may look, and stop the robot")
+    student = session.role is Role.STUDENT
+    if student and path.get("robot", str(session.robot)) != str(session.robot):
+        return ErrorResponse(403, NOT_YOURS)
+    if not session.role.covers(operation.needs):
+        return ErrorResponse(403, ONLY_TEACHERS if student else ONLY_DRIVERS)
     return None

@@ -5,10 +5,11 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from pioneer3.behaviors.modes.group import AnyGroupMode
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.state import Battery, Bumpers
 from pioneer3.web.access.sessions import Role
-from pioneer3.web.messages import Motors, Sonar
+from pioneer3.web.messages import HandedIn, Motors, Recording, Seat, Sonar
 from pioneer3.web.requests import Metre, Radian
 from pioneer3.web.requests import Speed as MapSpeed
 
@@ -30,6 +31,14 @@ class MotorPower(Body):
     """The motors' power."""
 
     on: bool
+
+
+class Group(Body):
+    """A mode of several robots, by their numbers; `leader` is one of them, null without one."""
+
+    robots: Annotated[tuple[int, ...], Meta(min_length=2, max_length=100)]
+    mode: AnyGroupMode
+    leader: int | None = None
 
 
 class ControlRequest(Body):
@@ -193,3 +202,60 @@ class Token(msgspec.Struct):
     name: str
     role: Role
     token: str
+
+
+class JoinRequest(Body):
+    """The class's token, and the student's name."""
+
+    token: Annotated[str, Meta(max_length=128)]
+    name: Annotated[str, Meta(min_length=1, max_length=40)]
+
+
+class Joined(msgspec.Struct):
+    """The student's robot and name; programs of the student connect to `url`."""
+
+    robot: int
+    name: str
+    url: str
+
+
+class ClassLink(msgspec.Struct):
+    """The address for students, and as a QR code; `lan` says that other devices can reach it."""
+
+    url: str
+    svg: str
+    lan: bool
+
+
+class Paused(Body):
+    """Whether the robots are to stand still."""
+
+    paused: bool
+
+
+class Locked(Body):
+    """Whether no more students can join."""
+
+    locked: bool
+
+
+class RecordingStep(Body):
+    """The next step of a recording; handing in ends it."""
+
+    step: Literal["begin", "end", "hand_in", "discard"]
+
+
+class RecordingState(msgspec.Struct):
+    """The recording of a robot's run, null without one, and the run that was handed in now."""
+
+    recording: Recording | None
+    handed_in: HandedIn | None
+
+
+class ClassState(msgspec.Struct):
+    """The class, or of a student the own seat and runs."""
+
+    paused: bool
+    locked: bool
+    seats: tuple[Seat, ...]
+    handed_in: tuple[HandedIn, ...]

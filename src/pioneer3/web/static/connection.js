@@ -11,6 +11,7 @@ export class Connection {
   #onMessage;
   #onChange;
   #onLost;
+  #query;
   #socket = null;
   #retry = FIRST_RETRY;
   #timer = 0;
@@ -22,7 +23,9 @@ export class Connection {
   /** When the next attempt is due [performance.now()], or null while connected or connecting. */
   retryAt = null;
 
-  constructor({ onMessage, onChange, onLost }) {
+  /** @param query behind the socket's address, such as "?robot=3"; by default that of the page */
+  constructor({ onMessage, onChange, onLost, query = location.search }) {
+    this.#query = query;
     this.#onMessage = onMessage;
     this.#onChange = onChange;
     this.#onLost = onLost;
@@ -39,7 +42,7 @@ export class Connection {
     clearTimeout(this.#timer);
     this.retryAt = null;
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    const socket = new WebSocket(`${scheme}//${location.host}/ws${location.search}`);
+    const socket = new WebSocket(`${scheme}//${location.host}/ws${this.#query}`);
     this.#socket = socket;
     this.#heardAt = performance.now();
     socket.addEventListener("open", () => this.#isCurrent(socket) && this.#opened());

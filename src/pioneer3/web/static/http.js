@@ -16,11 +16,11 @@ export async function ask(method, path, body) {
   throw Object.assign(new Error(answer.detail), { status: response.status });
 }
 
-/** Goes to the pairing page if this browser is not paired, or not any more. */
-export async function checkPairing() {
+/** Goes to a page that tells how to come in if this browser is not paired, or not any more. */
+export async function checkPairing(path = "/pair") {
   try {
     await ask("GET", "me");
   } catch ({ status }) {
-    if (status === 401) location.replace("/pair");
+    if (status === 401) location.replace(path);
   }
 }

@@ -1,7 +1,8 @@
 // Composes the page: messages change the model, the model is drawn and shown, inputs become messages.
 
-import { byId } from "./dom.js";
+import { OwnRobot } from "./classroom/own_robot.js";
 import { Connection } from "./connection.js";
+import { byId } from "./dom.js";
 import { Drive } from "./drive/drive.js";
 import { Inputs, Limits } from "./drive/inputs.js";
 import { StopQueue, listenToStops, showLatched, showStops, showTrouble } from "./drive/stops.js";
@@ -22,7 +23,7 @@ import { View } from "./map/view.js";
 import { Model } from "./model/model.js";
 import { Panels } from "./panels/panels.js";
 import { People } from "./panels/people.js";
-import { Picker } from "./panels/picker.js";
+import { Picker, addsRobot } from "./panels/picker.js";
 import {
   showConnection, showLink, showOverlay, showPause, showRobot, showSnapshot, showUsable, showWhy, toast,
 } from "./panels/status.js";
@@ -42,7 +43,7 @@ const view = new View({ reducedMotion: () => matchMedia("(prefers-reduced-motion
 const layers = new Layers(showLayer);
 const legend = new Legend(layers);
 const scene = new Scene(canvas, view, model, layers);
-const connection = new Connection({ onMessage: receive, onChange: connected, onLost: checkPairing });
+const connection = new Connection({ onMessage: receive, onChange: connected, onLost: () => checkPairing(ownRobot.isStudent ? "/join" : "/pair") });
 const drive = new Drive({
   send: sendDrive,
   limits: () => limits.values,
@@ -53,7 +54,8 @@ const people = new People({
   send: (message) => connection.send(message) || toast("Not connected: nothing was changed."),
   notify: toast,
 });
-const picker = new Picker({ model, select, open: () => panels.open("robots") });
+const ownRobot = new OwnRobot({ send: (message) => connection.send(message), notify: toast, prefer: () => panels.prefer("program") });
+const picker = new Picker({ model, select, toggle, chooseAll, open: () => panels.open("robots") });
 const editor = new Editor({ view, world: model.world, send: sendEdit, lift, changed: showEdit });
 scene.editor = editor;
 const toolbar = new EditorToolbar({
@@ -93,7 +95,10 @@ const stops = new StopQueue({
 });
 const teleop = new Teleop({ drive, model, stops, connection, notify: toast, changed: refresh });
 const panels = new Panels({
+  model,
   send: sendToRobot,
+  sendToAll: (message) => connection.send(message),
+  lead: select,
   notify: toast,
   tell,
   opened: (view) => {
@@ -123,6 +128,7 @@ function receive(message) {
   else if (message.type === "edit_refused") refusedEdit(message);
   else if (message.type === "refused") refused(message);
   else if (message.type === "people") takePeople(message);
+  else if (message.type === "class") ownRobot.takeClass(message);
   else if (message.type === "way") goto.takeWay(message);
   else if (message.type === "told") showNews(message);
   else if (message.type === "pong") stops.acknowledge(message.t);
@@ -150,6 +156,7 @@ function showMap() {
 }
 
 function showHello(hello) {
+  ownRobot.takeHello(hello);
   inputs.adopt(hello);
   editMode.offer("world", Boolean(hello.models));
   toolbar.adopt(hello.models);
@@ -172,12 +179,27 @@ function showLayer(name) {
 
 /** Selects another robot; the one before is stopped if it is driven. */
 function select(id) {
-  if (id === model.selected?.id || !model.robots.has(id)) return;
+  if (!model.robots.has(id) || (id === model.selected?.id && model.chosen.length < 2)) return;
   if (drive.active) drive.stop();
   model.select(id);
   showSelected();
   if (panels.view === "robots" && matchMedia(PHONE).matches) panels.open(null); // back to the controls
   if (model.snapshot) show();
+  refresh();
+}
+
+/** Chooses one robot more, or one less; those that are driven are stopped first. */
+function toggle(id) {
+  if (drive.active) drive.stop();
+  model.toggle(id);
+  showSelected();
+  refresh();
+}
+
+function chooseAll() {
+  if (drive.active) drive.stop();
+  model.chooseAll();
+  showSelected();
   refresh();
 }
 
@@ -191,17 +213,18 @@ function showSelected() {
 }
 
 /** A tap on the map selects the robot there; returns whether there is one. */
-function pick(point, type) {
+function pick(point, type, event) {
   if (editMode.open || !model.several) return false;
   const slack = (type === "mouse" ? 4 : 16) / view.scale;
   const robot = robotAt(scene.robots, view.toWorld(point.x, point.y), slack);
-  if (robot) select(robot.id);
+  if (robot && addsRobot(event)) toggle(robot.id);
+  else if (robot) select(robot.id);
   return robot !== null;
 }
 
 /** A tap on the map: a robot is selected, or with the mouse a goal is proposed. */
-function tap(point, type) {
-  if (pick(point, type)) return true;
+function tap(point, type, event) {
+  if (pick(point, type, event)) return true;
   editor.select(null); // the floor was tapped
   if (!editMode.open && type === "mouse") goto.propose(point, type);
   else goto.withdraw();
@@ -210,9 +233,12 @@ function tap(point, type) {
 
 const longPress = (point, type) => (!editMode.open && goto.propose(point, type) ? goto : null);
 
+/** Drives or stops the chosen robots, but those that somebody else has control of. */
 function sendDrive(message) {
-  const request = { ...message, robot: model.selected?.id };
-  return message.type === "drive" ? connection.sendFresh(request) : connection.send(request);
+  const [first, ...rest] = model.driven.map(({ id }) => id);
+  if (first === undefined) return;
+  if (message.type === "drive") connection.sendFresh({ ...message, robot: first, ...(rest.length ? { also: rest } : {}) });
+  else for (const robot of [first, ...rest]) connection.send({ ...message, robot });
 }
 
 function sendToRobot(message) {
@@ -224,6 +250,7 @@ function takePeople(message) {
   model.viewer = people.viewer;
   model.client = message.id;
   model.leases = message.control;
+  ownRobot.takeOver(model);
 }
 
 function showSnapshots({ snapshots }) {
@@ -242,7 +269,10 @@ function show() {
 /** Returns the hint for a robot that stands and has nothing to do. */
 function hint() {
   if (model.viewer) return WATCHING;
+  if (model.denial) return ""; // the class's banner says why
   const holder = people.holder;
+  const { chosen, driven } = model;
+  if (chosen.length > 1) return `You drive ${driven.length} of ${chosen.length} chosen robots; space stops all of them.`;
   if (holder && holder !== "you") return `${holder} has control.`;
   return hasDriven ? "" : inputs.hint;
 }
@@ -299,6 +329,7 @@ function refused({ message }) {
 /** Shows which data are still up to date, and stops driving where they are not. */
 function refresh() {
   model.setSocket(connection.open);
+  ownRobot.show(model, people.holder);
   if (drive.holding && model.refusal !== null) drive.stop();
   const { live, snapshot } = model;
   showConnection(model, connection.retryAt, people.holder);
@@ -359,6 +390,7 @@ function expose() {
         return Object.freeze({
           hello: model.hello,
           robot: model.selected?.id ?? null,
+          chosen: model.chosen.map(({ id }) => id),
           robots: [...model.robots.values()].map(({ id, name, snapshot, status }) => ({ id, name, snapshot, status })),
           snapshot: model.snapshot,
           status: model.status,

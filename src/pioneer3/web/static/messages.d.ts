@@ -1,12 +1,13 @@
 // Made by docs/reference/message_types.py from pioneer3.web.messages and requests.
 
-/** All robots. `models` is null where the world cannot be changed. */
+/** The robots that the receiver sees: all of them, or in a class a student's own. `models` is null where the receiver cannot change the world, `class` without a class. */
 export interface Hello {
   type: "hello";
   version: string;
   robots: Robot[];
   models: Model[] | null;
   gamepad: Scheme;
+  class: ClassMember | null;
 }
 
 /** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs. */
@@ -71,6 +72,12 @@ export interface Scheme {
   turn_rate: number;
   turbo_speed: number;
   turbo_turn_rate: number;
+}
+
+/** The receiver's part in a class: a teacher, or the student of one `robot`. */
+export interface ClassMember {
+  teacher: boolean;
+  robot: number | null;
 }
 
 /** The state of the connection to a robot. */
@@ -316,8 +323,8 @@ export interface People {
   clients: Client[];
 }
 
-/** Permissions. Viewers look, and stop the robot. Drivers do the rest as well. */
-export type Role = "driver" | "viewer";
+/** Permissions. Viewers look, and stop robots. Drivers do the rest as well. Students of a class look at their own robot only, and drive it. */
+export type Role = "driver" | "student" | "viewer";
 
 /** The operator who has control of a robot; `id` is null for a script. */
 export interface Holder {
@@ -331,6 +338,66 @@ export interface Client {
   id: number;
   name: string;
   role: Role;
+}
+
+/** The class. Students get their own seat and runs only, and no `join_url`. `paused` says that the teacher has paused all robots, `locked` that nobody else can join, and `lan` that other devices can reach `join_url`. */
+export interface Class {
+  type: "class";
+  paused: boolean;
+  locked: boolean;
+  lan: boolean;
+  join_url: string | null;
+  seats: Seat[];
+  handed_in: HandedIn[];
+}
+
+/** A robot of a class and its student: `name` is null while nobody has joined. `online` counts the student's open pages. `program` is the address of the program that has the robot, null without; programs connect to `url`. The teacher has `paused` it. A student of the class may drive it from the page unless `refusal` says why not. */
+export interface Seat {
+  robot: number;
+  name: string | null;
+  online: number;
+  program: string | null;
+  paused: boolean;
+  refusal: string;
+  recording: Recording | null;
+  url: string;
+}
+
+/** A recorded run that is not handed in; `ended` says why it has ended by itself, or is empty. `began` is the Unix time [s]; `seconds` is its length, null while it goes on. */
+export interface Recording {
+  began: number;
+  seconds: number | null;
+  ended: string;
+}
+
+/** A run that was handed in; `at` is the Unix time [s], `seconds` its length. */
+export interface HandedIn {
+  file: string;
+  student: string;
+  robot: number;
+  at: number;
+  seconds: number;
+  size: number;
+}
+
+/** New small snapshots of a class's robots, five times a second. */
+export interface ClassRobots {
+  type: "class_robots";
+  snapshots: SmallSnapshot[];
+}
+
+/** A robot of a class at one instant, for the teacher's page; the pose is in the map. `driver` is null while nobody drives. `by` is the kind of driver: a student's page, the teacher's, a program at the robot's port, or a mode or script. `battery` is in volts. */
+export interface SmallSnapshot {
+  robot: number;
+  pose: [number, number, number];
+  v: number;
+  battery: number;
+  stalled: boolean;
+  emergency_stop: boolean;
+  connected: boolean;
+  by: "mode" | "program" | "student" | "teacher" | null;
+  driver: string | null;
+  why: string | null;
 }
 
 /** The way to the place x, y, for the client that asked for it; or the reason why there is none. `points` are in the map; `length` is in metres, `seconds` a guess of the time it takes. `closed` says what closes the way now: a robot sets out all the same, and waits before it for a while. */
@@ -515,12 +582,13 @@ export interface Row {
   meaning: string;
 }
 
-/** Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go. */
+/** Hold this velocity [m/s, rad/s] with `input` until it expires; 0, 0 lets go. The robots `also` hold the same. */
 export interface Drive {
   type: "drive";
   v: number;
   w: number;
   input?: "gamepad" | "keyboard" | "tilt" | "touch";
+  also?: number[];
   robot?: number | null;
 }
 
@@ -668,6 +736,37 @@ export interface PlaceRobot {
   y: number;
   heading?: number | null;
   robot?: number | null;
+}
+
+/** Start a mode of several robots, of which one may be the leader; it is left to its driver. */
+export interface StartGroupMode {
+  type: "start_group_mode";
+  robots: number[];
+  mode: Form | FollowLeader | Spread;
+  leader?: number | null;
+}
+
+/** Keep a formation around a leader. The followers drive to their places at once, each to the one that is near, and keep them while the leader drives. In a column they keep to its track. */
+export interface Form {
+  mode: "form";
+  formation?: "column" | "line" | "wedge";
+  spacing?: number;
+  seconds?: number;
+}
+
+/** Follow the track of a leader, one behind the other. The robot that is nearest to the leader follows first. They cut no corners. */
+export interface FollowLeader {
+  mode: "follow-leader";
+  distance?: number;
+  seconds?: number;
+}
+
+/** Drive apart until all are far enough from each other. Each is done once no other robot is nearer. A wall may be in the way: then it stands there. */
+export interface Spread {
+  mode: "spread";
+  apart?: number;
+  speed?: number;
+  seconds?: number;
 }
 
 /** Open the details of the robot in place of any other's, or close them. */
@@ -855,6 +954,38 @@ export interface SaveMap {
   format?: ".map" | ".toml" | ".yaml";
 }
 
-export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+/** Stop a robot of the class, or all without a number, and let nobody drive; or end that. */
+export interface PauseRobots {
+  type: "pause_robots";
+  paused: boolean;
+  robot?: number | null;
+}
 
-export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap;
+/** Stop a simulated robot of the class and put it where it began; without a number, all. */
+export interface PutBack {
+  type: "put_back";
+  robot?: number | null;
+}
+
+/** Show the student of a robot out, so that another can have it. */
+export interface FreeSeat {
+  type: "free_seat";
+  robot: number;
+}
+
+/** Let no more students join the class, or let them again. */
+export interface LockJoining {
+  type: "lock_joining";
+  locked: boolean;
+}
+
+/** Record a run of a robot of the class, end the recording, hand it in, or drop it. Handing in ends it. `robot` is null for a student's own. */
+export interface RecordRun {
+  type: "record_run";
+  step: "begin" | "discard" | "end" | "hand_in";
+  robot?: number | null;
+}
+
+export type ToPage = Hello | Status | Robots | Scans | Map | MapDraft | World | People | Class | ClassRobots | Way | Navigation | Mapping | Told | Refused | EditRefused | Added | Pong | Details | NoDetails | Config;
+
+export type ToServer = Drive | Stop | EmergencyStop | ResetEmergencyStop | SwitchMotors | TakeControl | TakeOver | HandOver | ReleaseControl | StartMode | GotoPlace | MakeMap | EndMode | Patrol | LookAround | PlaceRobot | StartGroupMode | WatchDetails | AskConfig | WatchLasers | PlanWay | Ping | AddBox | AddPerson | AddRobot | Move | Remove | PressStopButton | PlugCable | SetCharge | Pause | Step | SetSpeed | EraseWalls | DrawWall | Forbid | NamePlace | RenameObject | RemoveObject | UndoMapEdit | DiscardMapEdits | SaveMap | PauseRobots | PutBack | FreeSeat | LockJoining | RecordRun;

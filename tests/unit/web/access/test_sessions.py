@@ -2,7 +2,8 @@
 
 import pytest
 
-from pioneer3.web.access.sessions import IDLE, MOST, NAME, Kind, Role, Session, Sessions, clean_name
+from pioneer3.names import NAME, clean_name
+from pioneer3.web.access.sessions import IDLE, MOST, Kind, Role, Session, Sessions
 from tests.unit.web.access.test_invitations import Clock
 
 DRIVER, VIEWER = Role.DRIVER, Role.VIEWER

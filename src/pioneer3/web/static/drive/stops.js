@@ -14,7 +14,7 @@ const TROUBLE = {
 };
 
 /** Calls `act` when the button is pressed, not when it is released, by pointer or by keyboard. */
-function onPress(button, act) {
+export function onPress(button, act) {
   let byPointer = false;
   button.addEventListener("pointerdown", () => {
     byPointer = true;

@@ -48,9 +48,10 @@ export class Teleop {
     drive.stop();
   };
 
-  /** Stops the selected robot, whoever drives it, and all others that the user drives; their modes end. */
+  /** Stops the chosen robots, whoever drives them, and all others that the user drives; their modes end. */
   stop = () => {
-    const robots = new Set([this.#model.selected, ...this.#model.mine]);
+    const { selected, chosen, mine } = this.#model;
+    const robots = new Set([selected, ...chosen, ...mine]);
     this.#stop(...[...robots].map((robot) => ({ type: "stop", robot: robot?.id })));
   };
 

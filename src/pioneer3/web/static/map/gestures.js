@@ -18,7 +18,7 @@ export const kindOf = (pointerType) => (pointerType === "mouse" ? "mouse" : "tou
 /**
  * @param takers  [{take, drag, drop, cancel, hovers}]: the first that takes a pointer has it
  * @param changed function(), after the view has changed
- * @param tap     function(point, pointerType): a tap that no taker has; returns whether it is used up:
+ * @param tap     function(point, pointerType, event): a tap that no taker has; returns whether it is used up:
  *                then it is no half of a double tap
  * @param twice   function(), after a double tap, which shows all or follows
  * @param longPress function(point, pointerType): a finger stays; returns the taker that has it, or null
@@ -111,7 +111,7 @@ export function listenToCanvas(canvas, view, { takers, changed, tap, twice, long
       lastTap.at = -Infinity;
       twice();
       changed();
-    } else if (tap({ x, y }, event.pointerType)) {
+    } else if (tap({ x, y }, event.pointerType, event)) {
       lastTap.at = -Infinity;
     } else {
       lastTap = { at: event.timeStamp, x, y };

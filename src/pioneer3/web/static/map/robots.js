@@ -35,7 +35,7 @@ export function drawSenses(context, view, palette, placed, { selected, isLive, s
 }
 
 /** The robots themselves, in world coordinates; the selected one on top. */
-export function drawRobots(context, view, palette, placed, { selected, several, isLive, shown, sprites, scale }) {
+export function drawRobots(context, view, palette, placed, { selected, chosen, several, isLive, shown, sprites, scale }) {
   const one = (robot, pose, colours) => {
     context.save();
     context.translate(pose.x, pose.y);
@@ -45,7 +45,11 @@ export function drawRobots(context, view, palette, placed, { selected, several, 
     drawRobot(context, view, colours, { robot: robot.shape, bumpers }, sprites, scale);
     context.restore();
   };
-  for (const [robot, pose] of placed) if (robot !== selected) one(robot, pose, palette.unselected);
+  for (const [robot, pose] of placed) {
+    if (robot === selected) continue;
+    if (chosen.includes(robot)) drawSelectionRing(context, view, palette, robot, pose, [6, 4]);
+    one(robot, pose, palette.unselected);
+  }
   for (const [robot, pose] of placed) {
     if (robot !== selected) continue;
     if (several) drawSelectionRing(context, view, palette, robot, pose);
@@ -53,12 +57,15 @@ export function drawRobots(context, view, palette, placed, { selected, several, 
   }
 }
 
-function drawSelectionRing(context, view, palette, robot, pose) {
+/** @param dashes of the line [px]; none for the selected robot */
+function drawSelectionRing(context, view, palette, robot, pose, dashes = []) {
   context.beginPath();
   context.arc(pose.x, pose.y, reach(robot) + RING / view.scale, 0, 2 * Math.PI);
   context.strokeStyle = palette.nose;
   context.lineWidth = 2 / view.scale;
+  context.setLineDash(dashes.map((length) => length / view.scale));
   context.stroke();
+  context.setLineDash([]);
 }
 
 /** In CSS pixels, below each robot. */
@@ -94,11 +101,12 @@ function reach({ shape }) {
  * @param sprites keeps the picture of the robot without bumper hits
  * @param scale   device pixels per m
  * @param bumpers {front, rear} of a snapshot, or null
+ * @param ringed  whether a small one gets a ring to be found by
  */
-export function drawRobot(context, view, palette, { robot, bumpers }, sprites, scale) {
+export function drawRobot(context, view, palette, { robot, bumpers, ringed = true }, sprites, scale) {
   const shape = robot ?? GENERIC;
   const ring = SMALL / view.scale / 2;
-  if (shape.length_front < ring) drawRing(context, view, palette, ring);
+  if (ringed && shape.length_front < ring) drawRing(context, view, palette, ring);
   const key = [shape.model, shape.length_front, shape.length_rear, shape.width, shape.front_bumpers, shape.rear_bumpers,
     palette.body, palette.edge].join();
   sprites.drawShape(context, key, around(shape, 24 / scale), scale, (own, at) => drawShape(own, { scale: at }, palette, shape));

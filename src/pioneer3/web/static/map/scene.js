@@ -3,18 +3,12 @@
 import { CachedPicture, SpriteCache } from "./cache.js";
 import { FloorPlan, OccupancyGrid, drawScale } from "./floor_plan.js";
 import { drawMapEdit } from "./map_editor.js";
+import { readPalette, watchPalette } from "./palette.js";
 import { drawRobotNames, drawRobots, drawSenses } from "./robots.js";
 import { drawProposal, drawStop, drawTarget } from "./target.js";
 import { byLayer, drawGhost, drawNames, drawSelection, drawThing } from "./things.js";
 import { Trails } from "./trails.js";
 import { drawWhereabouts } from "./whereabouts.js";
-
-const NAMES = [
-  "floor", "grid", "grid-major", "wall", "wall-soft", "trail", "path", "body", "deck", "edge",
-  "arrow", "wheel", "nose", "sonar-near", "sonar-mid", "sonar-far", "sonar-none", "bumper", "hit", "ink",
-  "box", "box-edge", "person", "person-soft", "person-head", "mate", "mate-deck", "mate-edge", "other", "other-deck", "other-edge", "select", "label",
-  "cell", "free", "goal", "dock", "home", "forbidden", "zone", "laser", "target",
-];
 
 export class Scene {
   #canvas;
@@ -54,8 +48,7 @@ export class Scene {
     this.#model = model;
     this.#layers = layers;
     new ResizeObserver(() => this.#resize()).observe(canvas);
-    matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.#recolour());
-    matchMedia("(prefers-contrast: more)").addEventListener("change", () => this.#recolour());
+    watchPalette(() => this.#recolour());
   }
 
   get ratio() {
@@ -134,9 +127,9 @@ export class Scene {
     const context = this.#context;
     const palette = this.#palette;
     const [ratio, shown] = [this.#ratio, this.#shown];
-    const { world, robots, selected, several } = this.#model;
+    const { world, robots, selected, chosen, several } = this.#model;
     const [sprites, scale] = [this.#sprites, view.scale * ratio];
-    const common = { selected, several, isLive: this.#isLive, paused: world.paused, shown, now, sprites, scale, ratio };
+    const common = { selected, chosen, several, isLive: this.#isLive, paused: world.paused, shown, now, sprites, scale, ratio };
     const things = byLayer(world.things.values())
       .map((thing) => [thing, robots.get(thing.own)?.poseAt(now) ?? world.poseAt(thing, now)]);
     const visible = things.filter(([{ kind }]) => kind === "robot" || shown("things"));
@@ -186,13 +179,4 @@ export class Scene {
     camera.apply(context, ratio);
     this.#floor.draw(context, camera, this.#palette, ratio, this.#shown);
   }
-}
-
-/** Colours by name; `unselected` has those of a robot that is not selected, `external` of one that is not this page's. */
-function readPalette() {
-  const style = getComputedStyle(document.documentElement);
-  const palette = Object.fromEntries(NAMES.map((name) => [name, style.getPropertyValue(`--c-${name}`).trim()]));
-  const painted = (kind) => ({ ...palette, body: palette[kind], deck: palette[`${kind}-deck`], edge: palette[`${kind}-edge`], nose: palette[`${kind}-deck`] });
-  [palette.unselected, palette.external] = [painted("mate"), painted("other")];
-  return palette;
 }

@@ -1,6 +1,6 @@
-// The pose to draw between two reports: never more than DELAY ms behind the newest.
+// The pose to draw between two reports: never more than a delay behind the newest.
 
-const DELAY = 90; // ms
+export const DELAY = 90; // ms, where reports come ten times a second
 const JUMP = 0.5; // m; a larger step is not interpolated
 const JUMP_ANGLE = 0.8; // rad
 
@@ -8,6 +8,12 @@ export class PoseInterpolator {
   #from = null;
   #to = null;
   #start = 0;
+  #delay;
+
+  /** @param delay [ms], a little less than the time between two reports */
+  constructor(delay = DELAY) {
+    this.#delay = delay;
+  }
 
   /** Takes a pose that arrived at `now` [ms]. */
   moveTo(pose, now) {
@@ -23,7 +29,7 @@ export class PoseInterpolator {
   /** Pose to draw at `now` [ms], or null before the first. */
   at(now) {
     if (this.#to === null) return null;
-    const k = Math.min(1, Math.max(0, (now - this.#start) / DELAY));
+    const k = Math.min(1, Math.max(0, (now - this.#start) / this.#delay));
     if (k === 1) return this.#to;
     return {
       x: this.#from.x + (this.#to.x - this.#from.x) * k,
@@ -34,7 +40,7 @@ export class PoseInterpolator {
 
   /** Whether the pose still changes at `now`. */
   moving(now) {
-    if (this.#to === null || now - this.#start >= DELAY) return false;
+    if (this.#to === null || now - this.#start >= this.#delay) return false;
     return ["x", "y", "theta"].some((key) => this.#from[key] !== this.#to[key]);
   }
 }

@@ -12,11 +12,22 @@ export class Model {
   world = new World();
   /** Whether this page may only look, and stop. */
   viewer = false;
+  /** The reason why the class does not let this page drive now, or empty. */
+  denial = "";
+  /** Whether a program at the robot's own port drives it. */
+  program = false;
   /** Number of this page among the clients, by which drivers are told apart. */
   client = null;
   /** Control leases that are held. @type {import("../messages.d.ts").Holder[]} */
   leases = [];
   #selected = null;
+  #also = new Set(); // numbers of the robots that are chosen beside the selected one
+  #delay;
+
+  /** @param delay of drawn poses [ms], where reports come less often than usual */
+  constructor(delay) {
+    this.#delay = delay;
+  }
 
   /** Takes one message of the server. @param {import("../messages.d.ts").ToPage} message */
   receive(message) {
@@ -34,11 +45,46 @@ export class Model {
     return this.robots.get(this.#selected) ?? null;
   }
 
-  /** Returns whether that is another one. */
+  /** Selects one robot alone; returns whether it is another one, or was not alone. */
   select(id) {
-    if (id === this.#selected || !this.robots.has(id)) return false;
+    if ((id === this.#selected && this.#also.size === 0) || !this.robots.has(id)) return false;
     this.#selected = id;
+    this.#also.clear();
     return true;
+  }
+
+  /** Chooses one robot more, or one less; the selected one is one of them, and the last one stays. */
+  toggle(id) {
+    if (!this.robots.has(id)) return;
+    if (id !== this.#selected) {
+      if (!this.#also.delete(id)) this.#also.add(id);
+      return;
+    }
+    const next = this.chosen[1];
+    if (!next) return;
+    this.#also.delete(next.id);
+    this.#selected = next.id;
+  }
+
+  /** Chooses all robots. */
+  chooseAll() {
+    for (const id of this.robots.keys()) if (id !== this.#selected) this.#also.add(id);
+  }
+
+  /** The robots that are driven together: the selected one first, then those chosen beside it. */
+  get chosen() {
+    const also = [...this.robots.values()].filter(({ id }) => this.#also.has(id) && id !== this.#selected);
+    return this.selected ? [this.selected, ...also] : also;
+  }
+
+  /** Those of them that nobody else has control of. */
+  get driven() {
+    const chosen = this.chosen;
+    if (chosen.length < 2) return chosen;
+    return chosen.filter((robot) => {
+      const holder = this.holderOf(robot);
+      return robot.connected && (!holder || holder.id === this.client);
+    });
   }
 
   get several() {
@@ -104,6 +150,7 @@ export class Model {
     if (this.selected && !this.selected.connected) return "The robot is not connected.";
     if (!this.live) return "No news from the robot: driving blind is not possible.";
     if (this.viewer) return "You are a viewer: you may look, and stop the robot.";
+    if (this.denial) return `${this.denial[0].toUpperCase()}${this.denial.slice(1)}.`;
     if (this.snapshot.emergency_stop) return "Emergency stop: reset it before driving.";
     return null;
   }
@@ -111,8 +158,9 @@ export class Model {
   #takeHello(hello) {
     this.hello = hello;
     const before = this.robots;
-    this.robots = new Map(hello.robots.map((told) => [told.id, before.get(told.id) ?? new Robot(told)]));
+    this.robots = new Map(hello.robots.map((told) => [told.id, before.get(told.id) ?? new Robot(told, this.#delay)]));
     for (const told of hello.robots) this.robots.get(told.id).takeHello(told);
+    for (const id of this.#also) if (!this.robots.has(id)) this.#also.delete(id);
     if (!this.robots.has(this.#selected)) this.#selected = hello.robots[0]?.id ?? null;
   }
 

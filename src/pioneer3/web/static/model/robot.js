@@ -22,15 +22,17 @@ export class Robot {
   lifted = false;
   /** Trail of [x, y] in the map; null separates pieces. */
   trail = [];
-  #drawn = new PoseInterpolator();
+  #drawn;
   #snapshotAt = -Infinity;
   /** The last scans of its lasers as points of the map, together, or null. */
   points = null;
   #scans = new Map(); // points by the number of the laser
   #scannedAt = -Infinity;
 
-  constructor(hello) {
+  /** @param delay of the drawn pose [ms] */
+  constructor(hello, delay) {
     this.hello = hello;
+    this.#drawn = new PoseInterpolator(delay);
   }
 
   get id() {

@@ -10,7 +10,7 @@ const LEAVE = "A mode runs for as long as this page is connected: close it, lose
 const RETRY = 2000; // [ms]
 
 /** A label and a choice; `options` are values, labels and perhaps hints. */
-function choice(id, label, options) {
+export function choice(id, label, options) {
   const select = make("select", { id, class: "small" }, ...options.map(([value, text]) => new Option(text, value)));
   const field = make("label", { class: "field" }, make("span", {}, label), select);
   if (!options[0][2]) return [select, field];
@@ -22,7 +22,7 @@ function choice(id, label, options) {
 }
 
 /** A label and a number in the unit of the field. */
-function figure(id, { title, help, unit, required, default: value, low, high }) {
+export function figure(id, { title, help, unit, required, default: value, low, high }) {
   // a negative minimum would shift the steps
   const attributes = { min: low !== null && low >= 0 ? low : null, max: high, value: value ?? (required ? 0 : null) };
   const given = Object.fromEntries(Object.entries(attributes).filter(([, one]) => one !== null));
@@ -32,10 +32,10 @@ function figure(id, { title, help, unit, required, default: value, low, high }) 
   return [input, make("label", { class: "field" }, make("span", {}, `${title} `, make("small", {}, words)), input)];
 }
 
-const button = (id, text, act, extra = "") => makeButton(text, { id, class: `choice ${extra}`.trim() }, act);
+export const button = (id, text, act, extra = "") => makeButton(text, { id, class: `choice ${extra}`.trim() }, act);
 
 /** Whether a number is none or out of range; numbers between two steps are right. */
-const isWrong = ({ validity }) => validity.badInput || validity.rangeUnderflow || validity.rangeOverflow;
+export const isWrong = ({ validity }) => validity.badInput || validity.rangeUnderflow || validity.rangeOverflow;
 
 const sentence = (hint) => `${hint[0].toUpperCase()}${hint.slice(1)}.`;
 
@@ -57,8 +57,9 @@ export class ModesView {
    * @param notify function(text)
    * @param end      function(): ends the mode
    * @param motors   function(on): switches the motors
+   * @param group    element for the modes of several robots
    */
-  constructor(container, { send, notify, end, motors }) {
+  constructor(container, { send, notify, end, motors, group }) {
     [this.#send, this.#notify] = [send, notify];
     const [time, timeField] = choice("mode-time", "For at most", TIMES);
     this.#time = time;
@@ -71,11 +72,17 @@ export class ModesView {
       make("div", { class: "for-drivers" },
         part("Motors", this.#motors, make("p", { class: "words" }, "A mode switches them on by itself.")),
         part("Before you start", make("p", { class: "words", id: "mode-note" }, LEAVE), timeField),
+        group,
         this.#map.element,
         this.#forms,
       ),
     );
     this.#load();
+  }
+
+  /** The longest time of a mode that is started [s]. */
+  get seconds() {
+    return Number(this.#time.value);
   }
 
   /** @param usable whether this page may drive; @param startedBy who started the mode, "you" or a name; @param mapping of the robot, or null */

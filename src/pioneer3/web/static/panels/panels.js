@@ -1,16 +1,19 @@
 // The sheet beside the map, or below it on a phone, with its views; and the card of the running mode.
 
 import { byId, isTyping, put, set } from "../dom.js";
+import { GroupView } from "./group.js";
 import { History } from "./history.js";
 import { ModeCard, ModesView } from "./modes.js";
 import { Plots } from "./plots.js";
 import { RobotView } from "./robot_view.js";
 
-const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", robots: "All robots", help: "Help" };
-const OF_ONE = ["robot", "plots", "modes"]; // the button beside a phone's numbers opens the last of them
+const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", program: "Program", robots: "All robots", help: "Help" };
+const OF_ONE = ["robot", "plots", "modes", "program"]; // the button beside a phone's numbers opens the last of them
 
 export class Panels {
   #send;
+  #model;
+  #group;
   #histories = new Map();
   #selected = null;
   #startedBy = "";
@@ -21,25 +24,34 @@ export class Panels {
   #card;
 
   /**
-   * @param send   function(message): returns whether it was sent
+   * @param send   function(message): returns whether it was sent to the selected robot
+   * @param sendToAll function(message): returns whether it was sent, as it is
+   * @param lead   function(id): selects a robot
    * @param notify function(text)
    * @param tell   function(text): like `notify`, for news that may follow from a message of the server
    * @param opened function(view or null), after the sheet has changed
    */
-  constructor({ send, notify, tell, opened }) {
+  constructor({ model, send, sendToAll, lead, notify, tell, opened }) {
     this.#send = send;
+    this.#model = model;
     // a mode that somebody else started is ended by a stop, which everybody may send
     const end = () => send({ type: this.#startedBy === "you" ? "end_mode" : "stop" }) || notify("Not connected: press the stop button on the robot.");
     const motors = (on) => send({ type: "motors", on });
     this.#view = new RobotView(byId("view-robot"), { requestConfig: () => send({ type: "ask_config" }) });
     this.#plots = new Plots(byId("view-plots"));
-    this.#modes = new ModesView(byId("view-modes"), { send, notify, end, motors });
+    this.#group = new GroupView({ send: sendToAll, notify, seconds: () => this.#modes.seconds, lead });
+    this.#modes = new ModesView(byId("view-modes"), { send, notify, end, motors, group: this.#group.element });
     this.#card = new ModeCard({ end, tell });
     this.#sheet = new Sheet((view) => (this.subscribe(), opened(view)));
   }
 
   get view() {
     return this.#sheet.view;
+  }
+
+  /** Says which view the button beside a phone's numbers opens first. */
+  prefer(view) {
+    this.#sheet.last = view;
   }
 
   /** Opens a view; null closes the sheet. */
@@ -67,6 +79,7 @@ export class Panels {
   show(snapshot, { usable, startedBy, going, roundTrip }) {
     this.#startedBy = startedBy;
     this.#card.show(snapshot, startedBy, going);
+    if (this.view === "modes") this.#group.show(this.#model, usable);
     if (this.view === "modes") this.#modes.show(snapshot, usable, startedBy, this.#selected?.mapping ?? null);
     if (this.view !== "robot") return;
     this.#view.showSnapshot(snapshot, roundTrip);
@@ -94,7 +107,8 @@ export class Panels {
 /** Shows one view at a time. */
 class Sheet {
   #changed;
-  #last = "robot";
+  /** The view that the button beside a phone's numbers opens. */
+  last = "robot";
   /** The view that is open, or null. */
   view = null;
 
@@ -107,7 +121,7 @@ class Sheet {
         this.open(view === this.view && !button.closest("#sheet") ? null : view);
       });
     }
-    byId("details").addEventListener("click", () => this.open(this.view ? null : this.#last));
+    byId("details").addEventListener("click", () => this.open(this.view ? null : this.last));
     byId("sheet-close").addEventListener("click", () => this.open(null));
     addEventListener("keydown", (event) => this.#key(event));
   }
@@ -118,7 +132,7 @@ class Sheet {
     const inside = byId("sheet").contains(document.activeElement);
     const closed = this.view;
     this.view = view;
-    if (OF_ONE.includes(view)) this.#last = view;
+    if (OF_ONE.includes(view)) this.last = view;
     document.body.classList.toggle("sheet-open", view !== null);
     byId("sheet").hidden = view === null;
     put(byId("sheet-title"), VIEWS[view] ?? "");

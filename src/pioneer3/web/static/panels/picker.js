@@ -13,8 +13,11 @@ export class Picker {
   #search = make("input", { type: "search", id: "robots-search", class: "small", placeholder: "Name, state or driver", "aria-label": "Find a robot" });
   #count = make("p", { class: "words", role: "status" });
   #list = make("ul", { class: "robot-list", "aria-label": "All robots" });
+  #several = makeButton("Choose several", { id: "robots-several", class: "choice", "aria-pressed": "false" }, () => this.#setSeveral(!this.#choosing));
+  #choosing = false; // a click chooses one more or one less
   #model;
   #select;
+  #toggle;
   #open;
   #first = 0; // of those in the row
   #capacity = 1; // of the row, in robots
@@ -25,13 +28,21 @@ export class Picker {
   /**
    * @param model
    * @param select function(id): selects a robot
+   * @param toggle function(id): chooses one more, or one less
+   * @param chooseAll function(): chooses all
    * @param open   function(): opens the list
    */
-  constructor({ model, select, open }) {
+  constructor({ model, select, toggle, chooseAll, open }) {
     this.#model = model;
     this.#select = select;
+    this.#toggle = toggle;
     this.#open = open;
-    byId("view-robots").append(make("div", { class: "robot-search" }, this.#search, this.#count), this.#list);
+    const all = makeButton("Choose all", { id: "robots-choose-all", class: "choice" }, () => {
+      this.#setSeveral(true);
+      chooseAll();
+    });
+    const row = make("div", { class: "row" }, this.#several, all);
+    byId("view-robots").append(row, make("div", { class: "robot-search" }, this.#search, this.#count), this.#list);
     this.#search.addEventListener("input", () => this.show());
     this.#search.addEventListener("keydown", (event) => this.#inSearch(event));
     new ResizeObserver(([{ contentRect }]) => {
@@ -48,7 +59,8 @@ export class Picker {
     document.body.classList.toggle("several", several);
     if (!several) return;
     if ([...robots.keys()].join() !== [...this.#inRow.keys()].join()) this.#build([...robots.keys()]);
-    put(this.#all, `All ${robots.size}`);
+    const { length } = this.#model.chosen;
+    put(this.#all, length > 1 ? `${length} of ${robots.size}` : `All ${robots.size}`);
     set(this.#all, "aria-label", `All ${robots.size} robots`);
     for (const robot of robots.values()) this.#show(robot);
     this.#fit();
@@ -65,20 +77,32 @@ export class Picker {
   }
 
   #build(ids) {
-    const select = (id) => this.#select(id);
-    this.#inRow = new Map(ids.map((id) => [id, new Entry("robot", () => select(id))]));
-    this.#inList = new Map(ids.map((id) => [id, new Entry("robot in-list", () => select(id))]));
+    const choose = (id, event) => this.#choose(id, event);
+    this.#inRow = new Map(ids.map((id) => [id, new Entry("robot", (event) => choose(id, event))]));
+    this.#inList = new Map(ids.map((id) => [id, new Entry("robot in-list", (event) => choose(id, event))]));
     this.#row.replaceChildren(...[...this.#inRow.values()].map(({ button }) => button));
     this.#list.replaceChildren(...[...this.#inList.values()].map(({ button }) => make("li", {}, button)));
   }
 
+  #choose(id, event) {
+    if (this.#choosing || addsRobot(event)) this.#toggle(id);
+    else this.#select(id);
+  }
+
+  #setSeveral(on) {
+    this.#choosing = on;
+    set(this.#several, "aria-pressed", String(on));
+    if (!on) this.#select(this.#model.selected?.id);
+  }
+
   #show(robot) {
+    const { selected, chosen } = this.#model;
     const status = statusOf(robot, this.#model);
-    const chosen = robot === this.#model.selected;
-    this.#inRow.get(robot.id).show(robot.name, status, status.text, chosen);
+    const which = robot === selected ? "selected" : chosen.includes(robot) ? "also" : "";
+    this.#inRow.get(robot.id).show(robot.name, status, status.text, which);
     if (!this.#listed) return;
     const entry = this.#inList.get(robot.id);
-    entry.show(robot.name, status, [status.text, this.#holderOf(robot, status)].filter(Boolean).join(", "), chosen);
+    entry.show(robot.name, status, [status.text, this.#holderOf(robot, status)].filter(Boolean).join(", "), which);
     put(entry.power, powerOf(robot));
   }
 
@@ -120,10 +144,16 @@ export class Picker {
     first.focus(); // where arrows drive and space stops
   }
 
-  /** 1 to 9 are the first nine, Page Up and Down the neighbours, / opens the list. */
+  /** 1 to 9 are the first nine, with Shift one more or one less; Page Up and Down the neighbours, / opens the list. */
   #key(event) {
     if (!this.#model.several || hasModifier(event) || isTyping(event)) return;
     const ids = [...this.#model.robots.keys()];
+    const digit = /^Digit([1-9])$/.exec(event.code);
+    if (event.shiftKey && digit && ids[digit[1] - 1] !== undefined) {
+      event.preventDefault();
+      this.#toggle(ids[digit[1] - 1]);
+      return;
+    }
     const step = { PageUp: -1, PageDown: 1 }[event.key];
     const at = step ? ids.indexOf(this.#model.selected.id) + step : Number(event.key) - 1;
     if (event.key !== "/" && !(at in ids)) return;
@@ -132,6 +162,9 @@ export class Picker {
     else this.#select(ids[at]);
   }
 }
+
+/** Whether a click or a tap chooses one more robot, and leaves the others chosen. */
+export const addsRobot = ({ shiftKey, ctrlKey, metaKey }) => shiftKey || ctrlKey || metaKey;
 
 /** A button for one robot: an icon, its name and its status. */
 class Entry {
@@ -146,13 +179,15 @@ class Entry {
     this.button.append(icon, this.#name, " ", this.#status, " ", this.power);
   }
 
-  show(name, { level, icon }, words, chosen) {
+  /** @param which "selected", "also" for one that is chosen beside it, or "" */
+  show(name, { level, icon }, words, which) {
     put(this.#name, name);
     put(this.#status, words);
     set(this.#path, "d", icon);
     set(this.button, "data-level", level);
     set(this.button, "title", `${name}: ${words}`);
-    set(this.button, "aria-pressed", String(chosen));
+    set(this.button, "aria-pressed", String(which !== ""));
+    set(this.button, "data-chosen", which || null);
   }
 }
 

@@ -44,7 +44,8 @@ export function showConnection(model, retryAt, holder) {
   else showChip("driver", ...driver(model, holder));
 }
 
-function driver({ driver: who, snapshot }, holder) {
+function driver({ driver: who, snapshot, program }, holder) {
+  if (program) return ["A program drives", "you"];
   if (who === "you") return ["You drive", "you"];
   if (who === "other") return [`${snapshot.driver.name} drives`, "warn"];
   if (holder === "you") return ["You have control", "idle"];

@@ -1,0 +1,27 @@
+"""Lesson 3: send the robot from place to place of a map, and print how each drive went.
+
+START is where the robot is now: a place of the map, or X,Y,HEADING in metres and degrees.
+
+Run: python patrol.py tcp://localhost:8101 office START PLACE...
+"""
+
+import sys
+import time
+from math import radians
+
+from pioneer3 import MotionError, connect
+from pioneer3.geometry import Pose2
+
+url, line_map, begin, *places = sys.argv[1:]
+x, *rest = begin.split(",")
+start = Pose2(float(x), float(rest[0]), radians(float(rest[1]))) if rest else begin
+
+with connect(url, line_map=line_map, start=start) as robot:
+    for place in places:
+        began = time.monotonic()
+        try:
+            robot.goto(place, speed=0.5)
+        except MotionError as error:
+            print(f"{place}: not there: {error}", flush=True)
+        else:
+            print(f"{place}: there after {time.monotonic() - began:.0f} s", flush=True)

@@ -1,0 +1,158 @@
+"""The operations of the API on a class."""
+
+from collections.abc import Callable
+
+from pioneer3.errors import CommandError, ConfigError
+from pioneer3.web import messages
+from pioneer3.web.access.invitations import svg
+from pioneer3.web.access.middleware import ErrorResponse, cookie
+from pioneer3.web.access.sessions import IDLE, Role
+from pioneer3.web.api import types
+from pioneer3.web.api.operation import ApiRequest, TextFile, operation
+from pioneer3.web.classroom.classroom import Classroom, describe
+
+NO_CLASS = ErrorResponse(404, "there is no class here: start one with pioneer3 class")
+
+
+def join_class(request: ApiRequest, body: types.JoinRequest) -> types.Joined | ErrorResponse:
+    """Join a class with its token; the answer sets a cookie.
+
+    Who has joined already keeps the robot, and gets the new name.
+    """
+    classroom = request.page.classroom
+    if classroom is None:
+        return NO_CLASS
+    wait = classroom.limiter.wait(request.address)
+    if wait:
+        return ErrorResponse(429, f"too many attempts; try again in {wait:.0f} s")
+    if not classroom.admits(body.token):
+        return ErrorResponse(
+            403, "this link is not good any more: ask your teacher for the new one"
+        )
+    try:
+        session, secret = classroom.join(body.name, request.session)
+    except (CommandError, OverflowError) as error:
+        return ErrorResponse(409, str(error))
+    if secret is not None:
+        request.cookie = cookie(request.scope, secret, seconds=IDLE)
+    assert session.robot is not None
+    seat = classroom.seat(session.robot)
+    return types.Joined(session.robot, session.name, seat.url)
+
+
+def get_class(request: ApiRequest) -> types.ClassState | ErrorResponse:
+    """Return the class; a student gets the own seat and runs only."""
+    classroom = request.page.classroom
+    if classroom is None:
+        return NO_CLASS
+    own = request.caller.robot
+    chosen = classroom.roster.robots if own is None else [own]
+    return types.ClassState(
+        paused=classroom.roster.all_paused,
+        locked=classroom.roster.locked,
+        seats=tuple(map(classroom.seat, chosen)),
+        handed_in=classroom.handed_in(own),
+    )
+
+
+def get_link(request: ApiRequest) -> types.ClassLink | ErrorResponse:
+    """Return the address for students, and its QR code."""
+    classroom = request.page.classroom
+    if classroom is None:
+        return NO_CLASS
+    return types.ClassLink(classroom.join_url, svg(classroom.join_url), classroom.lan)
+
+
+def pause_all(request: ApiRequest, body: types.Paused) -> ErrorResponse | None:
+    """Stop all robots and let nobody drive, or end that."""
+    return _do(request, lambda classroom: classroom.pause(paused=body.paused))
+
+
+def pause_robot(request: ApiRequest, body: types.Paused) -> ErrorResponse | None:
+    """Stop a robot and let nobody drive it, or end that."""
+    number = request.view.number
+    return _do(request, lambda classroom: classroom.pause(number, paused=body.paused))
+
+
+def put_back_all(request: ApiRequest) -> ErrorResponse | None:
+    """Stop all simulated robots and put them where they began."""
+    return _do(request, lambda classroom: classroom.put_back())
+
+
+def put_back_robot(request: ApiRequest) -> ErrorResponse | None:
+    """Stop a simulated robot and put it where it began."""
+    number = request.view.number
+    return _do(request, lambda classroom: classroom.put_back(number))
+
+
+def lock_class(request: ApiRequest, body: types.Locked) -> ErrorResponse | None:
+    """Let no more students join, or let them again."""
+    return _do(request, lambda classroom: classroom.lock(locked=body.locked))
+
+
+def free_seat(request: ApiRequest) -> ErrorResponse | None:
+    """Show the student of a robot out; the robot stops."""
+    number = request.view.number
+    return _do(request, lambda classroom: classroom.free(number))
+
+
+def record_run(
+    request: ApiRequest, body: types.RecordingStep
+) -> types.RecordingState | ErrorResponse:
+    """Record a run of a robot, end the recording, hand it in, or drop it."""
+    classroom = request.page.classroom
+    if classroom is None:
+        return NO_CLASS
+    try:
+        run = classroom.record(request.view.number, body.step)
+    except (CommandError, ConfigError) as error:
+        return ErrorResponse(409, str(error))
+    recording = classroom.seat(request.view.number).recording
+    return types.RecordingState(recording, describe(run) if run is not None else None)
+
+
+def list_runs(request: ApiRequest) -> list[messages.HandedIn] | ErrorResponse:
+    """List the runs that were handed in; a student's own."""
+    classroom = request.page.classroom
+    return NO_CLASS if classroom is None else list(classroom.handed_in(request.caller.robot))
+
+
+def get_run(request: ApiRequest) -> TextFile | ErrorResponse:
+    """Return a run that was handed in; `pioneer3 run --port replay:FILE` shows it."""
+    classroom = request.page.classroom
+    if classroom is None:
+        return NO_CLASS
+    name = request.path["file"]
+    own = {run.file for run in classroom.handed_in(request.caller.robot)}
+    path = classroom.runs.find(name) if name in own else None
+    if path is None or not path.is_file():
+        return ErrorResponse(404, "there is no run of this name")
+    return TextFile(path)
+
+
+def _do(request: ApiRequest, act: Callable[[Classroom], None]) -> ErrorResponse | None:
+    if request.page.classroom is None:
+        return NO_CLASS
+    try:
+        act(request.page.classroom)
+    except CommandError as error:
+        return ErrorResponse(409, str(error))
+    return None
+
+
+ROBOT = "/api/class/robots/{robot}"
+VIEWER, STUDENT, DRIVER = Role.VIEWER, Role.STUDENT, Role.DRIVER
+CLASS = (
+    operation("POST", "/api/class/join", join_class, None, 403, 404, 409),
+    operation("GET", "/api/class", get_class, VIEWER, 404),
+    operation("GET", "/api/class/link", get_link, DRIVER, 404),
+    operation("PUT", "/api/class/paused", pause_all, DRIVER, 404, 409),
+    operation("POST", "/api/class/put_back", put_back_all, DRIVER, 404, 409),
+    operation("PUT", "/api/class/locked", lock_class, DRIVER, 404, 409),
+    operation("GET", "/api/class/runs", list_runs, STUDENT, 404),
+    operation("GET", "/api/class/runs/{file}", get_run, STUDENT, 404),
+    operation("PUT", f"{ROBOT}/paused", pause_robot, DRIVER, 404, 409),
+    operation("POST", f"{ROBOT}/put_back", put_back_robot, DRIVER, 404, 409),
+    operation("PUT", f"{ROBOT}/recording", record_run, STUDENT, 404, 409),
+    operation("DELETE", ROBOT, free_seat, DRIVER, 404, 409),
+)

@@ -1,0 +1,313 @@
+"""`pioneer3 class`: robots with a bridge each, the page, and the class, in one loop."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import time
+
+from pioneer3.bridge import Bridge
+from pioneer3.classroom.runs import RunFolder
+from pioneer3.errors import ConfigError, PortBusyError
+from pioneer3.links import Link, Opener, opener
+from pioneer3.links.memory import null_modem
+from pioneer3.models import load_model
+from pioneer3.sim.placement.spawn import spawn_robots
+from pioneer3.sim.realism import Realism
+from pioneer3.sim.server.port import RobotPort
+from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
+from pioneer3.sim.server.start import simulator
+from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
+from pioneer3.sim.worldfile.arguments import WorldOverrides
+from pioneer3.tasks import running
+from pioneer3.web.access.certificate import certificate_for
+from pioneer3.web.access.hosts import is_loopback, lan_addresses
+from pioneer3.web.access.invitations import terminal_lines
+from pioneer3.web.audience import Audience
+from pioneer3.web.classroom.classroom import Classroom
+from pioneer3.web.classroom.robot import PAGE, ClassRobot, Start
+from pioneer3.web.hosting import Target, hosted
+from pioneer3.web.live import PATIENT
+from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
+from pioneer3.web.server import Served, serve, shown
+
+log = logging.getLogger(__name__)
+
+MODEL = "p3dx"
+SEED = 1
+"""Robots of a class begin at the same places in each lesson."""
+UNPLUGGING = 2.0
+"""Longest wait for the last host of a robot to leave it [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FleetRobot:
+    """A robot that is not simulated here: its name, and its port."""
+
+    name: str
+    port: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClassOptions:
+    """Options of `pioneer3 class`.
+
+    Attributes:
+        students: Number of robots to simulate; with `fleet` unused.
+        fleet: Robots to use in place of simulated ones.
+        map_name: Shipped map or file; `None` is the office for a simulator, none for a fleet.
+        model: Of the simulated robots.
+        ideal: Simulate robots without any error.
+        folder: Runs are handed in there.
+        sim_port: TCP port of the first robot for students' programs; 0 takes free ones.
+        web_port: TCP port of the page; 0 takes a free one.
+        host: Address the page and the robots' ports are served on.
+        show_tokens: Whether the output of `tell` is not stored, so that it may show the link.
+    """
+
+    students: int = 0
+    fleet: tuple[FleetRobot, ...] = ()
+    map_name: str | None = None
+    model: str = MODEL
+    ideal: bool = False
+    folder: Path
+    sim_port: int = 8101
+    web_port: int = 8080
+    host: str = "127.0.0.1"
+    show_tokens: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """A robot of the class before it is connected: how to reach it, and its surroundings."""
+
+    label: str
+    open: Opener
+    url: str
+    scene: Scene
+    start: Start | None = None
+
+
+class MemoryCables:
+    """Cables from bridges to simulated robots that do not listen."""
+
+    def __init__(self) -> None:
+        self._serving: set[asyncio.Task[None]] = set()
+
+    def opener(self, port: RobotPort) -> Opener:
+        """Return a function that plugs in a new cable at each call, once the last one is out."""
+        last: set[asyncio.Task[None]] = set()
+
+        async def open_link() -> Link:
+            if last:
+                await asyncio.wait(last, timeout=UNPLUGGING)
+            ours, theirs = null_modem()
+            task = asyncio.ensure_future(port.serve(theirs))
+            for tasks in (self._serving, last):
+                tasks.add(task)
+                task.add_done_callback(tasks.discard)
+            return ours
+
+        return open_link
+
+    async def unplug(self) -> None:
+        """Unplug all cables."""
+        for task in self._serving:
+            task.cancel()
+        await asyncio.gather(*self._serving, return_exceptions=True)
+
+
+async def class_live(options: ClassOptions, tell: Callable[[str], None]) -> int:
+    """Run until cancelled; `tell` is called with each line of output.
+
+    Raises:
+        PioneerError: something could not be started; the message says what to do.
+    """
+    async with AsyncExitStack() as stack:
+        places = await _places(options, stack, tell)
+        page = Page()
+        certificate = certificate_for(options.host, None, None)
+        robots = await _bridged(places, options, stack)
+        page.classroom = classroom = Classroom(page, robots, RunFolder(options.folder), time)
+        for number in robots:
+            page.add_audience(Audience(number, student=True))
+            page.add_audience(Audience(number))
+        page.add_audience(Audience(small=True))
+        serving = serve(
+            page,
+            host=options.host,
+            port=options.web_port,
+            certificate=certificate,
+            taken=[int(robot.url.rpartition(":")[2]) for robot in robots.values()],
+        )
+        served = await stack.enter_async_context(serving)
+        classroom.join_url = join_url(page.access.urls, served, classroom.token)
+        classroom.lan = bool(page.access.urls)
+        await stack.enter_async_context(hosted(page, _targets(places, robots), _log))
+        _name_urls(page, places, robots)
+        await stack.enter_async_context(running(classroom.run()))
+        for line in _lines(options, classroom, served):
+            tell(line)
+        for number in robots.keys() - page.robots.keys():
+            tell(f"Not there: {robots[number].label}; it is looked for again and again")
+        await asyncio.get_running_loop().create_future()
+    return 0
+
+
+def join_url(urls: Sequence[str], served: Served, token: str) -> str:
+    """Return the address for students; browsers send no server the part after the `#`.
+
+    Without other devices it has the name `localhost`: a student's cookie of that name leaves the
+    teacher's page at 127.0.0.1 alone.
+    """
+    base = urls[0] if urls else served.http.replace("127.0.0.1", "localhost")
+    return f"{base}/join#{token}"
+
+
+async def _places(
+    options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
+) -> list[Place]:
+    if not options.fleet:
+        return await _simulated(options, stack, tell)
+    known = load_world(options.map_name).line_map() if options.map_name else None
+    return [
+        Place(label=robot.name, open=opener(robot.port), url=robot.port, scene=Scene(known))
+        for robot in options.fleet
+    ]
+
+
+async def _simulated(
+    options: ClassOptions, stack: AsyncExitStack, tell: Callable[[str], None]
+) -> list[Place]:
+    name = options.map_name or "office"
+    load_model(options.model)  # a wrong name is no lack of room
+    overrides = _overrides(options.model, options.students)
+    _check_room(load_world(name), overrides, name)
+    realism = Realism.ideal() if options.ideal else Realism()
+    simulation = simulator(map_name=name, port=None, overrides=overrides, realism=realism)
+    here = await stack.enter_async_context(simulation)
+    for line in [f"WARNING: {note}" for note in here.notes] + [here.progress]:
+        if line:
+            tell(line)
+    cables = MemoryCables()
+    stack.push_async_callback(cables.unplug)
+    return [_place(here, robot, cables) for robot in here.robots]
+
+
+def _place(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables) -> Place:
+    return Place(
+        label=robot.name,
+        open=cables.opener(robot.port),
+        url=robot.url,
+        scene=Scene.of(here, robot),
+        start=Start(here, robot, robot.body.robot_in_world),
+    )
+
+
+def _overrides(model: str, count: int) -> WorldOverrides:
+    robots = tuple(RobotSpec(model=model, name=f"Robot {n}") for n in range(1, count + 1))
+    return WorldOverrides(robots=robots, starts=("random",), seed=SEED, own_ports=False)
+
+
+def _check_room(world: WorldFile, overrides: WorldOverrides, name: str) -> None:
+    """Refuse more robots than the map has room for.
+
+    Raises:
+        ConfigError: There is too little room; the message says how many fit.
+    """
+    wanted = len(overrides.robots)
+    if _fit(world, overrides, wanted):
+        return
+    fits, fails = 0, wanted
+    while fails - fits > 1:
+        tried = (fits + fails) // 2
+        fits, fails = (tried, fails) if _fit(world, overrides, tried) else (fits, tried)
+    rest = f", or --students {fits}" if fits else ""
+    raise ConfigError(
+        f"map {name}: there is room for {fits} robots, not for {wanted}; take a larger map with "
+        f"--map{rest}"
+    )
+
+
+def _fit(world: WorldFile, overrides: WorldOverrides, count: int) -> bool:
+    from numpy.random import default_rng
+
+    some = replace(overrides, robots=overrides.robots[:count]).applied_to(world)
+    try:
+        spawn_robots(some, some.line_map(), default_rng(some.seed))
+    except ConfigError:
+        return False
+    return True
+
+
+async def _bridged(
+    places: Sequence[Place], options: ClassOptions, stack: AsyncExitStack
+) -> dict[int, ClassRobot]:
+    """Give each robot a bridge that listens; return the robots by number."""
+    robots = {}
+    address = next(iter(lan_addresses(options.host)), "127.0.0.1")
+    for number, place in enumerate(places, 1):
+        bridge = Bridge(place.open, timing=PATIENT if place.start else None)
+        await stack.enter_async_context(running(bridge.run()))
+        port = options.sim_port + number - 1 if options.sim_port else 0
+        try:
+            taken = await stack.enter_async_context(bridge.listening(options.host, port))
+        except PortBusyError as error:
+            raise PortBusyError(f"{error} for students' programs with --sim-port") from None
+        robots[number] = ClassRobot(
+            number,
+            place.label,
+            bridge,
+            f"tcp://{shown(address)}:{taken}",
+            start=place.start,
+            clock=time,
+        )
+    return robots
+
+
+def _targets(places: Sequence[Place], robots: dict[int, ClassRobot]) -> list[Target]:
+    return [
+        Target(
+            url=place.url,
+            open=robot.bridge.opener(PAGE, gives_way=True),
+            scene=place.scene,
+            name=place.label,
+            timing=PATIENT if place.start else None,
+        )
+        for place, robot in zip(places, robots.values(), strict=True)
+    ]
+
+
+def _name_urls(page: Page, places: Sequence[Place], robots: dict[int, ClassRobot]) -> None:
+    """Tell where programs reach simulated robots."""
+    if page.world is not None:
+        for place, robot in zip(places, robots.values(), strict=True):
+            if place.start is not None:
+                page.world.urls[place.start.robot] = robot.url
+
+
+def _lines(options: ClassOptions, classroom: Classroom, served: Served) -> Iterator[str]:
+    robots = list(classroom.robots.values())
+    kind = "robots" if options.fleet else "simulated robots"
+    yield f"A class of {len(robots)} {kind}. The teacher's page: {served.http}/class"
+    if options.show_tokens:
+        if classroom.lan:
+            yield from terminal_lines(classroom.join_url)
+        yield f"Students open {classroom.join_url}"
+    else:
+        yield "The link for students is on that page"
+    if is_loopback(options.host):
+        yield "Only this computer is let in; add --lan for the students' devices"
+    elif not classroom.lan:
+        yield "No other device can connect: this computer has no address in a network"
+    yield f"Students' programs connect to {robots[0].url}" + (
+        f" (robot 1) to {robots[-1].url} (robot {len(robots)})" if len(robots) > 1 else ""
+    )
+    yield f"Runs are handed in to {options.folder}/   (Ctrl-C ends)"
+
+
+def _log(line: str) -> None:
+    log.info("%s", line)

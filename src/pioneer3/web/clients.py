@@ -1,0 +1,97 @@
+"""The clients that are connected to a page, and who of them has control."""
+
+from collections.abc import Mapping
+from itertools import count
+from typing import Protocol
+
+from pioneer3.web import messages
+from pioneer3.web.access.sessions import Role, Session
+from pioneer3.web.broadcast import Subscriber
+from pioneer3.web.control import Operator
+from pioneer3.web.robot_view import RobotView
+
+
+class PageClient(Operator, Subscriber, Protocol):
+    """A client of the page. Clients are compared by identity."""
+
+    @property
+    def role(self) -> Role:
+        """The permissions of the client."""
+
+    @property
+    def session(self) -> Session:
+        """The session that the client belongs to."""
+
+    def tell(self, news: str) -> None:
+        """Show `news`."""
+
+    def show(self, message: messages.Message) -> None:
+        """Send `message` to this client alone."""
+
+
+class Clients:
+    """The connected clients of a page.
+
+    Attributes:
+        connected: By number; a number is never used again.
+        version: Counts the changes of the clients and of the operators who have control.
+    """
+
+    def __init__(self, robots: Mapping[int, RobotView]) -> None:
+        self.connected: dict[int, PageClient] = {}
+        self.version = 0
+        self._robots = robots
+        self._count = count(1)
+        self._holders: tuple[messages.Holder, ...] = ()
+        self._clients: tuple[messages.Client, ...] = ()
+
+    def add(self, client: PageClient) -> int:
+        """Add `client`; return its number."""
+        number = next(self._count)
+        self.connected[number] = client
+        return number
+
+    def remove(self, number: int) -> PageClient:
+        """Remove a client; return it."""
+        return self.connected.pop(number)
+
+    def update(self) -> bool:
+        """Compare the clients with the last update; return whether anything has changed."""
+        clients = tuple(
+            messages.Client(number, client.name, client.role)
+            for number, client in self.connected.items()
+        )
+        holders = tuple(
+            messages.Holder(view.number, self.number_of(holder), holder.name)
+            for view in self._robots.values()
+            if (holder := view.control.holder) is not None
+        )
+        if (holders, clients) == (self._holders, self._clients):
+            return False
+        self._holders, self._clients = holders, clients
+        self.version += 1
+        return True
+
+    def message_for(self, number: int) -> str:
+        """Return the message about all clients, for the client of this number.
+
+        Students are told about themselves, and who has control of their own robot.
+        """
+        you = self.connected[number]
+        holders, clients = self._holders, self._clients
+        if you.role is Role.STUDENT:
+            holders = tuple(each for each in holders if each.robot == you.session.robot)
+            clients = (messages.Client(number, you.name, you.role),)
+        return messages.encode(messages.People(number, you.name, you.role, holders, clients))
+
+    def of_session(self, session: str) -> int:
+        """Return how many clients belong to the session of this id."""
+        return sum(client.session.id == session for client in self.connected.values())
+
+    def number_of(self, operator: object) -> int | None:
+        """Return the number of an operator that is a client, or `None`."""
+        return next((n for n, client in self.connected.items() if client is operator), None)
+
+    def find(self, operator: object) -> PageClient | None:
+        """Return `operator` if it is a client."""
+        return next((client for client in self.connected.values() if client is operator), None)
