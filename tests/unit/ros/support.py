@@ -5,7 +5,7 @@ from typing import Any
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, load_model
-from pioneer3.ros.description.tree import tree_of
+from pioneer3.models.description.tree import tree_of
 from pioneer3.ros.messages.update import MessageOptions, StateUpdate
 from pioneer3.state import Battery, Motors, Odometry, Snapshot
 

@@ -5,7 +5,7 @@ import pytest
 from docs.reference.ros_tables import PAGE
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.ros.description.tree import Frames
+from pioneer3.models.description.tree import Frames
 from pioneer3.ros.messages.update import NoEcho
 from pioneer3.ros.node.driving_parameters import NAMES
 from pioneer3.ros.node.laser_parameters import BELOW

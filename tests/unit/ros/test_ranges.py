@@ -3,8 +3,8 @@ from math import inf, pi
 import pytest
 
 from pioneer3.geometry import ORIGIN
+from pioneer3.models.description.tree import Frames
 from pioneer3.robot.devices.gyro import GyroReading
-from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages import sensors
 from pioneer3.ros.messages.update import Beam, MessageOptions, NoEcho, ScanUpdate, SensorUpdate
 from pioneer3.state import Scan, Sonar

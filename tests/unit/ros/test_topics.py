@@ -5,8 +5,8 @@ import pytest
 from docs.reference.ros_tables import LASER_PAGE, PAGE, filled
 from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
+from pioneer3.models.description.tree import Frames
 from pioneer3.robot.devices.gyro import GyroReading
-from pioneer3.ros.description.tree import Frames
 from pioneer3.ros.messages import sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
 from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate

@@ -6,8 +6,8 @@ from typing import Any, Final
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, shape_of
+from pioneer3.models.description.tree import Joint
 from pioneer3.robot.limits import checked
-from pioneer3.ros.description.tree import Joint
 from pioneer3.ros.messages.update import DRIVING, STANDING, StateUpdate, fill_header, fill_pose
 from pioneer3.state import Odometry
 

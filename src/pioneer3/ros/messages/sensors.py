@@ -6,8 +6,8 @@ from math import cos, inf, isfinite, nan, sin
 from typing import Any, Final
 
 from pioneer3.models import RobotModel
+from pioneer3.models.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
 from pioneer3.robot.assemble import SONAR_MAX
-from pioneer3.ros.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
 from pioneer3.ros.messages.update import (
     UNMEASURED,
     Beam,

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
+from pioneer3.models.description.tree import Frames, Tree
 from pioneer3.robot.assemble import SONAR_MAX
-from pioneer3.ros.description.tree import Frames, Tree
 from pioneer3.state import Scan, Snapshot
 
 UNMEASURED: Final = 1e6

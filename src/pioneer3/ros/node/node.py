@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Final
 from pioneer3.arcos.commands import Command
 from pioneer3.errors import CommandError
 from pioneer3.models import RobotModel
+from pioneer3.models.description.tree import Tree, tree_of
+from pioneer3.models.description.urdf import describe
 from pioneer3.robot.devices.sensor import Stamped
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
-from pioneer3.ros.description.tree import Tree, tree_of
-from pioneer3.ros.description.urdf import describe
 from pioneer3.ros.messages.diagnostics import (
     DiagnosticStatus,
     DiagnosticsUpdate,

@@ -9,7 +9,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.ros.description.tree import Frames
+from pioneer3.models.description.tree import Frames
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
 from pioneer3.ros.node.names import Profile, checked_lab_name

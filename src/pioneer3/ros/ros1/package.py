@@ -10,8 +10,8 @@ from typing import Final
 from pioneer3 import __version__
 from pioneer3.errors import ConfigError
 from pioneer3.models import load_model
-from pioneer3.ros.description.tree import Frames, tree_of
-from pioneer3.ros.description.urdf import describe
+from pioneer3.models.description.tree import Frames, tree_of
+from pioneer3.models.description.urdf import describe
 from pioneer3.ros.ros1.middleware import BUMPER_STATE, BUMPER_TYPE
 
 NAME: Final = "pioneer3"

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import LaserMount, RobotModel, Shape, shape_of
-from pioneer3.ros.description.tree import (
+from pioneer3.models.description.tree import (
     BUMPER_HEIGHT,
     SCAN_HEIGHT,
     Frames,

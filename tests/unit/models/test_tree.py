@@ -6,14 +6,14 @@ import pytest
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of
-from pioneer3.ros.description.tree import (
+from pioneer3.models.description.tree import (
     Frames,
     bumper_corners,
     bumper_segments,
     tree_of,
     wheel_joint_names,
 )
-from pioneer3.ros.description.urdf import describe
+from pioneer3.models.description.urdf import describe
 from pioneer3.ros.messages import motion
 from pioneer3.ros.messages.update import MessageOptions
 from pioneer3.ros.ros1.package import MODELS

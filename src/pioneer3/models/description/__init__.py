@@ -1,0 +1,1 @@
+"""Frames, links and shapes of a robot, from its model."""

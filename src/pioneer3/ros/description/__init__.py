@@ -1,1 +1,0 @@
-"""Frames, links and shapes of a robot, from its model. Needs no ROS."""
