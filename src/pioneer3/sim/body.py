@@ -46,6 +46,8 @@ USUAL_SPEED, USUAL_TURN_RATE = 0.75, 100 * DEGREE
 
 Bumpers = tuple[int, int]
 """Pressed segments in front and behind, as bits (protocol.md 4.7)."""
+Speeds = tuple[float, float]
+"""Speed [m/s] and turn rate [rad/s]."""
 
 
 class Battery:
@@ -82,7 +84,7 @@ class Battery:
         """Terminal voltage, lower while the motors draw current [V]."""
         if self.fixed is not None:
             return self.fixed
-        current = DRIVE_POWER * abs(self._body.drive.linear.velocity) / NOMINAL
+        current = DRIVE_POWER * abs(self._body.speeds[0]) / NOMINAL
         return EMPTY + (FULL - EMPTY) * self.charge - RESISTANCE * current
 
 
@@ -102,7 +104,6 @@ class Body:
         self.home = home
         self.firing = in_order(len(model.sonars))
         self._stop_button = False
-        self._bumpers: Callable[[], Bumpers] = lambda: (0, 0)
         drives = Drives.at_rest(1)
         drives.wheels[BASE] = model.wheel_base
         self.bind(drives, outline_of(model), 0)
@@ -115,12 +116,22 @@ class Body:
         drives: Drives,
         outlines: Robots,
         number: int,
+        *,
         bumpers: Callable[[], Bumpers] = lambda: (0, 0),
+        speeds: Callable[[], Speeds] | None = None,
     ) -> None:
-        """Be a view of these numbers from now on; they describe this robot already."""
+        """Be a view of these numbers from now on; they describe this robot already.
+
+        Args:
+            drives: Of all robots.
+            outlines: Of all robots.
+            number: Of this robot.
+            bumpers: Returns the pressed segments.
+            speeds: Returns speed and turn rate by the wheels; those of the drive if not given.
+        """
         self.drives, self.outlines, self.number = drives, outlines, number
         self.drive = Drive(drives, number)
-        self._bumpers = bumpers
+        self._bumpers, self._speeds = bumpers, speeds
 
     @property
     def robot_in_world(self) -> Pose2:
@@ -141,6 +152,13 @@ class Body:
     def reset_odometry(self, pose: Pose2 = ORIGIN) -> None:
         """Set the odometry to `pose`."""
         self.drives.wheels[ODOM_X : ODOM_THETA + 1, self.number] = pose.x, pose.y, pose.theta
+
+    @property
+    def speeds(self) -> Speeds:
+        """Speed and turn rate by its wheels [m/s, rad/s]."""
+        if self._speeds is not None:
+            return self._speeds()
+        return self.drive.linear.velocity, self.drive.angular.velocity
 
     @property
     def wheel_travel(self) -> tuple[float, float]:

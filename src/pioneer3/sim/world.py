@@ -18,6 +18,7 @@ from pioneer3.maps import LineMap, empty_map
 from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.body import Body, outline_of
 from pioneer3.sim.collision import REACH, pressed_segments
+from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
 from pioneer3.sim.kernels import (
     Drives,
     Fan,
@@ -57,6 +58,7 @@ class World:
         seed: Of everything random; the same seed and the same steps give the same world to the
             last bit. `None` takes another one each time.
         realism: How wrong wheels and sensors are; not at all if not given.
+        dynamics: How robots and boxes move; on a plane if not given.
 
     Attributes:
         map: What stands still.
@@ -78,8 +80,10 @@ class World:
         *,
         seed: int | None = 0,
         realism: Realism | None = None,
+        dynamics: Dynamics | None = None,
     ) -> None:
         self.kernels = kernels or Kernels(compiled=False)
+        self._dynamics = dynamics or PlanarDynamics()
         self.realism = realism or Realism.ideal()
         self.time = 0.0
         self.robots: tuple[Body, ...] = ()
@@ -230,6 +234,7 @@ class World:
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
+        self._dynamics.change_map(line_map, self._grid)
         self._sonars.invalidate()
         self._pressed.clear()
         if self.robots:
@@ -241,7 +246,7 @@ class World:
             self._place()
         noise = self._next_noise() if self._noisy else None
         self._pressed.clear()
-        self.kernels.step(self._grid, self.outlines, self.drives, dt, noise)
+        self._dynamics.step(self.kernels, dt, noise)
         if self.obstacles:
             self._walk(dt)
         if len(self._docks):
@@ -318,6 +323,7 @@ class World:
         if self.outlines.stale:
             self._pressed.clear()
             self._sonars.move(self.outlines.poses[:, : len(self.robots)])
+            self._dynamics.place()
             self.kernels.place(self.outlines)
             self.outlines.stale = False
             self._met = None
@@ -383,14 +389,22 @@ class World:
         for number, body in enumerate(robots):
             if body not in self._own:
                 self._own[body] = default_rng(self._seeds.spawn(1)[0])
-                column = self.realism.odometry.column(body.model, self._own[body])
-                drives.errors[:, number] = column
-            body.bind(drives, self.outlines, number, partial(self._bumpers, body))
+                if not self._dynamics.has_slip:
+                    column = self.realism.odometry.column(body.model, self._own[body])
+                    drives.errors[:, number] = column
+            body.bind(
+                drives,
+                self.outlines,
+                number,
+                bumpers=partial(self._bumpers, body),
+                speeds=partial(self._dynamics.speeds, number),
+            )
         self.robots = robots
         self._pressed.clear()
         self._sonars.set_robots(robots, before)
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
+        self._dynamics.change_bodies(robots, self.obstacles, drives, self.outlines)
 
 
 @lru_cache(maxsize=64)

@@ -138,11 +138,12 @@ class Console:
 
     def _state(self) -> str:
         body = self.body
-        world, odom, drive = body.robot_in_world, body.robot_in_odom, body.drive
+        world, odom = body.robot_in_world, body.robot_in_odom
+        speed, turn_rate = body.speeds
         return (
             f"at x={world.x:.3f} y={world.y:.3f} th={degrees(world.theta):.1f},"
             f" odometry x={odom.x:.3f} y={odom.y:.3f} th={degrees(odom.theta):.1f},"
-            f" {drive.linear.velocity:.3f} m/s {degrees(drive.angular.velocity):.1f} deg/s,"
+            f" {speed:.3f} m/s {degrees(turn_rate):.1f} deg/s,"
             f" {body.battery.voltage:.1f} V, time {self.world.time:.1f} s"
         )
 

@@ -143,8 +143,8 @@ class Instruments:
     def read(self, inputs: Inputs) -> Sip:
         """Return the standard report for this moment; accessories have filled in `inputs`."""
         body, model = self._body, self._body.model
-        odom, linear, angular = body.robot_in_odom, body.drive.linear, body.drive.angular
-        v, w = linear.velocity, angular.velocity
+        odom, angular = body.robot_in_odom, body.drive.angular
+        v, w = body.speeds
         half = w * model.wheel_base / 2
         stalled = int(body.stalled or self._bumped)
         celsius = self._celsius()

@@ -61,6 +61,8 @@ class Kernels:
         self._fans = fast(fans.fans, CACHE) if compiled else plain(fans.fans)
         self._blocked = fast(motion.blocked, CACHE) if compiled else plain(motion.blocked)
         self._step = fast(motion.step, CACHE) if compiled else plain(motion.step)
+        self._ramp = fast(motion.ramp, CACHE) if compiled else plain(motion.ramp)
+        self._count = fast(motion.count, CACHE) if compiled else plain(motion.count)
         self._threads = threads
         self._pool = ThreadPoolExecutor(threads - 1, "kernels") if threads > 1 else None
 
@@ -219,6 +221,17 @@ class Kernels:
         errors = NO_NOISE if noise is None else noise
         self._step(dt, errors, drives.arrays, robots.state, grid.arrays, robots.arrays)
 
+    def ramp(self, drives: Drives, dt: float) -> None:
+        """Let the velocities that the firmware wants follow their ramps for `dt` [s].
+
+        Nothing moves: that is left to the physics of a world.
+        """
+        self._ramp(dt, drives.arrays)
+
+    def count(self, drives: Drives, left: Float, right: Float) -> None:
+        """Add the ways of the left and right wheels [m], both (N,), to the odometry."""
+        self._count(left, right, drives.arrays)
+
     def _share(self, count: int, work: Callable[[int, int], None]) -> None:
         """Call `work` on `count` rows, in parts if that pays."""
         if self._pool is None or count < WORTH_THREADS:
@@ -248,6 +261,8 @@ def compiled_kernels(threads: int = 1) -> Kernels:
     drives = Drives.at_rest(1)
     for noise in (None, np.zeros((3, 1))):
         kernels.step(grid, robots, drives, 0.1, noise)
+    kernels.ramp(drives, 0.1)
+    kernels.count(drives, np.zeros(1), np.zeros(1))
     if kernels.compiled:
         CACHE.complete()
     return kernels

@@ -143,6 +143,25 @@ def _wants_to_move(n: int, axes: Float, flags: Flags) -> bool:
     return moving or left or (wanted and flags[POWERED, n] != 0)
 
 
+@inlined
+def _braking(n: int, dt: float, axes: Float, flags: Flags) -> tuple[bool, float, float, int]:
+    """Return whether a drive is held, how hard its axes brake, and in how many pieces it runs."""
+    off = flags[POWERED, n] == 0
+    hard, held = flags[BRAKING, n] != 0 or off, flags[HELD, n] != 0 or off
+    brake = HARDEST if hard else axes[DECELERATION, LINEAR, n]
+    turn_brake = HARDEST_TURN if hard else axes[DECELERATION, ANGULAR, n]
+    fine = not (isnan(axes[REMAINING, LINEAR, n]) and isnan(axes[REMAINING, ANGULAR, n]))
+    pieces = max(1, ceil(dt / SUBSTEP - 1e-9)) if fine else 1
+    return held, brake, turn_brake, pieces
+
+
+@inlined
+def _end_braking(n: int, axes: Float, flags: Flags) -> None:
+    """End the emergency stop of a drive that stands."""
+    if flags[BRAKING, n] and axes[VELOCITY, LINEAR, n] == axes[VELOCITY, ANGULAR, n] == 0.0:
+        flags[BRAKING, n] = 0
+
+
 @kernel
 def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -> None:
     """Let a drive run, and fill `motion` with what that comes to.
@@ -151,12 +170,7 @@ def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -
     it, 6 and 7 way and turn of the wheels.
     """
     axes, flags, _, errors = drives
-    off = flags[POWERED, n] == 0
-    hard, held = flags[BRAKING, n] != 0 or off, flags[HELD, n] != 0 or off
-    brake = HARDEST if hard else axes[DECELERATION, LINEAR, n]
-    turn_brake = HARDEST_TURN if hard else axes[DECELERATION, ANGULAR, n]
-    fine = not (isnan(axes[REMAINING, LINEAR, n]) and isnan(axes[REMAINING, ANGULAR, n]))
-    pieces = max(1, ceil(dt / SUBSTEP - 1e-9)) if fine else 1
+    held, brake, turn_brake, pieces = _braking(n, dt, axes, flags)
     x, y, theta, bx, by, believed, ways, turns = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for _ in range(pieces):
         way = _run_axis(n, LINEAR, axes, held, brake, dt / pieces)
@@ -174,8 +188,7 @@ def _run_drive(n: int, dt: float, noise: Float, drives: Wheels, motion: Float) -
         x, y, theta = _follow(x, y, theta, slipped, turned)
     motion[0], motion[1], motion[2], motion[3], motion[4], motion[5] = x, y, theta, bx, by, believed
     motion[6], motion[7] = ways, turns
-    if flags[BRAKING, n] and axes[VELOCITY, LINEAR, n] == axes[VELOCITY, ANGULAR, n] == 0.0:
-        flags[BRAKING, n] = 0
+    _end_braking(n, axes, flags)
 
 
 @kernel
@@ -346,3 +359,31 @@ def step(
             moved = True
     if moved:
         place(state, others)
+
+
+@kernel
+def ramp(dt: float, drives: Wheels) -> None:
+    """Let the velocities that every drive wants follow their ramps for `dt`; nothing moves."""
+    axes, flags, _, _ = drives
+    for n in range(axes.shape[2]):
+        _use_energy(n, dt, drives)
+        if not _wants_to_move(n, axes, flags):
+            continue
+        held, brake, turn_brake, pieces = _braking(n, dt, axes, flags)
+        for _ in range(pieces):
+            _run_axis(n, LINEAR, axes, held, brake, dt / pieces)
+            _run_axis(n, ANGULAR, axes, held, turn_brake, dt / pieces)
+        _end_braking(n, axes, flags)
+
+
+@kernel
+def count(left: Float, right: Float, drives: Wheels) -> None:
+    """Count the ways that the left and the right wheels have rolled, both (N,), as odometry."""
+    wheels = drives[2]
+    for n in range(wheels.shape[1]):
+        way, turn = (left[n] + right[n]) / 2, (right[n] - left[n]) / wheels[BASE, n]
+        x, y, theta = wheels[ODOM_X, n], wheels[ODOM_Y, n], wheels[ODOM_THETA, n]
+        x, y, theta = _follow(x, y, theta, way, turn)
+        wheels[ODOM_X, n], wheels[ODOM_Y, n], wheels[ODOM_THETA, n] = x, y, _wrapped(theta)
+        wheels[LEFT, n] += left[n]
+        wheels[RIGHT, n] += right[n]

@@ -1,0 +1,93 @@
+"""How the robots and boxes of a world move: on a plane, or as bodies with mass."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.maps import LineMap
+from pioneer3.sim.body import Body, Speeds
+from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
+from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
+from pioneer3.sim.obstacles import Obstacle
+
+Float = NDArray[np.float64]
+
+
+class Dynamics(Protocol):
+    """Moves what is in a world.
+
+    A world calls :meth:`change_map` before all others, and :meth:`change_bodies` whenever its
+    arrays are laid out anew.
+    """
+
+    has_slip: bool
+    """Whether wheels slip by themselves; the errors of a realism are not added then."""
+
+    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+        """Replace what stands still."""
+        ...
+
+    def change_bodies(
+        self,
+        robots: Sequence[Body],
+        obstacles: Sequence[Obstacle],
+        drives: Drives,
+        outlines: Robots,
+    ) -> None:
+        """Replace robots and obstacles; those that stay keep their state.
+
+        Args:
+            robots: In the order of `drives`.
+            obstacles: In the order of `outlines`, after the robots.
+            drives: Of the robots; a step changes them.
+            outlines: Poses and sizes; a step changes the poses.
+        """
+        ...
+
+    def place(self) -> None:
+        """Take over the poses that others have written into the outlines."""
+        ...
+
+    def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
+        """Let `dt` [s] pass, at most `LONGEST`; then outlines and drives are up to date.
+
+        Args:
+            kernels: To compute with.
+            dt: [s].
+            noise: As for :meth:`Kernels.step <pioneer3.sim.kernels.Kernels.step>`.
+        """
+        ...
+
+    def speeds(self, number: int) -> Speeds:
+        """Return what the encoders of robot `number` say of its speed."""
+        ...
+
+
+class PlanarDynamics:
+    """`Dynamics` on a plane: robots do what their drives want, up to the first thing they meet."""
+
+    has_slip = False
+
+    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+        self._grid = grid
+
+    def change_bodies(
+        self,
+        robots: Sequence[Body],
+        obstacles: Sequence[Obstacle],
+        drives: Drives,
+        outlines: Robots,
+    ) -> None:
+        self._drives, self._outlines = drives, outlines
+
+    def place(self) -> None:
+        pass
+
+    def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
+        kernels.step(self._grid, self._outlines, self._drives, dt, noise)
+
+    def speeds(self, number: int) -> Speeds:
+        axes = self._drives.axes
+        return axes.item(VELOCITY, LINEAR, number), axes.item(VELOCITY, ANGULAR, number)
