@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from math import hypot, inf, isfinite
+from operator import attrgetter
 from typing import Protocol
 
 from pioneer3.behaviors.surroundings import NOTHING_SENSED, Surroundings
@@ -45,6 +46,7 @@ HIGHEST = ("deceleration", "turn_deceleration")
 """Limits of which the highest holds: braking harder is the safer side."""
 LIMITS = frozenset((*LOWEST, *HIGHEST))
 CHANNELS = ("v", "turn", "heading", "w", *LOWEST, *HIGHEST)
+_channels_of = attrgetter(*CHANNELS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,8 +92,7 @@ class Desire:
     def __post_init__(self) -> None:
         if self.turn is not None and self.heading is not None:
             raise ValueError("wants a turn and a heading at once")
-        for channel in CHANNELS:
-            asked = getattr(self, channel)
+        for channel, asked in zip(CHANNELS, _channels_of(self), strict=True):
             if asked is None:
                 continue
             value = asked.value if isinstance(asked, Weighted) else asked
@@ -157,6 +158,9 @@ class Combined:
         return any(taken.strength >= 1 - NO_STRENGTH for taken in self.motion.values())
 
 
+NOTHING_ASKED = Combined()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
     """All that an action decides on, at one instant.
@@ -181,7 +185,7 @@ class Situation:
     scan: Scan | None = None
     lost_lasers: tuple[str, ...] = ()
     last_stop: Stop = NO_STOP
-    higher: Combined = field(default_factory=Combined)
+    higher: Combined = NOTHING_ASKED
 
     @property
     def pose(self) -> Pose2:

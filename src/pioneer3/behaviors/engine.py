@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from math import copysign, inf, radians, sqrt
+from operator import attrgetter
 
 from pioneer3.behaviors.action import (
     HIGHEST,
@@ -57,9 +58,9 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
     motion, limits, parts = dict(above.motion), dict(above.limits), list(above.contributions)
     until, answers_stall = above.until, above.answers_stall
     group = sorted(group, key=lambda proposal: proposal.action)
-    asked = {channel: _wanted(channel, group, theta) for channel in MOTION}
-    for channel, found in asked.items():
+    for channel in MOTION:
         room = 1.0 - above.strength(channel)
+        found = _wanted(channel, group, theta)
         if not found or room <= NO_STRENGTH or _decided_otherwise(above, channel):
             continue
         scale = min(1.0, room / sum(weighted.strength for _, weighted in found))
@@ -69,13 +70,18 @@ def combine(above: Combined, group: Iterable[Proposal], theta: float) -> Combine
             motion[channel] = _mean(motion.get(channel), counted)
             until = min(until, proposal.desire.until)
             answers_stall = answers_stall or proposal.desire.answers_stall
+    limiting = [each for each in group if _limits_of(each.desire) != NO_LIMITS]
     for channel in (*LOWEST, *HIGHEST):
-        for proposal in group:
+        for proposal in limiting:
             limit = as_weighted(getattr(proposal.desire, channel))
             if limit is not None:
                 parts.append(_contribution(proposal, channel, Weighted(limit.value)))
                 limits[channel] = _safest(channel, limits.get(channel), limit.value)
     return Combined(motion, limits, until, answers_stall, tuple(parts))
+
+
+_limits_of = attrgetter(*LOWEST, *HIGHEST)
+NO_LIMITS = _limits_of(Desire())
 
 
 def _contribution(proposal: Proposal, channel: str, counted: Weighted) -> Contribution:
@@ -174,11 +180,12 @@ class Decision:
 def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
     """Ask all actions, from the highest priority down; each sees the desires above it.
 
+    The desires that `situation` has already are above all.
+
     Raises:
         ActionError: an action failed, or asked for a value that is no number.
     """
-    theta, combined = situation.pose.theta, Combined()
-    seen = replace(situation, higher=combined)
+    theta, seen, combined = situation.pose.theta, situation, situation.higher
     ranked = sorted(
         (
             (-stack.priority, -ranked.priority, stack.name, ranked.action)
@@ -188,10 +195,11 @@ def resolve(stacks: Iterable[Stack], situation: Situation) -> Decision:
         key=lambda entry: entry[:2],
     )
     for _, group in groupby(ranked, key=lambda entry: entry[:2]):
+        if seen.higher is not combined:
+            seen = replace(situation, higher=combined)
         asked = [_ask(stack, action, seen) for _, _, stack, action in group]
         if entries := [entry for entry in asked if entry is not None]:
             combined = combine(combined, entries, theta)
-            seen = replace(situation, higher=combined)
     return _decision(combined, situation.limits)
 
 
@@ -206,12 +214,10 @@ def _ask(stack: str, action: Action, situation: Situation) -> Proposal | None:
 def _decision(combined: Combined, limits: Limits) -> Decision:
     known = combined.limits
     motion = {channel: taken.value for channel, taken in combined.motion.items()}
-    top_left = min(known.get("left_max", inf), limits.max_turn_rate)
-    top_right = min(known.get("right_max", inf), limits.max_turn_rate)
     w = motion.get("w", 0.0)
     if "turn" in motion:
         turn = motion["turn"]
-        top = top_left if turn > 0 else top_right
+        top = min(known.get("left_max" if turn > 0 else "right_max", inf), limits.max_turn_rate)
         deceleration = max(known.get("turn_deceleration", 0.0), limits.turn_deceleration)
         w = approach(turn, top, deceleration) if abs(turn) >= TURNED else 0.0
     twist = Twist2(

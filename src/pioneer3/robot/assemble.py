@@ -1,7 +1,7 @@
 """Turns reports into snapshots: counts into metres and radians, wrapping counters into a pose."""
 
 from collections import deque
-from collections.abc import Sequence
+from functools import cache
 from math import inf, nan
 
 from pioneer3.arcos.reports import Config, Fault, Sip, SipFlag
@@ -23,9 +23,9 @@ from pioneer3.units import DECIVOLT, DEGREE
 
 SONAR_MAX = 5.0
 """Echoes from farther away count as none [m] (facts.md 7.2)."""
-SONAR_FLAGS = SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4
-NO_TEMPERATURE = (-128, -127)
-"""ARIA tests for the first, AMRISim sends the second (protocol.md 4.9)."""
+SONAR_FLAGS = int(SipFlag.SONAR_1 | SipFlag.SONAR_2 | SipFlag.SONAR_3 | SipFlag.SONAR_4)
+NO_TEMPERATURE = (None, -128, -127)
+"""ARIA tests for the second, AMRISim sends the third (protocol.md 4.9)."""
 ANALOG_VOLT = 5.0 / 255
 RATE_WINDOW = 1.0
 CHARGING = (
@@ -146,7 +146,7 @@ class Assembler:
                 rate=self._rate(),
                 sessions=self.sessions,
             ),
-            faults=_names(sip.faults or Fault(0)),
+            faults=_names(sip.faults) if sip.faults else (),
             words=_words(sip),
         )
 
@@ -179,7 +179,7 @@ class Assembler:
         return Sonar(
             ranges=tuple(self._ranges),
             fresh=tuple(reading.number for reading in sip.sonar),
-            enabled=bool(sip.flags & SONAR_FLAGS),
+            enabled=int(sip.flags) & SONAR_FLAGS != 0,
         )
 
 
@@ -190,19 +190,22 @@ def _battery(sip: Sip, config: Config | None) -> Battery:
     charging = CHARGING[state] if state is not None and state < len(CHARGING) else Charging.UNKNOWN
     alarm = (config.low_battery_decivolts or 0) * DECIVOLT if config else 0.0
     percent = sip.charge_percent
-    low = 0 < voltage < alarm or bool((sip.faults or Fault(0)) & Fault.UNDERVOLTAGE)
+    reported = sip.faults is not None and Fault.UNDERVOLTAGE in sip.faults
     return Battery(
-        voltage=voltage, charge=percent / 100 if percent else None, charging=charging, low=low
+        voltage=voltage,
+        charge=percent / 100 if percent else None,
+        charging=charging,
+        low=0 < voltage < alarm or reported,
     )
 
 
 def _motors(sip: Sip) -> Motors:
     return Motors(
-        enabled=bool(sip.flags & SipFlag.MOTORS_ENABLED),
+        enabled=SipFlag.MOTORS_ENABLED in sip.flags,
         left_stalled=bool(sip.left_stall_rear_bumpers & 1),
         right_stalled=bool(sip.right_stall_front_bumpers & 1),
         moving=sip.moving,
-        stop_button=bool(sip.flags & SipFlag.STOP_BUTTON),
+        stop_button=SipFlag.STOP_BUTTON in sip.flags,
     )
 
 
@@ -215,6 +218,7 @@ def _bumpers(sip: Sip, model: RobotModel, config: Config | None) -> Bumpers:
     )
 
 
+@cache
 def _segments(bits: int, count: int) -> tuple[bool, ...]:
     return tuple(bool(bits >> (i + 1) & 1) for i in range(min(count, 7)))
 
@@ -227,7 +231,7 @@ def _inputs(sip: Sip) -> Inputs:
         analog=(sip.analog or 0) * ANALOG_VOLT,
         analog_port=sip.analog_port or 0,
         compass=wrap(2 * sip.compass_raw * DEGREE) if sip.compass_raw else None,
-        temperature=None if celsius in {None, *NO_TEMPERATURE} else celsius,
+        temperature=None if celsius in NO_TEMPERATURE else celsius,
     )
 
 
@@ -241,5 +245,4 @@ def _words(sip: Sip) -> Words:
 
 
 def _names(flags: Fault) -> tuple[str, ...]:
-    members: Sequence[Fault] = list(flags)
-    return tuple(str(m.name).lower().replace("_", " ") for m in members)
+    return tuple(str(fault.name).lower().replace("_", " ") for fault in flags)

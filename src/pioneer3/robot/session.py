@@ -97,7 +97,8 @@ class Session:
         self._assembler = assembler
         self._listener = listener
         self._restrict = restrict
-        self._clock = asyncio.get_running_loop().time
+        self._loop = asyncio.get_running_loop()
+        self._clock = self._loop.time
         self._due = self._clock()
         self._host = Host(self._due, link.speeds, timing, round_trip=link.round_trip)
         self._wake = asyncio.Event()
@@ -175,9 +176,11 @@ class Session:
             if not self._held_back:
                 self._send_all(now)
             self._due = min(self._host.deadline, self._pilot.deadline)
-            with suppress(TimeoutError):
-                async with asyncio.timeout_at(self._due):
-                    await self._wake.wait()
+            timer = self._loop.call_at(self._due, self._wake.set)
+            try:
+                await self._wake.wait()
+            finally:
+                timer.cancel()
 
     def _now(self) -> float:
         """Return the time; tell the host of a delay, after which reports wait to be read."""

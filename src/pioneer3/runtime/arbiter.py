@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from pioneer3.behaviors.action import MODE, Action, ProgressChecker, Situation, Stack
@@ -94,15 +94,15 @@ class _Part:
 
     Attributes:
         after: Number of the last stop before it began, or that it answered.
+        is_held: Whether an input or a program holds it: a :class:`Hold` knows when it began.
     """
 
     stack: Stack
     after: int
+    is_held: bool = field(init=False)
 
-    @property
-    def is_held(self) -> bool:
-        """Whether an input or a program holds it: a :class:`Hold` knows when it began."""
-        return any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
+    def __post_init__(self) -> None:
+        self.is_held = any(isinstance(ranked.action, Hold) for ranked in self.stack.actions)
 
 
 class Arbiter:

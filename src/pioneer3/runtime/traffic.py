@@ -1,9 +1,11 @@
 """The robots of this program: each knows where the others are, and keeps out of their ways."""
 
+from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from math import hypot, inf
+from itertools import product
+from math import floor, hypot, inf
 from typing import TYPE_CHECKING, Protocol
 
 from pioneer3.behaviors.peers import Peer
@@ -21,6 +23,8 @@ OVERLAP = 0.15
 """No two robots are so near [m]."""
 LOOK, SLACK = 0.25, 1.0
 """Robots that are near are looked up so often [s], and may come so much nearer meanwhile [m]."""
+SIDE = NEAR + SLACK
+"""Of a cell of the grid in which they are looked up [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +94,9 @@ class _News:
 
 @dataclass(frozen=True, slots=True)
 class _Near:
-    """The robots that were near at `stamp` [s], `within` a distance [m]."""
+    """The robots that were near each one at `stamp` [s]."""
 
-    names: list[str]
-    within: float
+    names: dict[str, list[str]]
     stamp: float
 
 
@@ -108,7 +111,7 @@ class Traffic:
     _participants: dict[str, Participant] = field(default_factory=dict, init=False)
     _news: dict[str, _News] = field(default_factory=dict, init=False)
     _strangers: set[frozenset[str]] = field(default_factory=set, init=False)
-    _near: dict[str, _Near] = field(default_factory=dict, init=False)
+    _near: _Near | None = field(default=None, init=False)
     _navigating: list[Navigating] = field(default_factory=list, init=False)
 
     @contextmanager
@@ -140,10 +143,11 @@ class Traffic:
         mine = self._note(participant) if participant else None
         if mine is None:
             return []
+        around = self._around(mine, within)
+        if not around:
+            return []
         to_odom = mine.place.odom_in_frame.inverse()
-        return [
-            replace(news.peer, pose=to_odom @ news.peer.pose) for news in self._around(mine, within)
-        ]
+        return [replace(news.peer, pose=to_odom @ news.peer.pose) for news in around]
 
     def unknown(self, name: str) -> str:
         """Return the reason that a robot does not know where it is among others, or nothing."""
@@ -168,34 +172,45 @@ class Traffic:
         return others.issuperset(names[1:])
 
     def _around(self, mine: _News, within: float) -> list[_News]:
-        """Return the news of the others that are near, also of those that are lost or have left.
+        """Return the news of the others that are near, also of those that are lost or have left."""
+        names = self._looked_up(mine) if within <= NEAR else self._names()
+        return [news for other in names if (news := self._is_near(mine, other, within))]
 
-        Among many robots, which of them are near is looked up again after :data:`LOOK` only.
+    def _looked_up(self, mine: _News) -> list[str]:
+        """Return the robots that may be near one.
+
+        Among many robots, which of them are near is looked up again after :data:`LOOK` only, and
+        for all of them at once.
         """
-        name, now = mine.peer.name, mine.peer.stamp
-        known = self._near.get(name)
-        if known is None or known.within < within or not 0 <= now - known.stamp < LOOK:
-            names = [other for other in self._names() if other != name]
-            near = [other for other in names if self._is_near(mine, other, within + SLACK)]
-            known = self._near[name] = _Near(near, within, now)
-        return [news for other in known.names if (news := self._is_near(mine, other, within))]
+        name, known = mine.peer.name, self._near
+        if known is None or mine.peer.stamp - known.stamp >= LOOK or name not in known.names:
+            for participant in self._participants.values():
+                self._note(participant)
+            all_news = [self._news[other] for other in self._names() if other in self._news]
+            known = self._near = _Near(
+                _neighbours(all_news), max(news.peer.stamp for news in all_news)
+            )
+        return known.names[name]
 
     def _names(self) -> list[str]:
         return [*dict.fromkeys((*self._participants, *self._news))]
 
     def _is_near(self, mine: _News, name: str, within: float) -> _News | None:
         """Return the news of another robot if it is near."""
+        if name == mine.peer.name:
+            return None
         if name in self._participants:
             self._note(self._participants[name])
-        news, pair = self._news.get(name), frozenset((mine.peer.name, name))
-        if news is None or news.place.frame != mine.place.frame or pair in self._strangers:
+        news = self._news.get(name)
+        if news is None or news.place.frame != mine.place.frame:
             return None
-        here, there = mine.peer.pose, news.peer.pose
-        away = hypot(there.x - here.x, there.y - here.y)
+        away = _distance(mine, news)
+        if away > within:
+            return None
+        pair = frozenset((mine.peer.name, name))
         if away < OVERLAP and mine.place.true and news.place.true:
             self._strangers.add(pair)
-            return None
-        return news if away <= within else None
+        return None if pair in self._strangers else news
 
     def _note(self, participant: Participant) -> _News | None:
         """Return the news of a robot that is there and sure of its place, and keep them."""
@@ -274,6 +289,32 @@ class Traffic:
         return Traveller(
             name=participant.name, robot_in_map=here, corner=corner, way=NOWHERE, since=inf
         )
+
+
+def _neighbours(all_news: Sequence[_News]) -> dict[str, list[str]]:
+    """Return for each robot those that are within :data:`SIDE`, in the order of `all_news`."""
+    near: dict[str, list[str]] = {}
+    cells = defaultdict[tuple[Hashable, int, int], list[_News]](list)
+    for news in all_news:
+        near[news.peer.name] = []
+        cells[_cell(news)].append(news)
+    for news in all_news:
+        frame, i, j = _cell(news)
+        for di, dj in product((-1, 0, 1), repeat=2):
+            for other in cells.get((frame, i + di, j + dj), ()):
+                if other is not news and _distance(news, other) <= SIDE:
+                    near[other.peer.name].append(news.peer.name)
+    return near
+
+
+def _cell(news: _News) -> tuple[Hashable, int, int]:
+    pose = news.peer.pose
+    return news.place.frame, floor(pose.x / SIDE), floor(pose.y / SIDE)
+
+
+def _distance(one: _News, other: _News) -> float:
+    here, there = one.peer.pose, other.peer.pose
+    return hypot(there.x - here.x, there.y - here.y)
 
 
 def _beside(one: Navigating, each: Navigating) -> "Traveller | None":

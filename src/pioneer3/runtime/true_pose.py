@@ -2,6 +2,7 @@
 
 import asyncio
 from contextlib import suppress
+from functools import lru_cache
 from math import radians
 
 from pioneer3.arcos.commands import RequestMode, RequestSimStat
@@ -37,9 +38,7 @@ class TruePose:
     @property
     def world(self) -> str:
         """The computer of the simulator: robots of one computer are taken to be in one world."""
-        url = self._robot.info.url
-        host = split_host(url)[0] if url.startswith("tcp:") else LOCAL
-        return LOCAL if host.startswith("127.") or host == "::1" else host
+        return _computer(self._robot.info.url)
 
     async def follow(self) -> None:
         """Ask, and read the answers; ends by cancellation."""
@@ -72,3 +71,10 @@ class TruePose:
             self.pose = Pose2(report.x_mm * MM, report.y_mm * MM, heading)
             if (now := self._robot.snapshot) is not None:
                 self.odom_in_world = self.pose @ now.odometry.robot_in_odom.inverse()
+
+
+@lru_cache
+def _computer(url: str) -> str:
+    """Return the computer at the other end of a link."""
+    host = split_host(url)[0] if url.startswith("tcp:") else LOCAL
+    return LOCAL if host.startswith("127.") or host == "::1" else host

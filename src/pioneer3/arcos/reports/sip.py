@@ -7,6 +7,7 @@ per second.
 
 from dataclasses import dataclass
 from enum import IntFlag
+from itertools import starmap
 from operator import attrgetter
 from struct import Struct, calcsize, error, iter_unpack, pack
 from typing import ClassVar, Final
@@ -226,7 +227,7 @@ def read_sip(payload: bytes) -> Sip:
     end = start + 3 * payload[_HEAD.size]
     if end > len(payload):
         raise EOFError
-    sonar = tuple(SonarReading(*reading) for reading in iter_unpack("<BH", payload[start:end]))
+    sonar = tuple(starmap(SonarReading, iter_unpack("<BH", payload[start:end])))
     tail = next(tail for tail in _LONGEST_FIRST if tail.size <= len(payload) - end)
     values = dict(zip(_HEAD_NAMES, _HEAD.unpack_from(payload), strict=True))
     values |= zip(_TAIL_NAMES, tail.unpack_from(payload, end), strict=False)

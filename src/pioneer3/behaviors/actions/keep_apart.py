@@ -28,6 +28,8 @@ SLOWEST = 0.02
 """Nearer than this speed allows, a robot stands [m/s]."""
 FRESH = 0.35
 """News that is older says nothing about room [s]."""
+ROUNDING = 1e-6
+"""No two ways to compute a distance differ by more [m]."""
 
 
 def least_spacing(one: RobotModel, other: RobotModel) -> float:
@@ -75,7 +77,10 @@ class LimiterPeers:
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return the limits; `None` where nobody is near enough to matter."""
-        rooms = [_room(situation, peer) for peer in self.peers()]
+        peers = self.peers()
+        if not any(_matters(situation, peer) for peer in peers):
+            return None
+        rooms = [_room(situation, peer) for peer in peers]
         ahead = [_speed(situation, room, 0.0) for room in rooms]
         behind = [_speed(situation, room, pi) for room in rooms]
         v_max, back_max = min(ahead, default=inf), min(behind, default=inf)
@@ -96,15 +101,32 @@ class LimiterPeers:
         )
 
 
+def _matters(situation: Situation, peer: Peer) -> bool:
+    """Return whether a peer may be near enough to limit anything, however it drives.
+
+    Most are not, and the distance alone tells it.
+    """
+    here, limits, speed = situation.pose, situation.limits, abs(peer.twist.v)
+    distance = hypot(peer.pose.x - here.x, peer.pose.y - here.y)
+    apart = distance - situation.model.corner - peer.radius - _strays(situation.now, peer)
+    gap = apart - MARGIN - speed * (LOST + REACTION) - speed * speed / (2 * limits.deceleration)
+    needs = limits.max_speed * (REACTION + limits.max_speed / (2 * limits.deceleration))
+    return gap < needs + ROUNDING
+
+
+def _strays(now: float, peer: Peer) -> float:
+    """Return how far a peer may have strayed since it was lost [m]."""
+    silent = max(0.0, now - peer.stamp - LOST)
+    return (abs(peer.twist.v) + STRAYS) * min(silent, STRAYS_FOR)
+
+
 def _room(situation: Situation, peer: Peer) -> _Room:
     """Return the room towards a peer, at the nearer of where it was and where it may be."""
     now, here = situation.now, situation.pose.inverse()
-    silent = max(0.0, now - peer.stamp - LOST)
-    strays = (abs(peer.twist.v) + STRAYS) * min(silent, STRAYS_FOR)
     places = (here @ peer.pose, here @ peer.at(now))
     at = min(places, key=lambda pose: hypot(pose.x, pose.y))
     distance = hypot(at.x, at.y)
-    apart = distance - situation.model.corner - peer.radius - strays
+    apart = distance - situation.model.corner - peer.radius - _strays(now, peer)
     leaves = peer.twist.v * cos(at.theta - atan2(at.y, at.x))
     to_stop = leaves * leaves / (2 * situation.limits.deceleration)
     gap = apart - MARGIN
