@@ -11,7 +11,7 @@ import pytest
 from pioneer3.behaviors.peers import Peers
 from pioneer3.geometry import ORIGIN, Pose2, Twist2
 from pioneer3.runtime.driven import Driven
-from pioneer3.runtime.traffic import NEAR, Participant, Place, Traffic
+from pioneer3.runtime.traffic import LOOK, NEAR, SLACK, Participant, Place, Traffic
 from pioneer3.state import Snapshot
 from tests.unit.behaviors.support import P3AT, seen
 
@@ -89,6 +89,15 @@ def test_one_that_comes_near_is_noticed_soon() -> None:
         assert the.peers_of("ann", NEAR) == []
         bob.drives(Pose2(-5.0), 1.5)
         ann.drives(ORIGIN, 1.5)
+        assert [peer.name for peer in the.peers_of("ann", NEAR)] == ["bob"]
+
+
+def test_one_that_comes_near_between_two_looks_is_noticed_at_once() -> None:
+    ann, bob = at(0.0), at(NEAR + SLACK - 0.1)
+    with traffic(ann=ann, bob=bob) as the:
+        assert the.peers_of("ann", NEAR) == []
+        bob.drives(Pose2(-SLACK), 1.0 + LOOK / 2)
+        ann.drives(ORIGIN, 1.0 + LOOK / 2)
         assert [peer.name for peer in the.peers_of("ann", NEAR)] == ["bob"]
 
 
