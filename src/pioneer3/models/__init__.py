@@ -2,9 +2,11 @@
 
 from pioneer3.models.catalog import find_model, generic_model, load_model, model_names
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount
+from pioneer3.models.physics import BodyPhysics, physics_of, total_mass
 from pioneer3.models.shape import Shape, shape_of
 
 __all__ = [
+    "BodyPhysics",
     "Drive",
     "IrMount",
     "LaserMount",
@@ -15,5 +17,7 @@ __all__ = [
     "generic_model",
     "load_model",
     "model_names",
+    "physics_of",
     "shape_of",
+    "total_mass",
 ]

@@ -1,4 +1,4 @@
-"""A robot from the side: heights and wheels, which ARIA's flat files do not have."""
+"""Heights, wheels and casters of a robot, which ARIA's flat files do not have."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +13,9 @@ from pioneer3.units import MM
 class Shape:
     """Sizes that complete a :class:`RobotModel` to a body [m].
 
+    Heights and wheels are published figures, rounded. The height of the sonars is an estimate.
+    None was measured on a robot.
+
     Attributes:
         height: Of the top plate above the floor.
         clearance: Of the body above the floor.
@@ -21,8 +24,9 @@ class Shape:
         wheel_width: Of a wheel.
         track: From the middle of a left wheel to that of the right one.
         axles: Where the driven wheels are along the robot, front first.
-        caster: Where the caster is along the robot, or `None` without one.
+        caster: Where the caster's swivel axis is along the robot, or `None` without a caster.
         caster_radius: Of its wheel.
+        caster_trail: From the swivel axis back to the middle of its wheel.
     """
 
     height: float
@@ -33,7 +37,27 @@ class Shape:
     track: float
     axles: tuple[float, ...]
     caster: float | None = None
-    caster_radius: float = 31 * MM
+    caster_radius: float = 37.5 * MM
+    caster_trail: float = 26 * MM
+
+    @property
+    def wheelbase(self) -> float:
+        """From the front axle to the rear one [m]; 0 with one axle."""
+        return self.axles[0] - self.axles[-1]
+
+    @property
+    def effective_track(self) -> float:
+        """Difference of the wheels' speeds by the turn rate [m]: the track of a robot that slips.
+
+        With one axle that is the track T. Wheels of two axles, L apart, slip when the robot turns.
+        At a turn rate r each contact patch slips sideways by r L/2, and forwards by s = u - r T/2,
+        where u is the speed of the rim. Friction is isotropic and against the slip, so a free turn
+        needs s T/2 = (r L/2) L/2, which gives 2 u / r = T + L^2/T. A tire of width w that
+        presses with its edges adds w^2/T; an even load over its width would add a third of that.
+        """
+        if not self.wheelbase:
+            return self.track
+        return self.track + (self.wheelbase**2 + self.wheel_width**2) / self.track
 
 
 P3AT: Final = Shape(
@@ -53,8 +77,11 @@ P3DX: Final = Shape(
     wheel_width=48 * MM,
     track=330 * MM,
     axles=(0.0,),
-    caster=-180 * MM,
+    caster=-185 * MM,
 )
+# ARIA's 182 mm cannot be the track of an AmigoBot: its wheels, 30 mm wide and outside the shell,
+# would reach from 76 to 106 mm, into the shell that has its side sonars at 100 mm. A body of 279 mm
+# allows at most 249 mm.
 AMIGO: Final = Shape(
     height=150 * MM,
     clearance=30 * MM,
@@ -65,6 +92,7 @@ AMIGO: Final = Shape(
     axles=(0.0,),
     caster=-110 * MM,
     caster_radius=20 * MM,
+    caster_trail=12 * MM,
 )
 PEOPLEBOT: Final = Shape(
     height=1240 * MM,
@@ -74,13 +102,12 @@ PEOPLEBOT: Final = Shape(
     wheel_width=48 * MM,
     track=330 * MM,
     axles=(0.0,),
-    caster=-180 * MM,
+    caster=-185 * MM,
 )
 SHAPES: Final[Mapping[str, Shape]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}
 )
-"""By the first word of a model's name. Heights and wheels are published figures,
-rounded; the height of the sonars is an estimate. None was measured on a robot."""
+"""By the first word of a model's name."""
 
 
 def shape_of(model: RobotModel) -> Shape:

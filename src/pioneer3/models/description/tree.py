@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from math import cos, pi, sin
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2, wrap
@@ -72,6 +72,15 @@ class Quaternion(NamedTuple):
     w: float
 
 
+class Place(NamedTuple):
+    """The pose of a link that stands upright [m, rad]."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
     """The pose of a link on another one.
@@ -84,7 +93,7 @@ class Joint:
         y: To the left.
         z: Up.
         yaw: Of the child in the parent's frame, counter-clockwise seen from above [rad].
-        turns: Whether it turns about its y axis without end, as wheels do.
+        axis: About which it turns without end; empty for a joint that never moves.
     """
 
     name: str
@@ -94,11 +103,11 @@ class Joint:
     y: float = 0.0
     z: float = 0.0
     yaw: float = 0.0
-    turns: bool = False
+    axis: Literal["", "y", "z"] = ""
 
     def rotation(self, turned: float = 0.0) -> Quaternion:
-        """Return the rotation of the child that has `turned` about its y axis [rad]."""
-        if self.turns:
+        """Return the rotation of the child; that of a wheel has `turned` about its y axis [rad]."""
+        if self.axis == "y":
             return Quaternion(0.0, sin(turned / 2), 0.0, cos(turned / 2))
         return Quaternion(0.0, 0.0, sin(self.yaw / 2), cos(self.yaw / 2))
 
@@ -110,17 +119,41 @@ class Tree:
     Attributes:
         base: Name of the root.
         fixed: Joints that never move.
-        wheels: Joints that turn: left before right, front before rear.
+        wheels: Joints that motors turn: left before right, front before rear.
+        caster: Joints of a caster that moves: its swivel, and its wheel on that.
     """
 
     base: str
     fixed: tuple[Joint, ...]
     wheels: tuple[Joint, ...]
+    caster: tuple[Joint, ...] = ()
 
     @property
     def joints(self) -> tuple[Joint, ...]:
         """All of them."""
-        return (*self.fixed, *self.wheels)
+        return (*self.fixed, *self.wheels, *self.caster)
+
+    @property
+    def moving(self) -> tuple[Joint, ...]:
+        """Joints that turn: of wheels and casters."""
+        return (*self.wheels, *self.caster)
+
+    def fixed_in_base(self) -> dict[str, Place]:
+        """Return the place on the base of every link that never moves; the base's own is all 0.
+
+        Fixed links turn about the z axis only.
+        """
+        places = {self.base: Place(0.0, 0.0, 0.0, 0.0)}
+        for joint in self.fixed:
+            x, y, z, yaw = places[joint.parent]
+            c, s = cos(yaw), sin(yaw)
+            places[joint.child] = Place(
+                x + c * joint.x - s * joint.y,
+                y + s * joint.x + c * joint.y,
+                z + joint.z,
+                wrap(yaw + joint.yaw),
+            )
+        return places
 
 
 def tree_of(
@@ -152,6 +185,26 @@ def tree_of(
     if twice:
         raise ConfigError(f"two frames are both called {twice[0]!r}: give one of them another name")
     return tree
+
+
+def body_tree(model: RobotModel, frames: Frames) -> Tree:
+    """Return the tree of a robot whose caster moves, for physics.
+
+    The link `caster_swivel` turns about the vertical, and the wheel `caster` trails behind it.
+    """
+    tree, shape = tree_of(model, frames), shape_of(model)
+    if shape.caster is None:
+        return tree
+    high = shape.caster_radius
+    swivel, wheel = "caster_swivel", "caster"
+    return replace(
+        tree,
+        fixed=tuple(joint for joint in tree.fixed if joint.child != wheel),
+        caster=(
+            replace(_joint(frames.base, swivel, (shape.caster, 0.0, high)), axis="z"),
+            replace(_joint(swivel, wheel, (-shape.caster_trail, 0.0, 0.0)), axis="y"),
+        ),
+    )
 
 
 def wheel_joint_names(model: RobotModel) -> tuple[str, ...]:
@@ -205,7 +258,8 @@ def _fixed(
     for number, at in enumerate(lasers):
         yield _joint("top_plate", frames.laser_frame(number), (at.x, at.y, SCAN_HEIGHT), at.theta)
     if shape.caster is not None:
-        yield _joint(frames.base, "caster", (shape.caster, 0.0, shape.caster_radius))
+        behind = shape.caster - shape.caster_trail
+        yield _joint(frames.base, "caster", (behind, 0.0, shape.caster_radius))
 
 
 def _wheels(model: RobotModel, frames: Frames, names: tuple[str, ...]) -> Iterator[Joint]:
@@ -222,7 +276,7 @@ def _wheels(model: RobotModel, frames: Frames, names: tuple[str, ...]) -> Iterat
             x=shape.axles[number // 2],
             y=side * shape.track / 2,
             z=shape.wheel_radius,
-            turns=True,
+            axis="y",
         )
 
 

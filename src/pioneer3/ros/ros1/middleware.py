@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.models.description.urdf import MAKER
+from pioneer3.models.description.xml import MAKER
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
 from pioneer3.ros.ros1.reconfigure import Reconfigure
