@@ -1,13 +1,19 @@
+import shutil
+import subprocess
+from collections.abc import Callable
 from math import cos, hypot, inf, isfinite, pi
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of
+from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of, total_mass
 from pioneer3.models.description.tree import (
     Frames,
+    Tree,
+    body_tree,
     bumper_corners,
     bumper_segments,
     tree_of,
@@ -124,6 +130,33 @@ def test_nothing_that_touches_sticks_out_of_the_robot(name: str) -> None:
             assert -model.length_rear - 0.15 < x - far < x + far < model.length_front + 0.15
             assert abs(y) <= model.width / 2
             assert z + (joint.z if joint else 0.0) > 0
+
+
+@pytest.mark.parametrize("model", [*EVERY, UNKNOWN], ids=lambda model: model.name)
+@pytest.mark.parametrize("tree_of_kind", [tree_of, body_tree])
+def test_masses_are_those_of_the_robot_whether_its_caster_moves_or_not(
+    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], Tree]
+) -> None:
+    robot = ET.fromstring(describe(model, tree_of_kind(model, Frames()), Frames()))
+    masses = [numbers(mass.get("value"))[0] for mass in robot.iter("mass")]
+    assert sum(masses) == pytest.approx(total_mass(model))
+    for inertia in robot.iter("inertia"):
+        x, y, z = (numbers(inertia.get(name))[0] for name in ("ixx", "iyy", "izz"))
+        assert 2 * max(x, y, z) < x + y + z
+        assert min(x, y, z) > 0
+
+
+@pytest.mark.skipif(shutil.which("check_urdf") is None, reason="needs liburdfdom-tools")
+@pytest.mark.parametrize("model", EVERY, ids=lambda model: model.name)
+@pytest.mark.parametrize("tree_of_kind", [tree_of, body_tree])
+def test_urdfdom_accepts_a_description(
+    model: RobotModel, tree_of_kind: Callable[[RobotModel, Frames], Tree], tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.urdf"
+    file.write_text(describe(model, tree_of_kind(model, Frames()), Frames()))
+    checked = subprocess.run(["check_urdf", file], capture_output=True, text=True, check=False)
+    assert (checked.returncode, checked.stderr) == (0, "")
+    assert "Successfully Parsed XML" in checked.stdout
 
 
 def test_bumpers_go_round_the_outline_from_left_to_right() -> None:
