@@ -352,6 +352,7 @@ class WorldOptions:
         fit: Accessories of all robots, such as gripper,bumpers,gyro,camera=vcc4,laser=utm-30lx.
         seed: Whole number that makes everything random repeatable, such as 7.
         keep_session: A program that vanishes leaves its session behind, as on a serial line.
+        physics: Robots and boxes have mass, wheels slip and stall, by MuJoCo.
     """
 
     start: Annotated[
@@ -361,6 +362,7 @@ class WorldOptions:
     fit: Annotated[str, Parameter(show_default=False)] = ""
     seed: Annotated[int | None, Parameter(validator=Number(gte=0, lt=2**63))] = None
     keep_session: Flag = False
+    physics: Flag = False
 
     def overrides(
         self,
@@ -392,6 +394,7 @@ class WorldOptions:
             equipment=parse_equipment(self.fit),
             seed=self.seed,
             keep_session=self.keep_session,
+            physics=self.physics,
             own_ports=own_ports,
             factory=factory,
         )

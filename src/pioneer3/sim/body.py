@@ -161,6 +161,11 @@ class Body:
         return self.drive.linear.velocity, self.drive.angular.velocity
 
     @property
+    def track(self) -> float:
+        """Difference of the wheels' speeds over the turn rate [m], as the firmware has it."""
+        return self.wheel(BASE)
+
+    @property
     def wheel_travel(self) -> tuple[float, float]:
         """Way of the left and the right wheel since power-on [m]."""
         return self.wheel(LEFT), self.wheel(RIGHT)

@@ -145,7 +145,7 @@ class Instruments:
         body, model = self._body, self._body.model
         odom, angular = body.robot_in_odom, body.drive.angular
         v, w = body.speeds
-        half = w * model.wheel_base / 2
+        half = w * body.track / 2
         stalled = int(body.stalled or self._bumped)
         celsius = self._celsius()
         hot = celsius >= HOT or self._fake_heat

@@ -51,7 +51,7 @@ def _set_in_motion(body: Body, command: Command) -> None:
         case commands.Vel2(left_units, right_units):
             left, right = (units * body.model.vel2_unit for units in (left_units, right_units))
             drive.linear.go((left + right) / 2)
-            drive.angular.go((right - left) / body.model.wheel_base)
+            drive.angular.go((right - left) / body.track)
 
 
 def _set_up(body: Body, command: Command) -> bool:

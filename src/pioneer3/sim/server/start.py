@@ -18,6 +18,7 @@ from pioneer3.links.addresses import url_of
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import CACHE, WORTH_COMPILING, WORTH_THREADS, compiled_kernels
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
@@ -32,6 +33,7 @@ from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
+from pioneer3.sim.worldfile.spec import Physics
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
@@ -133,7 +135,8 @@ async def simulator(
             free ones, `None` has no such servers.
 
     Raises:
-        ConfigError: The map, a model, a place, a laser or the port of the ACTS servers is wrong.
+        ConfigError: The map, a model, a place, a laser or the port of the ACTS servers is wrong, or
+            MuJoCo is asked for and not installed.
         LinkError: A port cannot be listened on.
     """
     if robot is not None:
@@ -143,7 +146,13 @@ async def simulator(
     line_map, rng = world_file.line_map(), default_rng(world_file.seed)
     spawned, client_maps = spawn_robots(world_file, line_map, rng), _client_maps(world_file)
     bodies = [Body(each.model, each.pose) for each in spawned]
-    world = World(line_map, bodies, seed=world_file.seed, realism=realism)
+    world = World(
+        line_map,
+        bodies,
+        seed=world_file.seed,
+        realism=realism,
+        dynamics=_dynamics(world_file.physics),
+    )
     firmwares = [
         Firmware(
             world,
@@ -194,6 +203,19 @@ async def simulator(
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
+
+
+def _dynamics(physics: Physics) -> Dynamics:
+    """Return what moves robots.
+
+    Raises:
+        ConfigError: MuJoCo is not installed.
+    """
+    if physics == "planar":
+        return PlanarDynamics()
+    from pioneer3.sim.physics.dynamics import MujocoDynamics
+
+    return MujocoDynamics()
 
 
 async def _load_kernels(world: World) -> None:

@@ -30,6 +30,7 @@ class WorldOverrides:
         equipment: Of all robots, in addition to their own.
         seed: Of all random numbers.
         keep_session: Sessions outlive their programs, even if the world says no.
+        physics: Robots have mass, motors and tires, even if the world says no.
         own_ports: Robots keep the ports that the world file gives them.
         factory: The model of the robot that every client of one port gets; empty for none.
     """
@@ -39,6 +40,7 @@ class WorldOverrides:
     equipment: EquipmentOptions = NO_OPTIONS
     seed: int | None = None
     keep_session: bool = False
+    physics: bool = False
     own_ports: bool = True
     factory: str = ""
 
@@ -56,6 +58,7 @@ class WorldOverrides:
             world,
             seed=world.seed if self.seed is None else self.seed,
             keep_session=world.keep_session or self.keep_session,
+            physics="mujoco" if self.physics else world.physics,
             robots=tuple(
                 replace(
                     robot,

@@ -19,6 +19,7 @@ from pioneer3.sim.worldfile.person import PATIENCE, RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
     FARTHEST,
     Box,
+    Physics,
     Place,
     RobotSpec,
     Wall,
@@ -56,6 +57,7 @@ class WorldTable(Table):
     map: str = "empty"
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
     keep_session: bool = False
+    physics: Physics = "planar"
 
 
 class StartTable(Table):

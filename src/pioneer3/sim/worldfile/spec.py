@@ -23,6 +23,8 @@ Start = Pose2 | Literal["random", "outside", "home"]
 FARTHEST = 1e5
 """Of a coordinate [m]."""
 BOX_KIND = "Sim.BoxObstacle"
+Physics = Literal["planar", "mujoco"]
+"""How robots move: on a plane, by numbers for slip; or with mass, motors and tires, by MuJoCo."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,6 +122,7 @@ class WorldFile:
         seed: Of all random numbers; `None` for another one each time.
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
             on a serial line.
+        physics: How robots and boxes move.
         robots: In file order.
         boxes: In file order; only the fixed ones become walls.
         walls: In addition to the map's.
@@ -131,6 +134,7 @@ class WorldFile:
     map: str | Path = "empty"
     seed: int | None = None
     keep_session: bool = False
+    physics: Physics = "planar"
     robots: tuple[RobotSpec, ...] = ()
     boxes: tuple[Box, ...] = ()
     walls: tuple[Wall, ...] = ()

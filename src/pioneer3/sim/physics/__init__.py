@@ -1,0 +1,1 @@
+"""Robots with mass, motors and tires among walls with height, by MuJoCo."""

@@ -1,0 +1,255 @@
+"""Moves robots by the torque of their motors, and boxes by what pushes them."""
+
+from collections.abc import Sequence
+from itertools import count
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.errors import ConfigError, how_to_get
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap, empty_map
+from pioneer3.models import physics_of, shape_of
+from pioneer3.sim.body import Body, Speeds
+from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
+from pioneer3.sim.kernels.drives import (
+    ANGULAR,
+    BASE,
+    LINEAR,
+    POWERED,
+    STALLED,
+    TOUCHED,
+    VELOCITY,
+)
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.physics.scene import Scene, build, pose_of, set_contacts, turned
+
+Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
+
+CYCLE = 0.02
+"""The wheel-speed loop gets another speed so often [s]; one call of MuJoCo for each."""
+STALL_TIME, STALL_SHARE = 0.3, 0.98
+"""A side that pushes with this share of its torque for so long is stalled [s]."""
+DRAG = 0.3
+"""Torque of a side's gears and motors without power [Nm]; an assumption."""
+LEAST_SPEED = 5e-4
+"""Slower wheels stand, as far as encoders tell [m/s]."""
+
+
+class MujocoDynamics:
+    """`Dynamics` of bodies with mass: wheels slip, robots push and tip, motors stall.
+
+    The ramps of the firmware are those of the plane. The speeds at their ends go to a loop a side
+    that turns the wheels with the motors' torque. Odometry counts the wheels.
+
+    Raises:
+        ConfigError: MuJoCo is not installed.
+    """
+
+    has_slip = True
+
+    def __init__(self) -> None:
+        try:
+            import mujoco
+        except ImportError:
+            raise ConfigError(f"physics need MuJoCo: {how_to_get('physics')}") from None
+        self._mujoco: Any = mujoco
+        self._map = empty_map()
+        self._names: dict[Body | Obstacle, str] = {}
+        self._numbers = count()
+        self._robots: Sequence[Body] = ()
+        self._obstacles: Sequence[Obstacle] = ()
+        self._drives, self._outlines = Drives.at_rest(0), Robots(*np.zeros((3, 0)))
+        self._scene: Scene | None = None
+        self._owed = 0.0
+        self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
+        self._radius = self._torque = self._drag = np.zeros(0)
+        self._gain = self._damping = np.ones(0)
+        self._pushing = self._speed = np.zeros((2, 0))
+
+    @property
+    def scene(self) -> Scene:
+        """The compiled world; replaced when robots, obstacles or walls come and go."""
+        assert self._scene is not None
+        return self._scene
+
+    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+        self._map = line_map
+        if self._scene is not None:
+            self._rebuild()
+
+    def change_bodies(
+        self,
+        robots: Sequence[Body],
+        obstacles: Sequence[Obstacle],
+        drives: Drives,
+        outlines: Robots,
+    ) -> None:
+        self._robots, self._obstacles = robots, obstacles
+        self._drives, self._outlines = drives, outlines
+        drives.wheels[BASE] = [shape_of(body.model).effective_track for body in robots]
+        self._names = {
+            item: self._names.get(item) or f"{kind}{next(self._numbers)}"
+            for kind, items in (("robot", robots), ("obstacle", obstacles))
+            for item in items
+        }
+        self._rebuild()
+
+    def place(self) -> None:
+        poses = self._outlines.poses
+        for number in np.flatnonzero((poses != self._known).any(axis=0)).tolist():
+            self._put(number, Pose2(*poses[:, number].tolist()))
+        if (self._outlines.hidden != self._hidden).any():
+            self._hide()
+        self._known = poses.copy()
+
+    def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
+        pieces = max(1, ceil(dt / CYCLE - 1e-9))
+        for _ in range(pieces):
+            self._cycle(kernels, dt / pieces)
+        self._see_poses()
+        self._see_contacts()
+        kernels.place(self._outlines)
+
+    def speeds(self, number: int) -> Speeds:
+        left, right = (self._speed[side, number] for side in range(2))
+        v, w = (left + right) / 2, (right - left) / self._drives.wheels[BASE, number]
+        return float(v), float(w)
+
+    def _cycle(self, kernels: Kernels, dt: float) -> None:
+        """Let the motors work for `dt` [s] towards the speeds at the end of the ramps."""
+        scene, drives = self.scene, self._drives
+        data = scene.data
+        kernels.ramp(drives, dt)
+        v, w = drives.axes[VELOCITY, LINEAR], drives.axes[VELOCITY, ANGULAR]
+        half = w * drives.wheels[BASE] / 2
+        before = data.qpos[scene.wheels].mean(axis=2)
+        self._wind(before)
+        data.ctrl[scene.motors] = np.stack([v - half, v + half]) / self._radius
+        self._owed += dt / scene.model.opt.timestep
+        steps = int(self._owed + 1e-6)
+        self._owed -= steps
+        if steps:
+            self._mujoco.mj_step(scene.model, data, steps)
+        if not np.isfinite(data.qpos).all():
+            raise ArithmeticError("the physics of this world have no solution: something overlaps")
+        rolled = (data.qpos[scene.wheels].mean(axis=2) - before) * self._radius
+        left, right = np.ascontiguousarray(rolled)
+        kernels.count(drives, left, right)
+        speed = data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
+        self._speed = np.where(abs(speed) < LEAST_SPEED, 0.0, speed)
+        self._feel_stall(dt)
+
+    def _wind(self, angles: Float) -> None:
+        """Keep the loops from winding up, and take the torque of motors without power.
+
+        A loop is a spring between the wheel and the angle where it should be; the angle goes no
+        farther ahead of the wheel than the torque reaches.
+        """
+        scene, drives = self.scene, self._drives
+        off = (drives.flags[POWERED] == 0) & (drives.axes[VELOCITY] == 0.0).all(axis=0)
+        limit = np.where(off, self._drag, self._torque)
+        ranges = np.stack([-limit, limit], axis=-1)
+        scene.model.actuator_forcerange[scene.motors] = ranges[None]
+        speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2)
+        middle = angles + self._damping * speed / self._gain
+        reach = limit / self._gain
+        act = scene.data.act[scene.motors]
+        scene.data.act[scene.motors] = act.clip(middle - reach, middle + reach)
+
+    def _feel_stall(self, dt: float) -> None:
+        drives = self._drives
+        force = abs(self.scene.data.actuator_force[self.scene.motors])
+        pushes = (force > STALL_SHARE * self._torque) & (drives.flags[POWERED] != 0)
+        self._pushing = np.where(pushes, self._pushing + dt, 0.0)
+        stalled = (self._pushing >= STALL_TIME).any(axis=0)
+        drives.flags[STALLED] = stalled
+        # ramps begin anew at the speeds of the wheels, so that another command counts at once
+        speeds = [self.speeds(number) for number in np.flatnonzero(stalled).tolist()]
+        drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
+
+    def _see_poses(self) -> None:
+        scene, poses, first = self.scene, self._outlines.poses, len(self._robots)
+        x, y, _, qw, qx, qy, qz = scene.data.qpos[scene.base[:, None] + np.arange(7)].T
+        theta = np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
+        poses[:, :first] = x, y, theta
+        for number, obstacle in enumerate(self._obstacles):
+            at = scene.boxes[number]
+            if at >= 0:
+                pose = pose_of(scene.data.qpos[at : at + 7])
+                obstacle.pose = pose
+                poses[:, first + number] = pose.x, pose.y, pose.theta
+        self._known = poses.copy()
+
+    def _see_contacts(self) -> None:
+        """Note which robots' hulls touch something that is not the floor."""
+        scene, flags = self.scene, self._drives.flags
+        flags[TOUCHED] = 0
+        pairs = scene.data.contact.geom
+        if len(pairs):
+            touching = scene.hull[pairs]
+            touching[(pairs == 0).any(axis=1)] = -1
+            flags[TOUCHED, touching[touching >= 0]] = 1
+
+    def _put(self, number: int, pose: Pose2) -> None:
+        """Put a robot, a box or a person elsewhere, at rest; wheels turn on."""
+        data, scene = self.scene.data, self.scene
+        if number < len(self._robots):
+            at, moves = int(scene.base[number]), int(scene.base_speed[number])
+            data.qpos[at : at + 3] = pose.x, pose.y, 0.0
+            data.qpos[at + 3 : at + 7] = turned(pose.theta)
+            data.qvel[moves : moves + 6] = 0.0
+            return
+        own = number - len(self._robots)
+        if scene.people[own] >= 0:
+            data.mocap_pos[scene.people[own], :2] = pose.x, pose.y
+            return
+        at = int(scene.boxes[own])
+        data.qpos[at : at + 2] = pose.x, pose.y
+        data.qpos[at + 3 : at + 7] = turned(pose.theta)
+        data.qvel[scene.joints[self._names[self._obstacles[own]]][1]] = 0.0
+
+    def _hide(self) -> None:
+        """Let robots that are neither seen nor touched stand on the floor alone."""
+        model, robot = self.scene.model, self.scene.robot
+        self._hidden = self._outlines.hidden.copy()
+        set_contacts(model, robot >= 0, self._hidden[robot] != 0)
+
+    def _rebuild(self) -> None:
+        """Compile the world anew; everything that stays keeps its state."""
+        before = self._scene
+        robots = [(self._names[body], body) for body in self._robots]
+        obstacles = [(self._names[each], each) for each in self._obstacles]
+        self._scene = scene = build(self._map, robots, obstacles)
+        self._known = self._outlines.poses.copy()
+        self._hidden = np.zeros(len(self._outlines))
+        bodies = [physics_of(body.model) for body in self._robots]
+        self._radius = np.array([body.rolling_radius for body in bodies])
+        self._torque = np.array([body.side_torque for body in bodies])
+        self._gain = np.array([body.loop_gain for body in bodies])
+        self._damping = np.array([body.loop_damping for body in bodies])
+        self._drag = np.minimum(DRAG, self._torque / 4)
+        self._pushing = np.zeros((2, len(bodies)))
+        if before is not None:
+            self._keep(before, scene)
+        self._mujoco.mj_forward(scene.model, scene.data)
+        self._speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
+        if self._outlines.hidden.any():
+            self._hide()
+
+    def _keep(self, old: Scene, new: Scene) -> None:
+        """Take over the state of everything that was there before."""
+        new.data.time = old.data.time
+        for name, (places, speeds) in new.joints.items():
+            if name in old.joints:
+                was_places, was_speeds = old.joints[name]
+                new.data.qpos[places] = old.data.qpos[was_places]
+                new.data.qvel[speeds] = old.data.qvel[was_speeds]
+                new.data.qacc_warmstart[speeds] = old.data.qacc_warmstart[was_speeds]
+        for number in range(new.model.nu):
+            name = new.model.actuator(number).name
+            if name.partition("/")[0] in old.joints:
+                new.data.act[number] = old.data.act[old.model.actuator(name).id]

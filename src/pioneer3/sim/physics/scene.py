@@ -1,0 +1,254 @@
+"""What is in a world, as MuJoCo takes it: a floor, extruded walls, robots, boxes and people."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import atan2, cos, hypot, sin
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
+from pioneer3.models import RobotModel, shape_of
+from pioneer3.models.description.mjcf import SIDES, TIMESTEP, mjcf_of
+from pioneer3.models.description.tree import wheel_joint_names
+from pioneer3.sim.body import Body
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.worldfile import Person
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+Bool = NDArray[np.bool_]
+
+WALL_HEIGHT, WALL_THICKNESS = 1.0, 0.01
+"""[m]."""
+BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
+"""Of a movable box: height as the camera sees it [m], mass [kg]; assumptions."""
+PERSON_HEIGHT = 1.7
+"""[m]."""
+FLOOR_FRICTION = 0.6
+SOLID, FLOOR = 1, 2
+"""Bits of contact: robots that are neither seen nor touched still stand on the floor."""
+BASE, WALL = "base", "wall"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """A compiled world, and where the numbers of its N robots and M obstacles are in it.
+
+    Attributes:
+        model: MuJoCo's `MjModel`.
+        data: Its `MjData`.
+        base: Where the pose of each robot begins in `qpos`, shape (N,).
+        base_speed: Where its velocity begins in `qvel`, shape (N,).
+        wheels: The wheels of each side in `qpos`, shape (2, N, W); a robot with fewer wheels than
+            others has some of them twice.
+        wheel_speeds: The same in `qvel`.
+        motors: The actuators of each side, shape (2, N); also their places in `act`.
+        hull: Of each geom the robot whose hull it is part of, -1 for all other geoms, shape (G,).
+        robot: Of each geom the robot that it is part of, -1 for all others, shape (G,).
+        boxes: Of each obstacle that is pushed, where its pose begins in `qpos`, else -1, (M,).
+        people: Of each obstacle that walks by itself, its number among `mocap_pos`, else -1, (M,).
+        joints: By name of a part, its places in `qpos` and `qvel`.
+    """
+
+    model: Any
+    data: Any
+    base: Int
+    base_speed: Int
+    wheels: Int
+    wheel_speeds: Int
+    motors: Int
+    hull: Int
+    robot: Int
+    boxes: Int
+    people: Int
+    joints: Mapping[str, tuple[Int, Int]]
+
+
+def build(
+    line_map: LineMap,
+    robots: Sequence[tuple[str, Body]],
+    obstacles: Sequence[tuple[str, Obstacle]],
+) -> Scene:
+    """Return a world of these parts, all at rest where they are now; names are unique."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    spec.option.timestep = TIMESTEP
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10.0
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    _ground(spec, line_map)
+    for name, body in robots:
+        pose = body.robot_in_world
+        frame = spec.worldbody.add_frame(pos=[pose.x, pose.y, 0.0], quat=turned(pose.theta))
+        child = mujoco.MjSpec.from_string(_mjcf(body.model))
+        spec.attach(child, prefix=f"{name}/", frame=frame)
+    for name, obstacle in obstacles:
+        _add_obstacle(spec, name, obstacle)
+    model = spec.compile()
+    return _indexed(model, mujoco.MjData(model), robots, obstacles)
+
+
+def turned(theta: float) -> list[float]:
+    """Return the quaternion w, x, y, z of a heading [rad]."""
+    return [cos(theta / 2), 0.0, 0.0, sin(theta / 2)]
+
+
+def pose_of(qpos: Float) -> Pose2:
+    """Return the pose on the floor of a body with these seven numbers."""
+    x, y, _, w, i, j, k = qpos.tolist()
+    return Pose2(x, y, atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k)))
+
+
+@lru_cache(maxsize=16)
+def _mjcf(model: RobotModel) -> str:
+    return mjcf_of(model)
+
+
+def _ground(spec: Any, line_map: LineMap) -> None:
+    """Add the floor, and a thin upright board along each segment of the map."""
+    import mujoco
+
+    plane, box = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX
+    spec.worldbody.add_geom(
+        name="floor",
+        type=plane,
+        size=[0, 0, 1],
+        friction=[FLOOR_FRICTION, 0.005, 0.0001],
+        contype=FLOOR,
+        conaffinity=0,
+    )
+    for number, (x0, y0, x1, y1) in enumerate(line_map.walls.tolist()):
+        length = hypot(x1 - x0, y1 - y0)
+        if length > 0:
+            spec.worldbody.add_geom(
+                name=f"{WALL}_{number}",
+                type=box,
+                size=[length / 2, WALL_THICKNESS / 2, WALL_HEIGHT / 2],
+                pos=[(x0 + x1) / 2, (y0 + y1) / 2, WALL_HEIGHT / 2],
+                quat=turned(atan2(y1 - y0, x1 - x0)),
+                contype=SOLID,
+                conaffinity=SOLID,
+            )
+
+
+def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
+    """Add a box that can be pushed, or a person whom nothing pushes."""
+    import mujoco
+
+    pose, kind = obstacle.pose, obstacle.kind
+    if isinstance(kind, Person):
+        body = spec.worldbody.add_body(name=name, mocap=True, pos=[pose.x, pose.y, 0.0])
+        body.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            size=[kind.radius, PERSON_HEIGHT / 2, 0.0],
+            pos=[0.0, 0.0, PERSON_HEIGHT / 2],
+            contype=SOLID,
+            conaffinity=SOLID,
+        )
+        return
+    length, width = kind.size
+    body = spec.worldbody.add_body(
+        name=name, pos=[pose.x, pose.y, BOX_HEIGHT / 2], quat=turned(pose.theta)
+    )
+    body.add_freejoint(name=f"{name}/{BASE}")
+    body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=[length / 2, width / 2, BOX_HEIGHT / 2],
+        mass=BOX_MASS,
+        priority=1,
+        friction=[BOX_FRICTION, 0.005, 0.0001],
+        contype=SOLID,
+        conaffinity=SOLID | FLOOR,
+    )
+
+
+def _indexed(
+    model: Any,
+    data: Any,
+    robots: Sequence[tuple[str, Body]],
+    obstacles: Sequence[tuple[str, Obstacle]],
+) -> Scene:
+    most = max((len(shape_of(body.model).axles) for _, body in robots), default=1)
+    wheels = np.zeros((2, len(robots), most), dtype=np.int64)
+    speeds, motors = np.zeros_like(wheels), np.zeros((2, len(robots)), dtype=np.int64)
+    hull = np.full(model.ngeom, -1)
+    robot = np.full(model.ngeom, -1)
+    numbers = {name: number for number, (name, _) in enumerate(robots)}
+    tires = {"caster_wheel"}
+    for number, (name, body) in enumerate(robots):
+        names = wheel_joint_names(body.model)
+        tires |= {joint.removesuffix("_joint") for joint in names}
+        for side in range(2):
+            own = names[side::2]
+            for place in range(most):
+                joint = model.joint(f"{name}/{own[place % len(own)]}")
+                wheels[side, number, place] = joint.qposadr[0]
+                speeds[side, number, place] = joint.dofadr[0]
+            motors[side, number] = model.actuator(f"{name}/{SIDES[side]}").id
+    for geom in range(model.ngeom):
+        prefix, slash, part = model.geom(geom).name.partition("/")
+        if slash and prefix in numbers:
+            robot[geom] = numbers[prefix]
+            if model.geom_contype[geom] and part not in tires:
+                hull[geom] = numbers[prefix]
+    boxes, people = np.full(len(obstacles), -1), np.full(len(obstacles), -1)
+    for number, (name, obstacle) in enumerate(obstacles):
+        if isinstance(obstacle.kind, Person):
+            people[number] = model.body(name).mocapid[0]
+        else:
+            boxes[number] = model.joint(f"{name}/{BASE}").qposadr[0]
+    bases = [model.joint(f"{name}/{BASE}") for name, _ in robots]
+    set_contacts(model, robot >= 0, hidden=np.zeros(model.ngeom, dtype=np.bool_))
+    return Scene(
+        model=model,
+        data=data,
+        base=np.array([joint.qposadr[0] for joint in bases], dtype=np.int64),
+        base_speed=np.array([joint.dofadr[0] for joint in bases], dtype=np.int64),
+        wheels=wheels,
+        wheel_speeds=speeds,
+        motors=motors,
+        hull=hull,
+        robot=robot,
+        boxes=boxes,
+        people=people,
+        joints=_joints(model),
+    )
+
+
+def set_contacts(model: Any, robots: Bool, hidden: Bool) -> None:
+    """Let the geoms of robots touch the floor, and those not hidden all that is solid.
+
+    Args:
+        model: Changed, with what it knows of the contacts of bodies.
+        robots: Which geoms are of robots, shape (G,); those that are only seen are left out.
+        hidden: Which of them touch the floor alone, shape (G,).
+    """
+    touching = robots & (model.geom_conaffinity != 0)
+    model.geom_contype[touching] = np.where(hidden, 0, SOLID)[touching]
+    model.geom_conaffinity[touching] = np.where(hidden, FLOOR, SOLID | FLOOR)[touching]
+    for own, of_body in (
+        (model.geom_contype, model.body_contype),
+        (model.geom_conaffinity, model.body_conaffinity),
+    ):
+        of_body[:] = 0
+        np.bitwise_or.at(of_body, model.geom_bodyid, own)
+
+
+def _joints(model: Any) -> dict[str, tuple[Int, Int]]:
+    """Return, by the part of a name before the slash, its places in `qpos` and `qvel`."""
+    found: dict[str, tuple[list[int], list[int]]] = {}
+    for number in range(model.njnt):
+        joint = model.joint(number)
+        free = len(joint.qpos0) == 7
+        places = found.setdefault(joint.name.partition("/")[0], ([], []))
+        places[0].extend(range(joint.qposadr[0], joint.qposadr[0] + (7 if free else 1)))
+        places[1].extend(range(joint.dofadr[0], joint.dofadr[0] + (6 if free else 1)))
+    return {name: (np.array(q), np.array(v)) for name, (q, v) in found.items()}

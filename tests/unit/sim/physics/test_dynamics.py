@@ -1,0 +1,193 @@
+"""Robots with mass: they drive, slip, push, stall, come and go."""
+
+from collections.abc import Iterator
+from math import degrees, hypot, pi
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from pioneer3.geometry import ORIGIN, Pose2, wrap
+from pioneer3.models import load_model
+from pioneer3.sim.body import Body
+from pioneer3.sim.world import World
+from pioneer3.sim.worldfile import Box, Person, WorldFile
+from pioneer3.sim.worldfile.spec import Wall
+
+pytest.importorskip("mujoco")
+from pioneer3.sim.physics.dynamics import MujocoDynamics
+
+TICK = 0.02
+WALL = WorldFile(name="wall", walls=(Wall(points=((1.5, -2.0), (1.5, 2.0))),))
+TURNS = [(0.0, 0.2), (0.0, 1.0), (0.0, 2.0), (0.3, 0.3), (0.5, 0.5)]
+
+
+def powered(model: str = "p3dx-sh", pose: Pose2 = ORIGIN) -> Body:
+    body = Body(load_model(model), pose)
+    body.enable_motors(on=True)
+    return body
+
+
+def physical(*bodies: Body, world: WorldFile | None = None) -> World:
+    line_map = world.line_map() if world else None
+    return World(line_map, bodies, dynamics=MujocoDynamics())
+
+
+def run(world: World, seconds: float) -> None:
+    for _ in range(round(seconds / TICK)):
+        world.step(TICK)
+
+
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh"])
+def test_a_robot_drives_straight_and_counts_its_way(model: str) -> None:
+    body = powered(model)
+    world = physical(body)
+    body.drive.linear.travel(1.0)
+    run(world, 8.0)
+    pose, odom = body.robot_in_world, body.robot_in_odom
+    assert pose.x == pytest.approx(1.0, abs=0.01)
+    assert abs(pose.y) < 1e-3
+    assert odom.x == pytest.approx(pose.x, abs=0.01)
+    assert body.speeds == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("model", "track", "share"), [("p3at-sh", 0.59, 0.07), ("p3dx-sh", 0.33, 0.01)]
+)
+def test_turning_shows_the_track(model: str, track: float, share: float) -> None:
+    body = powered(model)
+    world = physical(body)
+    for v, w in TURNS:
+        body.drive.linear.go(v)
+        body.drive.angular.top = 3.0
+        body.drive.angular.go(w)
+        run(world, 3.0)
+        turned, before = 0.0, body.wheel_travel
+        for _ in range(100):
+            theta = body.robot_in_world.theta
+            world.step(TICK)
+            turned += wrap(body.robot_in_world.theta - theta)
+        left, right = (now - then for now, then in zip(body.wheel_travel, before, strict=True))
+        assert (right - left) / turned == pytest.approx(track, rel=share), (v, w)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_p3dx_goes_where_it_goes_on_the_plane(seed: int) -> None:
+    rng = default_rng(seed)
+    bodies = [powered(), powered()]
+    worlds = [physical(bodies[0]), World(None, bodies[1:])]
+    commands = [(*rng.uniform((-0.4, -0.6), (0.4, 0.6)),) for _ in range(19)]
+    for v, w in [*commands, (0.0, 0.0)]:
+        for body, world in zip(bodies, worlds, strict=True):
+            body.drive.linear.go(v)
+            body.drive.angular.go(w)
+            run(world, 3.0)
+    one, other = (body.robot_in_world for body in bodies)
+    assert hypot(one.x - other.x, one.y - other.y) < 0.01
+    assert abs(degrees(wrap(one.theta - other.theta))) < 0.5
+
+
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+def test_a_wall_stalls_a_robot_which_then_backs_off_at_once(model: str) -> None:
+    body = powered(model)
+    world = physical(body, world=WALL)
+    body.drive.linear.go(0.3)
+    run(world, 8.0)
+    assert body.stalled
+    stood = body.robot_in_world.x
+    assert stood < 1.5
+    assert abs(body.speeds[0]) < 0.05
+    body.drive.linear.go(-0.2)
+    run(world, 1.0)
+    assert body.robot_in_world.x < stood - 0.04
+    assert not body.stalled
+
+
+def test_a_box_is_pushed_and_a_person_is_not() -> None:
+    body = powered("p3at-sh")
+    world = physical(body)
+    box = world.add_obstacle(Box(pose=Pose2(1.0, 0.0, 0.0), size=(0.4, 0.4), movable=True))
+    person = world.add_obstacle(Person(path=((3.5, 0.0),)))
+    body.drive.linear.go(0.3)
+    run(world, 4.0)
+    assert box.pose.x > 1.1
+    run(world, 16.0)
+    assert (person.pose.x, person.pose.y) == (3.5, 0.0)
+    assert body.stalled
+    assert body.robot_in_world.x < 3.0
+
+
+def test_robots_without_power_are_pushed_along() -> None:
+    first, second = powered("p3at-sh"), Body(load_model("p3dx-sh"), Pose2(0.8, 0.0, 0.0))
+    world = physical(first, second)
+    first.drive.linear.go(0.3)
+    run(world, 6.0)
+    assert second.robot_in_world.x > 1.0
+
+
+def test_others_go_on_as_robots_and_boxes_come_and_go() -> None:
+    body, late = powered(), powered("p3at-sh", Pose2(0.0, 5.0, 0.0))
+    world = physical(body)
+    body.drive.linear.go(0.3)
+    run(world, 3.0)
+    speed, x = body.speeds[0], body.robot_in_world.x
+    world.add(late)
+    box = world.add_obstacle(Box(pose=Pose2(9.0, 9.0, 0.0), size=(0.4, 0.4), movable=True))
+    assert body.speeds[0] == pytest.approx(speed, abs=1e-9)
+    world.step(TICK)
+    assert body.robot_in_world.x == pytest.approx(x + speed * TICK, abs=1e-4)
+    world.remove_obstacle(box)
+    world.remove(late)
+    run(world, 1.0)
+    assert body.robot_in_world.x == pytest.approx(x + 1.02 * speed, abs=1e-3)
+
+
+def test_a_robot_that_is_put_elsewhere_stands_there() -> None:
+    body = powered()
+    world = physical(body)
+    run(world, 0.5)
+    body.robot_in_world = Pose2(3.0, -2.0, pi / 2)
+    run(world, 0.5)
+    pose = body.robot_in_world
+    assert (pose.x, pose.y, pose.theta) == pytest.approx((3.0, -2.0, pi / 2), abs=1e-3)
+
+
+def test_a_hidden_robot_touches_nobody_and_stays_on_the_floor() -> None:
+    body, other = powered("p3at-sh"), powered("p3at-sh", Pose2(1.2, 0.0, 0.0))
+    world = physical(body, other)
+    other.ghost = True
+    body.drive.linear.go(0.3)
+    run(world, 8.0)
+    assert body.robot_in_world.x > 2.0
+    assert other.robot_in_world.x == pytest.approx(1.2, abs=1e-3)
+    other.ghost = False
+    run(world, 0.5)
+    assert other.robot_in_world.x == pytest.approx(1.2, abs=0.01)
+
+
+def tracks() -> Iterator[bytes]:
+    for _ in range(2):
+        bodies = [powered("p3at-sh"), powered("p3dx-sh", Pose2(0.9, 0.1, 1.0))]
+        world = physical(*bodies, world=WALL)
+        for body in bodies:
+            body.drive.linear.go(0.3)
+            body.drive.angular.go(0.2)
+        run(world, 5.0)
+        yield world.outlines.poses.tobytes() + world.drives.wheels.tobytes()
+
+
+def test_the_same_steps_give_the_same_bytes() -> None:
+    first, second = tracks()
+    assert first == second
+
+
+def test_a_watchdog_and_an_emergency_stop_brake_by_the_wheels() -> None:
+    body = powered("p3at-sh")
+    world = physical(body)
+    body.drive.linear.go(0.6)
+    run(world, 4.0)
+    body.drive.emergency_stop()
+    x = body.robot_in_world.x
+    run(world, 1.0)
+    assert body.robot_in_world.x - x < 0.15
+    assert np.allclose(body.speeds, 0.0, atol=0.02)
