@@ -63,8 +63,18 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add `--all`."""
+    """Add `--all` and `--physics`."""
     parser.addoption("--all", action="store_true", help="also run the tests marked `thorough`")
+    parser.addoption("--physics", action="store_true", help="move simulated robots by MuJoCo")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Move the robots of all worlds of this process by MuJoCo, if asked to."""
+    if config.getoption("--physics"):
+        from pioneer3.sim import dynamics, world
+        from pioneer3.sim.physics.dynamics import MujocoDynamics
+
+        dynamics.PlanarDynamics = world.PlanarDynamics = MujocoDynamics  # type: ignore
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

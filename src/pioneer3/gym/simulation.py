@@ -17,6 +17,7 @@ from pioneer3.gym.task import Task
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.kernels import WORTH_COMPILING, Kernels, laser_fan
 from pioneer3.sim.kernels.drives import LONGEST, STALLED, TOP, VELOCITY
 from pioneer3.sim.placement.footprint import turning_circle
@@ -156,6 +157,7 @@ class GoalSimulation:
             self._kernels,
             seed=seed,
             realism=self.task.realism,
+            dynamics=dynamics_of(self.task.physics),
         )
         for body in self.world.robots:
             body.enable_motors(on=True)

@@ -9,6 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.worldfile.spec import Physics
 
 Sensors = Literal["sonar", "laser", "both"]
 
@@ -53,6 +54,8 @@ class Task:
         beams: Of the laser, spread evenly over the half circle ahead.
         laser_range: Farther than this the laser sees nothing [m].
         realism: How wrong wheels and sensors are; `None` is not at all.
+        physics: How robots move: `planar`, or `mujoco` with mass, motors and tires. Then a robot
+            has collided that has pushed against something for 0.3 s.
         dt: Of a step [s].
         goal_distance: Least and greatest distance of a goal from the start, as the crow flies [m].
         goal_radius: Nearer than this the goal is reached [m].
@@ -69,6 +72,7 @@ class Task:
     beams: int = 61
     laser_range: float = 8.0
     realism: Realism | None = None
+    physics: Physics = "planar"
     dt: float = 0.1
     goal_distance: tuple[float, float] = (1.0, inf)
     goal_radius: float = 0.3
@@ -80,6 +84,10 @@ class Task:
         if self.sensors not in get_args(Sensors):
             raise ConfigError(
                 f"sensors: {self.sensors!r} is none of {', '.join(get_args(Sensors))}"
+            )
+        if self.physics not in get_args(Physics):
+            raise ConfigError(
+                f"physics: {self.physics!r} is none of {', '.join(get_args(Physics))}"
             )
         if not 0 < self.dt <= LONGEST_STEP:
             raise ConfigError(f"dt: {self.dt} s is not between 0 and {LONGEST_STEP:g} s")
@@ -106,6 +114,7 @@ class Options(TypedDict, total=False):
     beams: int
     laser_range: float
     realism: Realism | None
+    physics: Physics
     dt: float
     goal_distance: tuple[float, float]
     goal_radius: float

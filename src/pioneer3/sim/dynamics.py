@@ -11,6 +11,7 @@ from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.worldfile.spec import Physics
 
 Float = NDArray[np.float64]
 
@@ -91,3 +92,16 @@ class PlanarDynamics:
     def speeds(self, number: int) -> Speeds:
         axes = self._drives.axes
         return axes.item(VELOCITY, LINEAR, number), axes.item(VELOCITY, ANGULAR, number)
+
+
+def dynamics_of(physics: Physics) -> Dynamics:
+    """Return what moves the robots of a world.
+
+    Raises:
+        ConfigError: MuJoCo is asked for, and is not installed.
+    """
+    if physics == "planar":
+        return PlanarDynamics()
+    from pioneer3.sim.physics.dynamics import MujocoDynamics
+
+    return MujocoDynamics()

@@ -288,3 +288,20 @@ def test_a_film_can_be_made_by_gymnasium() -> None:
     frames = env.render()
     assert isinstance(frames, list)
     assert len(frames) == 4
+
+
+def test_with_physics_an_episode_repeats_and_a_robot_arrives() -> None:
+    pytest.importorskip("mujoco")
+    env = GoalEnv(map=ROOM, physics="mujoco")
+    runs = []
+    for _ in range(2):
+        env.reset(seed=3)
+        env.action_space.seed(3)
+        runs.append([env.step(AHEAD)[0].tolist() for _ in range(10)])
+    assert runs[0] == runs[1]
+    assert runs[0][0] != runs[0][-1]
+
+
+def test_physics_that_are_none_are_refused() -> None:
+    with pytest.raises(ConfigError, match="physics: 'bullet' is none of planar, mujoco"):
+        Task(physics="bullet")  # type: ignore[arg-type]

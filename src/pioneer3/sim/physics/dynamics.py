@@ -195,13 +195,14 @@ class MujocoDynamics:
             flags[TOUCHED, touching[touching >= 0]] = 1
 
     def _put(self, number: int, pose: Pose2) -> None:
-        """Put a robot, a box or a person elsewhere, at rest; wheels turn on."""
+        """Put a robot, a box or a person elsewhere, at rest."""
         data, scene = self.scene.data, self.scene
         if number < len(self._robots):
-            at, moves = int(scene.base[number]), int(scene.base_speed[number])
-            data.qpos[at : at + 3] = pose.x, pose.y, 0.0
-            data.qpos[at + 3 : at + 7] = turned(pose.theta)
-            data.qvel[moves : moves + 6] = 0.0
+            places, speeds = scene.joints[self._names[self._robots[number]]]
+            data.qpos[places] = 0.0  # the caster's, too: the same place always begins the same
+            data.qpos[places[:7]] = pose.x, pose.y, 0.0, *turned(pose.theta)
+            data.qvel[speeds] = data.qacc_warmstart[speeds] = 0.0
+            data.act[scene.motors[:, number]] = 0.0
             return
         own = number - len(self._robots)
         if scene.people[own] >= 0:

@@ -18,7 +18,7 @@ from pioneer3.links.addresses import url_of
 from pioneer3.links.stream import accepted
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
-from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
+from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import CACHE, WORTH_COMPILING, WORTH_THREADS, compiled_kernels
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
@@ -33,7 +33,6 @@ from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
-from pioneer3.sim.worldfile.spec import Physics
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
@@ -151,7 +150,7 @@ async def simulator(
         bodies,
         seed=world_file.seed,
         realism=realism,
-        dynamics=_dynamics(world_file.physics),
+        dynamics=dynamics_of(world_file.physics),
     )
     firmwares = [
         Firmware(
@@ -203,19 +202,6 @@ async def simulator(
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
-
-
-def _dynamics(physics: Physics) -> Dynamics:
-    """Return what moves robots.
-
-    Raises:
-        ConfigError: MuJoCo is not installed.
-    """
-    if physics == "planar":
-        return PlanarDynamics()
-    from pioneer3.sim.physics.dynamics import MujocoDynamics
-
-    return MujocoDynamics()
 
 
 async def _load_kernels(world: World) -> None:
