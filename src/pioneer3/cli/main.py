@@ -18,6 +18,7 @@ from pioneer3.cli.fleet import fleet_app
 from pioneer3.cli.goto import goto
 from pioneer3.cli.laser import laser_app
 from pioneer3.cli.map import map_app
+from pioneer3.cli.model import model_app
 from pioneer3.cli.monitor import monitor
 from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
@@ -73,9 +74,9 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
     "Many robots": (fleet_app, bridge, class_),
-    "Maps, ROS, and who may use the page": (map_app, ros1_app, access_app),
+    "Maps, models, ROS, and who may use the page": (map_app, model_app, ros1_app, access_app),
 }
-WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, access_app)
+WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, model_app, access_app)
 for number, (name, commands) in enumerate(GROUPS.items()):
     group = Group(name, sort_key=number)
     for place, command in enumerate(commands):

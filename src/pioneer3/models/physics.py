@@ -116,15 +116,18 @@ def disc_inertia(mass: float, radius: float, width: float) -> Inertia:
     return Inertia(across, mass / 2 * radius**2, across)
 
 
+EVEN_BOX: Final = (
+    "chosen to give the inertias of an even box of that mass (docs/explanation/physics.md)"
+)
 _COMMON: Final = {
     "caster_mass": GUESS,
     "friction": "assumption: rubber on a hard floor",
     "contact": "chosen in MuJoCo: all wheels stay on the floor, odometry stays exact",
-    "loop_gain": "chosen in MuJoCo: follows a speed with a lag of 0.05 s",
+    "loop_gain": "chosen in MuJoCo",
     "loop_damping": "as loop_gain",
     "caster_damping": GUESS,
     "rolling_radius": MEASURED,
-    "box": "size of the hull; published inertias of this robot are not plausible",
+    "box": GUESS,
 }
 P3AT: Final = BodyPhysics(
     body_mass=12.0,
@@ -139,6 +142,7 @@ P3AT: Final = BodyPhysics(
     sources=MappingProxyType(
         {
             **_COMMON,
+            "box": EVEN_BOX,
             "body_mass": "12 kg in the guide of Webots; 14 kg in osrf/gazebo_models",
             "wheel_mass": "0.5 kg in amr-ros-config, more for a filled tire",
             "center_x": "middle, as in the guide of Webots",
@@ -161,6 +165,7 @@ P3DX: Final = BodyPhysics(
     sources=MappingProxyType(
         {
             **_COMMON,
+            "box": EVEN_BOX,
             "body_mass": "9 kg with its wheels in the guide of Webots",
             "wheel_mass": GUESS,
             "center_x": "guide of Webots",

@@ -1,19 +1,34 @@
 """Heights, wheels and casters of a robot, which ARIA's flat files do not have."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
 from pioneer3.models.model import RobotModel
 from pioneer3.units import MM
 
+PUBLISHED: Final = "published figure, rounded"
+GUESS: Final = "assumption"
+_COMMON: Final[Mapping[str, str]] = {
+    "height": PUBLISHED,
+    "clearance": PUBLISHED,
+    "sonar_height": GUESS,
+    "wheel_radius": PUBLISHED,
+    "wheel_width": PUBLISHED,
+    "axles": "the origin is between the wheels",
+}
+_CASTER: Final[Mapping[str, str]] = {
+    "caster": "amr-ros-config",
+    "caster_radius": "amr-ros-config",
+    "caster_trail": "amr-ros-config",
+}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
     """Sizes that complete a :class:`RobotModel` to a body [m].
 
-    Heights and wheels are published figures, rounded. The height of the sonars is an estimate.
     None was measured on a robot.
 
     Attributes:
@@ -27,6 +42,7 @@ class Shape:
         caster: Where the caster's swivel axis is along the robot, or `None` without a caster.
         caster_radius: Of its wheel.
         caster_trail: From the swivel axis back to the middle of its wheel.
+        sources: Where each of the numbers above is from, by its name.
     """
 
     height: float
@@ -39,6 +55,7 @@ class Shape:
     caster: float | None = None
     caster_radius: float = 37.5 * MM
     caster_trail: float = 26 * MM
+    sources: Mapping[str, str] = field(compare=False)
 
     @property
     def wheelbase(self) -> float:
@@ -68,6 +85,7 @@ P3AT: Final = Shape(
     wheel_width=75 * MM,
     track=394 * MM,
     axles=(134 * MM, -134 * MM),
+    sources=MappingProxyType({**_COMMON, "track": "amr-ros-config", "axles": "amr-ros-config"}),
 )
 P3DX: Final = Shape(
     height=237 * MM,
@@ -78,6 +96,14 @@ P3DX: Final = Shape(
     track=330 * MM,
     axles=(0.0,),
     caster=-185 * MM,
+    sources=MappingProxyType(
+        {
+            **_COMMON,
+            **_CASTER,
+            "wheel_width": GUESS,
+            "track": "assumption; 0.316 m in ua_ros_p3dx, 0.357 in ARIA",
+        }
+    ),
 )
 # ARIA's 182 mm cannot be the track of an AmigoBot: its wheels, 30 mm wide and outside the shell,
 # would reach from 76 to 106 mm, into the shell that has its side sonars at 100 mm. A body of 279 mm
@@ -93,6 +119,13 @@ AMIGO: Final = Shape(
     caster=-110 * MM,
     caster_radius=20 * MM,
     caster_trail=12 * MM,
+    sources=MappingProxyType(
+        {
+            **dict.fromkeys((*_COMMON, *_CASTER), GUESS),
+            "axles": _COMMON["axles"],
+            "track": "assumption: wheels outside the shell; 249 mm at most",
+        }
+    ),
 )
 PEOPLEBOT: Final = Shape(
     height=1240 * MM,
@@ -103,6 +136,16 @@ PEOPLEBOT: Final = Shape(
     track=330 * MM,
     axles=(0.0,),
     caster=-185 * MM,
+    sources=MappingProxyType(
+        {
+            **dict.fromkeys((*_COMMON, *_CASTER), "assumption: as of a P3-DX"),
+            "height": GUESS,
+            "clearance": GUESS,
+            "wheel_radius": GUESS,
+            "axles": _COMMON["axles"],
+            "track": "assumption: as of a P3-DX",
+        }
+    ),
 )
 SHAPES: Final[Mapping[str, Shape]] = MappingProxyType(
     {"p3at": P3AT, "p3dx": P3DX, "amigo": AMIGO, "peoplebot": PEOPLEBOT}

@@ -177,7 +177,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("typed", "completed"),
     [
         ("pioneer3 wan", {"wander"}),
-        ("pioneer3 mo", {"monitor", "move"}),
+        ("pioneer3 mo", {"model", "monitor", "move"}),
         ("pioneer3 map c", {"check", "convert"}),
         ("pioneer3 wander --max", {"--max-speed"}),
         ("pioneer3 wander --preset a", {"aria"}),

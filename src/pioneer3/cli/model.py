@@ -1,0 +1,127 @@
+"""`pioneer3 model`: the numbers of a robot's body, and its description for other programs."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from cyclopts import App, Parameter
+
+from pioneer3.cli.options import Flag
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pioneer3.models import RobotModel
+    from pioneer3.models.numbers import Number
+
+model_app = App(
+    name="model",
+    help="""Show a robot's body in numbers; write it for simulators and for RViz.
+
+    Example: pioneer3 model show p3at-sh
+    Example: pioneer3 model export p3at-sh --format mjcf
+    """,
+    help_format="plaintext",
+)
+Format = Literal["urdf", "mjcf"]
+
+
+@model_app.command
+def show(name: str, *, json: Flag = False) -> int:
+    """Show sizes, masses, motors and tires, with their units and sources.
+
+    Example: pioneer3 model show p3dx-sh
+
+    Args:
+        name: A shipped model (p3at-sh, p3dx-sh), or a .toml or ARIA .p file.
+        json: Print JSON for programs, nothing else.
+    """
+    from rich.console import Console
+
+    from pioneer3.cli.process import write_json
+    from pioneer3.models import find_model, load_model
+    from pioneer3.models.numbers import numbers_of
+
+    model = load_model(name)
+    numbers = numbers_of(model, shipped=find_model(name) is not None)
+    if json:
+        write_json([number._asdict() for number in numbers], indent=2)
+    else:
+        Console(highlight=False).print(_table(model, numbers))
+    return 0
+
+
+@model_app.command
+def export(
+    name: str,
+    *,
+    format_: Annotated[Format, Parameter(name="--format")] = "urdf",
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], metavar="FILE")] = None,
+    force: Flag = False,
+) -> int:
+    """Write a robot's body: links, joints, inertias, shapes and sensors.
+
+    urdf for ROS, mjcf for MuJoCo with motors, tires and a floor.
+
+    Example: pioneer3 model export p3dx-sh --format mjcf
+
+    Args:
+        name: A shipped model (p3at-sh, p3dx-sh), or a .toml or ARIA .p file.
+        format_: Of the description.
+        output: The new file; without it, the terminal.
+        force: Write over a file that is there.
+    """
+    from pioneer3.cli.process import write_line
+    from pioneer3.errors import ConfigError
+    from pioneer3.maps.text import shown, write_bytes
+    from pioneer3.models import load_model
+
+    text = WRITERS[format_](load_model(name))
+    if output is None:
+        write_line(text.rstrip("\n"))
+        return 0
+    if output.exists() and not force:
+        raise ConfigError(f"{shown(str(output))}: is there already; --force writes over it")
+    write_bytes(output, text.encode())
+    write_line(f"wrote {output}")
+    return 0
+
+
+def _urdf(model: "RobotModel") -> str:
+    from pioneer3.models.description.tree import Frames, body_tree
+    from pioneer3.models.description.urdf import describe
+
+    frames = Frames()
+    return describe(model, body_tree(model, frames), frames)
+
+
+def _mjcf(model: "RobotModel") -> str:
+    from pioneer3.models.description.mjcf import mjcf_of
+
+    return mjcf_of(model, floor=True)
+
+
+WRITERS: Final[Mapping[Format, "Callable[[RobotModel], str]"]] = MappingProxyType(
+    {"urdf": _urdf, "mjcf": _mjcf}
+)
+
+
+def _table(model: "RobotModel", numbers: "tuple[Number, ...]") -> "Table":
+    from itertools import groupby
+
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        box=None, pad_edge=False, header_style="bold", title=Text(f"{model.title} ({model.name})")
+    )
+    table.add_column("number", no_wrap=True)
+    table.add_column("value", justify="right")
+    table.add_column("unit", no_wrap=True)
+    table.add_column("source", style="dim", overflow="fold")
+    for part, members in groupby(numbers, key=lambda number: number.part):
+        table.add_row(Text(part, "bold"))
+        for _, name, value, unit, source in members:
+            table.add_row(f" {name}", value, unit, Text(source))
+    return table
