@@ -24,7 +24,7 @@ model_app = App(
     """,
     help_format="plaintext",
 )
-Format = Literal["urdf", "mjcf"]
+Format = Literal["urdf", "sdf", "mjcf", "bridge"]
 
 
 @model_app.command
@@ -62,7 +62,8 @@ def export(
 ) -> int:
     """Write a robot's body: links, joints, inertias, shapes and sensors.
 
-    urdf for ROS, mjcf for MuJoCo with motors, tires and a floor.
+    urdf for ROS; sdf for Gazebo with wheels that drive and sensors, and bridge,
+    the topics of ros_gz_bridge; mjcf for MuJoCo with motors, tires and a floor.
 
     Example: pioneer3 model export p3dx-sh --format mjcf
 
@@ -96,6 +97,18 @@ def _urdf(model: "RobotModel") -> str:
     return describe(model, body_tree(model, frames), frames)
 
 
+def _sdf(model: "RobotModel") -> str:
+    from pioneer3.models.description.sdf import sdf_of
+
+    return sdf_of(model)
+
+
+def _bridge(model: "RobotModel") -> str:
+    from pioneer3.models.description.gazebo import bridge_of
+
+    return bridge_of(model)
+
+
 def _mjcf(model: "RobotModel") -> str:
     from pioneer3.models.description.mjcf import mjcf_of
 
@@ -103,7 +116,7 @@ def _mjcf(model: "RobotModel") -> str:
 
 
 WRITERS: Final[Mapping[Format, "Callable[[RobotModel], str]"]] = MappingProxyType(
-    {"urdf": _urdf, "mjcf": _mjcf}
+    {"urdf": _urdf, "sdf": _sdf, "mjcf": _mjcf, "bridge": _bridge}
 )
 
 

@@ -12,7 +12,7 @@ from pioneer3.cli.main import Exit, execute
 from pioneer3.cli.model import WRITERS
 from pioneer3.models import load_model, model_names
 
-ROOTS = {"urdf": "robot", "mjcf": "mujoco"}
+ROOTS = {"urdf": "robot", "sdf": "sdf", "mjcf": "mujoco"}
 
 
 def test_show_prints_numbers_with_units_and_sources(

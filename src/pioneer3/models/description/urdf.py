@@ -1,21 +1,12 @@
 """A robot as a URDF: links, joints, boxes and cylinders, all from its model. Needs no ROS."""
 
-from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
-from pioneer3.models import RobotModel, physics_of, shape_of
+from pioneer3.models import RobotModel, shape_of
+from pioneer3.models.description.inertials import Inertial, inertials_of
 from pioneer3.models.description.solids import COLORS, Solid, solids_of
 from pioneer3.models.description.tree import Frames, Joint, Tree
 from pioneer3.models.description.xml import AXES, MAKER, document, row
-from pioneer3.models.physics import Inertia, box_inertia
-
-
-class Inertial(NamedTuple):
-    """The mass of a link [kg], its inertia about its center [kg m2], and that center [m]."""
-
-    mass: float
-    inertia: Inertia
-    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def describe(
@@ -43,11 +34,13 @@ def describe(
     if bumpers is None:
         bumpers = model.front_bumpers, model.rear_bumpers
     solids = solids_of(model, tree, frames, bumpers=bumpers, laser=laser)
-    inertials = _inertials(model, tree)
+    inertials = inertials_of(model, tree)
     for name in (tree.base, *(joint.child for joint in tree.joints)):
         link = _link(robot, name, solids.get(name, ()))
         if name in inertials:
             _inertial(link, inertials[name])
+        if tree.caster and name == tree.caster[-1].child:
+            _roller(link, shape_of(model).caster_radius)
     for joint in tree.joints:
         _joint(robot, joint)
     return document(robot)
@@ -64,20 +57,6 @@ def _link(robot: ET.Element, name: str, solids: tuple[Solid, ...]) -> ET.Element
     return link
 
 
-def _inertials(model: RobotModel, tree: Tree) -> dict[str, Inertial]:
-    """Return the masses of the links that have one; a caster that is fixed is part of the base."""
-    physics, shape = physics_of(model), shape_of(model)
-    center = (physics.center_x, 0.0, physics.center_z)
-    base = physics.base_mass if tree.caster else physics.body_mass
-    caster = Inertial(physics.caster_mass, physics.caster_inertia(shape))
-    wheel = Inertial(physics.wheel_mass, physics.wheel_inertia(shape))
-    return {
-        tree.base: Inertial(base, box_inertia(base, *physics.box), center),
-        **{joint.child: wheel for joint in tree.wheels},
-        **{joint.child: caster for joint in tree.caster},
-    }
-
-
 def _inertial(link: ET.Element, inertial: Inertial) -> None:
     part = ET.SubElement(link, "inertial")
     ET.SubElement(part, "origin", xyz=row(*inertial.at))
@@ -86,6 +65,12 @@ def _inertial(link: ET.Element, inertial: Inertial) -> None:
     for name, moment in zip(("ixx", "iyy", "izz"), inertial.inertia, strict=True):
         moments[name] = f"{moment:.6g}"
     ET.SubElement(part, "inertia", moments)
+
+
+def _roller(link: ET.Element, radius: float) -> None:
+    """Let the wheel of a caster that moves touch the floor, as a ball."""
+    geometry = ET.SubElement(ET.SubElement(link, "collision"), "geometry")
+    ET.SubElement(geometry, "sphere", radius=row(radius))
 
 
 def _solid(link: ET.Element, kind: str, solid: Solid) -> ET.Element:
