@@ -9,7 +9,15 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.models import RobotModel, generic_model, load_model, model_names, shape_of, total_mass
+from pioneer3.models import (
+    RobotModel,
+    generic_model,
+    load_model,
+    model_names,
+    physics_of,
+    shape_of,
+    total_mass,
+)
 from pioneer3.models.description.tree import (
     Frames,
     Tree,
@@ -144,6 +152,24 @@ def test_masses_are_those_of_the_robot_whether_its_caster_moves_or_not(
         x, y, z = (numbers(inertia.get(name))[0] for name in ("ixx", "iyy", "izz"))
         assert 2 * max(x, y, z) < x + y + z
         assert min(x, y, z) > 0
+
+
+@pytest.mark.parametrize("model", [*EVERY, UNKNOWN], ids=lambda model: model.name)
+def test_motors_of_a_description_have_the_robots_torque_and_a_transmission(
+    model: RobotModel,
+) -> None:
+    robot = urdf(model)
+    wheels = set(wheel_joint_names(model))
+    limited = {joint.get("name"): joint.find("limit") for joint in robot.findall("joint")}
+    limits = [limit for limit in limited.values() if limit is not None]
+    assert {name for name, limit in limited.items() if limit is not None} == wheels
+    efforts = [numbers(limit.get("effort"))[0] for limit in limits]
+    assert sum(efforts) == pytest.approx(2 * physics_of(model).side_torque)
+    for limit in limits:
+        rim = numbers(limit.get("velocity"))[0] * shape_of(model).wheel_radius
+        assert rim == pytest.approx(model.max_speed, rel=1e-5)
+    moved = [each.attrib["name"] for each in robot.findall("transmission/joint")]
+    assert sorted(moved) == sorted(wheels)
 
 
 @pytest.mark.skipif(shutil.which("check_urdf") is None, reason="needs liburdfdom-tools")

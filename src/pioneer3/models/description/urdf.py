@@ -1,12 +1,16 @@
 """A robot as a URDF: links, joints, boxes and cylinders, all from its model. Needs no ROS."""
 
+from typing import Final
 from xml.etree import ElementTree as ET
 
-from pioneer3.models import RobotModel, shape_of
+from pioneer3.models import RobotModel, physics_of, shape_of
 from pioneer3.models.description.inertials import Inertial, inertials_of
 from pioneer3.models.description.solids import COLORS, Solid, solids_of
 from pioneer3.models.description.tree import Frames, Joint, Tree
 from pioneer3.models.description.xml import AXES, MAKER, document, row
+
+VELOCITY: Final = "hardware_interface/VelocityJointInterface"
+"""How ros_control turns a wheel."""
 
 
 def describe(
@@ -41,8 +45,18 @@ def describe(
             _inertial(link, inertials[name])
         if tree.caster and name == tree.caster[-1].child:
             _roller(link, shape_of(model).caster_radius)
-    for joint in tree.joints:
+    shape, physics = shape_of(model), physics_of(model)
+    for joint in tree.fixed:
         _joint(robot, joint)
+    for joint in tree.wheels:
+        effort = physics.side_torque / len(shape.axles)
+        velocity = model.max_speed / shape.wheel_radius
+        limit = {"effort": row(effort), "velocity": row(velocity)}
+        ET.SubElement(_joint(robot, joint), "limit", limit)
+    for joint in tree.caster:
+        ET.SubElement(_joint(robot, joint), "dynamics", damping=row(physics.caster_damping))
+    for joint in tree.wheels:
+        _transmission(robot, joint)
     return document(robot)
 
 
@@ -85,7 +99,7 @@ def _solid(link: ET.Element, kind: str, solid: Solid) -> ET.Element:
     return part
 
 
-def _joint(robot: ET.Element, joint: Joint) -> None:
+def _joint(robot: ET.Element, joint: Joint) -> ET.Element:
     kind = "continuous" if joint.axis else "fixed"
     element = ET.SubElement(robot, "joint", name=joint.name, type=kind)
     ET.SubElement(element, "parent", link=joint.parent)
@@ -95,3 +109,14 @@ def _joint(robot: ET.Element, joint: Joint) -> None:
     )
     if joint.axis:
         ET.SubElement(element, "axis", xyz=AXES[joint.axis])
+    return element
+
+
+def _transmission(robot: ET.Element, joint: Joint) -> None:
+    """Let ros_control turn a wheel at a speed."""
+    part = ET.SubElement(robot, "transmission", name=f"{joint.name}_transmission")
+    ET.SubElement(part, "type").text = "transmission_interface/SimpleTransmission"
+    driven = ET.SubElement(part, "joint", name=joint.name)
+    motor = ET.SubElement(part, "actuator", name=f"{joint.name}_motor")
+    ET.SubElement(driven, "hardwareInterface").text = VELOCITY
+    ET.SubElement(motor, "mechanicalReduction").text = "1"
