@@ -40,11 +40,11 @@ def show(name: str, *, json: Flag = False) -> int:
     from rich.console import Console
 
     from pioneer3.cli.process import write_json
-    from pioneer3.models import find_model, load_model
+    from pioneer3.models import load_model
     from pioneer3.models.numbers import numbers_of
 
     model = load_model(name)
-    numbers = numbers_of(model, shipped=find_model(name) is not None)
+    numbers = numbers_of(model, shipped=not Path(name).suffix)
     if json:
         write_json([number._asdict() for number in numbers], indent=2)
     else:

@@ -37,11 +37,12 @@ def test_every_number_has_a_source(name: str, capsys: pytest.CaptureFixture[str]
 
 
 def test_show_says_when_parameters_are_from_a_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file = tmp_path / "mine.toml"
+    file = tmp_path / "p3at-sh-mine.toml"
     file.write_text((files(models) / "p3at.toml").read_text("utf-8"), "utf-8")
-    assert execute(["model", "show", str(file), "--json"]) == 0
+    monkeypatch.chdir(tmp_path)
+    assert execute(["model", "show", file.name, "--json"]) == 0
     sources = {each["name"]: each["source"] for each in json.loads(capsys.readouterr().out)}
     assert sources["width"] == "the robot's parameter file"
 
