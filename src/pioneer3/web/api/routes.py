@@ -12,6 +12,7 @@ from pioneer3.errors import CommandError
 from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
 from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.api.access_operations import ACCESS
+from pioneer3.web.api.body_operations import BODIES
 from pioneer3.web.api.class_operations import CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
 from pioneer3.web.api.operation import PLAIN, ApiRequest, Operation, TextFile, decode, openapi
@@ -20,7 +21,7 @@ from pioneer3.web.page import Page
 from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS
 from pioneer3.web.robot_view import RobotView
 
-OPERATIONS = (*ROBOTS, *NAVIGATION, *CLASS, *ACCESS)
+OPERATIONS = (*ROBOTS, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 

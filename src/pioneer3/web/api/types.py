@@ -144,6 +144,43 @@ class ControlState(msgspec.Struct):
     yours: bool
 
 
+Side = Literal["left", "right"]
+Triple = tuple[float, float, float]
+
+
+class Solid(msgspec.Struct):
+    """A box, or a cylinder that stands on its z axis, with its middle `at` a point of its link [m].
+
+    `size` is along x, y and z [m], `turned` roll, pitch and yaw [rad], `color` red, green and blue
+    from 0 to 1.
+    """
+
+    shape: Literal["box", "cylinder"]
+    color: Triple
+    size: Triple
+    at: Triple
+    turned: Triple
+
+
+class Link(msgspec.Struct):
+    """A part of a robot `at` a point of its base [m], turned by `yaw` [rad].
+
+    A `wheel` turns about its y axis.
+    """
+
+    at: Triple
+    yaw: float
+    wheel: Side | None
+    solids: tuple[Solid, ...]
+
+
+class RobotBody(msgspec.Struct):
+    """The body of a type of robot. Its origin is on the floor, in the centre of its rotation."""
+
+    model: str
+    links: tuple[Link, ...]
+
+
 class PairingRequest(Body):
     """A one-time token, the name to show, and the role if it shall be less than the token's."""
 

@@ -20,6 +20,7 @@ import { Layers, Legend } from "./map/layers.js";
 import { robotAt } from "./map/robots.js";
 import { Scene } from "./map/scene.js";
 import { View } from "./map/view.js";
+import { View3d } from "./map/view3d.js";
 import { Model } from "./model/model.js";
 import { Panels } from "./panels/panels.js";
 import { People } from "./panels/people.js";
@@ -76,7 +77,7 @@ const mapToolbar = new MapToolbar({ editor: mapEditor, notify: toast });
 const editMode = new EditMode({
   world: editor,
   map: mapEditor,
-  toggled: () => (teleop.abandon(), goto.withdraw(), showMap(), showEdit()), // a held control may vanish from under a finger
+  toggled: () => (editMode.open && view3d.open && view3d.close(), teleop.abandon(), goto.withdraw(), showMap(), showEdit()), // a held control may vanish from under a finger
 });
 const goto = new GotoTool({
   view, scene, model,
@@ -137,6 +138,11 @@ function receive(message) {
 }
 
 let mapInUse = null;
+
+/** The view that the user moves. */
+function looking() {
+  return scene.solid?.camera ?? view;
+}
 
 function takeMap(map) {
   mapInUse = map;
@@ -341,7 +347,7 @@ function refresh() {
   if (snapshot) panels.show(snapshot, { usable: live && !model.viewer, startedBy: people.holder, going: goto.going, roundTrip: connection.roundTrip });
   showLink(connection.roundTrip, snapshot?.link.rate ?? 0, live);
   showUsable(live && !model.viewer);
-  showMode(view.mode);
+  showMode(looking().mode);
   if (model.world.paused) showPause();
   picker.show();
   goto.show();
@@ -359,8 +365,14 @@ listenToCanvas(canvas, view, {
   longPress,
 });
 listenToPointer(canvas, view);
-listenToTools(view, {
-  changed: () => (scene.invalidate(), showMode(view.mode)),
+const view3d = new View3d({
+  scene, notify: toast,
+  changed: () => (view3d?.open && editMode.open && editMode.set(false), scene.renew(), refresh()),
+  still: () => matchMedia("(prefers-reduced-motion: reduce)").matches,
+  tap: ({ x, y }, type, event) => tap(view.toScreen(x, y), type, event),
+});
+listenToTools(looking, {
+  changed: () => (scene.invalidate(), showMode(looking().mode)),
   clearTrail: () => model.clearTrail(),
 });
 byId("motors").addEventListener("click", ({ currentTarget }) => {
@@ -413,6 +425,7 @@ function expose() {
           proposal: goto.proposal && Object.freeze({ ...goto.proposal }),
           scans: [...model.robots.values()].map(({ points, scanning }) => (scanning ? points.length / 2 : 0)),
           frames: scene.frames,
+          solid: scene.solid && Object.freeze(scene.solid.state),
           toScreen,
         });
       },

@@ -11,7 +11,10 @@ const [OCCUPIED, FREE] = [1, 2]; // as the server has them; the shades are 85 ti
 /** Walls in tiles of Path2D, so that only visible ones are stroked, with grids and named objects. */
 export class FloorPlan {
   #tiles = new Map(); // "column row" -> {path, count, box}
-  #grids = [];
+  /** Walls [x0, y0, x1, y1] [m]. */
+  walls;
+  /** Cells, as OccupancyGrids. */
+  grids;
   /** Objects that the map names. @type {import("../messages.d.ts").MapObject[]} */
   objects;
   /** Extent of walls, cells and objects, or null without any. */
@@ -20,8 +23,9 @@ export class FloorPlan {
   /** @param {import("../messages.d.ts").Drawing | null} map @param grids [OccupancyGrid], read from it */
   constructor(map = null, grids = []) {
     this.objects = map?.objects ?? [];
-    this.#grids = grids;
-    for (const wall of map?.walls ?? []) this.#add(wall);
+    this.walls = map?.walls ?? [];
+    this.grids = grids;
+    for (const wall of this.walls) this.#add(wall);
     for (const { outline } of grids) for (const [x, y] of outline) this.bounds = grow(this.bounds, x, y);
     for (const { x, y, points } of this.objects) {
       for (const [px, py] of points.length ? points : [[x, y]]) this.bounds = grow(this.bounds, px, py);
@@ -31,7 +35,7 @@ export class FloorPlan {
   /** Draws all of it, in world coordinates. @param shown function(layer) */
   draw(context, camera, palette, ratio, shown) {
     if (shown("grid")) drawGrid(context, camera, palette);
-    if (shown("map")) for (const grid of this.#grids) grid.draw(context, camera, palette, ratio);
+    if (shown("map")) for (const grid of this.grids) grid.draw(context, camera, palette, ratio);
     if (shown("zones")) drawZones(context, camera, palette, this.objects);
     if (shown("map")) this.#drawWalls(context, camera, palette);
     if (shown("places")) drawPlaces(context, camera, palette, this.objects);
@@ -151,6 +155,13 @@ export class OccupancyGrid {
     return [[0, 0], [width, 0], [width, height], [0, height]].map(([a, b]) => [x + c * a - s * b, y + s * a + c * b]);
   }
 
+  /** Columns and rows of the occupied cells. */
+  occupied() {
+    const found = [];
+    this.#states.forEach((state, at) => state === OCCUPIED && found.push([at % this.width, Math.floor(at / this.width)]));
+    return found;
+  }
+
   /** In world coordinates, about one cell a pixel where there are more: none gets lost. */
   draw(context, camera, palette, ratio) {
     const pixels = camera.scale * this.side * ratio;
@@ -161,11 +172,12 @@ export class OccupancyGrid {
     context.rotate(theta);
     context.scale(this.side * joined, this.side * joined); // row 0 is the lowest, as y grows upwards
     context.imageSmoothingEnabled = pixels < 3; // large cells have edges
-    context.drawImage(this.#picture(joined, palette), 0, 0);
+    context.drawImage(this.picture(palette, joined), 0, 0);
     context.restore();
   }
 
-  #picture(joined, palette) {
+  /** A canvas with a pixel for each cell, or for `joined` ones along each side; its first row is the lowest. */
+  picture(palette, joined = 1) {
     const colours = `${palette.cell} ${palette.free}`;
     if (this.#colours !== colours) this.#pictures.clear();
     this.#colours = colours;

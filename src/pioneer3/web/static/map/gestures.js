@@ -6,6 +6,7 @@ import { byId, hasModifier, number, put } from "../dom.js";
 const DOUBLE_TAP = 320; // ms
 const TAP_RADIUS = 24; // px
 const HOLD = 500; // ms; a finger that stays this long means the place
+const MODES = ["follow", "fit", "eyes"]; // of the view, as its buttons are called
 const WHEEL = 0.0016; // zoom per wheel pixel
 
 /** Steps of a thing or a goal that is moved by keys: [dx, dy] [m], and a turn [rad]. */
@@ -141,27 +142,26 @@ export function listenToPointer(canvas, view) {
   canvas.addEventListener("pointerleave", () => (where.hidden = true));
 }
 
-/** Buttons and keys of the view. @param changed function(), after the view has changed */
+/** Buttons and keys of the view that `view()` returns. @param changed function(), after the view has changed */
 export function listenToTools(view, { changed, clearTrail }) {
   const act = (id, action) => byId(id).addEventListener("click", () => {
     action();
     changed();
   });
-  act("follow", () => view.setMode("follow"));
-  act("fit", () => view.setMode("fit"));
-  act("zoom-in", () => view.zoomBy(1.4));
-  act("zoom-out", () => view.zoomBy(1 / 1.4));
+  for (const mode of MODES) act(mode, () => view().setMode(mode));
+  act("zoom-in", () => view().zoomBy(1.4));
+  act("zoom-out", () => view().zoomBy(1 / 1.4));
   act("clear-trail", clearTrail);
   addEventListener("keydown", (event) => {
     if (hasModifier(event)) return;
-    if (event.key === "f") view.toggle();
-    else if (event.key === "+") view.zoomBy(1.25);
-    else if (event.key === "-") view.zoomBy(0.8);
+    if (event.key === "f") view().toggle();
+    else if (event.key === "+") view().zoomBy(1.25);
+    else if (event.key === "-") view().zoomBy(0.8);
     else return;
     changed();
   });
 }
 
 export function showMode(mode) {
-  for (const id of ["follow", "fit"]) byId(id).setAttribute("aria-pressed", String(mode === id));
+  for (const id of MODES) byId(id).setAttribute("aria-pressed", String(mode === id));
 }

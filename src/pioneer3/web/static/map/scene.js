@@ -23,6 +23,7 @@ export class Scene {
   #ratio = 1;
   #frame = 0;
   #then = 0;
+  #running = false; // the last frame asked for the next one
   #model;
   #layers;
   #shown = (layer) => this.#layers.has(layer);
@@ -38,6 +39,8 @@ export class Scene {
   editor = { thing: undefined, ghost: null };
   /** The editor of the map: the selected object, and what a drag would make. */
   mapEditor = { active: false };
+  /** The three-dimensional picture, which is drawn in place of this one, or null. */
+  solid = null;
   /** The goal that is proposed for the selected robot, {proposal}. */
   goto = { proposal: null, stops: [] };
 
@@ -104,6 +107,7 @@ export class Scene {
     this.#frame = 0;
     this.frames += 1;
     const dt = Math.min(0.1, Math.max(0, (now - this.#then) / 1000));
+    const took = this.#running ? now - this.#then : 0;
     this.#then = now;
     const { robots, selected, world } = this.#model;
     this.robots.length = 0;
@@ -117,8 +121,24 @@ export class Scene {
     this.view.setRobots(this.robots.map(([, pose]) => pose));
     if (this.pose) this.view.setRobot(this.pose);
     const panning = this.view.step(dt);
-    const rough = this.#paint(now);
-    if (panning || moving || rough) this.invalidate();
+    const rough = this.solid ? this.#paintSolid(now, dt, took) : this.#paint(now);
+    this.#running = panning || moving || rough;
+    if (this.#running) this.invalidate();
+  }
+
+  /** @param took time since the frame before [ms], 0 if that one asked for no other */
+  #paintSolid(now, dt, took) {
+    return this.solid.draw({
+      dt, took, plan: this.#floor, version: this.#version, palette: this.#palette, placed: this.robots, things: this.#things(now),
+      model: this.#model, shown: this.#shown, isLive: this.#isLive, goto: this.goto,
+    });
+  }
+
+  /** The things of the world where they are drawn, [thing, pose]. */
+  #things(now) {
+    const { world, robots } = this.#model;
+    return byLayer(world.things.values())
+      .map((thing) => [thing, robots.get(thing.own)?.poseAt(now) ?? world.poseAt(thing, now)]);
   }
 
   /** Returns whether something should be drawn once more to be sharp. */
@@ -127,11 +147,10 @@ export class Scene {
     const context = this.#context;
     const palette = this.#palette;
     const [ratio, shown] = [this.#ratio, this.#shown];
-    const { world, robots, selected, chosen, several } = this.#model;
+    const { world, selected, chosen, several } = this.#model;
     const [sprites, scale] = [this.#sprites, view.scale * ratio];
     const common = { selected, chosen, several, isLive: this.#isLive, paused: world.paused, shown, now, sprites, scale, ratio };
-    const things = byLayer(world.things.values())
-      .map((thing) => [thing, robots.get(thing.own)?.poseAt(now) ?? world.poseAt(thing, now)]);
+    const things = this.#things(now);
     const visible = things.filter(([{ kind }]) => kind === "robot" || shown("things"));
     let rough = this.#static.draw(context, view, ratio, this.#version, now);
     if (shown("trails")) rough = this.#trails.draw(context, view, palette, placed, common) || rough;

@@ -1,6 +1,6 @@
 // Sensors and motion of a robot: sonar cones, laser points, and the predicted path.
 
-const HALF = 0.2; // rad, half of the drawn cone
+export const HALF = 0.2; // rad, half of the drawn cone
 const NEAR = 0.4; // m and below: fully warm
 const MIDDLE = 1.2;
 const FAR = 2.5; // m and above: fully cool
@@ -91,7 +91,8 @@ function shadeOf(range) {
   return Math.round(Math.min(1, Math.max(0, share)) * (SHADES - 1));
 }
 
-function colourOf(range, palette) {
+/** The colour of a range, from near to far: rgb(r g b). */
+export function colourOf(range, palette) {
   if (range < MIDDLE) return mix(palette["sonar-near"], palette["sonar-mid"], (range - NEAR) / (MIDDLE - NEAR));
   return mix(palette["sonar-mid"], palette["sonar-far"], (range - MIDDLE) / (FAR - MIDDLE));
 }

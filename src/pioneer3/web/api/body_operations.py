@@ -1,0 +1,83 @@
+"""The operation of the API on the bodies of robots, from the description that URDF is made of."""
+
+from collections.abc import Iterator, Mapping
+
+from pioneer3.models import RobotModel, load_model, model_names
+from pioneer3.models.description.solids import COLORS, Solid, solids_of
+from pioneer3.models.description.tree import Frames, Joint, Tree, tree_of
+from pioneer3.web.access.middleware import ErrorResponse
+from pioneer3.web.access.sessions import Role
+from pioneer3.web.api import types
+from pioneer3.web.api.operation import ApiRequest, operation
+from pioneer3.web.page import Page
+
+
+def get_body(request: ApiRequest) -> types.RobotBody | ErrorResponse:
+    """Return the body of a type of robot: boxes and cylinders, as its URDF has them."""
+    name = request.path["model"]
+    model = _model(request.page, name)
+    if model is None:
+        return ErrorResponse(
+            404, f"there is no model {name[:40]!r}; there are {', '.join(model_names())}"
+        )
+    return body_of(model)
+
+
+def body_of(model: RobotModel) -> types.RobotBody:
+    """Return the body of a robot of this type."""
+    frames = Frames()
+    tree = tree_of(model, frames)
+    bumpers = model.front_bumpers, model.rear_bumpers
+    solids = solids_of(model, tree, frames, bumpers=bumpers, laser=True)
+    return types.RobotBody(model.name, tuple(_links(tree, solids)))
+
+
+def _model(page: Page, name: str) -> RobotModel | None:
+    """Return the model of a robot of the page, or a shipped one; `None` if there is none."""
+    for view in page.robots.values():
+        info = view.robot.supervisor.info
+        if info is not None and info.model.name == name:
+            return info.model
+    return load_model(name) if name in model_names() else None
+
+
+def _links(tree: Tree, solids: Mapping[str, tuple[Solid, ...]]) -> Iterator[types.Link]:
+    joints = {joint.child: joint for joint in tree.joints}
+    for name, parts in solids.items():
+        x, y, z, yaw = _place(joints, tree.base, name)
+        joint = joints.get(name)
+        yield types.Link(
+            at=(x, y, z),
+            yaw=yaw,
+            wheel=_side(joint) if joint else None,
+            solids=tuple(_solid(part) for part in parts),
+        )
+
+
+def _place(joints: Mapping[str, Joint], base: str, link: str) -> tuple[float, float, float, float]:
+    """Return x, y, z and yaw of a link on the base; only the last joint to it turns."""
+    if link == base:
+        return 0.0, 0.0, 0.0, 0.0
+    joint = joints[link]
+    x, y, z, yaw = _place(joints, base, joint.parent)
+    assert yaw == 0.0
+    return x + joint.x, y + joint.y, z + joint.z, joint.yaw
+
+
+def _side(joint: Joint) -> types.Side | None:
+    if not joint.turns:
+        return None
+    return "left" if joint.y > 0 else "right"
+
+
+def _solid(solid: Solid) -> types.Solid:
+    return types.Solid(
+        shape="cylinder" if solid.is_round else "box",
+        color=COLORS[solid.color],
+        size=solid.size,
+        at=solid.at,
+        turned=solid.turned,
+    )
+
+
+BODIES = (operation("GET", "/api/models/{model}", get_body, Role.VIEWER, 404),)

@@ -1,0 +1,130 @@
+// Marks on the floor: trails, the planned ways, targets, the proposed goal, and where robots believe to be.
+
+import { CircleGeometry, ConeGeometry, Group, Mesh, RingGeometry } from "../vendor/three-0.187.0/three.js";
+import { flat } from "./floor.js";
+import { clear, free, label, ribbons } from "./shapes.js";
+
+const SHORT = 600; // points of the trail of a robot that is not selected
+const [TRAIL, WAY] = [0.035, 0.045]; // m, width
+const AHEAD = 1.5; // s, of the predicted path
+
+export class Marks {
+  group = new Group();
+  #trails = new Map(); // Robot -> {mesh, key}
+  #ways = new Group();
+  #made = "";
+
+  constructor() {
+    this.group.add(this.#ways);
+  }
+
+  show(placed, { selected, isLive, shown, palette, goto }) {
+    this.#showTrails(shown("trails") ? placed : [], selected, palette);
+    const lines = [...this.#lines(placed, { selected, isLive, shown, palette, goto })];
+    const key = JSON.stringify(lines);
+    if (key === this.#made) return;
+    this.#made = key;
+    clear(this.#ways);
+    for (const line of lines) this.#add(line, palette);
+  }
+
+  #showTrails(placed, selected, palette) {
+    const seen = new Set(placed.map(([robot]) => robot));
+    for (const [robot, { mesh }] of this.#trails) if (!seen.has(robot)) (free(mesh), this.#trails.delete(robot));
+    for (const [robot] of placed) {
+      const { trail } = robot;
+      const last = trail.at(-1);
+      const known = this.#trails.get(robot);
+      const same = known && known.last === last && known.count === trail.length && known.palette === palette && known.chosen === (robot === selected);
+      if (same) continue;
+      if (known) free(known.mesh);
+      const mesh = new Mesh(ribbons(pieces(robot === selected ? trail : trail.slice(-SHORT)), TRAIL, 0.01), flat(palette.trail, robot === selected ? 0.8 : 0.45));
+      mesh.frustumCulled = false;
+      this.#trails.set(robot, { mesh, last, count: trail.length, palette, chosen: robot === selected });
+      this.group.add(mesh);
+    }
+  }
+
+  /** All that is on the floor beside trails, as data: it is built anew only when it changes. */
+  *#lines(placed, { selected, isLive, shown, palette, goto }) {
+    for (const [robot, pose] of placed) {
+      const { snapshot, navigation, mapping } = robot;
+      if (!snapshot || !isLive(robot)) continue;
+      if (shown("paths") && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
+      const { target } = snapshot;
+      if (shown("targets") && target) {
+        const color = target.person ? palette.person : palette.target;
+        const way = (mapping?.exploring ? mapping.way : navigation?.way) ?? [];
+        yield { points: [[pose.x, pose.y], ...(way.length ? way.slice(1) : [[target.x, target.y]])], color, dash: [0.18, 0.14] };
+        yield { at: [target.x, target.y], heading: target.heading, color };
+      }
+      if (shown("places") && navigation?.pose && navigation.ellipse) {
+        yield { ellipse: navigation.ellipse, at: navigation.pose.slice(0, 2), color: navigation.sure ? palette.target : palette.hit };
+      }
+    }
+    for (const [number, { x, y }] of goto.stops.entries()) yield { at: [x, y], heading: null, color: palette.target, text: String(number + 1) };
+    const goal = goto.proposal;
+    if (!goal) return;
+    const from = placed.find(([robot]) => robot === selected)?.[1];
+    if (goal.way?.length || (from && !goal.refusal)) {
+      yield { points: goal.way?.length ? goal.way : [[from.x, from.y], [goal.x, goal.y]], color: palette.target, dash: [0.18, 0.14] };
+    }
+    yield { at: [goal.x, goal.y], heading: goal.heading, color: palette.target };
+  }
+
+  #add({ points, at, dash, color, heading, ellipse, text }, palette) {
+    if (points) {
+      const mesh = new Mesh(ribbons([points], WAY, 0.02, dash), flat(color));
+      mesh.frustumCulled = false;
+      this.#ways.add(mesh);
+      return;
+    }
+    const part = new Group();
+    part.position.set(at[0], at[1], 0.025);
+    this.#ways.add(part);
+    if (ellipse) {
+      const mesh = new Mesh(new CircleGeometry(1, 32), flat(color, 0.25));
+      mesh.scale.set(Math.max(ellipse[0], 0.03), Math.max(ellipse[1], 0.03), 1);
+      mesh.rotation.z = ellipse[2];
+      part.add(mesh);
+      return;
+    }
+    const pin = new Mesh(new ConeGeometry(0.09, 0.35, 16).rotateX(-Math.PI / 2).translate(0, 0, 0.2), flat(color));
+    part.add(new Mesh(new RingGeometry(0.2, 0.25, 32), flat(color)), pin);
+    if (typeof heading === "number") {
+      const arrow = new Mesh(new CircleGeometry(0.11, 3), flat(color));
+      arrow.position.set(0.38 * Math.cos(heading), 0.38 * Math.sin(heading), 0);
+      arrow.rotation.z = heading;
+      part.add(arrow);
+    }
+    if (text) {
+      const sprite = label(text, color, palette.floor);
+      sprite.position.z = 0.4;
+      part.add(sprite);
+    }
+  }
+
+  dispose() {
+    for (const { mesh } of this.#trails.values()) free(mesh);
+    clear(this.#ways);
+  }
+}
+
+/** Pieces of a trail: null separates them. */
+function pieces(trail) {
+  const lines = [[]];
+  for (const point of trail) point === null ? lines.push([]) : lines.at(-1).push(point);
+  return lines;
+}
+
+/** The arc that a robot drives next at its velocity. */
+function arc({ snapshot: { twist: { v, w } }, shape }, { x, y, theta }) {
+  const nose = v > 0 ? shape?.length_front ?? 0.3 : -(shape?.length_rear ?? 0.3);
+  return Array.from({ length: 13 }, (_, step) => {
+    const t = (step / 12) * AHEAD;
+    const turn = w * t;
+    const [ahead, left] = Math.abs(w) < 1e-3 ? [v * t, 0] : [(v / w) * Math.sin(turn), (v / w) * (1 - Math.cos(turn))];
+    const [a, b] = [ahead + nose * Math.cos(turn), left + nose * Math.sin(turn)];
+    return [x + a * Math.cos(theta) - b * Math.sin(theta), y + a * Math.sin(theta) + b * Math.cos(theta)];
+  });
+}
