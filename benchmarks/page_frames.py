@@ -21,10 +21,11 @@ from itertools import pairwise
 from math import cos, pi, sin
 from statistics import median
 
+import msgspec
 import uvicorn
 from playwright.sync_api import CDPSession, Page, sync_playwright
 from starlette.applications import Starlette
-from starlette.responses import FileResponse
+from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -39,6 +40,7 @@ from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Battery, Bumpers, Identity, Motors, Odometry, Scan, Snapshot, Sonar
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages
+from pioneer3.web.api.body_operations import body_of
 from pioneer3.web.app import STATIC
 from pioneer3.web.broadcast import sweep
 from pioneer3.web.robot_view import robot_part, snapshot_part
@@ -164,6 +166,7 @@ def served() -> Iterator[str]:
         routes=[
             Route("/", lambda _: FileResponse(STATIC / "index.html")),
             WebSocketRoute("/ws", talk),
+            Route("/api/models/{model}", lambda _: Response(msgspec.json.encode(body_of(MODEL)))),
             Mount("/static", StaticFiles(directory=STATIC)),
         ]
     )

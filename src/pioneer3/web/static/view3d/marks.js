@@ -5,6 +5,8 @@ import { flat } from "./floor.js";
 import { clear, free, label, ribbons } from "./shapes.js";
 
 const SHORT = 600; // points of the trail of a robot that is not selected
+const EVERY = 4; // points that are drawn: 0.12 m apart
+const LAG = 0.12; // m that a drawn trail may end behind its robot, which hides that
 const [TRAIL, WAY] = [0.035, 0.045]; // m, width
 const AHEAD = 1.5; // s, of the predicted path
 
@@ -35,12 +37,12 @@ export class Marks {
       const { trail } = robot;
       const last = trail.at(-1);
       const known = this.#trails.get(robot);
-      const same = known && known.last === last && known.count === trail.length && known.palette === palette && known.chosen === (robot === selected);
+      const same = known && near(known.last, last) && known.palette === palette && known.chosen === (robot === selected);
       if (same) continue;
       if (known) free(known.mesh);
       const mesh = new Mesh(ribbons(pieces(robot === selected ? trail : trail.slice(-SHORT)), TRAIL, 0.01), flat(palette.trail, robot === selected ? 0.8 : 0.45));
       mesh.frustumCulled = false;
-      this.#trails.set(robot, { mesh, last, count: trail.length, palette, chosen: robot === selected });
+      this.#trails.set(robot, { mesh, last, palette, chosen: robot === selected });
       this.group.add(mesh);
     }
   }
@@ -50,7 +52,7 @@ export class Marks {
     for (const [robot, pose] of placed) {
       const { snapshot, navigation, mapping } = robot;
       if (!snapshot || !isLive(robot)) continue;
-      if (shown("paths") && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
+      if (shown("paths") && robot === selected && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
       const { target } = snapshot;
       if (shown("targets") && target) {
         const color = target.person ? palette.person : palette.target;
@@ -114,7 +116,12 @@ export class Marks {
 function pieces(trail) {
   const lines = [[]];
   for (const point of trail) point === null ? lines.push([]) : lines.at(-1).push(point);
-  return lines;
+  return lines.map((line) => line.filter((_, at) => at % EVERY === 0 || at === line.length - 1));
+}
+
+/** Whether a trail with another last point need not be drawn anew. */
+function near(one, other) {
+  return one === other || Boolean(one && other && Math.hypot(one[0] - other[0], one[1] - other[1]) < LAG);
 }
 
 /** The arc that a robot drives next at its velocity. */

@@ -5,7 +5,7 @@ import {
 } from "../vendor/three-0.187.0/three.js";
 import { make } from "../dom.js";
 
-const SIDES = 20; // of a cylinder
+const sidesOf = (width) => (width < 0.05 ? 8 : 16); // of a cylinder [m]
 const TEXT = 28; // px, height of a label's letters in its picture
 const LABEL = 0.028; // height of a label on the screen, as a share of it
 
@@ -13,7 +13,7 @@ const LABEL = 0.028; // height of a label on the screen, as a share of it
 export function mergeSolids(parts) {
   const made = parts.map(({ solid, matrix }) => {
     const [x, y, z] = solid.size;
-    const geometry = solid.shape === "box" ? new BoxGeometry(x, y, z) : new CylinderGeometry(x / 2, x / 2, z, SIDES).rotateX(Math.PI / 2);
+    const geometry = solid.shape === "box" ? new BoxGeometry(x, y, z) : new CylinderGeometry(x / 2, x / 2, z, sidesOf(x)).rotateX(Math.PI / 2);
     const [roll, pitch, yaw] = solid.turned;
     const turned = new Quaternion().setFromEuler(new Euler(roll, pitch, yaw, "ZYX"));
     const own = new Matrix4().compose(new Vector3(...solid.at), turned, new Vector3(1, 1, 1));
