@@ -42,32 +42,20 @@ def _model(page: Page, name: str) -> RobotModel | None:
 
 
 def _links(tree: Tree, solids: Mapping[str, tuple[Solid, ...]]) -> Iterator[types.Link]:
-    joints = {joint.child: joint for joint in tree.joints}
+    fixed, wheels = tree.fixed_in_base(), {joint.child: joint for joint in tree.wheels}
     for name, parts in solids.items():
-        x, y, z, yaw = _place(joints, tree.base, name)
-        joint = joints.get(name)
+        wheel = wheels.get(name)
+        x, y, z, yaw = (wheel.x, wheel.y, wheel.z, 0.0) if wheel else fixed[name]
         yield types.Link(
             at=(x, y, z),
             yaw=yaw,
-            wheel=_side(joint) if joint else None,
+            wheel=_side(wheel) if wheel else None,
             solids=tuple(_solid(part) for part in parts),
         )
 
 
-def _place(joints: Mapping[str, Joint], base: str, link: str) -> tuple[float, float, float, float]:
-    """Return x, y, z and yaw of a link on the base; only the last joint to it turns."""
-    if link == base:
-        return 0.0, 0.0, 0.0, 0.0
-    joint = joints[link]
-    x, y, z, yaw = _place(joints, base, joint.parent)
-    assert yaw == 0.0
-    return x + joint.x, y + joint.y, z + joint.z, joint.yaw
-
-
-def _side(joint: Joint) -> types.Side | None:
-    if not joint.turns:
-        return None
-    return "left" if joint.y > 0 else "right"
+def _side(wheel: Joint) -> types.Side:
+    return "left" if wheel.y > 0 else "right"
 
 
 def _solid(solid: Solid) -> types.Solid:

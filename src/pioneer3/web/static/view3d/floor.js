@@ -4,7 +4,8 @@ import {
   BoxGeometry, CanvasTexture, CircleGeometry, Color, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry,
   Quaternion, RingGeometry, Shape, ShapeGeometry, SRGBColorSpace, Vector3, LineBasicMaterial, LineSegments, BufferAttribute, BufferGeometry,
 } from "../vendor/three-0.187.0/three.js";
-import { clear, label, ribbons } from "./shapes.js";
+import { Ribbons } from "./ribbons.js";
+import { clear, label, merge } from "./shapes.js";
 
 const WALL = { height: 1.0, thick: 0.06 }; // m
 const MOST_CELLS = 40000; // that are extruded; more stay a picture on the floor
@@ -27,7 +28,7 @@ export class Floor {
       for (const grid of plan.grids) this.#addCells(grid, palette);
     }
     if (shown("zones")) for (const item of plan.objects) if (item.points.length && !item.solid) this.#addZone(item, palette);
-    if (shown("places")) for (const item of plan.objects) if (!item.points.length) this.#addPlace(item, palette);
+    if (shown("places")) this.#addPlaces(plan.objects.filter(({ points }) => !points.length), palette);
     if (shown("names")) this.#addNames(plan.objects, palette, shown);
   }
 
@@ -81,7 +82,9 @@ export class Floor {
   #addZone({ points, role, forbidden }, palette) {
     const color = forbidden ? palette.forbidden : palette.zone;
     const line = points.length > 2 ? [...points, points[0]] : points;
-    this.group.add(new Mesh(ribbons([line], forbidden ? 0.06 : 0.04, 0.012, forbidden ? null : [0.25, 0.15]), flat(color)));
+    const edge = new Ribbons();
+    edge.show([{ points: line, width: forbidden ? 0.06 : 0.04, height: 0.012, color, dash: forbidden ? null : [0.25, 0.15] }]);
+    this.group.add(edge.mesh);
     if (role !== "area") return;
     const shape = new Shape();
     points.forEach(([x, y], at) => (at ? shape.lineTo(x, y) : shape.moveTo(x, y)));
@@ -90,18 +93,14 @@ export class Floor {
     this.group.add(area);
   }
 
-  #addPlace({ x, y, theta, role, heads }, palette) {
-    const material = () => flat(palette[COLOURS[role]]);
-    const part = new Group();
-    part.position.set(x, y, 0.015);
-    part.rotation.z = theta;
-    part.add(new Mesh(new RingGeometry(0.2, 0.26, 32), material()), new Mesh(new CircleGeometry(0.09, 24), material()));
-    if (heads) {
-      const arrow = new Mesh(new CircleGeometry(0.1, 3), material());
-      arrow.position.x = 0.38;
-      part.add(arrow);
-    }
-    this.group.add(part);
+  #addPlaces(places, palette) {
+    if (!places.length) return;
+    const parts = places.flatMap(({ x, y, theta, role, heads }) => {
+      const shapes = [new RingGeometry(0.2, 0.26, 32), new CircleGeometry(0.09, 24)];
+      if (heads) shapes.push(new CircleGeometry(0.1, 3).translate(0.38, 0, 0).rotateZ(theta));
+      return shapes.map((shape) => ({ geometry: shape.translate(x, y, 0.015), color: new Color(palette[COLOURS[role]]) }));
+    });
+    this.group.add(new Mesh(merge(parts), new MeshBasicMaterial({ vertexColors: true, side: DoubleSide })));
   }
 
   #addNames(objects, palette, shown) {

@@ -2,88 +2,56 @@
 
 import { CircleGeometry, ConeGeometry, Group, Mesh, RingGeometry } from "../vendor/three-0.187.0/three.js";
 import { flat } from "./floor.js";
-import { clear, free, label, ribbons } from "./shapes.js";
+import { Ribbons } from "./ribbons.js";
+import { clear, free, label } from "./shapes.js";
 
 const SHORT = 600; // points of the trail of a robot that is not selected
-const EVERY = 4; // points that are drawn: 0.12 m apart
-const LAG = 0.12; // m that a drawn trail may end behind its robot, which hides that
+const EVERY = 6; // points that are drawn: 0.18 m apart
+const LAG = 0.2; // m that a drawn trail may end behind its robot, which hides that
 const [TRAIL, WAY] = [0.035, 0.045]; // m, width
 const AHEAD = 1.5; // s, of the predicted path
 
 export class Marks {
   group = new Group();
-  #trails = new Map(); // Robot -> {mesh, key}
-  #ways = new Group();
+  #trails = new Ribbons();
+  #drawn = { ends: new Map() }; // the state of the trails when they were drawn; ends: Robot -> [x, y]
+  #lines = new Ribbons();
+  #signs = new Group();
   #made = "";
 
   constructor() {
-    this.group.add(this.#ways);
+    this.group.add(this.#trails.mesh, this.#lines.mesh, this.#signs);
   }
 
   show(placed, { selected, isLive, shown, palette, goto }) {
     this.#showTrails(shown("trails") ? placed : [], selected, palette);
-    const lines = [...this.#lines(placed, { selected, isLive, shown, palette, goto })];
-    const key = JSON.stringify(lines);
+    const marks = [...marksOf(placed, { selected, isLive, shown, palette, goto })];
+    this.#lines.show(marks.filter(({ points }) => points).map((line) => ({ ...line, width: WAY, height: 0.02 })));
+    const signs = marks.filter(({ points }) => !points);
+    const key = JSON.stringify([signs, palette.floor]);
     if (key === this.#made) return;
     this.#made = key;
-    clear(this.#ways);
-    for (const line of lines) this.#add(line, palette);
+    clear(this.#signs);
+    for (const sign of signs) this.#add(sign, palette);
   }
 
+  /** Draws all trails anew when one of them ends too far behind its robot. */
   #showTrails(placed, selected, palette) {
-    const seen = new Set(placed.map(([robot]) => robot));
-    for (const [robot, { mesh }] of this.#trails) if (!seen.has(robot)) (free(mesh), this.#trails.delete(robot));
-    for (const [robot] of placed) {
-      const { trail } = robot;
-      const last = trail.at(-1);
-      const known = this.#trails.get(robot);
-      const same = known && near(known.last, last) && known.palette === palette && known.chosen === (robot === selected);
-      if (same) continue;
-      if (known) free(known.mesh);
-      const mesh = new Mesh(ribbons(pieces(robot === selected ? trail : trail.slice(-SHORT)), TRAIL, 0.01), flat(palette.trail, robot === selected ? 0.8 : 0.45));
-      mesh.frustumCulled = false;
-      this.#trails.set(robot, { mesh, last, palette, chosen: robot === selected });
-      this.group.add(mesh);
-    }
+    const { ends, ...before } = this.#drawn;
+    const same = before.palette === palette && before.selected === selected && ends.size === placed.length;
+    if (same && placed.every(([robot]) => ends.has(robot) && near(ends.get(robot), robot.trail.at(-1)))) return;
+    this.#drawn = { palette, selected, ends: new Map(placed.map(([robot]) => [robot, robot.trail.at(-1)])) };
+    this.#trails.show(placed.flatMap(([robot]) => {
+      const chosen = robot === selected;
+      const style = { width: TRAIL, height: 0.01, color: palette.trail, alpha: chosen ? 0.8 : 0.45 };
+      return pieces(chosen ? robot.trail : robot.trail.slice(-SHORT)).map((points) => ({ points, ...style }));
+    }));
   }
 
-  /** All that is on the floor beside trails, as data: it is built anew only when it changes. */
-  *#lines(placed, { selected, isLive, shown, palette, goto }) {
-    for (const [robot, pose] of placed) {
-      const { snapshot, navigation, mapping } = robot;
-      if (!snapshot || !isLive(robot)) continue;
-      if (shown("paths") && robot === selected && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
-      const { target } = snapshot;
-      if (shown("targets") && target) {
-        const color = target.person ? palette.person : palette.target;
-        const way = (mapping?.exploring ? mapping.way : navigation?.way) ?? [];
-        yield { points: [[pose.x, pose.y], ...(way.length ? way.slice(1) : [[target.x, target.y]])], color, dash: [0.18, 0.14] };
-        yield { at: [target.x, target.y], heading: target.heading, color };
-      }
-      if (shown("places") && navigation?.pose && navigation.ellipse) {
-        yield { ellipse: navigation.ellipse, at: navigation.pose.slice(0, 2), color: navigation.sure ? palette.target : palette.hit };
-      }
-    }
-    for (const [number, { x, y }] of goto.stops.entries()) yield { at: [x, y], heading: null, color: palette.target, text: String(number + 1) };
-    const goal = goto.proposal;
-    if (!goal) return;
-    const from = placed.find(([robot]) => robot === selected)?.[1];
-    if (goal.way?.length || (from && !goal.refusal)) {
-      yield { points: goal.way?.length ? goal.way : [[from.x, from.y], [goal.x, goal.y]], color: palette.target, dash: [0.18, 0.14] };
-    }
-    yield { at: [goal.x, goal.y], heading: goal.heading, color: palette.target };
-  }
-
-  #add({ points, at, dash, color, heading, ellipse, text }, palette) {
-    if (points) {
-      const mesh = new Mesh(ribbons([points], WAY, 0.02, dash), flat(color));
-      mesh.frustumCulled = false;
-      this.#ways.add(mesh);
-      return;
-    }
+  #add({ at, color, heading, ellipse, text }, palette) {
     const part = new Group();
     part.position.set(at[0], at[1], 0.025);
-    this.#ways.add(part);
+    this.#signs.add(part);
     if (ellipse) {
       const mesh = new Mesh(new CircleGeometry(1, 32), flat(color, 0.25));
       mesh.scale.set(Math.max(ellipse[0], 0.03), Math.max(ellipse[1], 0.03), 1);
@@ -107,9 +75,35 @@ export class Marks {
   }
 
   dispose() {
-    for (const { mesh } of this.#trails.values()) free(mesh);
-    clear(this.#ways);
+    for (const part of [this.#trails.mesh, this.#lines.mesh, this.#signs]) free(part);
   }
+}
+
+/** All that is on the floor beside trails, as data: lines, which have points, and signs. */
+function* marksOf(placed, { selected, isLive, shown, palette, goto }) {
+  for (const [robot, pose] of placed) {
+    const { snapshot, navigation, mapping } = robot;
+    if (!snapshot || !isLive(robot)) continue;
+    if (shown("paths") && robot === selected && Math.abs(snapshot.twist.v) >= 0.02) yield { points: arc(robot, pose), color: palette.path, dash: [0.03, 0.08] };
+    const { target } = snapshot;
+    if (shown("targets") && target) {
+      const color = target.person ? palette.person : palette.target;
+      const way = (mapping?.exploring ? mapping.way : navigation?.way) ?? [];
+      yield { points: [[pose.x, pose.y], ...(way.length ? way.slice(1) : [[target.x, target.y]])], color, dash: [0.18, 0.14] };
+      yield { at: [target.x, target.y], heading: target.heading, color };
+    }
+    if (shown("places") && navigation?.pose && navigation.ellipse) {
+      yield { ellipse: navigation.ellipse, at: navigation.pose.slice(0, 2), color: navigation.sure ? palette.target : palette.hit };
+    }
+  }
+  for (const [number, { x, y }] of goto.stops.entries()) yield { at: [x, y], heading: null, color: palette.target, text: String(number + 1) };
+  const goal = goto.proposal;
+  if (!goal) return;
+  const from = placed.find(([robot]) => robot === selected)?.[1];
+  if (goal.way?.length || (from && !goal.refusal)) {
+    yield { points: goal.way?.length ? goal.way : [[from.x, from.y], [goal.x, goal.y]], color: palette.target, dash: [0.18, 0.14] };
+  }
+  yield { at: [goal.x, goal.y], heading: goal.heading, color: palette.target };
 }
 
 /** Pieces of a trail: null separates them. */

@@ -1,99 +1,48 @@
-// Robots, from the description that their URDF is made of; their wheels turn; rings around the chosen ones.
+// Robots whose wheels turn, their names, rings around the chosen ones; people and boxes of the simulated world.
 
-import {
-  BoxGeometry, CapsuleGeometry, Color, CylinderGeometry, Group, Matrix4, Mesh, MeshLambertMaterial, RingGeometry, SphereGeometry,
-} from "../vendor/three-0.187.0/three.js";
-import { ask } from "../http.js";
+import { BoxGeometry, CapsuleGeometry, Color, CylinderGeometry, Group, Mesh, MeshLambertMaterial, RingGeometry, SphereGeometry } from "../vendor/three-0.187.0/three.js";
+import { Bodies } from "./bodies.js";
 import { flat } from "./floor.js";
-import { free, label, merge, mergeSolids } from "./shapes.js";
+import { free, label, merge } from "./shapes.js";
 
 const HEIGHT = { box: 0.5, person: 1.7 }; // m: the simulated world is flat, its things stand so high
 const REACH = 0.3; // m, of a robot whose shape is not known
-const OLD = 0.45; // opacity of a robot that does not report
 
-/** Bodies by model: fetched once, as merged geometries. */
-class Bodies {
-  #bodies = new Map(); // model -> {still, wheels: [{side, at, geometry, radius}]} or null while it comes
-  #changed;
-
-  constructor(changed) {
-    this.#changed = changed;
-  }
-
-  get(model) {
-    if (!this.#bodies.has(model)) {
-      this.#bodies.set(model, null);
-      ask("GET", `models/${encodeURIComponent(model)}`).then((body) => (this.#bodies.set(model, build(body)), this.#changed()), () => {});
-    }
-    return this.#bodies.get(model);
-  }
-
-  dispose() {
-    for (const body of this.#bodies.values()) for (const { geometry } of body ? [body, ...body.wheels] : []) geometry.dispose();
-  }
-}
-
-function build({ links }) {
-  const placed = ({ at, yaw }) => new Matrix4().makeRotationZ(yaw).setPosition(...at);
-  const still = links.filter(({ wheel }) => !wheel);
-  const parts = still.flatMap((link) => link.solids.map((solid) => ({ solid, matrix: placed(link) })));
-  const wheels = links.filter(({ wheel }) => wheel).map(({ wheel, at, solids }) => ({
-    side: wheel, at, radius: solids[0].size[0] / 2,
-    geometry: mergeSolids(solids.map((solid) => ({ solid, matrix: new Matrix4() }))),
-  }));
-  return { geometry: mergeSolids(parts), wheels };
-}
-
-/** One robot of the picture. */
+/** One robot of the picture: the ring and the name are its own, the body is one of many. */
 class Figure {
   group = new Group();
-  #body = null;
-  #wheels = [];
-  #material = new MeshLambertMaterial({ vertexColors: true, emissive: "#10161f" }); // black parts can be told from a dark floor
+  pose = null; // where it is drawn
+  turned = []; // its wheels [rad]
   #ring;
   #label = null;
   #labelled = "";
-  #last = null; // pose
 
   constructor(shape) {
-    this.reach = shape ? Math.max(shape.length_front, shape.length_rear, shape.width / 2) : REACH;
-    this.#ring = new Mesh(new RingGeometry(this.reach + 0.05, this.reach + 0.1, 48), flat("#ffffff"));
+    const reach = shape ? Math.max(shape.length_front, shape.length_rear, shape.width / 2) : REACH;
+    this.#ring = new Mesh(new RingGeometry(reach + 0.05, reach + 0.1, 48), flat("#ffffff"));
     this.#ring.position.z = 0.02;
     this.group.add(this.#ring);
   }
 
-  show(body, pose, { ring, name, palette, faint }) {
-    if (body && body !== this.#body) this.#dress(body);
+  show(body, pose, { ring, name, palette, faint, hidden }) {
+    if (body) this.#roll(body.wheels, pose);
+    if (body && !hidden) body.draw(pose, this.turned, faint);
+    this.pose = pose;
+    this.group.visible = !hidden;
     this.group.position.set(pose.x, pose.y, 0);
-    this.group.rotation.z = pose.theta;
-    if (this.#last && body) this.#roll(body, pose);
-    this.#last = pose;
     this.#ring.visible = ring > 0;
     this.#ring.material.color.set(palette.nose);
     Object.assign(this.#ring.material, { transparent: ring < 1, opacity: ring });
-    Object.assign(this.#material, { transparent: faint, opacity: faint ? OLD : 1 });
     this.#name(name, palette);
   }
 
-  #dress(body) {
-    this.#body = body;
-    const part = (geometry) => Object.assign(new Mesh(geometry, this.#material), { userData: { shared: true } });
-    this.group.add(part(body.geometry));
-    this.#wheels = body.wheels.map(({ geometry, at }) => {
-      const wheel = part(geometry);
-      wheel.position.set(...at);
-      this.group.add(wheel);
-      return wheel;
-    });
-  }
-
   /** Turns the wheels by the way that the drawn robot has moved: their motion agrees with what is seen. */
-  #roll(body, { x, y, theta }) {
-    const { x: x0, y: y0, theta: before } = this.#last;
-    const way = (x - x0) * Math.cos(theta) + (y - y0) * Math.sin(theta);
-    const turn = Math.atan2(Math.sin(theta - before), Math.cos(theta - before));
-    if (Math.hypot(x - x0, y - y0) > 1) return;
-    body.wheels.forEach(({ at, radius }, number) => (this.#wheels[number].rotation.y += (way - turn * at[1]) / radius));
+  #roll(wheels, { x, y, theta }) {
+    if (this.turned.length !== wheels.length) this.turned = wheels.map(() => 0);
+    if (!this.pose || Math.hypot(x - this.pose.x, y - this.pose.y) > 1) return;
+    const way = (x - this.pose.x) * Math.cos(theta) + (y - this.pose.y) * Math.sin(theta);
+    const turn = Math.atan2(Math.sin(theta - this.pose.theta), Math.cos(theta - this.pose.theta));
+    wheels.forEach(({ at, radius }, number) => (this.turned[number] += (way - turn * at[1]) / radius));
   }
 
   #name(name, palette) {
@@ -109,11 +58,6 @@ class Figure {
 
   dispose() {
     free(this.group);
-    this.#material.dispose();
-  }
-
-  get rolled() {
-    return this.#wheels.map((wheel) => wheel.rotation.y);
   }
 }
 
@@ -126,25 +70,26 @@ export class Robots {
   /** @param changed function(), when a body has come */
   constructor(changed) {
     this.#bodies = new Bodies(changed);
+    this.group.add(this.#bodies.group);
   }
 
   /** @param placed [[Robot, pose]], things [[thing, pose]] */
   show(placed, things, { selected, chosen, several, isLive, shown, palette, hidden }) {
     const seen = new Set();
+    this.#bodies.begin();
     for (const [robot, pose] of placed) {
       seen.add(robot);
       const ring = !several ? 0 : robot === selected ? 1 : chosen.includes(robot) ? 0.4 : 0;
       const figure = this.#figure(robot, robot.shape);
-      figure.group.visible = robot !== hidden;
       figure.show(robot.shape && this.#bodies.get(robot.shape.model), pose, {
-        ring, palette, name: several && shown("names") ? robot.name : "", faint: robot !== selected && !isLive(robot),
+        ring, palette, name: several && shown("names") ? robot.name : "", faint: robot !== selected && !isLive(robot), hidden: robot === hidden,
       });
     }
     for (const [thing, pose] of things) {
       if (thing.own || (thing.kind !== "robot" && !shown("things"))) continue;
       seen.add(thing.id);
       if (thing.kind === "robot") {
-        this.#figure(thing.id, null).show(this.#bodies.get(thing.model), pose, { ring: 0, palette, name: shown("names") ? thing.name : "", faint: false });
+        this.#figure(thing.id, null).show(this.#bodies.get(thing.model), pose, { ring: 0, palette, name: shown("names") ? thing.name : "", faint: false, hidden: false });
       } else this.#showThing(thing, pose, palette);
     }
     for (const [key, figure] of this.#figures) if (!seen.has(key)) (figure.dispose(), this.#figures.delete(key));
@@ -154,9 +99,7 @@ export class Robots {
   /** Where a robot is drawn: pose and turned wheels, or null. */
   drawn(robot) {
     const figure = this.#figures.get(robot);
-    if (!figure) return null;
-    const { position: { x, y }, rotation: { z: theta } } = figure.group;
-    return { x, y, theta, wheels: figure.rolled };
+    return figure?.pose ? { ...figure.pose, wheels: figure.turned } : null;
   }
 
   #figure(key, shape) {

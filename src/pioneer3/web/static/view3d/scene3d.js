@@ -11,7 +11,7 @@ import { Sensors } from "./sensors.js";
 
 const MOST_RATIO = 2; // pixels for a CSS pixel
 const LEAST_RATIO = 0.5;
-const [SLOW, FAST] = [70, 20]; // ms for a frame: the picture gets coarser, or finer again
+const [SLOW, FAST] = [55, 20]; // ms for a frame: the picture gets coarser, or finer again
 const STEADY = 6; // frames of one kind before it changes
 const TREMBLE = 5; // px that a tap may move
 const DECK = 0.2; // m: robots are picked at this height

@@ -1,7 +1,7 @@
 // Sonar cones and laser points, with the colours of the flat map.
 
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, InstancedMesh, Matrix4, MeshBasicMaterial, Points, PointsMaterial, Quaternion, Vector3,
+  BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, InstancedMesh, Matrix4, MeshBasicMaterial, Points, PointsMaterial, Quaternion, Vector3,
 } from "../vendor/three-0.187.0/three.js";
 import { HALF, colourOf } from "../map/sensors.js";
 import { clear, free } from "./shapes.js";
@@ -11,14 +11,15 @@ const LASER_HEIGHT = 0.3;
 const MOST = 16; // sonars of a robot at first; more make the mesh anew
 const POINT = 4; // px
 const RIM = 0.012; // half the height of an echo's arc, as a share of its range
-const STEPS = 8; // of an arc
+const STEPS = 5; // of an arc
 const [INNER, OUTER] = [0.05, 0.3]; // opacity of a cone at the transducer and at the echo
 
 export class Sensors {
   group = new Group();
   #cones = null;
   #rims = null;
-  #points = new Map(); // Robot -> {mesh, points}
+  #points = null;
+  #scans = []; // that are drawn
   #palette = null;
 
   /** @param placed [[Robot, pose]] */
@@ -64,28 +65,31 @@ export class Sensors {
     this.group.add(this.#cones, this.#rims);
   }
 
+  /** The points of all lasers, written anew when a scan has come. */
   #showLasers(placed, palette) {
-    const seen = new Set(placed.map(([robot]) => robot));
-    for (const [robot, { mesh }] of this.#points) if (!seen.has(robot)) (free(mesh), this.#points.delete(robot));
-    for (const [robot] of placed) {
-      const known = this.#points.get(robot);
-      if (known?.points === robot.points) continue;
-      if (known) free(known.mesh);
-      const count = robot.points.length / 2;
-      const position = new Float32Array(3 * count);
-      for (let at = 0; at < count; at += 1) position.set([robot.points[2 * at], robot.points[2 * at + 1], LASER_HEIGHT], 3 * at);
-      const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(position, 3));
-      const mesh = new Points(geometry, new PointsMaterial({ color: palette.laser, size: POINT, sizeAttenuation: false }));
-      mesh.frustumCulled = false;
-      this.#points.set(robot, { mesh, points: robot.points });
-      this.group.add(mesh);
+    const scans = placed.map(([robot]) => robot.points);
+    if (scans.length === this.#scans.length && scans.every((points, at) => points === this.#scans[at])) return;
+    this.#scans = scans;
+    const count = scans.reduce((sum, points) => sum + points.length / 2, 0);
+    if (!this.#points || this.#points.geometry.attributes.position.count < count) {
+      if (this.#points) free(this.#points);
+      const position = new BufferAttribute(new Float32Array(3 * 2 * count), 3).setUsage(DynamicDrawUsage);
+      this.#points = new Points(new BufferGeometry().setAttribute("position", position), new PointsMaterial({ color: palette.laser, size: POINT, sizeAttenuation: false }));
+      this.#points.frustumCulled = false;
+      this.group.add(this.#points);
     }
+    const { geometry } = this.#points;
+    const { position } = geometry.attributes;
+    let at = 0;
+    for (const points of scans) for (let k = 0; k < points.length; k += 2) position.setXYZ(at++, points[k], points[k + 1], LASER_HEIGHT);
+    position.needsUpdate = true;
+    geometry.setDrawRange(0, count);
   }
 
   dispose() {
     clear(this.group);
-    this.#points.clear();
-    this.#cones = this.#rims = null;
+    this.#cones = this.#rims = this.#points = null;
+    this.#scans = [];
   }
 }
 
