@@ -38,7 +38,7 @@ OPTIONS = (
 )
 
 OF_THE_RENDERER = "GL Driver Message"
-"""In what the console says of WebGL by the processor: reading its pixels takes time."""
+"""Part of the console's warnings that WebGL by the processor reads pixels slowly."""
 UNTIL_END_OF_INPUT = '"$@" & read -r _; kill -s KILL -- -$$'
 """Runs a command until its input ends, which it does with this process, however that ends."""
 
