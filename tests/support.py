@@ -19,11 +19,13 @@ from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.body import Body
+from pioneer3.sim.dynamics import dynamics_of
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import CACHE, Kernels
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
+from pioneer3.sim.worldfile.spec import Physics
 
 TICK = 0.02
 SYNCS = (0, 1, 2)
@@ -88,6 +90,7 @@ class SimulatedRobot:
         seed: int = 0,
         realism: Realism | None = None,
         kernels: Kernels | None = None,
+        physics: Physics | None = None,
     ) -> None:
         self.body = Body(load_model(model), home)
         self.world = World(
@@ -96,6 +99,7 @@ class SimulatedRobot:
             kernels or Kernels(compiled=CACHE.is_complete),
             seed=seed,
             realism=realism,
+            dynamics=dynamics_of(physics) if physics else None,
         )
         self.equipment = equipment
         self.firmware = Firmware(self.world, self.body, equipment=equipment)

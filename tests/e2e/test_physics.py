@@ -1,0 +1,58 @@
+"""The driver and the firmware of a robot that moves by physics cannot tell the difference."""
+
+import asyncio
+
+import pytest
+
+from pioneer3.errors import MotionError
+from pioneer3.runtime.connect import connect_async
+from pioneer3.sim.server.start import PHYSICS, simulator
+from pioneer3.sim.worldfile.arguments import WorldOverrides
+from tests.support import SimulatedRobot, wall_at
+
+pytest.importorskip("mujoco")
+
+
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+async def test_a_program_moves_and_turns_it(model: str) -> None:
+    async with (
+        SimulatedRobot(model=model, physics="mujoco") as robot,
+        connect_async(robot.open) as driver,
+    ):
+        await driver.move(0.5)
+        await driver.turn(1.0)
+        pose, snapshot = robot.body.robot_in_world, driver.snapshot
+        assert pose.x == pytest.approx(0.5, abs=0.05)
+        assert snapshot is not None
+        assert snapshot.odometry.robot_in_odom.x == pytest.approx(0.5, abs=0.05)
+        assert pose.theta == pytest.approx(1.0, abs=0.1)
+
+
+async def test_a_wall_ends_a_motion_by_a_stall() -> None:
+    async with (
+        SimulatedRobot(wall_at(1.0), physics="mujoco") as robot,
+        connect_async(robot.open) as driver,
+    ):
+        with pytest.raises(MotionError, match="stall"):
+            await driver.move(5.0)
+        await asyncio.sleep(2.0)
+        assert robot.body.speeds == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+async def test_a_lost_host_leaves_it_standing() -> None:
+    async with (
+        SimulatedRobot(physics="mujoco") as robot,
+        connect_async(robot.open) as driver,
+    ):
+        driver.drive(0.4)
+        await asyncio.sleep(0.4)
+        assert robot.body.speeds[0] > 0.05
+        robot.silent = True
+        await asyncio.sleep(5.0)
+        assert robot.body.speeds == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+@pytest.mark.realtime
+async def test_a_simulator_with_physics_says_so() -> None:
+    async with simulator(port=0, overrides=WorldOverrides(physics=True)) as world:
+        assert PHYSICS in world.notes
