@@ -134,7 +134,8 @@ def _refuse_nonsense(
     """
     if ports and simulated:
         raise ConfigError(
-            "--start, --fit, --seed, --keep-session, --ideal: simulated robots only, without --port"
+            "--start, --fit, --seed, --keep-session, --physics, --ideal: "
+            "simulated robots only, without --port"
         )
     twice = next((url for url in ports if ports.count(url) > 1), None)
     if twice:

@@ -17,7 +17,7 @@ Float = NDArray[np.float64]
 
 
 class Dynamics(Protocol):
-    """Moves what is in a world.
+    """Moves the robots and boxes of a world.
 
     A world calls :meth:`change_map` before all others, and :meth:`change_bodies` whenever its
     arrays are laid out anew.
@@ -27,7 +27,7 @@ class Dynamics(Protocol):
     """Whether wheels slip by themselves; the errors of a realism are not added then."""
 
     def change_map(self, line_map: LineMap, grid: Grid) -> None:
-        """Replace what stands still."""
+        """Replace the walls."""
         ...
 
     def change_bodies(
@@ -62,7 +62,7 @@ class Dynamics(Protocol):
         ...
 
     def speeds(self, number: int) -> Speeds:
-        """Return what the encoders of robot `number` say of its speed."""
+        """Return speed and turn rate of robot `number` by its encoders."""
         ...
 
 
@@ -95,7 +95,7 @@ class PlanarDynamics:
 
 
 def dynamics_of(physics: Physics) -> Dynamics:
-    """Return what moves the robots of a world.
+    """Return the dynamics of a world.
 
     Raises:
         ConfigError: MuJoCo is asked for, and is not installed.

@@ -24,7 +24,7 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.scene import Scene, build, pose_of, set_contacts, turned
+from pioneer3.sim.physics.scene import Scene, build, set_contacts, turned
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -172,17 +172,22 @@ class MujocoDynamics:
         drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
 
     def _see_poses(self) -> None:
-        scene, poses, first = self.scene, self._outlines.poses, len(self._robots)
-        x, y, _, qw, qx, qy, qz = scene.data.qpos[scene.base[:, None] + np.arange(7)].T
+        """Tell the outlines and the boxes where they are."""
+        self._known = self._poses()
+        self._outlines.poses[:] = self._known
+        for number in np.flatnonzero(self.scene.boxes >= 0).tolist():
+            x, y, theta = self._known[:, len(self._robots) + number].tolist()
+            self._obstacles[number].pose = Pose2(x, y, theta)
+
+    def _poses(self) -> Float:
+        """Return where everything is; of people, who do not move here, as the outlines have it."""
+        scene, poses, first = self.scene, self._outlines.poses.copy(), len(self._robots)
+        boxes = np.flatnonzero(scene.boxes >= 0)
+        at = np.concatenate([scene.base, scene.boxes[boxes]])
+        x, y, _, qw, qx, qy, qz = scene.data.qpos[at[:, None] + np.arange(7)].T
         theta = np.arctan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
-        poses[:, :first] = x, y, theta
-        for number, obstacle in enumerate(self._obstacles):
-            at = scene.boxes[number]
-            if at >= 0:
-                pose = pose_of(scene.data.qpos[at : at + 7])
-                obstacle.pose = pose
-                poses[:, first + number] = pose.x, pose.y, pose.theta
-        self._known = poses.copy()
+        poses[:, np.concatenate([np.arange(first), first + boxes])] = x, y, theta
+        return poses
 
     def _see_contacts(self) -> None:
         """Note which robots' hulls touch something that is not the floor."""
@@ -225,7 +230,6 @@ class MujocoDynamics:
         robots = [(self._names[body], body) for body in self._robots]
         obstacles = [(self._names[each], each) for each in self._obstacles]
         self._scene = scene = build(self._map, robots, obstacles)
-        self._known = self._outlines.poses.copy()
         self._hidden = np.zeros(len(self._outlines))
         bodies = [physics_of(body.model) for body in self._robots]
         self._radius = np.array([body.rolling_radius for body in bodies])
@@ -236,6 +240,7 @@ class MujocoDynamics:
         self._pushing = np.zeros((2, len(bodies)))
         if before is not None:
             self._keep(before, scene)
+        self._known = self._poses()  # the outlines may have others, which are still to be taken
         self._mujoco.mj_forward(scene.model, scene.data)
         self._speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
         if self._outlines.hidden.any():

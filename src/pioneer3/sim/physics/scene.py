@@ -1,4 +1,4 @@
-"""What is in a world, as MuJoCo takes it: a floor, extruded walls, robots, boxes and people."""
+"""The parts of a world for MuJoCo: a floor, extruded walls, robots, boxes and people."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
 from pioneer3.models import RobotModel, shape_of
 from pioneer3.models.description.mjcf import SIDES, TIMESTEP, mjcf_of
@@ -95,12 +94,6 @@ def build(
 def turned(theta: float) -> list[float]:
     """Return the quaternion w, x, y, z of a heading [rad]."""
     return [cos(theta / 2), 0.0, 0.0, sin(theta / 2)]
-
-
-def pose_of(qpos: Float) -> Pose2:
-    """Return the pose on the floor of a body with these seven numbers."""
-    x, y, _, w, i, j, k = qpos.tolist()
-    return Pose2(x, y, atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k)))
 
 
 @lru_cache(maxsize=16)

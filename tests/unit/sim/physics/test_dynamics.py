@@ -152,6 +152,16 @@ def test_a_robot_that_is_put_elsewhere_stands_there() -> None:
     assert (pose.x, pose.y, pose.theta) == pytest.approx((3.0, -2.0, pi / 2), abs=1e-3)
 
 
+def test_a_robot_that_was_put_elsewhere_stays_there_when_things_come_before_time_passes() -> None:
+    body = powered()
+    world = physical(body)
+    run(world, 0.5)
+    body.robot_in_world = Pose2(3.0, -2.0, 1.0)
+    world.add_obstacle(Box(pose=Pose2(9.0, 9.0, 0.0), size=(0.4, 0.4), movable=True))
+    run(world, 0.5)
+    assert body.robot_in_world.x == pytest.approx(3.0, abs=1e-3)
+
+
 def test_a_hidden_robot_touches_nobody_and_stays_on_the_floor() -> None:
     body, other = powered("p3at-sh"), powered("p3at-sh", Pose2(1.2, 0.0, 0.0))
     world = physical(body, other)
