@@ -18,7 +18,9 @@ from benchmarks.bench_kernels import BEAMS, LASER_LIMIT, MODEL, office
 from benchmarks.table import Row
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
+from pioneer3.models import RobotModel
 from pioneer3.sim.body import Body
+from pioneer3.sim.dynamics import Dynamics
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels, compiled_kernels, laser_fan
 from pioneer3.sim.kernels.drives import STALLED
@@ -65,7 +67,14 @@ def wander(echoes: Float, stalled: Flags, backing: Float, speeds: Float, rates: 
 
 
 def crowded(
-    kernels: Kernels, count: int, copies: int, realism: Realism | None = None, seed: int = 1
+    kernels: Kernels,
+    count: int,
+    copies: int,
+    realism: Realism | None = None,
+    seed: int = 1,
+    *,
+    model: RobotModel = MODEL,
+    dynamics: Dynamics | None = None,
 ) -> World:
     """Return a world with so many robots at random free places of an office."""
     walls = office(copies)
@@ -74,9 +83,10 @@ def crowded(
     low, high = points.min(axis=0), points.max(axis=0)
     world = World(
         LineMap(name="office", walls=walls),
-        [Body(MODEL) for _ in range(count)],
+        [Body(model) for _ in range(count)],
         kernels,
         realism=realism,
+        dynamics=dynamics,
     )
     lost, room = np.ones(count, dtype=np.bool_), ROOMY
     world.outlines.theta[:] = random.uniform(-pi, pi, count)
@@ -91,8 +101,15 @@ def crowded(
     return world
 
 
-def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6) -> float:
-    """Return how many times faster than real time the robots wander."""
+def factor(
+    world: World,
+    control: Control,
+    *,
+    laser: bool,
+    seconds: float = 0.6,
+    clock: Callable[[], float] = time.perf_counter,
+) -> float:
+    """Return how many times faster than real time, as `clock` has it, the robots wander."""
     fan = laser_fan((0.02, 0.0, 0.0), -pi / 2, pi / (BEAMS - 1), BEAMS)
     count = len(world.robots)
     speeds, rates, backing = np.zeros(count), np.zeros(count), np.zeros(count)
@@ -109,12 +126,12 @@ def factor(world: World, control: Control, *, laser: bool, seconds: float = 0.6)
         turn()
     factors = []
     for _ in range(7):
-        steps, begin = 0, time.perf_counter()
-        while time.perf_counter() - begin < seconds / 7:
+        steps, begin = 0, clock()
+        while clock() - begin < seconds / 7:
             for _ in range(max(1, 200 // count)):
                 turn()
                 steps += 1
-        factors.append(steps * STEP / (time.perf_counter() - begin))
+        factors.append(steps * STEP / (clock() - begin))
     return median(factors)
 
 

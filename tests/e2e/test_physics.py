@@ -6,8 +6,6 @@ import pytest
 
 from pioneer3.errors import MotionError
 from pioneer3.runtime.connect import connect_async
-from pioneer3.sim.server.start import PHYSICS, simulator
-from pioneer3.sim.worldfile.arguments import WorldOverrides
 from tests.support import SimulatedRobot, wall_at
 
 pytest.importorskip("mujoco")
@@ -50,9 +48,3 @@ async def test_a_lost_host_leaves_it_standing() -> None:
         robot.silent = True
         await asyncio.sleep(5.0)
         assert robot.body.speeds == pytest.approx((0.0, 0.0), abs=0.01)
-
-
-@pytest.mark.realtime
-async def test_a_simulator_with_physics_says_so() -> None:
-    async with simulator(port=0, overrides=WorldOverrides(physics=True)) as world:
-        assert PHYSICS in world.notes

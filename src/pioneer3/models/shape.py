@@ -14,6 +14,7 @@ _COMMON: Final[Mapping[str, str]] = {
     "height": PUBLISHED,
     "clearance": PUBLISHED,
     "sonar_height": GUESS,
+    "laser_height": "the scan plane of a SICK LMS-200 is 116 mm above its foot, on the top plate",
     "wheel_radius": PUBLISHED,
     "wheel_width": PUBLISHED,
     "axles": "the origin is between the wheels",
@@ -35,6 +36,7 @@ class Shape:
         height: Of the top plate above the floor.
         clearance: Of the body above the floor.
         sonar_height: Of the transducers above the floor.
+        laser_height: Of the plane that a laser range finder scans above the floor.
         wheel_radius: Of a wheel.
         wheel_width: Of a wheel.
         track: From the middle of a left wheel to that of the right one.
@@ -48,6 +50,7 @@ class Shape:
     height: float
     clearance: float
     sonar_height: float
+    laser_height: float
     wheel_radius: float
     wheel_width: float
     track: float
@@ -81,6 +84,7 @@ P3AT: Final = Shape(
     height=277 * MM,
     clearance=80 * MM,
     sonar_height=230 * MM,
+    laser_height=393 * MM,
     wheel_radius=111 * MM,
     wheel_width=75 * MM,
     track=394 * MM,
@@ -91,6 +95,7 @@ P3DX: Final = Shape(
     height=237 * MM,
     clearance=60 * MM,
     sonar_height=190 * MM,
+    laser_height=353 * MM,
     wheel_radius=97.5 * MM,
     wheel_width=48 * MM,
     track=330 * MM,
@@ -112,6 +117,7 @@ AMIGO: Final = Shape(
     height=150 * MM,
     clearance=30 * MM,
     sonar_height=110 * MM,
+    laser_height=266 * MM,
     wheel_radius=50 * MM,
     wheel_width=30 * MM,
     track=240 * MM,
@@ -131,6 +137,7 @@ PEOPLEBOT: Final = Shape(
     height=1240 * MM,
     clearance=35 * MM,
     sonar_height=190 * MM,
+    laser_height=353 * MM,
     wheel_radius=95 * MM,
     wheel_width=48 * MM,
     track=330 * MM,
@@ -143,6 +150,7 @@ PEOPLEBOT: Final = Shape(
             "clearance": GUESS,
             "wheel_radius": GUESS,
             "axles": _COMMON["axles"],
+            "laser_height": "assumption: on the deck of the base, as of a P3-DX",
             "track": "assumption: as of a P3-DX",
         }
     ),

@@ -11,6 +11,8 @@ from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.sensing import PlanarSensing, Sensing
 from pioneer3.sim.worldfile.spec import Physics
 
 Float = NDArray[np.float64]
@@ -25,6 +27,10 @@ class Dynamics(Protocol):
 
     has_slip: bool
     """Whether wheels slip by themselves; the errors of a realism are not added then."""
+
+    def new_sensing(self, sonar: SonarErrors) -> Sensing:
+        """Return the sensors that belong to these dynamics; `sonar` has the transducers' beam."""
+        ...
 
     def change_map(self, line_map: LineMap, grid: Grid) -> None:
         """Replace the walls."""
@@ -70,6 +76,9 @@ class PlanarDynamics:
     """`Dynamics` on a plane: robots do what their drives want, up to the first thing they meet."""
 
     has_slip = False
+
+    def new_sensing(self, sonar: SonarErrors) -> Sensing:
+        return PlanarSensing(sonar)
 
     def change_map(self, line_map: LineMap, grid: Grid) -> None:
         self._grid = grid

@@ -5,7 +5,6 @@ and little more for a thousand. A :class:`~pioneer3.sim.body.Body` is a view of 
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from functools import lru_cache, partial
 from math import ceil, radians
 
@@ -15,9 +14,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
-from pioneer3.maps.materials import Codes, Material, codes_of
-from pioneer3.sim.body import Body, outline_of
-from pioneer3.sim.collision import REACH, pressed_segments
+from pioneer3.maps.materials import Codes
+from pioneer3.sim.body import Body, Bumpers, outline_of
 from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
 from pioneer3.sim.kernels import (
     Drives,
@@ -28,12 +26,11 @@ from pioneer3.sim.kernels import (
     build_grid,
     laser_fan,
 )
-from pioneer3.sim.kernels.drives import LONGEST, SUPPLY, TOUCHED
-from pioneer3.sim.obstacles import Obstacle, at_laser_height
+from pioneer3.sim.kernels.drives import LONGEST, SUPPLY
+from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
-from pioneer3.sim.sensors import LASER_RANGE, SONAR_RANGE, Firing
+from pioneer3.sim.sensors import LASER_RANGE, Firing
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
-from pioneer3.sim.surfaces import NO_SURFACES, Surfaces, opaque
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
@@ -92,9 +89,7 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
-        self._pressed: dict[int, tuple[int, int]] = {}
-        self._met: Robots | None = None
-        self._met_at = 0.0
+        self._sensing = self._dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
         self.change_map(line_map or empty_map())
         self._rearrange((*robots,), ())
@@ -164,7 +159,9 @@ class World:
         The arguments are those of :meth:`laser`. It takes no random numbers.
         """
         self._place()
-        return self._seen_from(body, _fan(mount, start, step, count), LASER_RANGE, self.outlines)[0]
+        fan, owner = _fan(mount, start, step, count), np.array([body.number], dtype=np.int32)
+        ranges: Float = self._sensing.fans(self.kernels, fan, LASER_RANGE, owner, "bodies")[0]
+        return ranges
 
     def look(self, body: Body, fan: Fan, limit: float) -> tuple[Float, Codes]:
         """Return the exact range [m], at most `limit`, and the material at the end of each beam.
@@ -172,15 +169,8 @@ class World:
         Light goes through glass that it does not meet nearly at a right angle. It takes no random
         numbers. The code of nothing is that of a plain wall.
         """
-        return self._seen_from(body, fan, limit, self._met_by_lasers())
-
-    def _seen_from(
-        self, body: Body, fan: Fan, limit: float, outlines: Robots
-    ) -> tuple[Float, Codes]:
-        """Return exact ranges [m] and materials, of the walls and what moves, as `outlines`."""
-        owner = np.array([body.number], dtype=np.int32)
-        ranges: Float = self.kernels.cast_fans(self._clear, outlines, fan, limit, owners=owner)[0]
-        return self._through_glass(body, fan, ranges)
+        self._place()
+        return self._sensing.look(self.kernels, fan, limit, body.number)
 
     def generator(self, body: Body) -> Generator:
         """Return a new random generator for a sensor of `body`; no other numbers change."""
@@ -225,18 +215,14 @@ class World:
     def change_map(self, line_map: LineMap) -> None:
         """Replace what stands still; robots and obstacles stay where they are."""
         self.map = line_map
-        self._grid = self._clear = build_grid(line_map.walls)
-        self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
-        if self._surfaces.has_glass:
-            self._clear = build_grid(opaque(line_map.walls, line_map.materials))
-        self._echoes = self.realism.sonar.echoes(self._grid)
+        self._grid = build_grid(line_map.walls)
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
         self._dynamics.change_map(line_map, self._grid)
+        self._sensing.change_map(line_map, self._grid)
         self._sonars.invalidate()
-        self._pressed.clear()
         if self.robots:
             self.outlines.stale = True
 
@@ -245,10 +231,10 @@ class World:
         if self.outlines.stale:
             self._place()
         noise = self._next_noise() if self._noisy else None
-        self._pressed.clear()
         self._dynamics.step(self.kernels, dt, noise)
         if self.obstacles:
             self._walk(dt)
+        self._sensing.forget()
         if len(self._docks):
             self._charge()
         self._sonars.advance(dt, self.outlines.poses[:, : len(self.robots)])
@@ -283,58 +269,24 @@ class World:
         """Return exact ranges of transducers of some robots or all, shape (F, mounts.most)."""
         if self.outlines.stale:
             self._place()
-        return self.kernels.sonar(
-            self._grid, self.outlines, mounts, SONAR_RANGE, echoes=self._echoes, owners=owners
-        )
+        return self._sensing.sonar(self.kernels, mounts, owners)
 
     def _seen(self, fan: Fan, limit: float, owners: Int32, rng: Generator) -> Float:
-        outlines = self._met_by_lasers()
-        ranges = self.kernels.cast_fans(self._clear, outlines, fan, limit, owners=owners)
-        if self._surfaces.has_glass:
-            for row, number in enumerate(owners):
-                ranges[row] = self._through_glass(self.robots[number], fan, ranges[row])[0]
+        self._place()
+        ranges = self._sensing.fans(self.kernels, fan, limit, owners)
         sigma = self.realism.laser_noise
         if not sigma:
             return ranges
         noisy = ranges + sigma * rng.standard_normal(ranges.shape)
         return np.where(ranges < limit, noisy.clip(0.0, limit), limit)
 
-    def _through_glass(self, body: Body, fan: Fan, ranges: Float) -> tuple[Float, Codes]:
-        """Return ranges and materials for the `ranges` of what is not glass, shape (B,)."""
-        surfaces = self._surfaces.joined(self._movable_surfaces())
-        mount_x, mount_y, turned, start, step = fan.frame.tolist()
-        at = body.robot_in_world @ Pose2(mount_x, mount_y, turned)
-        angles = at.theta + start + step * np.arange(len(ranges))
-        return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
-
-    def _movable_surfaces(self) -> Surfaces:
-        """Return the sides of movable boxes that are not plain."""
-        boxes = [
-            replace(o.kind, pose=o.pose)
-            for o in self.obstacles
-            if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
-        ]
-        if not boxes:
-            return NO_SURFACES
-        codes = codes_of(box.material for box in boxes for _ in box.corners)
-        return Surfaces(np.concatenate([box.outline for box in boxes]), codes)
-
     def _place(self) -> None:
         if self.outlines.stale:
-            self._pressed.clear()
             self._sonars.move(self.outlines.poses[:, : len(self.robots)])
             self._dynamics.place()
             self.kernels.place(self.outlines)
             self.outlines.stale = False
-            self._met = None
-
-    def _met_by_lasers(self) -> Robots:
-        """Return the outlines of all that moves, at the height of lasers."""
-        self._place()
-        if self._met is None or self._met_at != self.time:
-            self._met = at_laser_height(self.outlines, self.obstacles, self.kernels)
-            self._met_at = self.time
-        return self._met
+            self._sensing.forget()
 
     def _next_noise(self) -> Float:
         if self._noise_at == len(self._noise):
@@ -344,32 +296,10 @@ class World:
         row: Float = self._noise[self._noise_at - 1]
         return row
 
-    def _bumpers(self, body: Body) -> tuple[int, int]:
+    def _bumpers(self, body: Body) -> Bumpers:
         """Return the segments of `body`'s bumpers that something presses."""
         self._place()
-        if body.number not in self._pressed:
-            self._pressed[body.number] = self._touching(body)
-        return self._pressed[body.number]
-
-    def _touching(self, body: Body) -> tuple[int, int]:
-        """Work it out: a robot that has met nothing may still be met by another."""
-        model, hit = body.model, body.drives.flags.item(TOUCHED, body.number)
-        if not (model.front_bumpers or model.rear_bumpers):
-            return 0, 0
-        x, y, theta = self.outlines.poses[:, body.number].tolist()
-        reach = model.corner + REACH
-        middle_x, middle_y, radius = self.outlines.shapes[:, :3].T
-        near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
-        near[body.number] = False
-        if not (hit or near.any()):
-            return 0, 0
-        outlines = self.outlines.shapes[near, 3:]
-        corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
-        sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
-        if hit:
-            _, walls = self._grid.near(np.array([[x, y]]), reach)
-            sides = np.concatenate([self._grid.walls[walls], sides])
-        return pressed_segments(model, Pose2(x, y, theta), sides)
+        return self._sensing.bumpers(body.number)
 
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
         """Lay out the arrays anew; everything keeps its state."""
@@ -377,7 +307,7 @@ class World:
         before = [body.number if body in self._own else -1 for body in robots]
         sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]
         sizes += [obstacle.sizes for obstacle in obstacles]
-        self.outlines, self._met = Robots(*np.array(sizes).reshape(-1, 4).T), None
+        self.outlines = Robots(*np.array(sizes).reshape(-1, 4).T)
         drives = Drives.at_rest(0)
         for number, body in enumerate(robots):
             drives = drives.joined(body.drives.only(slice(body.number, body.number + 1)))
@@ -400,11 +330,11 @@ class World:
                 speeds=partial(self._dynamics.speeds, number),
             )
         self.robots = robots
-        self._pressed.clear()
         self._sonars.set_robots(robots, before)
         self._noisy, self._noise, self._noise_at = drives.noisy, np.empty((0, 3, 0)), 0
         self._everyone = self.outlines.everyone[: len(robots)]
         self._dynamics.change_bodies(robots, self.obstacles, drives, self.outlines)
+        self._sensing.change_bodies(robots, self.obstacles, self.outlines)
 
 
 @lru_cache(maxsize=64)

@@ -105,9 +105,8 @@ def test_a_movable_box_keeps_its_material_where_it_is_put() -> None:
     assert straight_ahead(world, body)[1][0] == pytest.approx(0.8)
 
 
-def test_a_world_without_other_materials_has_one_grid_and_takes_the_same_random_numbers() -> None:
+def test_a_world_without_other_materials_takes_the_same_random_numbers() -> None:
     plain, body = world_of(np.array([BEHIND]))
-    assert plain._clear is plain._grid
     glass, other = world_of(PANE_AND_WALL, GLASS, PLAIN)
     before = plain.generator(body), glass.generator(other)
     assert before[0].random() == before[1].random()

@@ -14,10 +14,14 @@ TIMESTEP: Final = 0.002
 """Of the simulation [s]: a tire's contact needs two steps or more in its time constant."""
 COLLISION, VISUAL = "3", "2"
 """Groups of geoms."""
+COLLIDES: Final = "collision"
+"""In the name of a geom that touches things."""
 SIDES: Final = ("left", "right")
 """Names of the actuators, which take a wheel speed [rad/s]."""
 BELT: Final = (0.004, 1.0)
 """The `solref` that couples the wheels of a side: two steps is the stiffest."""
+REACH: Final = 0.01
+"""A bumper feels what is this close to it [m]; nothing pushes it before it touches."""
 HERE: Final = Place(0.0, 0.0, 0.0, 0.0)
 CAMERA_HEIGHT: Final = 0.05
 """Above the top plate [m]."""
@@ -70,6 +74,16 @@ def mjcf_of(
         ET.SubElement(contact, "exclude", name=wheel, body1=tree.base, body2=wheel)
     _motors(root, tree, physics)
     return document(root)
+
+
+def bumper_geoms(model: RobotModel) -> list[str]:
+    """Return the geoms of the bumpers' segments that touch: in front, then behind."""
+    frames = Frames()
+    bumpers = model.front_bumpers, model.rear_bumpers
+    solids = solids_of(model, body_tree(model, frames), frames, bumpers=bumpers, laser=False)
+    link = frames.bumper_link
+    names = _names(link, solids.get(link, ()), touching=True)
+    return [name for name, (_, kind) in names if kind == COLLIDES]
 
 
 def _floor(world: ET.Element) -> None:
@@ -176,7 +190,7 @@ def _geoms(
 ) -> None:
     """Add the solids of a link: once for the eye, and those that touch things once more."""
     frame = None
-    for number, (solid, kind) in enumerate(_kinds(solids, touching=touching)):
+    for name, (solid, kind) in _names(link, solids, touching=touching):
         if frame is None:
             frame = ET.SubElement(
                 body, "frame", name=link, pos=row(*place[:3]), quat=_turn(0.0, 0.0, place.yaw)
@@ -184,19 +198,26 @@ def _geoms(
         x, y, z = solid.size
         size = (x / 2, z / 2) if solid.is_round else (x / 2, y / 2, z / 2)
         geom = ET.SubElement(
-            frame, "geom", name=f"{link}_{kind}_{number}",
+            frame, "geom", name=name,
             type="cylinder" if solid.is_round else "box", size=row(*size), pos=row(*solid.at),
             quat=_turn(*solid.turned), mass="0", rgba=row(*COLORS[solid.color], 1.0),
         )  # fmt: skip
-        if kind == "visual":
-            geom.attrib |= {"group": VISUAL, "contype": "0", "conaffinity": "0"}
-        else:
+        if kind == COLLIDES:
             geom.attrib |= {"group": COLLISION}
+            if link == Frames().bumper_link:
+                geom.set("gap", row(REACH))
+        else:
+            geom.attrib |= {"group": VISUAL, "contype": "0", "conaffinity": "0"}
 
 
-def _kinds(solids: tuple[Solid, ...], *, touching: bool) -> Iterator[tuple[Solid, str]]:
-    yield from ((solid, "visual") for solid in solids)
-    yield from ((solid, "collision") for solid in solids if solid.hits and touching)
+def _names(
+    link: str, solids: tuple[Solid, ...], *, touching: bool
+) -> Iterator[tuple[str, tuple[Solid, str]]]:
+    """Yield the name of each geom of a link, its solid, and whether it is seen or touches."""
+    kinds = [(solid, "visual") for solid in solids]
+    kinds += [(solid, COLLIDES) for solid in solids if solid.hits and touching]
+    for number, (solid, kind) in enumerate(kinds):
+        yield f"{link}_{kind}_{number}", (solid, kind)
 
 
 def _motors(root: ET.Element, tree: Tree, physics: BodyPhysics) -> None:

@@ -256,7 +256,8 @@ def _fixed(
         name = frames.transducer(number)
         yield _joint(frames.base, name, (mount.x, mount.y, high), mount.theta)
     for number, at in enumerate(lasers):
-        yield _joint("top_plate", frames.laser_frame(number), (at.x, at.y, SCAN_HEIGHT), at.theta)
+        high = shape.laser_height - shape.height
+        yield _joint("top_plate", frames.laser_frame(number), (at.x, at.y, high), at.theta)
     if shape.caster is not None:
         behind = shape.caster - shape.caster_trail
         yield _joint(frames.base, "caster", (behind, 0.0, shape.caster_radius))

@@ -24,7 +24,10 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.scene import Scene, build, set_contacts, turned
+from pioneer3.sim.physics.scene import TOUCHING, Scene, build, set_contacts, turned
+from pioneer3.sim.physics.sensing import MujocoSensing
+from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.sensing import Sensing
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -75,6 +78,9 @@ class MujocoDynamics:
         """The compiled world; replaced when robots, obstacles or walls come and go."""
         assert self._scene is not None
         return self._scene
+
+    def new_sensing(self, sonar: SonarErrors) -> Sensing:
+        return MujocoSensing(lambda: self.scene, sonar)
 
     def change_map(self, line_map: LineMap, grid: Grid) -> None:
         self._map = line_map
@@ -193,7 +199,8 @@ class MujocoDynamics:
         """Note which robots' hulls touch something that is not the floor."""
         scene, flags = self.scene, self._drives.flags
         flags[TOUCHED] = 0
-        pairs = scene.data.contact.geom
+        contact = scene.data.contact
+        pairs = contact.geom[contact.exclude == 0]  # the others are only near
         if len(pairs):
             touching = scene.hull[pairs]
             touching[(pairs == 0).any(axis=1)] = -1
@@ -222,7 +229,9 @@ class MujocoDynamics:
         """Let robots that are neither seen nor touched stand on the floor alone."""
         model, robot = self.scene.model, self.scene.robot
         self._hidden = self._outlines.hidden.copy()
-        set_contacts(model, robot >= 0, self._hidden[robot] != 0)
+        hidden = (robot >= 0) & (self._hidden[robot] != 0)
+        set_contacts(model, robot >= 0, hidden)
+        model.geom_group[:] = np.where(hidden, TOUCHING, self.scene.groups)
 
     def _rebuild(self) -> None:
         """Compile the world anew; everything that stays keeps its state."""

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.maps import LineMap
+from pioneer3.maps.materials import GLASS, PLAIN, Codes, codes_of
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.models.description.mjcf import SIDES, TIMESTEP, mjcf_of
+from pioneer3.models.description.mjcf import SIDES, TIMESTEP, bumper_geoms, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.body import Body
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.worldfile import Person
+from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -25,12 +26,20 @@ WALL_HEIGHT, WALL_THICKNESS = 1.0, 0.01
 """[m]."""
 BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
 """Of a movable box: height as the camera sees it [m], mass [kg]; assumptions."""
-PERSON_HEIGHT = 1.7
+PERSON_HEIGHT, LEG_HEIGHT = 1.7, 0.85
 """[m]."""
 FLOOR_FRICTION = 0.6
 SOLID, FLOOR = 1, 2
 """Bits of contact: robots that are neither seen nor touched still stand on the floor."""
 BASE, WALL = "base", "wall"
+TALL = 0.8
+"""From this height on a wall is one for all sensors, as on the plane [m]."""
+SMALL = 0.05
+"""Parts of robots whose ball around them is smaller are not seen by sensors [m]."""
+GROUPS = 6
+WALLS, THINGS, PARTS, TOUCHING, BODIES, LEGS = range(GROUPS)
+"""Groups of geoms: tall walls; the floor and all else that sensors meet; small parts of robots,
+which are only seen; solids that touch; people as sonars and eyes meet them, and as lasers do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +58,13 @@ class Scene:
         robot: Of each geom the robot that it is part of, -1 for all others, shape (G,).
         boxes: Of each obstacle that is pushed, where its pose begins in `qpos`, else -1, (M,).
         people: Of each obstacle that walks by itself, its number among `mocap_pos`, else -1, (M,).
+        legs: Of the same its left and its right leg there, else -1, shape (M, 2).
+        bodies: The body of each robot without its wheels, shape (N,).
+        floor: The geom that is the floor.
+        groups: The group of each geom, also while its robot is hidden, shape (G,).
+        moving: Whether each geom may move, shape (G,).
+        codes: The material of each geom, shape (G,).
+        bumpers: Of each geom the bits of the segments that it is, in front and behind, (G, 2).
         joints: By name of a part, its places in `qpos` and `qvel`.
     """
 
@@ -62,7 +78,19 @@ class Scene:
     robot: Int
     boxes: Int
     people: Int
+    legs: Int
+    bodies: Int
+    floor: int
+    groups: Int
+    moving: Bool
+    codes: Codes
+    bumpers: Int
     joints: Mapping[str, tuple[Int, Int]]
+
+    @property
+    def has_glass(self) -> bool:
+        """Whether any geom is of glass."""
+        return bool((self.codes == GLASS).any())
 
 
 def build(
@@ -88,7 +116,7 @@ def build(
     for name, obstacle in obstacles:
         _add_obstacle(spec, name, obstacle)
     model = spec.compile()
-    return _indexed(model, mujoco.MjData(model), robots, obstacles)
+    return _indexed(model, mujoco.MjData(model), line_map, robots, obstacles)
 
 
 def turned(theta: float) -> list[float]:
@@ -113,6 +141,7 @@ def _ground(spec: Any, line_map: LineMap) -> None:
         friction=[FLOOR_FRICTION, 0.005, 0.0001],
         contype=FLOOR,
         conaffinity=0,
+        group=THINGS,
     )
     for number, (x0, y0, x1, y1) in enumerate(line_map.walls.tolist()):
         length = hypot(x1 - x0, y1 - y0)
@@ -125,6 +154,7 @@ def _ground(spec: Any, line_map: LineMap) -> None:
                 quat=turned(atan2(y1 - y0, x1 - x0)),
                 contype=SOLID,
                 conaffinity=SOLID,
+                group=WALLS if WALL_HEIGHT >= TALL else THINGS,
             )
 
 
@@ -142,7 +172,21 @@ def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
             pos=[0.0, 0.0, PERSON_HEIGHT / 2],
             contype=SOLID,
             conaffinity=SOLID,
+            group=BODIES,
         )
+        for side, leg in zip(SIDES, obstacle.legs, strict=True):
+            body = spec.worldbody.add_body(
+                name=f"{name}/{side}", mocap=True, pos=[leg.x, leg.y, 0.0]
+            )
+            body.add_geom(
+                name=f"{name}/{side}",
+                type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+                size=[obstacle.leg_sizes[0], LEG_HEIGHT / 2, 0.0],
+                pos=[0.0, 0.0, LEG_HEIGHT / 2],
+                contype=0,
+                conaffinity=0,
+                group=LEGS,
+            )
         return
     length, width = kind.size
     body = spec.worldbody.add_body(
@@ -158,12 +202,14 @@ def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
         friction=[BOX_FRICTION, 0.005, 0.0001],
         contype=SOLID,
         conaffinity=SOLID | FLOOR,
+        group=THINGS,
     )
 
 
 def _indexed(
     model: Any,
     data: Any,
+    line_map: LineMap,
     robots: Sequence[tuple[str, Body]],
     obstacles: Sequence[tuple[str, Obstacle]],
 ) -> Scene:
@@ -191,13 +237,17 @@ def _indexed(
             if model.geom_contype[geom] and part not in tires:
                 hull[geom] = numbers[prefix]
     boxes, people = np.full(len(obstacles), -1), np.full(len(obstacles), -1)
+    legs = np.full((len(obstacles), 2), -1)
     for number, (name, obstacle) in enumerate(obstacles):
         if isinstance(obstacle.kind, Person):
             people[number] = model.body(name).mocapid[0]
+            legs[number] = [model.body(f"{name}/{side}").mocapid[0] for side in SIDES]
         else:
             boxes[number] = model.joint(f"{name}/{BASE}").qposadr[0]
     bases = [model.joint(f"{name}/{BASE}") for name, _ in robots]
     set_contacts(model, robot >= 0, hidden=np.zeros(model.ngeom, dtype=np.bool_))
+    large = (model.geom_group == PARTS) & (model.geom_rbound >= SMALL)
+    model.geom_group[large] = THINGS
     return Scene(
         model=model,
         data=data,
@@ -209,8 +259,39 @@ def _indexed(
         robot=robot,
         boxes=boxes,
         people=people,
+        legs=legs,
+        bodies=np.array([model.body(f"{name}/base_link").id for name, _ in robots], dtype=np.int64),
+        floor=model.geom("floor").id,
+        groups=model.geom_group.astype(np.int64),
+        moving=model.geom_bodyid != 0,
+        codes=_codes(model, line_map, obstacles),
+        bumpers=_bumper_bits(model, robots),
         joints=_joints(model),
     )
+
+
+def _codes(model: Any, line_map: LineMap, obstacles: Sequence[tuple[str, Obstacle]]) -> Codes:
+    """Return the material of each geom."""
+    codes = np.full(model.ngeom, PLAIN, dtype=np.uint8)
+    materials = {f"{WALL}_{number}": code for number, code in enumerate(line_map.materials)}
+    for name, obstacle in obstacles:
+        if isinstance(obstacle.kind, Box):
+            materials[name] = codes_of([obstacle.kind.material])[0]
+    for geom in range(model.ngeom):
+        codes[geom] = materials.get(model.geom(geom).name, PLAIN)
+    return codes
+
+
+def _bumper_bits(model: Any, robots: Sequence[tuple[str, Body]]) -> Int:
+    """Return the bits of the bumper segments that each geom is, in front and behind, (G, 2)."""
+    bits = np.zeros((model.ngeom, 2), dtype=np.int64)
+    for name, body in robots:
+        front, rear = body.model.front_bumpers, body.model.rear_bumpers
+        geoms = (f"{name}/{geom}" for geom in bumper_geoms(body.model))
+        segments = [(0, k) for k in range(front)] + [(1, k) for k in range(rear)]
+        for geom, (end, segment) in zip(geoms, segments, strict=True):
+            bits[model.geom(geom).id, end] = 2 << segment
+    return bits
 
 
 def set_contacts(model: Any, robots: Bool, hidden: Bool) -> None:

@@ -98,7 +98,6 @@ LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8101
 MOST_THREADS = 4
 COMPILING = "Compiling the simulator, only this once; it is slower for some 20 seconds ..."
-PHYSICS = "robots and boxes move by physics; sonars and lasers see as on the plane"
 IN_THE_WAY = "begins in a wall or an obstacle and cannot move: choose another start"
 
 
@@ -182,8 +181,6 @@ async def simulator(
     robots = _robots(spawned, simulation, lasers, ptys=ptys)
     here = RunningSimulation(simulation, robots, rng, client_maps)
     here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
-    if world_file.physics == "mujoco":
-        here.notes.append(PHYSICS)
     work = [simulation.run()]
     if _is_work(simulation) or factory_robot:
         if not numba_version():

@@ -1,0 +1,184 @@
+"""What the sensors of robots measure, without errors: on a plane, or in three dimensions."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps import LineMap
+from pioneer3.maps.materials import Codes, Material, codes_of
+from pioneer3.sim.body import Body, Bumpers
+from pioneer3.sim.collision import REACH, pressed_segments
+from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
+from pioneer3.sim.kernels.drives import TOUCHED
+from pioneer3.sim.obstacles import Obstacle, at_laser_height
+from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.sensors import SONAR_RANGE
+from pioneer3.sim.surfaces import NO_SURFACES, Surfaces, opaque
+from pioneer3.sim.worldfile import Box
+
+Float = NDArray[np.float64]
+Int32 = NDArray[np.int32]
+
+People = Literal["legs", "bodies"]
+"""The part of people that light meets: at the height of a laser, or of an eye."""
+
+
+class Sensing(Protocol):
+    """Measures for the robots of a world, exactly and without random numbers.
+
+    A world calls :meth:`change_map` before all others, :meth:`change_bodies` whenever its arrays
+    are laid out anew, and :meth:`forget` whenever anything has moved.
+    """
+
+    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+        """Replace the walls; `grid` is of all of them."""
+        ...
+
+    def change_bodies(
+        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
+    ) -> None:
+        """Replace robots and obstacles; `outlines` are of these, in this order."""
+        ...
+
+    def forget(self) -> None:
+        """Discard all that depends on places."""
+        ...
+
+    def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
+        """Return ranges of the transducers of some robots or all [m], shape (F, mounts.most)."""
+        ...
+
+    def fans(
+        self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"
+    ) -> Float:
+        """Return the ranges of a laser on each of the F robots `owners` [m], shape (F, B)."""
+        ...
+
+    def look(
+        self, kernels: Kernels, fan: Fan, limit: float, number: int, people: People = "legs"
+    ) -> tuple[Float, Codes]:
+        """Return range [m] and material at the end of each beam of robot `number`, both (B,).
+
+        Light goes through glass that it does not meet nearly at a right angle. The code of nothing
+        is that of a plain wall.
+        """
+        ...
+
+    def bumpers(self, number: int) -> Bumpers:
+        """Return the segments of the bumpers of robot `number` that something presses."""
+        ...
+
+
+class PlanarSensing:
+    """`Sensing` on a plane: everything reaches from the floor to the ceiling.
+
+    Args:
+        sonar: Has the beam of the transducers.
+    """
+
+    def __init__(self, sonar: SonarErrors) -> None:
+        self._errors = sonar
+        self._pressed: dict[int, Bumpers] = {}
+        self._met: Robots | None = None
+
+    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+        self._grid = self._clear = grid
+        self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
+        if self._surfaces.has_glass:
+            self._clear = build_grid(opaque(line_map.walls, line_map.materials))
+        self._echoes = self._errors.echoes(grid)
+        self.forget()
+
+    def change_bodies(
+        self, robots: Sequence[Body], obstacles: Sequence[Obstacle], outlines: Robots
+    ) -> None:
+        self._robots, self._obstacles, self._outlines = robots, obstacles, outlines
+        self.forget()
+
+    def forget(self) -> None:
+        self._pressed.clear()
+        self._met = None
+
+    def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
+        return kernels.sonar(
+            self._grid, self._outlines, mounts, SONAR_RANGE, echoes=self._echoes, owners=owners
+        )
+
+    def fans(
+        self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"
+    ) -> Float:
+        met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
+        ranges = kernels.cast_fans(self._clear, met, fan, limit, owners=owners)
+        if self._surfaces.has_glass:
+            for row, number in enumerate(owners.tolist()):
+                ranges[row] = self._through_glass(number, fan, ranges[row])[0]
+        return ranges
+
+    def look(
+        self, kernels: Kernels, fan: Fan, limit: float, number: int, people: People = "legs"
+    ) -> tuple[Float, Codes]:
+        met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
+        owner = np.array([number], dtype=np.int32)
+        ranges: Float = kernels.cast_fans(self._clear, met, fan, limit, owners=owner)[0]
+        return self._through_glass(number, fan, ranges)
+
+    def bumpers(self, number: int) -> Bumpers:
+        if number not in self._pressed:
+            self._pressed[number] = self._touching(self._robots[number])
+        return self._pressed[number]
+
+    def _touching(self, body: Body) -> Bumpers:
+        """Work it out: a robot that has met nothing may still be met by another."""
+        model, hit = body.model, body.drives.flags.item(TOUCHED, body.number)
+        if not (model.front_bumpers or model.rear_bumpers):
+            return 0, 0
+        x, y, theta = self._outlines.poses[:, body.number].tolist()
+        reach = model.corner + REACH
+        middle_x, middle_y, radius = self._outlines.shapes[:, :3].T
+        near = np.hypot(middle_x - x, middle_y - y) <= radius + reach
+        near[body.number] = False
+        if not (hit or near.any()):
+            return 0, 0
+        outlines = self._outlines.shapes[near, 3:]
+        corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
+        sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
+        if hit:
+            _, walls = self._grid.near(np.array([[x, y]]), reach)
+            sides = np.concatenate([self._grid.walls[walls], sides])
+        return pressed_segments(model, Pose2(x, y, theta), sides)
+
+    def _through_glass(self, number: int, fan: Fan, ranges: Float) -> tuple[Float, Codes]:
+        """Return ranges and materials for the `ranges` of what is not glass, shape (B,)."""
+        surfaces = self._surfaces.joined(_movable_surfaces(self._obstacles))
+        at, angles = beams_of(self._robots[number], fan)
+        return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
+
+    def _met_by_lasers(self, kernels: Kernels) -> Robots:
+        """Return the outlines of all that moves, at the height of lasers."""
+        if self._met is None:
+            self._met = at_laser_height(self._outlines, self._obstacles, kernels)
+        return self._met
+
+
+def beams_of(body: Body, fan: Fan) -> tuple[Pose2, Float]:
+    """Return where the laser is in the world, and the directions of its beams [rad], (B,)."""
+    mount_x, mount_y, turned, start, step = fan.frame.tolist()
+    at = body.robot_in_world @ Pose2(mount_x, mount_y, turned)
+    return at, at.theta + start + step * np.arange(fan.headings.shape[1])
+
+
+def _movable_surfaces(obstacles: Sequence[Obstacle]) -> Surfaces:
+    """Return the sides of movable boxes that are not plain."""
+    boxes = [
+        replace(o.kind, pose=o.pose)
+        for o in obstacles
+        if isinstance(o.kind, Box) and o.kind.material is not Material.PLAIN
+    ]
+    if not boxes:
+        return NO_SURFACES
+    codes = codes_of(box.material for box in boxes for _ in box.corners)
+    return Surfaces(np.concatenate([box.outline for box in boxes]), codes)
