@@ -1,6 +1,7 @@
 """How the robots and boxes of a world move: on a plane, or as bodies with mass."""
 
 from collections.abc import Sequence
+from concurrent.futures import Future
 from typing import Protocol
 
 import numpy as np
@@ -67,6 +68,18 @@ class Dynamics(Protocol):
         """
         ...
 
+    def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
+        """Begin a step on another thread, or return `None` if it is not worth one.
+
+        When the work is done, :meth:`finish` ends the step. Nothing else is called before, but
+        poses may be written into the outlines.
+        """
+        ...
+
+    def finish(self, kernels: Kernels) -> None:
+        """End the step that :meth:`start` has begun."""
+        ...
+
     def speeds(self, number: int) -> Speeds:
         """Return speed and turn rate of robot `number` by its encoders."""
         ...
@@ -97,6 +110,12 @@ class PlanarDynamics:
 
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
         kernels.step(self._grid, self._outlines, self._drives, dt, noise)
+
+    def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
+        return None
+
+    def finish(self, kernels: Kernels) -> None:
+        pass
 
     def speeds(self, number: int) -> Speeds:
         axes = self._drives.axes

@@ -5,6 +5,7 @@ and little more for a thousand. A :class:`~pioneer3.sim.body.Body` is a view of 
 """
 
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Future
 from functools import lru_cache, partial
 from math import ceil, radians
 
@@ -89,6 +90,7 @@ class World:
         self._rng, self._own = default_rng(self._seeds.spawn(1)[0]), dict[Body, Generator]()
         self._noise = np.empty((0, 3, 0))
         self._noise_at = 0
+        self._working: Future[None] | None = None
         self._sensing = self._dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
         self.change_map(line_map or empty_map())
@@ -99,6 +101,28 @@ class World:
         pieces = max(1, ceil(dt / LONGEST - 1e-9))
         for _ in range(pieces):
             self._step(dt / pieces)
+        self.time += dt
+
+    def start(self, dt: float) -> Future[None] | None:
+        """Begin to let `dt` [s] pass on another thread; :meth:`finish` ends that.
+
+        Meanwhile robots and obstacles may be put elsewhere, come and go.
+
+        Args:
+            dt: At most :data:`~pioneer3.sim.kernels.drives.LONGEST`.
+
+        Returns:
+            What is to be waited for before the end; `None` if it takes so little time that
+            :meth:`step` is better.
+        """
+        self._place()
+        self._working = self._dynamics.start(self.kernels, dt)
+        return self._working
+
+    def finish(self, dt: float) -> None:
+        """End the step that :meth:`start` has begun."""
+        self._settle()
+        self._passed(dt)
         self.time += dt
 
     def sonar(self, body: Body) -> Float:
@@ -214,6 +238,7 @@ class World:
 
     def change_map(self, line_map: LineMap) -> None:
         """Replace what stands still; robots and obstacles stay where they are."""
+        self._settle()
         self.map = line_map
         self._grid = build_grid(line_map.walls)
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
@@ -228,10 +253,13 @@ class World:
 
     def _step(self, dt: float) -> None:
         """Let at most `LONGEST` pass."""
-        if self.outlines.stale:
-            self._place()
+        self._place()
         noise = self._next_noise() if self._noisy else None
         self._dynamics.step(self.kernels, dt, noise)
+        self._passed(dt)
+
+    def _passed(self, dt: float) -> None:
+        """Let people walk and sensors measure after the robots have moved for `dt` [s]."""
         if self.obstacles:
             self._walk(dt)
         self._sensing.forget()
@@ -280,7 +308,15 @@ class World:
         noisy = ranges + sigma * rng.standard_normal(ranges.shape)
         return np.where(ranges < limit, noisy.clip(0.0, limit), limit)
 
+    def _settle(self) -> None:
+        """Wait for the other thread, if it works, and take over its results."""
+        if self._working is not None:
+            self._working.result()
+            self._working = None
+            self._dynamics.finish(self.kernels)
+
     def _place(self) -> None:
+        self._settle()
         if self.outlines.stale:
             self._sonars.move(self.outlines.poses[:, : len(self.robots)])
             self._dynamics.place()
@@ -303,6 +339,7 @@ class World:
 
     def _rearrange(self, robots: tuple[Body, ...], obstacles: Sequence[Obstacle]) -> None:
         """Lay out the arrays anew; everything keeps its state."""
+        self._settle()
         models = [body.model for body in robots]
         before = [body.number if body in self._own else -1 for body in robots]
         sizes = [(m.length_front, m.length_rear, m.width / 2, 0.0) for m in models]

@@ -1,6 +1,7 @@
 """Moves robots by the torque of their motors, and boxes by what pushes them."""
 
 from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import count
 from math import ceil
 from typing import Any
@@ -36,6 +37,9 @@ CYCLE = 0.02
 """The wheel-speed loop gets another speed so often [s]; one call of MuJoCo for each."""
 STALL_TIME, STALL_SHARE = 0.3, 0.98
 """A side that pushes with this share of its torque for so long is stalled [s]."""
+WORTH_A_THREAD = 4
+"""So many robots take longer than the way to another thread and back."""
+ALMOST = 1e-6
 DRAG = 0.3
 """Torque of a side's gears and motors without power [Nm]; an assumption."""
 LEAST_SPEED = 5e-4
@@ -67,7 +71,9 @@ class MujocoDynamics:
         self._obstacles: Sequence[Obstacle] = ()
         self._drives, self._outlines = Drives.at_rest(0), Robots(*np.zeros((3, 0)))
         self._scene: Scene | None = None
-        self._owed = 0.0
+        self._owed = self._cycle_time = 0.0
+        self._thread: ThreadPoolExecutor | None = None
+        self._before = np.zeros((2, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
         self._radius = self._torque = self._drag = np.zeros(0)
         self._gain = self._damping = np.ones(0)
@@ -115,39 +121,57 @@ class MujocoDynamics:
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
         pieces = max(1, ceil(dt / CYCLE - 1e-9))
         for _ in range(pieces):
-            self._cycle(kernels, dt / pieces)
-        self._see_poses()
-        self._see_contacts()
-        kernels.place(self._outlines)
+            steps = self._begin_cycle(kernels, dt / pieces)
+            if steps:
+                self._mujoco.mj_step(self.scene.model, self.scene.data, steps)
+            self._end_cycle(kernels)
+        self._see(kernels)
+
+    def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
+        if len(self._robots) < WORTH_A_THREAD or dt > CYCLE + ALMOST:
+            return None
+        scene, steps = self.scene, self._begin_cycle(kernels, dt)
+        if self._thread is None:
+            self._thread = ThreadPoolExecutor(1, "physics")
+        return self._thread.submit(self._mujoco.mj_step, scene.model, scene.data, steps)
+
+    def finish(self, kernels: Kernels) -> None:
+        self._end_cycle(kernels)
+        self._see(kernels)
 
     def speeds(self, number: int) -> Speeds:
         left, right = (self._speed[side, number] for side in range(2))
         v, w = (left + right) / 2, (right - left) / self._drives.wheels[BASE, number]
         return float(v), float(w)
 
-    def _cycle(self, kernels: Kernels, dt: float) -> None:
-        """Let the motors work for `dt` [s] towards the speeds at the end of the ramps."""
+    def _begin_cycle(self, kernels: Kernels, dt: float) -> int:
+        """Tell the motors the speeds at the end of the ramps; return the steps of MuJoCo."""
         scene, drives = self.scene, self._drives
         data = scene.data
         kernels.ramp(drives, dt)
         v, w = drives.axes[VELOCITY, LINEAR], drives.axes[VELOCITY, ANGULAR]
         half = w * drives.wheels[BASE] / 2
-        before = data.qpos[scene.wheels].mean(axis=2)
-        self._wind(before)
+        self._before = data.qpos[scene.wheels].mean(axis=2)
+        self._wind(self._before)
         data.ctrl[scene.motors] = np.stack([v - half, v + half]) / self._radius
+        self._cycle_time = dt
         self._owed += dt / scene.model.opt.timestep
-        steps = int(self._owed + 1e-6)
+        steps = int(self._owed + ALMOST)
         self._owed -= steps
-        if steps:
-            self._mujoco.mj_step(scene.model, data, steps)
+        return steps
+
+    def _end_cycle(self, kernels: Kernels) -> None:
+        """Count the ways of the wheels, and feel whether they stall."""
+        scene = self.scene
+        data = scene.data
         if not np.isfinite(data.qpos).all():
             raise ArithmeticError("the physics of this world have no solution: something overlaps")
-        rolled = (data.qpos[scene.wheels].mean(axis=2) - before) * self._radius
+        rolled = (data.qpos[scene.wheels].mean(axis=2) - self._before) * self._radius
         left, right = np.ascontiguousarray(rolled)
-        kernels.count(drives, left, right)
+        kernels.count(self._drives, left, right)
         speed = data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
         self._speed = np.where(abs(speed) < LEAST_SPEED, 0.0, speed)
-        self._feel_stall(dt)
+        self._feel_stall(self._cycle_time)
 
     def _wind(self, angles: Float) -> None:
         """Keep the loops from winding up, and take the torque of motors without power.
@@ -177,11 +201,18 @@ class MujocoDynamics:
         speeds = [self.speeds(number) for number in np.flatnonzero(stalled).tolist()]
         drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
 
-    def _see_poses(self) -> None:
-        """Tell the outlines and the boxes where they are."""
+    def _see(self, kernels: Kernels) -> None:
+        """Tell the outlines and the boxes where they are, but not those that were put elsewhere."""
+        put = (self._outlines.poses != self._known).any(axis=0)
         self._known = self._poses()
-        self._outlines.poses[:] = self._known
-        for number in np.flatnonzero(self.scene.boxes >= 0).tolist():
+        self._outlines.poses[:, ~put] = self._known[:, ~put]
+        self._see_boxes(put)
+        self._see_contacts()
+        kernels.place(self._outlines)
+
+    def _see_boxes(self, put: Bool) -> None:
+        boxes = (self.scene.boxes >= 0) & ~put[len(self._robots) :]
+        for number in np.flatnonzero(boxes).tolist():
             x, y, theta = self._known[:, len(self._robots) + number].tolist()
             self._obstacles[number].pose = Pose2(x, y, theta)
 

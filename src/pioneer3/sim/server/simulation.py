@@ -3,7 +3,8 @@
 A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
 Robots know the world's time, never the machine's, and take bytes only between steps, so the same
 bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
-SIMSTAT tells real time.
+SIMSTAT tells real time. A step that takes long is done by another thread, while the event loop
+serves others.
 
 Bytes of lasers on serial lines leave between ticks too, while time passes steadily: programs give
 up a telegram that pauses for longer than a real one does.
@@ -183,7 +184,7 @@ class Simulation:
         clock = asyncio.get_running_loop().time
         try:
             while True:
-                rest = self._turn(clock)
+                rest = await self._turn(clock)
                 if self._waiting_since is None:
                     await asyncio.sleep(rest)
                 else:
@@ -191,14 +192,14 @@ class Simulation:
         finally:
             self.close()
 
-    def _turn(self, clock: Clock) -> float:
+    async def _turn(self, clock: Clock) -> float:
         """Take bytes of hosts, and step if a tick is due; return how long to sleep [s, real]."""
         now = clock()
         self._report_pace(now)
         self._receive(self.world.time + self.pace.elapsed(now))
         wait = self.pace.wait(now)
         if wait == 0 and self._all_have_answered(now):
-            self._tick()
+            await self._tick()
             self.pace.passed(now)
             now = clock()
             return min(LONGEST_TURN, self.pace.wait(now), self._until_bytes_leave(now))
@@ -265,8 +266,13 @@ class Simulation:
         open_in = Counter(port.report_tick for port in self.ports if port.is_open)
         return ceil(len(self.ports) / TICKS_PER_CYCLE) - open_in[slot]
 
-    def _tick(self) -> None:
-        self.world.step(TICK)
+    async def _tick(self) -> None:
+        work = self.world.start(TICK)
+        if work is None:
+            self.world.step(TICK)
+        else:
+            await asyncio.wrap_future(work)
+            self.world.finish(TICK)
         self._ticks += 1
         self._turns += 1
         now = self.world.time

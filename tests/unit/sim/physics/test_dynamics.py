@@ -201,3 +201,58 @@ def test_a_watchdog_and_an_emergency_stop_brake_by_the_wheels() -> None:
     run(world, 1.0)
     assert body.robot_in_world.x - x < 0.15
     assert np.allclose(body.speeds, 0.0, atol=0.02)
+
+
+def crowd() -> tuple[World, list[Body]]:
+    bodies = [powered("p3at-sh", Pose2(2.0 * (n % 3), 2.0 * (n // 3))) for n in range(6)]
+    for n, body in enumerate(bodies):
+        body.drive.linear.go(0.05 * n)
+        body.drive.angular.go(0.1 * n)
+    return physical(*bodies), bodies
+
+
+def step_beside(world: World) -> None:
+    work = world.start(TICK)
+    assert work is not None, "so many robots are worth a thread"
+    world.finish(TICK)
+
+
+def test_steps_of_another_thread_are_the_same_to_the_last_bit() -> None:
+    (here, _), (beside, _) = crowd(), crowd()
+    for _ in range(50):
+        here.step(TICK)
+        step_beside(beside)
+    assert beside.outlines.state.tobytes() == here.outlines.state.tobytes()
+    assert beside.drives.wheels.tobytes() == here.drives.wheels.tobytes()
+    assert beside.time == here.time
+
+
+def test_a_robot_that_is_put_elsewhere_while_the_thread_works_stands_there() -> None:
+    world, bodies = crowd()
+    for _ in range(20):
+        step_beside(world)
+    there, odom = Pose2(-5.0, -5.0, 1.0), bodies[5].robot_in_odom
+    world.start(TICK)
+    bodies[5].robot_in_world = there
+    world.finish(TICK)
+    assert bodies[5].robot_in_world == there
+    assert hypot(bodies[5].robot_in_odom.x - odom.x, bodies[5].robot_in_odom.y - odom.y) < 0.02
+    world.step(TICK)
+    assert hypot(bodies[5].robot_in_world.x + 5.0, bodies[5].robot_in_world.y + 5.0) < 0.02
+
+
+def test_robots_come_go_and_sense_while_the_thread_works() -> None:
+    (here, _), (beside, bodies) = crowd(), crowd()
+    for number in range(30):
+        here.step(TICK)
+        beside.start(TICK)
+        if number == 10:
+            beside.sonar(bodies[0])
+        if number == 20:
+            beside.remove(bodies[5])
+        beside.finish(TICK)
+        if number == 20:
+            here.remove(here.robots[5])
+    ways = [[body.wheel_travel for body in world.robots] for world in (here, beside)]
+    assert ways[0] == pytest.approx(np.array(ways[1]), abs=1e-6)
+    assert beside.time == pytest.approx(30 * TICK)
