@@ -13,8 +13,9 @@ from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensing import PlanarSensing, Sensing
-from pioneer3.sim.worldfile.spec import Physics
+from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Physics
 
 Float = NDArray[np.float64]
 
@@ -33,8 +34,12 @@ class Dynamics(Protocol):
         """Return the sensors that belong to these dynamics; `sonar` has the transducers' beam."""
         ...
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
-        """Replace the walls."""
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
+        """Replace all that stands still.
+
+        Raises:
+            ConfigError: A part of it is impossible; then all stays as it was.
+        """
         ...
 
     def change_bodies(
@@ -93,7 +98,7 @@ class PlanarDynamics:
     def new_sensing(self, sonar: SonarErrors) -> Sensing:
         return PlanarSensing(sonar)
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         self._grid = grid
 
     def change_bodies(
@@ -122,8 +127,8 @@ class PlanarDynamics:
         return axes.item(VELOCITY, LINEAR, number), axes.item(VELOCITY, ANGULAR, number)
 
 
-def dynamics_of(physics: Physics) -> Dynamics:
-    """Return the dynamics of a world.
+def dynamics_of(physics: Physics, step: float = PHYSICS_STEP) -> Dynamics:
+    """Return the dynamics of a world; `step` is that of MuJoCo [s].
 
     Raises:
         ConfigError: MuJoCo is asked for, and is not installed.
@@ -132,4 +137,4 @@ def dynamics_of(physics: Physics) -> Dynamics:
         return PlanarDynamics()
     from pioneer3.sim.physics.dynamics import MujocoDynamics
 
-    return MujocoDynamics()
+    return MujocoDynamics(step)

@@ -16,6 +16,7 @@ from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.surfaces import NO_SURFACES, Surfaces, opaque
 from pioneer3.sim.worldfile import Box
@@ -34,8 +35,8 @@ class Sensing(Protocol):
     are laid out anew, and :meth:`forget` whenever anything has moved.
     """
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
-        """Replace the walls; `grid` is of all of them."""
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
+        """Replace what stands still; `grid` is of all walls."""
         ...
 
     def change_bodies(
@@ -85,7 +86,7 @@ class PlanarSensing:
         self._pressed: dict[int, Bumpers] = {}
         self._met: Robots | None = None
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         self._grid = self._clear = grid
         self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
         if self._surfaces.has_glass:

@@ -30,6 +30,7 @@ from pioneer3.sim.kernels import (
 from pioneer3.sim.kernels.drives import LONGEST, SUPPLY
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.realism import Realism
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.sensors import LASER_RANGE, Firing
 from pioneer3.sim.sonar import SequentialSonars, SimultaneousSonars, Sonars
 from pioneer3.sim.worldfile import Box, Person
@@ -51,6 +52,7 @@ class World:
 
     Args:
         line_map: What stands still; `None` is an empty plane.
+        relief: Of the map: its heights, for bodies with mass.
         robots: What drives.
         kernels: Move robots and cast rays; if not given, Python runs them as they are.
         seed: Of everything random; the same seed and the same steps give the same world to the
@@ -60,6 +62,7 @@ class World:
 
     Attributes:
         map: What stands still.
+        relief: Its heights; a plane does not look at them.
         robots: What drives, in the order of the arrays.
         obstacles: What else may move.
         time: Since the beginning [s].
@@ -79,6 +82,7 @@ class World:
         seed: int | None = 0,
         realism: Realism | None = None,
         dynamics: Dynamics | None = None,
+        relief: Relief = FLAT,
     ) -> None:
         self.kernels = kernels or Kernels(compiled=False)
         self._dynamics = dynamics or PlanarDynamics()
@@ -93,7 +97,7 @@ class World:
         self._working: Future[None] | None = None
         self._sensing = self._dynamics.new_sensing(self.realism.sonar)
         self._sonars = self._new_sonars(self.realism)
-        self.change_map(line_map or empty_map())
+        self.change_map(line_map or empty_map(), relief)
         self._rearrange((*robots,), ())
 
     def step(self, dt: float) -> None:
@@ -236,17 +240,21 @@ class World:
         obstacle.move(pose)
         self._show(obstacle)
 
-    def change_map(self, line_map: LineMap) -> None:
-        """Replace what stands still; robots and obstacles stay where they are."""
+    def change_map(self, line_map: LineMap, relief: Relief = FLAT) -> None:
+        """Replace what stands still; robots and obstacles stay where they are, on the new ground.
+
+        Raises:
+            ConfigError: Physics cannot have a part of it; then all stays as it was.
+        """
         self._settle()
-        self.map = line_map
-        self._grid = build_grid(line_map.walls)
+        grid = build_grid(line_map.walls)
+        self._dynamics.change_map(line_map, grid, relief)
+        self.map, self.relief, self._grid = line_map, relief, grid
         docks = [item.pose for item in line_map.objects if item.kind.startswith("Dock")]
         self._docks = np.array([(dock.x, dock.y, dock.theta) for dock in docks]).reshape(-1, 3)
         for body in self.robots:
             body.set_wheel(SUPPLY, 0.0)
-        self._dynamics.change_map(line_map, self._grid)
-        self._sensing.change_map(line_map, self._grid)
+        self._sensing.change_map(line_map, self._grid, relief)
         self._sonars.invalidate()
         if self.robots:
             self.outlines.stale = True

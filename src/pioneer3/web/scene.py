@@ -198,7 +198,8 @@ class Scene:
     def adopt(self, line_map: LineMap) -> None:
         """Use another map of the same place from now on; a simulated world becomes it."""
         if self.simulated:
-            self.simulated[0].world.change_map(line_map)
+            world = self.simulated[0].world
+            world.change_map(line_map, world.relief.carried(world.map, line_map))
         elif self.remote is not None:
             self.remote.adopt(line_map)
 

@@ -28,7 +28,7 @@ def folder(tmp_path: Path) -> Path:
 def test_files_right_in_the_folder_are_found_by_name_and_by_path(folder: Path) -> None:
     client_maps = ClientMaps(folder)
     for name in ("lab.map", "./lab.map", "below/../lab.map", str(folder / "lab.map")):
-        assert len(client_maps.find(name).walls) == 2
+        assert len(client_maps.find(name).line_map().walls) == 2
 
 
 def test_shipped_maps_are_always_there(folder: Path) -> None:
@@ -38,7 +38,7 @@ def test_shipped_maps_are_always_there(folder: Path) -> None:
 
 def test_a_file_wins_over_a_shipped_map_of_the_same_name(folder: Path) -> None:
     (folder / "office.map").write_text(MAP)
-    assert len(ClientMaps(folder).find("office.map").walls) == 2
+    assert len(ClientMaps(folder).find("office.map").line_map().walls) == 2
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_a_file_wins_over_a_shipped_map_of_the_same_name(folder: Path) -> None:
 )
 def test_nothing_else_is(folder: Path, name: str) -> None:
     with pytest.raises(ConfigError):
-        ClientMaps(folder).find(name)
+        ClientMaps(folder).find(name).line_map()
 
 
 def test_by_default_it_is_the_working_directory(
@@ -71,4 +71,4 @@ def test_by_default_it_is_the_working_directory(
 ) -> None:
     client_maps = ClientMaps()
     monkeypatch.chdir(folder)
-    assert len(client_maps.find("lab.map").walls) == 2
+    assert len(client_maps.find("lab.map").line_map().walls) == 2

@@ -10,8 +10,17 @@ from pioneer3.maps.materials import Material
 from pioneer3.models import load_model
 from pioneer3.models.lasers import LASERS
 from pioneer3.sim.map_check import check_world
-from pioneer3.sim.worldfile import WorldFile, parse_world, schema, shipped_worlds
+from pioneer3.sim.relief import SOLIDS
+from pioneer3.sim.worldfile import (
+    WorldFile,
+    parse_world,
+    schema,
+    shipped_worlds,
+    solid_tables,
+)
 from pioneer3.sim.worldfile.person import RADIUS, SPEED
+from pioneer3.sim.worldfile.table import Table
+from tests.unit.sim.solid_files import write_block, write_hill
 
 PAGE = Path(__file__).parents[3] / "docs/reference/world-file.md"
 TEXT = PAGE.read_text()
@@ -24,19 +33,21 @@ HEADINGS = {
     "robot.equipment": "### `equipment`",
     "box": "## `[[box]]`",
     "wall": "## `[[wall]]`",
+    **{kind.table: f"### `[[{kind.table}]]`" for kind in SOLIDS},
     "goal": f"## {PLACES}",
     "dock": f"## {PLACES}",
     "home": f"## {PLACES}",
     "person": "## `[[person]]`",
 }
 
-TABLES = {
+TABLES: dict[str, type[Table]] = {
     "world": schema.WorldTable,
     "robot": schema.RobotTable,
     "robot.start": schema.StartTable,
     "robot.equipment": schema.EquipmentTable,
     "box": schema.BoxTable,
     "wall": schema.WallTable,
+    **{table.kind.table: table for table in solid_tables.TABLES},
     "goal": schema.PlaceTable,
     "dock": schema.PlaceTable,
     "home": schema.PlaceTable,
@@ -62,10 +73,13 @@ def test_every_key_is_on_the_page_and_no_other(table: str) -> None:
 
 
 def example(tmp_path: Path) -> WorldFile:
+    write_hill(tmp_path / "hill.png")
+    write_block(tmp_path / "rock.stl", (400.0, 300.0, 500.0))
     return parse_world(tmp_path / "course.toml", EXAMPLE)
 
 
 def test_the_example_is_fine_and_runs(tmp_path: Path) -> None:
+    example(tmp_path)
     (tmp_path / "course.toml").write_text(EXAMPLE)
     assert check_world(tmp_path / "course.toml", load_model("p3at-sh")) == ()
 

@@ -117,7 +117,9 @@ class Console:
 
     def _load(self, name: str) -> None:
         try:
-            self.world.change_map(self.client_maps.find(name))
+            found = self.client_maps.find(name)
+            line_map = found.line_map()
+            self.world.change_map(line_map, found.relief(line_map))
         except ConfigError as error:
             log.info("%s: asks for another map: %s", self.body.model.name, error)
             reloaded = 0

@@ -1,5 +1,6 @@
 """Moves robots by the torque of their motors, and boxes by what pushes them."""
 
+import logging
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import count
@@ -25,10 +26,17 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.scene import TOUCHING, Scene, build, set_contacts, turned
+from pioneer3.sim.physics.elements import TOUCHING, turned
+from pioneer3.sim.physics.ground import Ground, feet_of, feet_of_box, has_ground
+from pioneer3.sim.physics.scene import Scene, build, set_contacts
 from pioneer3.sim.physics.sensing import MujocoSensing
 from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.sensing import Sensing
+from pioneer3.sim.worldfile import Person
+from pioneer3.sim.worldfile.spec import PHYSICS_STEP
+
+log = logging.getLogger(__name__)
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
@@ -52,25 +60,31 @@ class MujocoDynamics:
     The ramps of the firmware are those of the plane. The speeds at their ends go to a loop a side
     that turns the wheels with the motors' torque. Odometry counts the wheels.
 
+    Args:
+        step: Of the simulation [s].
+
     Raises:
         ConfigError: MuJoCo is not installed.
     """
 
     has_slip = True
 
-    def __init__(self) -> None:
+    def __init__(self, step: float = PHYSICS_STEP) -> None:
         try:
             import mujoco
         except ImportError:
             raise ConfigError(f"physics need MuJoCo: {how_to_get('physics')}") from None
+        mujoco.set_mju_user_warning(log.warning)  # else it writes a file where people work
         self._mujoco: Any = mujoco
-        self._map = empty_map()
+        self._step = step
+        self._map, self._relief = empty_map(), FLAT
         self._names: dict[Body | Obstacle, str] = {}
         self._numbers = count()
         self._robots: Sequence[Body] = ()
         self._obstacles: Sequence[Obstacle] = ()
         self._drives, self._outlines = Drives.at_rest(0), Robots(*np.zeros((3, 0)))
         self._scene: Scene | None = None
+        self._ground: Ground | None = None
         self._owed = self._cycle_time = 0.0
         self._thread: ThreadPoolExecutor | None = None
         self._before = np.zeros((2, 0))
@@ -88,10 +102,19 @@ class MujocoDynamics:
     def new_sensing(self, sonar: SonarErrors) -> Sensing:
         return MujocoSensing(lambda: self.scene, sonar)
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
-        self._map = line_map
-        if self._scene is not None:
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
+        before = self._map, self._relief
+        self._map, self._relief = line_map, relief
+        if self._scene is None:
+            return
+        try:
             self._rebuild()
+        except ConfigError:
+            self._map, self._relief = before
+            raise
+        if has_ground(relief) or has_ground(before[1]):
+            for number, pose in enumerate(self._known.T.tolist()):
+                self._put(number, Pose2(*pose))
 
     def change_bodies(
         self,
@@ -241,9 +264,13 @@ class MujocoDynamics:
         """Put a robot, a box or a person elsewhere, at rest."""
         data, scene = self.scene.data, self.scene
         if number < len(self._robots):
-            places, speeds = scene.joints[self._names[self._robots[number]]]
+            robot = self._robots[number]
+            places, speeds = scene.joints[self._names[robot]]
+            z, turn = 0.0, turned(pose.theta)
+            if self._ground is not None:
+                z, turn = self._ground.standing(pose, feet_of(robot.model))
             data.qpos[places] = 0.0  # the caster's, too: the same place always begins the same
-            data.qpos[places[:7]] = pose.x, pose.y, 0.0, *turned(pose.theta)
+            data.qpos[places[:7]] = pose.x, pose.y, z, *turn
             data.qvel[speeds] = data.qacc_warmstart[speeds] = 0.0
             data.act[scene.motors[:, number]] = 0.0
             return
@@ -251,10 +278,26 @@ class MujocoDynamics:
         if scene.people[own] >= 0:
             data.mocap_pos[scene.people[own], :2] = pose.x, pose.y
             return
-        at = int(scene.boxes[own])
+        at, box = int(scene.boxes[own]), self._obstacles[own].kind
         data.qpos[at : at + 2] = pose.x, pose.y
-        data.qpos[at + 3 : at + 7] = turned(pose.theta)
+        if self._ground is None or isinstance(box, Person):
+            data.qpos[at + 3 : at + 7] = turned(pose.theta)
+        else:
+            z, turn = self._ground.standing(pose, feet_of_box(box))
+            _, qx, qy, _ = data.qpos[at + 3 : at + 7] = turn
+            data.qpos[at + 2] = z + box.block.size[2] / 2 / (1 - 2 * (qx * qx + qy * qy))
         data.qvel[scene.joints[self._names[self._obstacles[own]]][1]] = 0.0
+
+    def _put_new(self, before: Scene | None) -> None:
+        """Put robots and boxes that were not there before onto the ground."""
+        old = before.joints if before is not None else {}
+        items: list[Body | Obstacle] = [*self._robots, *self._obstacles]
+        for number, item in enumerate(items):
+            raised = isinstance(item, Obstacle) and (
+                isinstance(item.kind, Person) or item.kind.z > 0
+            )
+            if self._names[item] not in old and not raised:
+                self._put(number, Pose2(*self._known[:, number].tolist()))
 
     def _hide(self) -> None:
         """Let robots that are neither seen nor touched stand on the floor alone."""
@@ -269,7 +312,8 @@ class MujocoDynamics:
         before = self._scene
         robots = [(self._names[body], body) for body in self._robots]
         obstacles = [(self._names[each], each) for each in self._obstacles]
-        self._scene = scene = build(self._map, robots, obstacles)
+        self._scene = scene = build(self._map, self._relief, robots, obstacles, self._step)
+        self._ground = Ground(scene.model, scene.data) if has_ground(self._relief) else None
         self._hidden = np.zeros(len(self._outlines))
         bodies = [physics_of(body.model) for body in self._robots]
         self._radius = np.array([body.rolling_radius for body in bodies])
@@ -281,6 +325,8 @@ class MujocoDynamics:
         if before is not None:
             self._keep(before, scene)
         self._known = self._poses()  # the outlines may have others, which are still to be taken
+        if self._ground is not None:
+            self._put_new(before)
         self._mujoco.mj_forward(scene.model, scene.data)
         self._speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
         if self._outlines.hidden.any():

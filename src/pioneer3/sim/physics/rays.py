@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE
-from pioneer3.sim.physics.scene import GROUPS, THINGS, Scene
+from pioneer3.sim.physics.elements import GROUPS, THINGS
+from pioneer3.sim.physics.scene import Scene
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]

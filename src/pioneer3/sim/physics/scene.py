@@ -1,9 +1,9 @@
-"""The parts of a world for MuJoCo: a floor, extruded walls, robots, boxes and people."""
+"""The parts of a world for MuJoCo: a floor, extruded walls, solids, robots, boxes and people."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import atan2, cos, hypot, sin
+from math import atan2, hypot
 from typing import Any
 
 import numpy as np
@@ -12,34 +12,39 @@ from numpy.typing import NDArray
 from pioneer3.maps import LineMap
 from pioneer3.maps.materials import GLASS, PLAIN, Codes, codes_of
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.models.description.mjcf import SIDES, TIMESTEP, bumper_geoms, mjcf_of
+from pioneer3.models.description.mjcf import SIDES, bumper_geoms, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.body import Body
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.physics.elements import (
+    BODIES,
+    FLOOR,
+    GROUND_FRICTION,
+    LEGS,
+    PARTS,
+    SOLID,
+    THINGS,
+    WALLS,
+    Elements,
+    tires_of,
+    turned,
+)
+from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box, Person
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bool = NDArray[np.bool_]
 
-WALL_HEIGHT, WALL_THICKNESS = 1.0, 0.01
+WALL_THICKNESS = 0.01
 """[m]."""
-BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
-"""Of a movable box: height as the camera sees it [m], mass [kg]; assumptions."""
 PERSON_HEIGHT, LEG_HEIGHT = 1.7, 0.85
 """[m]."""
-FLOOR_FRICTION = 0.6
-SOLID, FLOOR = 1, 2
-"""Bits of contact: robots that are neither seen nor touched still stand on the floor."""
 BASE, WALL = "base", "wall"
 TALL = 0.8
 """From this height on a wall is one for all sensors, as on the plane [m]."""
 SMALL = 0.05
 """Parts of robots whose ball around them is smaller are not seen by sensors [m]."""
-GROUPS = 6
-WALLS, THINGS, PARTS, TOUCHING, BODIES, LEGS = range(GROUPS)
-"""Groups of geoms: tall walls; the floor and all else that sensors meet; small parts of robots,
-which are only seen; solids that touch; people as sonars and eyes meet them, and as lasers do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,33 +100,45 @@ class Scene:
 
 def build(
     line_map: LineMap,
+    relief: Relief,
     robots: Sequence[tuple[str, Body]],
     obstacles: Sequence[tuple[str, Obstacle]],
+    step: float,
 ) -> Scene:
-    """Return a world of these parts, all at rest where they are now; names are unique."""
+    """Return a world of these parts, all at rest on the floor where they are now.
+
+    Args:
+        line_map: Its walls are the geoms `wall_0`, `wall_1`...
+        relief: Of the map; its solids are geoms of their names.
+        robots: With unique names.
+        obstacles: With unique names.
+        step: Of the simulation [s].
+
+    Raises:
+        ConfigError: MuJoCo refuses a part, or the hull of a mesh is no likeness of it.
+    """
     import mujoco
 
     spec = mujoco.MjSpec()
-    spec.option.timestep = TIMESTEP
+    spec.option.timestep = step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    _ground(spec, line_map)
+    _ground(spec, line_map, relief)
+    elements = Elements(spec, relief)
+    elements.add_solids()
     for name, body in robots:
         pose = body.robot_in_world
         frame = spec.worldbody.add_frame(pos=[pose.x, pose.y, 0.0], quat=turned(pose.theta))
         child = mujoco.MjSpec.from_string(_mjcf(body.model))
+        child.option.timestep = step
         spec.attach(child, prefix=f"{name}/", frame=frame)
     for name, obstacle in obstacles:
         _add_obstacle(spec, name, obstacle)
-    model = spec.compile()
+    elements.pair_carpets([(name, body.model) for name, body in robots])
+    model = elements.compiled()
     return _indexed(model, mujoco.MjData(model), line_map, robots, obstacles)
-
-
-def turned(theta: float) -> list[float]:
-    """Return the quaternion w, x, y, z of a heading [rad]."""
-    return [cos(theta / 2), 0.0, 0.0, sin(theta / 2)]
 
 
 @lru_cache(maxsize=16)
@@ -129,7 +146,7 @@ def _mjcf(model: RobotModel) -> str:
     return mjcf_of(model)
 
 
-def _ground(spec: Any, line_map: LineMap) -> None:
+def _ground(spec: Any, line_map: LineMap, relief: Relief) -> None:
     """Add the floor, and a thin upright board along each segment of the map."""
     import mujoco
 
@@ -138,23 +155,24 @@ def _ground(spec: Any, line_map: LineMap) -> None:
         name="floor",
         type=plane,
         size=[0, 0, 1],
-        friction=[FLOOR_FRICTION, 0.005, 0.0001],
+        friction=[GROUND_FRICTION, 0.005, 0.0001],
         contype=FLOOR,
         conaffinity=0,
         group=THINGS,
     )
+    heights = relief.heights_of(line_map).tolist()
     for number, (x0, y0, x1, y1) in enumerate(line_map.walls.tolist()):
-        length = hypot(x1 - x0, y1 - y0)
-        if length > 0:
+        length, height = hypot(x1 - x0, y1 - y0), heights[number]
+        if length > 0 and height > 0:
             spec.worldbody.add_geom(
                 name=f"{WALL}_{number}",
                 type=box,
-                size=[length / 2, WALL_THICKNESS / 2, WALL_HEIGHT / 2],
-                pos=[(x0 + x1) / 2, (y0 + y1) / 2, WALL_HEIGHT / 2],
+                size=[length / 2, WALL_THICKNESS / 2, height / 2],
+                pos=[(x0 + x1) / 2, (y0 + y1) / 2, height / 2],
                 quat=turned(atan2(y1 - y0, x1 - x0)),
                 contype=SOLID,
                 conaffinity=SOLID,
-                group=WALLS if WALL_HEIGHT >= TALL else THINGS,
+                group=WALLS if height >= TALL else THINGS,
             )
 
 
@@ -188,18 +206,18 @@ def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
                 group=LEGS,
             )
         return
-    length, width = kind.size
+    length, width, height = kind.block.size
     body = spec.worldbody.add_body(
-        name=name, pos=[pose.x, pose.y, BOX_HEIGHT / 2], quat=turned(pose.theta)
+        name=name, pos=[pose.x, pose.y, kind.z + height / 2], quat=turned(pose.theta)
     )
     body.add_freejoint(name=f"{name}/{BASE}")
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[length / 2, width / 2, BOX_HEIGHT / 2],
-        mass=BOX_MASS,
+        size=[length / 2, width / 2, height / 2],
+        mass=kind.mass,
         priority=1,
-        friction=[BOX_FRICTION, 0.005, 0.0001],
+        friction=[kind.friction, 0.005, 0.0001],
         contype=SOLID,
         conaffinity=SOLID | FLOOR,
         group=THINGS,
@@ -219,10 +237,9 @@ def _indexed(
     hull = np.full(model.ngeom, -1)
     robot = np.full(model.ngeom, -1)
     numbers = {name: number for number, (name, _) in enumerate(robots)}
-    tires = {"caster_wheel"}
+    tires = {tire for name, body in robots for tire in tires_of(body.model, name)}
     for number, (name, body) in enumerate(robots):
         names = wheel_joint_names(body.model)
-        tires |= {joint.removesuffix("_joint") for joint in names}
         for side in range(2):
             own = names[side::2]
             for place in range(most):
@@ -231,10 +248,11 @@ def _indexed(
                 speeds[side, number, place] = joint.dofadr[0]
             motors[side, number] = model.actuator(f"{name}/{SIDES[side]}").id
     for geom in range(model.ngeom):
-        prefix, slash, part = model.geom(geom).name.partition("/")
+        name = model.geom(geom).name
+        prefix, slash, _ = name.partition("/")
         if slash and prefix in numbers:
             robot[geom] = numbers[prefix]
-            if model.geom_contype[geom] and part not in tires:
+            if model.geom_contype[geom] and name not in tires:
                 hull[geom] = numbers[prefix]
     boxes, people = np.full(len(obstacles), -1), np.full(len(obstacles), -1)
     legs = np.full((len(obstacles), 2), -1)

@@ -17,9 +17,11 @@ from pioneer3.models import shape_of
 from pioneer3.sim.body import Body, Bumpers
 from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.physics.elements import BODIES, LEGS, THINGS, WALLS
 from pioneer3.sim.physics.rays import Places, cast, cast_light, places_of, refresh
-from pioneer3.sim.physics.scene import BODIES, LEGS, THINGS, WALLS, Scene
+from pioneer3.sim.physics.scene import TALL, Scene
 from pioneer3.sim.realism import SonarErrors
+from pioneer3.sim.relief import Relief
 from pioneer3.sim.sensing import People, beams_of
 from pioneer3.sim.sensors import SONAR_RANGE
 from pioneer3.sim.surfaces import Surfaces, opaque
@@ -45,12 +47,14 @@ class MujocoSensing:
         self._scene_now, self._errors = scene, sonar
         self._places: Places | None = None
 
-    def change_map(self, line_map: LineMap, grid: Grid) -> None:
-        self._grid = self._clear = grid
-        self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
+    def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
+        tall = relief.heights_of(line_map) >= TALL
+        walls, materials = line_map.walls[tall], line_map.materials[tall]
+        self._grid = self._clear = grid if tall.all() else build_grid(walls)
+        self._surfaces = Surfaces.among(walls, materials)
         if self._surfaces.has_glass:
-            self._clear = build_grid(opaque(line_map.walls, line_map.materials))
-        self._echoes = self._errors.echoes(grid)
+            self._clear = build_grid(opaque(walls, materials))
+        self._echoes = self._errors.echoes(self._grid)
         self.forget()
 
     def change_bodies(

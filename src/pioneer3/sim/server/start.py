@@ -33,6 +33,7 @@ from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
+from pioneer3.sim.worldfile.flattened import flattened
 from pioneer3.tasks import running
 
 log = logging.getLogger(__name__)
@@ -150,7 +151,8 @@ async def simulator(
         bodies,
         seed=world_file.seed,
         realism=realism,
-        dynamics=dynamics_of(world_file.physics),
+        dynamics=dynamics_of(world_file.physics, world_file.physics_step),
+        relief=world_file.relief(line_map),
     )
     firmwares = [
         Firmware(
@@ -180,7 +182,7 @@ async def simulator(
     lasers = await _lasers(spawned, simulation)
     robots = _robots(spawned, simulation, lasers, ptys=ptys)
     here = RunningSimulation(simulation, robots, rng, client_maps)
-    here.notes = [f"{each.name} {IN_THE_WAY}" for each in spawned if each.in_the_way]
+    here.notes = [*_notes(world_file, spawned)]
     work = [simulation.run()]
     if _is_work(simulation) or factory_robot:
         if not numba_version():
@@ -240,6 +242,15 @@ def _refuse_robots_ports(acts: int, here: RunningSimulation) -> None:
         raise ConfigError(
             f"ACTS from port {acts} on: {min(common)} is a robot's; choose another port for ACTS"
         )
+
+
+def _notes(world_file: WorldFile, spawned: Sequence[SpawnedRobot]) -> Iterator[str]:
+    """Yield what the person who starts a world should know of it."""
+    for each in spawned:
+        if each.in_the_way:
+            yield f"{each.name} {IN_THE_WAY}"
+    if world_file.physics == "planar" and (line := flattened(world_file)):
+        yield line
 
 
 def _robots(

@@ -79,8 +79,8 @@ class ClientMaps:
     def __init__(self, *folders: Path) -> None:
         self._folders = folders or (Path(),)
 
-    def find(self, name: str) -> LineMap:
-        """Return the map of this name; a file wins over a shipped map.
+    def find(self, name: str) -> WorldFile:
+        """Return the world or map of this name; a file wins over a shipped map.
 
         Raises:
             ConfigError: A client may have no such map, or it cannot be read.
@@ -88,9 +88,9 @@ class ClientMaps:
         for folder in self._folders:
             path = _inside(folder, name)
             if path is not None:
-                return load_map(path)
+                return load_world(path)
         if name.removesuffix(".map") in shipped_maps():
-            return load_map(name.removesuffix(".map"))
+            return load_world(name.removesuffix(".map"))
         raise ConfigError(f"map {name!r}: clients can have the shipped ones and those beside it")
 
 

@@ -4,50 +4,51 @@ msgspec reads and checks them. Tables have the field names of the objects in
 :mod:`pioneer3.sim.worldfile.spec` that they stand for, and become them and are made of them.
 """
 
-from math import degrees
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional, Self, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Literal, Optional, Self, get_type_hints
 
-from msgspec import Meta, Struct, defstruct, field
+from msgspec import Meta, defstruct, field
 from msgspec.structs import asdict
 
-from pioneer3.geometry import Pose2, wrap
+from pioneer3.geometry import Pose2
 from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.models.model import BUMPERS
 from pioneer3.sim.equipment import LAST_PORT, EquipmentOptions
+from pioneer3.sim.relief import WALL_HEIGHT
+from pioneer3.sim.worldfile import solid_tables
 from pioneer3.sim.worldfile.person import PATIENCE, RADIUS, SPEED, Person
 from pioneer3.sim.worldfile.spec import (
-    FARTHEST,
+    BOX_FRICTION,
+    BOX_MASS,
+    PHYSICS_STEP,
     Box,
     Physics,
     Place,
     RobotSpec,
     Wall,
 )
+from pioneer3.sim.worldfile.table import (
+    Angle,
+    Coordinate,
+    Elevation,
+    Friction,
+    Height,
+    Point,
+    Size,
+    Table,
+    degrees_of,
+    pose_of,
+)
 from pioneer3.units import DEGREE
 
-Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
-Point = Annotated[tuple[Coordinate, Coordinate], Meta(extra={"expected": "two numbers"})]
-Side = Annotated[float, Meta(ge=0.01, le=1000)]
-Size = Annotated[tuple[Side, Side], Meta(extra={"expected": "two numbers"})]
-Angle = Annotated[float, Meta(ge=-360, le=360)]
 MaterialName = Literal["plain", "black", "glass", "reflector"]
+STEP_MS = PHYSICS_STEP * 1000
 _START = {"expected": '{x, y, theta_deg} or "random" or "outside" or "home"'}
 _FIRST = {"missing": "missing; a world starts with [world]"}
 
 
 def _points(least: int) -> dict[str, str]:
     return {"expected": f"a list of {least} or more points [x, y]"}
-
-
-class Table(Struct, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
-    """Any table: unknown keys are refused, defaults are not written."""
-
-    @classmethod
-    def like(cls, item: object, **changed: Any) -> Self:
-        """Return the table of an object: its attributes, except for those `changed`."""
-        names = [name for name in cls.__struct_fields__ if name not in changed]
-        return cls(**{name: getattr(item, name) for name in names}, **changed)
 
 
 class WorldTable(Table):
@@ -58,6 +59,8 @@ class WorldTable(Table):
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None
     keep_session: bool = False
     physics: Physics = "planar"
+    physics_step_ms: Annotated[float, Meta(ge=0.5, le=2.5)] = STEP_MS
+    wall_height: Height = WALL_HEIGHT
 
 
 class StartTable(Table):
@@ -100,7 +103,8 @@ class _EquipmentTable(Table):
     def of(cls, options: EquipmentOptions) -> Self:
         """Return the table of some choices."""
         angles = {name: getattr(options, name) for name in _ANGLES}
-        return cls.like(options, **{n: a if a is None else _degrees(a) for n, a in angles.items()})
+        in_degrees = {n: a if a is None else degrees_of(a) for n, a in angles.items()}
+        return cls.like(options, **in_degrees)
 
 
 if TYPE_CHECKING:
@@ -130,7 +134,7 @@ class RobotTable(Table):
     def robot(self) -> RobotSpec:
         """Return the robot."""
         start = self.start
-        pose = start if isinstance(start, str) else _pose(start.x, start.y, start.theta_deg)
+        pose = start if isinstance(start, str) else pose_of(start.x, start.y, start.theta_deg)
         return RobotSpec(
             model=self.model,
             name=self.name,
@@ -145,7 +149,7 @@ class RobotTable(Table):
         start: StartTable | str
         match robot.start:
             case Pose2(x, y, theta):
-                start = StartTable(x=x, y=y, theta_deg=_degrees(theta))
+                start = StartTable(x=x, y=y, theta_deg=degrees_of(theta))
             case word:
                 start = word
         return cls.like(robot, start=start, equipment=EquipmentTable.of(robot.equipment))
@@ -160,15 +164,23 @@ class BoxTable(Table):
     movable: bool = False
     name: str = ""
     material: MaterialName = "plain"
+    height: Height | None = None
+    z: Elevation = 0.0
+    mass: Annotated[float, Meta(ge=0.01, le=1000)] = BOX_MASS
+    friction: Friction = BOX_FRICTION
 
     def box(self) -> Box:
         """Return the box."""
         return Box(
-            pose=_pose(*self.center, self.theta_deg),
+            pose=pose_of(*self.center, self.theta_deg),
             size=self.size,
             movable=self.movable,
             name=self.name,
             material=Material(self.material),
+            height=self.height,
+            z=self.z,
+            mass=self.mass,
+            friction=self.friction,
         )
 
     @classmethod
@@ -177,7 +189,7 @@ class BoxTable(Table):
         return cls.like(
             box,
             center=(box.pose.x, box.pose.y),
-            theta_deg=_degrees(box.pose.theta),
+            theta_deg=degrees_of(box.pose.theta),
             material=box.material.value,
         )
 
@@ -188,10 +200,16 @@ class WallTable(Table):
     points: Annotated[tuple[Point, ...], Meta(min_length=2, extra=_points(2))]
     closed: bool = False
     material: MaterialName = "plain"
+    height: Height | None = None
 
     def wall(self) -> Wall:
         """Return the wall."""
-        return Wall(points=self.points, closed=self.closed, material=Material(self.material))
+        return Wall(
+            points=self.points,
+            closed=self.closed,
+            material=Material(self.material),
+            height=self.height,
+        )
 
     @classmethod
     def of(cls, wall: Wall) -> Self:
@@ -211,12 +229,12 @@ class PlaceTable(Table):
         """Return the place; `kind` is ARIA's type."""
         if kind == "Goal" and self.theta_deg is not None:
             kind = "GoalWithHeading"
-        return Place(kind=kind, pose=_pose(self.x, self.y, self.theta_deg or 0.0), name=self.name)
+        return Place(kind=kind, pose=pose_of(self.x, self.y, self.theta_deg or 0.0), name=self.name)
 
     @classmethod
     def of(cls, place: Place) -> Self:
         """Return the table of a place."""
-        heading = None if place.kind == "Goal" else _degrees(place.pose.theta)
+        heading = None if place.kind == "Goal" else degrees_of(place.pose.theta)
         return cls(x=place.pose.x, y=place.pose.y, theta_deg=heading, name=place.name)
 
 
@@ -247,11 +265,10 @@ class FileTable(Table):
     dock: tuple[PlaceTable, ...] = ()
     home: tuple[PlaceTable, ...] = ()
     person: tuple[PersonTable, ...] = ()
-
-
-def _pose(x: float, y: float, theta_deg: float) -> Pose2:
-    return Pose2(x, y, wrap(theta_deg * DEGREE))
-
-
-def _degrees(angle: float) -> float:
-    return round(degrees(angle), 12)
+    step: tuple[solid_tables.StepTable, ...] = ()
+    ramp: tuple[solid_tables.RampTable, ...] = ()
+    carpet: tuple[solid_tables.CarpetTable, ...] = ()
+    cylinder: tuple[solid_tables.CylinderTable, ...] = ()
+    table: tuple[solid_tables.TableTable, ...] = ()
+    heightfield: tuple[solid_tables.HeightFieldTable, ...] = ()
+    mesh: tuple[solid_tables.MeshTable, ...] = ()

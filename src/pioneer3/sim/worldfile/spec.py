@@ -1,10 +1,12 @@
-"""The contents of a world file: map, robots, boxes, walls, places, people; frozen, in SI."""
+"""The contents of a world file: map, robots, solids, places and people; frozen, in SI."""
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import cos, sin
 from pathlib import Path
-from typing import Literal
+from types import MappingProxyType
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,9 @@ from pioneer3.maps import LineMap, MapObject, empty_map, read_map, shipped_map
 from pioneer3.maps.line_map import solid_walls
 from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.equipment import NO_OPTIONS, EquipmentOptions
+from pioneer3.sim.relief import SOLIDS, WALL_HEIGHT, Relief, Solid
+from pioneer3.sim.relief.shapes import Block, Part
+from pioneer3.sim.relief.solids import SENSOR_HEIGHT
 from pioneer3.sim.worldfile.person import Person, Point
 
 Float = NDArray[np.float64]
@@ -23,6 +28,10 @@ Start = Pose2 | Literal["random", "outside", "home"]
 FARTHEST = 1e5
 """Of a coordinate [m]."""
 BOX_KIND = "Sim.BoxObstacle"
+BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
+"""Of a movable box of which nothing is said: height [m], mass [kg], friction; assumptions."""
+PHYSICS_STEP = 0.002
+"""Of physics [s]."""
 Physics = Literal["planar", "mujoco"]
 """How robots move: on a plane, by numbers for slip; or with mass, motors and tires, by MuJoCo."""
 
@@ -60,13 +69,45 @@ class Box:
         movable: People and programs may move it, so it is not a wall of the map.
         name: On screen.
         material: Of its sides.
+        height: [m]; `None` for :data:`BOX_HEIGHT` if it is movable, else for that of walls.
+        z: Height of its foot [m].
+        mass: Of a movable one [kg].
+        friction: Of a movable one.
     """
 
+    table: ClassVar[str] = "box"
+    is_ground: ClassVar[bool] = False
     pose: Pose2
     size: tuple[float, float]
     movable: bool = False
     name: str = ""
     material: Material = Material.PLAIN
+    height: float | None = None
+    z: float = 0.0
+    mass: float = BOX_MASS
+    friction: float = BOX_FRICTION
+
+    @property
+    def block(self) -> Block:
+        """Its shape."""
+        usual = BOX_HEIGHT if self.movable else WALL_HEIGHT
+        height = usual if self.height is None else self.height
+        return Block(pose=self.pose, z=self.z, size=(*self.size, height))
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One block."""
+        return (Part("", self.block),)
+
+    @property
+    def walls(self) -> Float:
+        """Its sides, if it stands still and does not hang above the sensors."""
+        return self.outline if self.is_wall else np.empty((0, 4))
+
+    @property
+    def is_wall(self) -> bool:
+        """Whether its sides are walls of the map."""
+        return not self.movable and self.z < SENSOR_HEIGHT
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -90,11 +131,15 @@ class Box:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wall:
-    """A wall of some material along points `(x, y)` [m]; if `closed`, back to the first."""
+    """A wall of some material along points `(x, y)` [m]; if `closed`, back to the first.
+
+    Its height [m] is the world's where none is given.
+    """
 
     points: tuple[Point, ...]
     closed: bool = False
     material: Material = Material.PLAIN
+    height: float | None = None
 
     @property
     def segments(self) -> Float:
@@ -114,7 +159,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldFile:
-    """A map with robots, boxes, walls, places and people.
+    """A map with robots, boxes, walls, solids, places and people.
 
     Attributes:
         name: On screen.
@@ -123,11 +168,15 @@ class WorldFile:
         keep_session: Whether a program that vanishes from the network leaves its session behind, as
             on a serial line.
         physics: How robots and boxes move.
+        physics_step: Of MuJoCo [s].
+        wall_height: Of walls of which nothing else is said [m].
         robots: In file order.
         boxes: In file order; only the fixed ones become walls.
         walls: In addition to the map's.
         places: In addition to the map's.
         people: In file order.
+        solids: By kind in the order of :data:`~pioneer3.sim.relief.SOLIDS`, each in file order.
+        source: Its file, for messages; empty without.
     """
 
     name: str
@@ -135,11 +184,21 @@ class WorldFile:
     seed: int | None = None
     keep_session: bool = False
     physics: Physics = "planar"
+    physics_step: float = PHYSICS_STEP
+    wall_height: float = WALL_HEIGHT
     robots: tuple[RobotSpec, ...] = ()
     boxes: tuple[Box, ...] = ()
     walls: tuple[Wall, ...] = ()
     places: tuple[Place, ...] = ()
     people: tuple[Person, ...] = ()
+    solids: tuple[Solid, ...] = ()
+    source: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        """Sort the solids as a file has them."""
+        kinds = [kind.table for kind in SOLIDS]
+        ordered = sorted(self.solids, key=lambda solid: kinds.index(solid.table))
+        object.__setattr__(self, "solids", tuple(ordered))
 
     def base_map(self) -> LineMap:
         """Return the map that the world builds on.
@@ -152,33 +211,74 @@ class WorldFile:
         return read_map(self.map) if isinstance(self.map, Path) else shipped_map(self.map)
 
     def line_map(self) -> LineMap:
-        """Return all fixed parts: the map, walls, boxes, homes and places.
+        """Return all fixed parts on a plane: the map, walls, boxes, solids, homes and places.
 
         Movable boxes and people are left out: they are :attr:`boxes` and :attr:`people`.
 
         Raises:
-            ConfigError: The map cannot be read.
+            ConfigError: The map or the file of a solid cannot be read.
         """
         base = self.base_map()
-        fixed = tuple(box.as_object() for box in self.boxes if not box.movable)
+        fixed = tuple(box.as_object() for box in self._fixed)
         places = tuple(MapObject(kind=p.kind, name=p.name, pose=p.pose) for p in self.places)
         added = [*(wall.segments for wall in self.walls), solid_walls(fixed)]
+        added += [solid.walls for solid in self.solids]
         homes = tuple(place.pose for place in self.places if place.kind == "RobotHome")
+        walls = np.concatenate([base.walls, *added])
+        materials = np.zeros(len(walls), dtype=np.uint8)
+        own = self._materials()
+        materials[: len(base.walls)] = base.materials
+        materials[len(base.walls) : len(base.walls) + len(own)] = own
         return LineMap(
             name=self.name,
-            walls=np.concatenate([base.walls, *added]),
+            walls=walls,
             homes=homes + base.homes,
             objects=base.objects + places + fixed,
             grids=base.grids,
             lines=np.concatenate([base.lines, *added]),
-            materials=np.concatenate([base.materials, self._materials()]),
+            materials=materials,
         )
 
+    def relief(self, line_map: LineMap) -> Relief:
+        """Return the heights of all that stands still.
+
+        Args:
+            line_map: Its :meth:`line_map`.
+        """
+        heights = [self._height(wall.height) for wall in self.walls for _ in wall.segments]
+        # a box on the floor is four walls around a block, as walls have materials
+        for box in self._fixed:
+            heights += [0.0 if box.z > 0 else self._height(box.height)] * len(box.outline)
+        heights += [0.0] * sum(len(solid.walls) for solid in self.solids)
+        base = [self.wall_height] * (len(line_map.walls) - len(heights))
+        solids: dict[str, Solid] = {
+            f"box_{number}": replace(box, height=self._height(box.height))
+            for number, box in enumerate(self.boxes)
+            if not box.movable
+        }
+        counts = Counter[str]()
+        for solid in self.solids:
+            solids[f"{solid.table}_{counts[solid.table]}"] = solid
+            counts[solid.table] += 1
+        return Relief(
+            wall_height=self.wall_height,
+            heights=np.array(base + heights, dtype=np.float64),
+            solids=MappingProxyType(solids),
+            source=self.source,
+        )
+
+    def _height(self, own: float | None) -> float:
+        return self.wall_height if own is None else own
+
+    @property
+    def _fixed(self) -> tuple[Box, ...]:
+        """The boxes whose sides are walls."""
+        return tuple(box for box in self.boxes if box.is_wall)
+
     def _materials(self) -> Codes:
-        """Return the materials of the segments that :meth:`line_map` adds, in its order."""
+        """Return the materials of the walls and boxes that :meth:`line_map` adds, in its order."""
         walls = [wall.material for wall in self.walls for _ in wall.segments]
-        fixed = [box for box in self.boxes if not box.movable]
-        return codes_of(walls + [box.material for box in fixed for _ in box.corners])
+        return codes_of(walls + [box.material for box in self._fixed for _ in box.corners])
 
     @property
     def movable(self) -> tuple[Box, ...]:

@@ -6,13 +6,15 @@
 from dataclasses import replace
 from os.path import relpath
 from pathlib import Path
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
 from pioneer3.maps import shipped_maps
 from pioneer3.maps.materials import Material
 from pioneer3.maps.text import decoded, read_bytes, shown, write_bytes
 from pioneer3.sim.equipment import EquipmentOptions
-from pioneer3.sim.worldfile.spec import Box, Place, RobotSpec, WorldFile
+from pioneer3.sim.relief import SOLIDS, HeightField, Mesh
+from pioneer3.sim.worldfile.solid_checks import check_solids
+from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Box, Place, RobotSpec, WorldFile
 from pioneer3.tables import Source, converted, load, written
 
 LARGEST_WORLD = 1 << 20
@@ -54,18 +56,25 @@ def parse_world(path: Path, text: str) -> WorldFile:
     boxes = tuple(table.box() for table in file.box)
     _refuse_movable_glass(source, boxes)
     tables = {"goal": file.goal, "dock": file.dock, "home": file.home}
-    return WorldFile(
+    solids = [getattr(file, kind.table) for kind in SOLIDS]
+    world = WorldFile(
         name=path.stem if file.world.name is None else file.world.name,
         map=_map(source, path, file.world.map),
         seed=file.world.seed,
         keep_session=file.world.keep_session,
         physics=file.world.physics,
+        physics_step=file.world.physics_step_ms / 1000,
+        wall_height=file.world.wall_height,
         robots=robots,
         boxes=boxes,
         walls=tuple(table.wall() for table in file.wall),
         places=tuple(table.place(KINDS[key]) for key in KINDS for table in tables[key]),
         people=tuple(table.person() for table in file.person),
+        solids=tuple(table.solid(path.parent) for kind in solids for table in kind),
+        source=source.name,
     )
+    check_solids(source, world)
+    return world
 
 
 def parse_equipment(text: str) -> EquipmentOptions:
@@ -112,6 +121,12 @@ def to_toml(world: WorldFile, folder: Path) -> str:
             seed=world.seed,
             keep_session=world.keep_session,
             physics=world.physics,
+            physics_step_ms=(
+                schema.STEP_MS
+                if world.physics_step == PHYSICS_STEP
+                else round(world.physics_step * 1000, 9)
+            ),
+            wall_height=world.wall_height,
         ),
         robot=tuple(schema.RobotTable.of(_relative_model(r, folder)) for r in world.robots),
         box=tuple(map(schema.BoxTable.of, world.boxes)),
@@ -120,8 +135,25 @@ def to_toml(world: WorldFile, folder: Path) -> str:
         dock=tuple(map(schema.PlaceTable.of, places["dock"])),
         home=tuple(map(schema.PlaceTable.of, places["home"])),
         person=tuple(map(schema.PersonTable.like, world.people)),
+        **_solid_tables(world, folder),
     )
     return written(file)
+
+
+def _solid_tables(world: WorldFile, folder: Path) -> dict[str, Any]:
+    """Return the tables of all solids, by kind."""
+    from pioneer3.sim.worldfile.solid_tables import TABLES
+
+    return {
+        table.kind.table: tuple(
+            table.of(solid, file=_relative(solid.file, folder))
+            if isinstance(solid, HeightField | Mesh)
+            else table.of(solid)
+            for solid in world.solids
+            if isinstance(solid, table.kind)
+        )
+        for table in TABLES
+    }
 
 
 def _map(source: Source, path: Path, name: str) -> str | Path:

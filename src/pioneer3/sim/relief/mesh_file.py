@@ -1,0 +1,111 @@
+"""Reads meshes: STL, binary or text, and the points and faces of OBJ."""
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.maps.text import decoded, read_bytes, wrong
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+ENDINGS = (".stl", ".obj")
+LARGEST_MESH = 16 << 20
+"""Larger files are not read [bytes]."""
+MOST_TRIANGLES = 50_000
+"""A page draws them all, and rays are tested against each."""
+_HEADER, _RECORD = 84, 50
+"""Of a binary STL: the header with the number of triangles, and one triangle [bytes]."""
+_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+_VERTEX = re.compile(r"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Triangles:
+    """A surface; compares by identity.
+
+    Attributes:
+        points: In the frame of the mesh, shape (P, 3).
+        corners: Three numbers of points for each triangle, counter-clockwise from outside, (T, 3).
+    """
+
+    points: Float
+    corners: Int
+
+    def scaled(self, scale: float) -> "Triangles":
+        """Return it `scale` times as large."""
+        return Triangles(self.points * scale, self.corners)
+
+    @property
+    def volume(self) -> float:
+        """The volume inside of a closed surface, in cubes of the unit of its points."""
+        a, b, c = (self.points[self.corners[:, number]] for number in range(3))
+        return float((a * np.cross(b, c)).sum() / 6)
+
+
+def read_mesh(path: Path) -> Triangles:
+    """Read an STL or OBJ file, in the units of the file.
+
+    Raises:
+        ConfigError: It is missing, damaged, too large, or holds no triangles.
+    """
+    try:
+        there = path.stat()
+        key = there.st_mtime_ns, there.st_size
+    except (OSError, ValueError):
+        key = 0, 0  # reading says why
+    return _read(path, key)
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, version: tuple[int, int]) -> Triangles:
+    if path.suffix.lower() not in ENDINGS:
+        raise wrong(path, f" is no mesh that can be read: expected {' or '.join(ENDINGS)}")
+    raw = read_bytes(path, LARGEST_MESH, "mesh")
+    try:
+        mesh = _obj(decoded(raw)) if path.suffix.lower() == ".obj" else _stl(raw)
+    except (ValueError, IndexError):
+        raise wrong(path, f" is damaged: no {path.suffix[1:].upper()} file") from None
+    if not len(mesh.corners):
+        raise wrong(path, " holds no triangles")
+    if len(mesh.corners) > MOST_TRIANGLES:
+        raise wrong(path, f" holds {len(mesh.corners)} triangles: reduce it to {MOST_TRIANGLES}")
+    inside = (mesh.corners >= 0) & (mesh.corners < len(mesh.points))
+    if not inside.all() or not np.isfinite(mesh.points).all():
+        raise wrong(path, " is damaged: a corner is missing or no number")
+    return mesh
+
+
+def _stl(raw: bytes) -> Triangles:
+    count = int.from_bytes(raw[80:_HEADER], "little")
+    if len(raw) >= _HEADER and len(raw) == _HEADER + _RECORD * count:
+        corners = np.frombuffer(raw, _ROW, count, _HEADER)["corners"].astype(np.float64)
+    elif raw.lstrip()[:5] == b"solid":
+        found = _VERTEX.findall(decoded(raw))
+        corners = np.array(found, dtype=np.float64).reshape(-1, 3, 3)
+    else:
+        raise ValueError
+    points, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return Triangles(points, numbers.reshape(-1, 3).astype(np.int64))
+
+
+def _obj(text: str) -> Triangles:
+    """Read the lines `v x y z` and `f a b c ...`; faces of more corners become fans."""
+    points: list[tuple[float, ...]] = []
+    corners: list[tuple[int, int, int]] = []
+    for line in text.splitlines():
+        key, *words = line.split() or [""]
+        if key == "v":
+            points.append(tuple(map(float, words[:3])))
+        elif key == "f":
+            numbers = [int(word.partition("/")[0]) for word in words]
+            # from 1; negative ones count back from the last point so far
+            first, *others = (n - 1 if n > 0 else len(points) + n for n in numbers)
+            corners += [(first, a, b) for a, b in pairwise(others)]
+    shaped = np.array(points, dtype=np.float64).reshape(-1, 3)
+    return Triangles(shaped, np.array(corners, dtype=np.int64).reshape(-1, 3))

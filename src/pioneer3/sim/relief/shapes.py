@@ -1,0 +1,126 @@
+"""The shapes that the solids of a world consist of: frozen, in the map frame, in SI."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.sim.relief.mesh_file import Triangles
+
+Float = NDArray[np.float64]
+Size3 = tuple[float, float, float]
+"""Length, width and height along the x, y and z axes of a shape [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """An upright cuboid.
+
+    Attributes:
+        pose: The middle of its foot [m, rad].
+        z: Height of its foot [m].
+        size: [m].
+    """
+
+    pose: Pose2
+    z: float
+    size: Size3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wedge:
+    """Half a cuboid: its upper side rises along its own x axis.
+
+    Attributes:
+        pose: The middle of its foot [m, rad].
+        z: Height of its foot [m].
+        size: [m].
+    """
+
+    pose: Pose2
+    z: float
+    size: Size3
+
+    @property
+    def corners(self) -> Float:
+        """Its six corners in its own frame [m], shape (6, 3)."""
+        x, y, height = self.size[0] / 2, self.size[1] / 2, self.size[2]
+        foot = [(-x, -y, 0.0), (-x, y, 0.0), (x, -y, 0.0), (x, y, 0.0)]
+        return np.array([*foot, (x, -y, height), (x, y, height)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """An upright cylinder.
+
+    Attributes:
+        pose: The middle of its foot [m].
+        z: Height of its foot [m].
+        radius: [m].
+        height: [m].
+    """
+
+    pose: Pose2
+    z: float
+    radius: float
+    height: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Hull:
+    """The convex hull of a mesh; compares by identity.
+
+    Attributes:
+        pose: The origin of the mesh [m, rad].
+        z: Height of this origin [m].
+        triangles: Of the mesh, in its own frame [m].
+    """
+
+    pose: Pose2
+    z: float
+    triangles: Triangles
+
+    @cached_property
+    def points(self) -> Float:
+        """Its corners in the map frame [m], shape (P, 3)."""
+        c, s = cos(self.pose.theta), sin(self.pose.theta)
+        x, y, z = self.triangles.points.T
+        return np.column_stack(
+            [self.pose.x + c * x - s * y, self.pose.y + s * x + c * y, self.z + z]
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Terrain:
+    """A floor of many heights on a grid; compares by identity.
+
+    Attributes:
+        pose: The middle of its foot [m, rad].
+        z: Of its foot [m].
+        size: Its third number is the height of 1 in `heights` above the foot [m].
+        heights: 0 to 1, shape (rows, columns); columns go along the x axis, rows along the y axis.
+    """
+
+    pose: Pose2
+    z: float
+    size: Size3
+    heights: Float
+
+
+Shape = Block | Wedge | Column | Hull | Terrain
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One shape of a solid.
+
+    Attributes:
+        name: Of the part; empty where the solid has only one.
+        shape: [m].
+    """
+
+    name: str
+    shape: Shape

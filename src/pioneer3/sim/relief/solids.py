@@ -1,0 +1,390 @@
+"""The solids of a world file: steps, ramps, carpets, cylinders, tables, height fields, meshes.
+
+Each is what one table of a world file says, in SI. Bodies with mass meet its parts; on a plane
+there are only its walls, as if cut at the height of sensors.
+"""
+
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.maps.image import read_image
+from pioneer3.maps.text import wrong
+from pioneer3.sim.relief.mesh_file import read_mesh
+from pioneer3.sim.relief.outlines import NONE, outer, rectangle, ring
+from pioneer3.sim.relief.shapes import Block, Column, Hull, Part, Terrain, Wedge
+
+Float = NDArray[np.float64]
+
+SENSOR_HEIGHT = 0.2
+"""Where the plane cuts solids [m]: sonars of a P3-DX are at 0.17 m, its laser at 0.28 m."""
+CARPET_FRICTION = 0.8
+"""Of rubber on a short pile; an assumption."""
+CARPET_HEIGHT = 0.008
+"""[m]; more than 4 mm, as deep as a P3-AT's tire sinks, else it would stand on the floor below."""
+TOP_THICKNESS, LEG_WIDTH = 0.03, 0.05
+"""Of a table [m]."""
+ROUND = 16
+"""Sides of the polygon that a cylinder is on a plane."""
+MOST_ROWS = 500
+"""Of a height field's picture, and of its columns; each cell costs time when a wheel is near."""
+LEAST_VOLUME = 1e-9
+"""A mesh with less has none [m3]."""
+
+
+class Solid(Protocol):
+    """Something that stands still and has a height."""
+
+    table: ClassVar[str]
+    """Its table in a world file."""
+    is_ground: ClassVar[bool]
+    """Whether robots drive over it or upon it: on a plane it is flat floor."""
+
+    @property
+    def pose(self) -> Pose2:
+        """Where it is [m, rad]."""
+        ...
+
+    @property
+    def z(self) -> float:
+        """Height of its foot, or of the origin of a mesh [m]."""
+        ...
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Its shapes.
+
+        Raises:
+            ConfigError: Its file cannot be read, or holds no solid.
+        """
+        ...
+
+    @property
+    def walls(self) -> Float:
+        """The walls that it is on a plane [m], shape (S, 4)."""
+        ...
+
+    @property
+    def outline(self) -> Float:
+        """Its sides as seen from above [m], shape (S, 4)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """A low block with a flat top: a door sill, a platform.
+
+    Attributes:
+        pose: Its middle [m, rad].
+        size: Along its x and y axes [m].
+        height: [m].
+        z: Height of its foot [m].
+    """
+
+    table: ClassVar[str] = "step"
+    is_ground: ClassVar[bool] = True
+    pose: Pose2
+    size: tuple[float, float]
+    height: float
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One block."""
+        return (Part("", Block(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
+
+    @property
+    def walls(self) -> Float:
+        """None."""
+        return NONE
+
+    @property
+    def outline(self) -> Float:
+        """Four sides."""
+        return rectangle(self.pose, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ramp:
+    """A wedge that rises along its own x axis, from its foot to `height`.
+
+    Attributes:
+        pose: Its middle [m, rad].
+        size: Along its x and y axes [m].
+        height: At its upper end [m].
+        z: Height of its foot [m].
+    """
+
+    table: ClassVar[str] = "ramp"
+    is_ground: ClassVar[bool] = True
+    pose: Pose2
+    size: tuple[float, float]
+    height: float
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One wedge."""
+        return (Part("", Wedge(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
+
+    @property
+    def walls(self) -> Float:
+        """None."""
+        return NONE
+
+    @property
+    def outline(self) -> Float:
+        """Four sides."""
+        return rectangle(self.pose, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Carpet:
+    """A part of the floor with a friction of its own, which holds for all that touches it.
+
+    Attributes:
+        pose: Its middle [m, rad].
+        size: Along its x and y axes [m].
+        friction: Coulomb's coefficient.
+        height: Its thickness [m].
+        z: Height of its foot [m].
+    """
+
+    table: ClassVar[str] = "carpet"
+    is_ground: ClassVar[bool] = True
+    pose: Pose2
+    size: tuple[float, float]
+    friction: float = CARPET_FRICTION
+    height: float = CARPET_HEIGHT
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One block."""
+        return (Part("", Block(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
+
+    @property
+    def walls(self) -> Float:
+        """None."""
+        return NONE
+
+    @property
+    def outline(self) -> Float:
+        """Four sides."""
+        return rectangle(self.pose, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """An upright column.
+
+    Attributes:
+        pose: Its middle [m].
+        radius: [m].
+        height: [m].
+        z: Height of its foot [m].
+    """
+
+    table: ClassVar[str] = "cylinder"
+    is_ground: ClassVar[bool] = False
+    pose: Pose2
+    radius: float
+    height: float
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One column."""
+        column = Column(pose=self.pose, z=self.z, radius=self.radius, height=self.height)
+        return (Part("", column),)
+
+    @property
+    def walls(self) -> Float:
+        """A regular polygon; none where it hangs above the sensors."""
+        return self.outline if self.z < SENSOR_HEIGHT else NONE
+
+    @property
+    def outline(self) -> Float:
+        """A regular polygon."""
+        angles = 2 * pi / ROUND * np.arange(ROUND)
+        around = np.column_stack([np.cos(angles), np.sin(angles)])
+        return ring(self.radius * around + (self.pose.x, self.pose.y))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A top on four legs; with a back it is a chair, which faces along its own x axis.
+
+    Attributes:
+        pose: Its middle [m, rad].
+        size: Of the top, along its x and y axes [m].
+        height: Of the upper side of the top [m].
+        thickness: Of the top [m].
+        leg_width: Of the legs, which are square, and of the back [m].
+        back: Height of the back above the top [m]; 0 is none.
+        z: Height of its feet [m].
+    """
+
+    table: ClassVar[str] = "table"
+    is_ground: ClassVar[bool] = False
+    pose: Pose2
+    size: tuple[float, float]
+    height: float
+    thickness: float = TOP_THICKNESS
+    leg_width: float = LEG_WIDTH
+    back: float = 0.0
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The top, four legs, and the back if there is one."""
+        length, width = self.size
+        below = self.height - self.thickness
+        top = Block(pose=self.pose, z=self.z + below, size=(length, width, self.thickness))
+        leg = (self.leg_width, self.leg_width, below)
+        legs = [Block(pose=pose, z=self.z, size=leg) for pose in self.legs]
+        found = [Part("top", top)]
+        found += [Part(f"leg_{number}", block) for number, block in enumerate(legs)]
+        if self.back > 0:
+            rear = self.pose @ Pose2((self.leg_width - length) / 2, 0.0)
+            size = (self.leg_width, width, self.back)
+            found.append(Part("back", Block(pose=rear, z=self.z + self.height, size=size)))
+        return tuple(found)
+
+    @property
+    def legs(self) -> tuple[Pose2, ...]:
+        """The middles of the legs [m, rad]."""
+        x, y = ((side - self.leg_width) / 2 for side in self.size)
+        return tuple(self.pose @ Pose2(*at) for at in ((-x, -y), (x, -y), (x, y), (-x, y)))
+
+    @property
+    def walls(self) -> Float:
+        """The legs; the sides of a top that is as low as sensors."""
+        if self.z >= SENSOR_HEIGHT:
+            return NONE
+        if self.z + self.height - self.thickness <= SENSOR_HEIGHT:
+            return self.outline
+        sides = (self.leg_width, self.leg_width)
+        return np.concatenate([rectangle(leg, sides) for leg in self.legs])
+
+    @property
+    def outline(self) -> Float:
+        """Four sides of the top."""
+        return rectangle(self.pose, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeightField:
+    """A floor whose heights a picture tells.
+
+    Attributes:
+        file: A PNG or PGM picture, seen from above.
+        pose: Its middle [m, rad].
+        size: Along its x and y axes [m].
+        height: Of white above black [m].
+        z: Height of black [m].
+    """
+
+    table: ClassVar[str] = "heightfield"
+    is_ground: ClassVar[bool] = True
+    file: Path
+    pose: Pose2
+    size: tuple[float, float]
+    height: float
+    z: float = 0.0
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One terrain.
+
+        Raises:
+            ConfigError: The picture cannot be read, is too large, or of one shade.
+        """
+        shades = read_image(self.file).shades
+        if max(shades.shape) > MOST_ROWS or min(shades.shape) < 2:
+            rows, columns = shades.shape
+            problem = f"is {columns} x {rows} pixels: expected 2 to {MOST_ROWS} a side"
+            raise wrong(self.file, f" {problem}")
+        if shades.min() == shades.max():
+            raise wrong(self.file, " is of one shade: take a [[step]] for a flat floor")
+        heights = shades[::-1].astype(np.float64) / 255
+        size = (*self.size, self.height)
+        return (Part("", Terrain(pose=self.pose, z=self.z, size=size, heights=heights)),)
+
+    @property
+    def walls(self) -> Float:
+        """None."""
+        return NONE
+
+    @property
+    def outline(self) -> Float:
+        """Four sides."""
+        return rectangle(self.pose, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mesh:
+    """A mesh of a file; what it touches meets its convex hull.
+
+    Attributes:
+        file: STL or OBJ, z upwards.
+        pose: The origin of the mesh [m, rad].
+        z: Height of this origin [m].
+        scale: Of the file's unit [m]: 0.001 for millimetres.
+    """
+
+    table: ClassVar[str] = "mesh"
+    is_ground: ClassVar[bool] = False
+    file: Path
+    pose: Pose2
+    z: float = 0.0
+    scale: float = 1.0
+
+    @property
+    def hull(self) -> Hull:
+        """It in the map frame.
+
+        Raises:
+            ConfigError: The file cannot be read, or holds no volume.
+        """
+        triangles = read_mesh(self.file).scaled(self.scale)
+        if abs(triangles.volume) < LEAST_VOLUME:
+            raise wrong(self.file, " has no volume: close its surface, and see key scale")
+        return Hull(pose=self.pose, z=self.z, triangles=triangles)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One hull.
+
+        Raises:
+            ConfigError: As for :attr:`hull`.
+        """
+        return (Part("", self.hull),)
+
+    @property
+    def walls(self) -> Float:
+        """Its outline, if it is in the way of sensors.
+
+        Raises:
+            ConfigError: As for :attr:`hull`.
+        """
+        z = self.hull.points[:, 2]
+        return self.outline if z.min() <= SENSOR_HEIGHT <= z.max() else NONE
+
+    @property
+    def outline(self) -> Float:
+        """The hull as seen from above.
+
+        Raises:
+            ConfigError: As for :attr:`hull`.
+        """
+        return ring(outer(self.hull.points[:, :2]))
+
+
+SOLIDS = (Step, Ramp, Carpet, Cylinder, Table, HeightField, Mesh)
+"""The kinds of solids, in the order of their tables in a file."""
