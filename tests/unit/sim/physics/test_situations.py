@@ -1,0 +1,74 @@
+"""Slopes, sills, edges, walls, squares: the bounds of docs/explanation/physics.md."""
+
+import pytest
+
+pytest.importorskip("mujoco")
+from tests.situations import brake, climb, fall, hit, push, rows, sill, square, straight
+
+MODELS = ["p3at-sh", "p3dx-sh"]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_straight_line_is_straight(model: str) -> None:
+    aside, turned = straight(model, "mujoco")
+    assert aside < 1.0
+    assert turned < 0.01
+
+
+@pytest.mark.parametrize(
+    ("model", "away", "turned"), [("p3at-sh", 0.6, 15.0), ("p3dx-sh", 0.01, 0.5)]
+)
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_square_ends_as_its_track_says(model: str, away: float, turned: float, turn: int) -> None:
+    measured = square(model, "mujoco", turn)
+    assert measured[0] < away
+    assert measured[1] < turned
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_ramps_of_the_firmware_brake_without_tipping(model: str) -> None:
+    way, tilt = brake(model, "mujoco")
+    assert way == pytest.approx(0.7**2 / 2 / 0.3, rel=0.05)
+    assert tilt < 1.0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_slope_of_ten_degrees_is_climbed_and_held(model: str) -> None:
+    made, creep = climb(model, "mujoco")
+    assert made > 0.95
+    assert creep <= 3.0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_five_kilograms_are_pushed(model: str) -> None:
+    assert push(model, "mujoco") > 0.5
+    assert push(model, "planar") == 0.0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_wall_stalls_and_the_speed_loop_has_not_wound_up(model: str) -> None:
+    stalls, away = hit(model, "mujoco")
+    assert stalls < 1.0
+    assert away < 0.8
+
+
+@pytest.mark.parametrize(
+    ("model", "height"),
+    [("p3at-sh", 0.01), ("p3at-sh", 0.02), ("p3dx-sh", 0.01), ("p3dx-sh", 0.015)],
+)
+def test_door_sills_are_driven_over(model: str, height: float) -> None:
+    assert sill(model, "mujoco", height, 0.2)
+
+
+def test_a_sill_is_too_high_for_small_wheels() -> None:
+    assert not sill("p3dx-sh", "mujoco", 0.05, 0.2)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_an_edge_is_fallen_over(model: str) -> None:
+    assert fall(model, "mujoco")[0] > 60
+    assert fall(model, "planar") == (0.0, 0.0)
+
+
+def test_every_situation_has_a_figure_for_both() -> None:
+    assert all(len(figures) == 4 and all(figures) for _, figures in rows())
