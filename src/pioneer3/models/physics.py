@@ -66,6 +66,8 @@ class BodyPhysics:
         loop_damping: Of the wheel-speed loop: torque for each radian per second.
         caster_damping: Of the caster's swivel and its wheel.
         rolling_radius: Way for each radian of a driven wheel: tires sink under the robot's weight.
+        turning_track: Difference of the ways of the wheels of both sides for each radian that the
+            robot turns; with it a robot is calibrated.
         sources: Where each of the numbers above is from, by its name.
     """
 
@@ -83,6 +85,7 @@ class BodyPhysics:
     loop_damping: float = field(default=5.0, metadata=_unit("Nm s/rad"))
     caster_damping: float = field(default=0.001, metadata=_unit("Nm s/rad"))
     rolling_radius: float = field(metadata=_unit("m"))
+    turning_track: float = field(metadata=_unit("m"))
     sources: Mapping[str, str]
 
     @property
@@ -127,6 +130,7 @@ _COMMON: Final = {
     "loop_damping": "as loop_gain",
     "caster_damping": GUESS,
     "rolling_radius": MEASURED,
+    "turning_track": MEASURED,
     "box": GUESS,
 }
 P3AT: Final = BodyPhysics(
@@ -139,6 +143,7 @@ P3AT: Final = BodyPhysics(
     armature=0.1,
     side_torque=4.5,
     rolling_radius=109.0 * MM,
+    turning_track=574 * MM,
     sources=MappingProxyType(
         {
             **_COMMON,
@@ -162,6 +167,7 @@ P3DX: Final = BodyPhysics(
     box=(400 * MM, 316 * MM, 150 * MM),
     side_torque=1.1,
     rolling_radius=97.5 * MM,
+    turning_track=330 * MM,
     sources=MappingProxyType(
         {
             **_COMMON,
@@ -188,6 +194,7 @@ AMIGO: Final = BodyPhysics(
     loop_damping=0.5,
     caster_damping=0.0001,
     rolling_radius=50 * MM,
+    turning_track=240 * MM,
     sources=MappingProxyType(
         {
             **_COMMON,
@@ -209,6 +216,7 @@ PEOPLEBOT: Final = BodyPhysics(
     box=(380 * MM, 316 * MM, 800 * MM),
     side_torque=2.5,
     rolling_radius=95 * MM,
+    turning_track=330 * MM,
     sources=MappingProxyType(
         {
             **_COMMON,

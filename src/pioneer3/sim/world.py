@@ -100,6 +100,11 @@ class World:
         self.change_map(line_map or empty_map(), relief)
         self._rearrange((*robots,), ())
 
+    @property
+    def dynamics(self) -> Dynamics:
+        """How robots and boxes move."""
+        return self._dynamics
+
     def step(self, dt: float) -> None:
         """Let `dt` [s] pass."""
         pieces = max(1, ceil(dt / LONGEST - 1e-9))

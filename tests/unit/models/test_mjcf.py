@@ -104,6 +104,7 @@ def test_a_robot_turns_as_its_effective_track_says(
     turn = (robot.place[2] - heading) % 6.283185307179586
     track = (right - left) * physics_of(model).rolling_radius / turn
     assert track == pytest.approx(shape_of(model).effective_track, rel=tolerance)
+    assert track == pytest.approx(physics_of(model).turning_track, rel=0.01)
     assert sum(robot.contacts) == len(robot.contacts) * max(robot.contacts)
     assert max(robot.contacts) == (4 if model is P3AT else 3)
 

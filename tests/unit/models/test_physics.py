@@ -26,7 +26,8 @@ def test_the_table_of_numbers_is_whole(model: RobotModel) -> None:
     numbers = numbers_of(model, shipped=True)
     names = [number.name for number in numbers]
     assert len(set(names)) == len(names)
-    assert {*PARAMETERS, "total_mass", "effective_track", "rolling_radius"} < set(names)
+    derived = {"total_mass", "effective_track", "rolling_radius", "turning_track"}
+    assert {*PARAMETERS, *derived} < set(names)
     assert ("caster_mass" in names) is (model.drive == "differential")
     assert all(number.value and number.source for number in numbers)
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.random import default_rng
 
 from pioneer3.geometry import ORIGIN, Pose2, wrap
-from pioneer3.models import load_model
+from pioneer3.models import load_model, physics_of
 from pioneer3.sim.body import Body
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person, WorldFile
@@ -101,6 +101,58 @@ def test_a_wall_stalls_a_robot_which_then_backs_off_at_once(model: str) -> None:
     run(world, 1.0)
     assert body.robot_in_world.x < stood - 0.04
     assert not body.stalled
+
+
+def test_a_robot_that_wants_nothing_more_does_not_push_on() -> None:
+    body = powered("p3dx-sh")
+    world = physical(body, world=WALL)
+    body.drive.linear.go(0.3)
+    run(world, 8.0)
+    dynamics = world.dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    most = physics_of(body.model).side_torque
+    assert dynamics.scene.data.actuator_force == pytest.approx([most] * 2)
+    body.drive.stop()
+    run(world, 1.0)
+    assert not body.stalled
+    assert abs(dynamics.scene.data.actuator_force).max() < most / 4
+
+
+def test_a_stall_lasts_while_things_come_and_go() -> None:
+    body = powered("p3at-sh")
+    world = physical(body, world=WALL)
+    body.drive.linear.go(0.3)
+    run(world, 8.0)
+    world.add(powered("p3dx-sh", Pose2(0.0, 5.0, 0.0)))
+    run(world, 0.1)
+    assert body.stalled
+
+
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh"])
+def test_wheels_follow_the_ramps(model: str) -> None:
+    body = powered(model)
+    world = physical(body)
+    off = []
+    for goal in (0.4, -0.3, 0.0):
+        body.drive.linear.go(goal)
+        for _ in range(150):
+            world.step(TICK)
+            off.append(abs(body.speeds[0] - body.drive.linear.velocity))
+        assert body.speeds[0] == pytest.approx(goal, abs=1e-3)
+    assert max(off) < 0.01
+
+
+@pytest.mark.parametrize("model", ["p3at-sh", "p3dx-sh"])
+def test_motors_that_go_off_brake_the_wheels_before_they_let_them_roll(model: str) -> None:
+    body = powered(model)
+    world = physical(body)
+    body.drive.linear.go(0.3)
+    run(world, 3.0)
+    x = body.robot_in_world.x
+    body.enable_motors(on=False)
+    run(world, 0.6)
+    assert body.robot_in_world.x - x < 0.04
+    assert body.speeds[0] == pytest.approx(0.0, abs=0.01)
 
 
 def test_a_box_is_pushed_and_a_person_is_not() -> None:
