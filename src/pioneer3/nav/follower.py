@@ -59,6 +59,8 @@ FACING = radians(25)
 """Farther off the goal it turns first [rad]."""
 BRISK = 0.7
 """Share of the robot's deceleration that it brakes its last turn with."""
+SETTLE = 0.3
+"""Time constant of the end of a turn [s]: wheels follow late, and slip when they brake."""
 SLOWING = 0.3
 """Deceleration towards the goal [m/s^2]."""
 STANDING, TURNING = 0.01, radians(2)
@@ -312,5 +314,5 @@ class Follower:
     def _rate(self, off: float) -> float:
         """Return the turn rate for the rest of a turn [rad/s]."""
         rate = sqrt(2 * BRISK * self.limits.turn_deceleration * abs(off))
-        rate = max(SLOWEST_TURN, min(rate, self._fastest_turn))
+        rate = max(SLOWEST_TURN, min(rate, abs(off) / SETTLE, self._fastest_turn))
         return rate if off > 0 else -rate
