@@ -85,7 +85,7 @@ class Together:
     @property
     def speeds(self) -> list[float]:
         """How fast each really goes [m/s]."""
-        return [body.drive.linear.velocity for body in self.bodies]
+        return [body.speeds[0] for body in self.bodies]
 
     def pose(self, number: int) -> Pose2:
         """Return where a robot is in the world."""

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from math import hypot
 from types import TracebackType
 from typing import Self
 
@@ -12,7 +13,7 @@ from pioneer3.arcos import commands
 from pioneer3.arcos.commands import Command
 from pioneer3.arcos.packet import PacketReader, encode
 from pioneer3.errors import LinkError, MotionError, PortNotFoundError
-from pioneer3.geometry import ORIGIN, Pose2
+from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.links import Link
 from pioneer3.links.memory import Fault, MemoryLink, clean, null_modem
 from pioneer3.maps import LineMap
@@ -29,6 +30,12 @@ from pioneer3.sim.worldfile.spec import Physics
 
 TICK = 0.02
 SYNCS = (0, 1, 2)
+STILL = 2e-3
+"""What has moved by less stands where it was [m, rad]."""
+SLOW = 0.02
+"""What is slower stands, as people see it [m/s, rad/s]."""
+OUTLINE = 0.06
+"""A robot's body ends at most so far within the outline that ARIA gives it [m]."""
 
 
 def frame(command: Command) -> bytes:
@@ -44,6 +51,12 @@ def decoded(data: bytes) -> list[Command]:
 def wall_at(x: float) -> LineMap:
     """Return a map with one wall across the x axis."""
     return LineMap(name="wall", walls=np.array([[x, -5.0, x, 5.0]]))
+
+
+def is_at(pose: Pose2, place: Pose2) -> bool:
+    """Return whether a robot at `pose` is where it should be."""
+    away = hypot(pose.x - place.x, pose.y - place.y)
+    return away < STILL and abs(wrap(pose.theta - place.theta)) < STILL
 
 
 @dataclass
@@ -160,8 +173,8 @@ class SimulatedRobot:
 
     @property
     def speed(self) -> float:
-        """True speed [m/s]."""
-        return self.body.drive.linear.velocity
+        """Speed by its wheels [m/s]."""
+        return self.body.speeds[0]
 
     @property
     def powered(self) -> bool:

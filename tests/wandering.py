@@ -101,8 +101,8 @@ class Watch:
         """Note the step just taken."""
         sim, log = self._sim, self.log
         body, before = sim.body, self._twist
-        pose, drive = body.robot_in_world, body.drive
-        self._twist = Twist2(drive.linear.velocity, drive.angular.velocity)
+        pose = body.robot_in_world
+        self._twist = Twist2(*body.speeds)
         touched = bool(body.drives.flags.item(TOUCHED, body.number))
         if touched and not self._touched:
             speed = _contact_speed(sim, pose, before)

@@ -113,7 +113,7 @@ def in_thread(live: AbstractAsyncContextManager[T]) -> Iterator[T]:
 
 def speed(product: Product) -> float:
     """Return how fast the simulated robot really moves [m/s]."""
-    return abs(product.simulation.body.drive.linear.velocity)
+    return abs(product.simulation.body.speeds[0])
 
 
 def until(condition: Callable[[], bool], patience: float = PATIENCE) -> float:

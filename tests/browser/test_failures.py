@@ -116,7 +116,7 @@ def test_two_pages_that_fight_for_control_do_not_mix(page: Page, product: Produc
     drive(page, product)
     second.keyboard.down("ArrowDown")
     expect(second.locator("#toast")).to_contain_text("has control")
-    assert product.simulation.body.drive.linear.velocity > 0.25
+    assert product.simulation.body.speeds[0] > 0.25
     second.keyboard.up("ArrowDown")
     second.locator("#driver").click()
     second.locator("#lease-take-over").click()
@@ -124,11 +124,11 @@ def test_two_pages_that_fight_for_control_do_not_mix(page: Page, product: Produc
     expect(page.locator("#toast")).to_contain_text("took over")
     still_stands(page, product)  # though the first still holds its key
     second.locator("#people-close").click()
-    hold(second, "ArrowDown", lambda: product.simulation.body.drive.linear.velocity < -0.25)
+    hold(second, "ArrowDown", lambda: product.simulation.body.speeds[0] < -0.25)
     page.keyboard.up("ArrowUp")
     page.keyboard.down("ArrowUp")  # and presses again, in vain
     expect(page.locator("#toast")).to_contain_text("has control")
-    assert product.simulation.body.drive.linear.velocity < -0.25
+    assert product.simulation.body.speeds[0] < -0.25
     assert stopped_after(product, lambda: second.keyboard.press("Space")) < BAR
 
 
@@ -162,10 +162,10 @@ def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_bac
         with serving(simulation.url, port) as server:
             page.goto(f"http://127.0.0.1:{port}")
             wait_for_the_robot(page)
-            hold(page, "ArrowUp", lambda: body.drive.linear.velocity > 0.25)
+            hold(page, "ArrowUp", lambda: body.speeds[0] > 0.25)
             began = simulation.world.time
             server.send_signal(how)
-            until(lambda: body.drive.linear.velocity == 0.0)
+            until(lambda: body.speeds[0] == 0.0)
             assert simulation.world.time - began < bar
             expect(page.locator("#overlay-title")).to_have_text("Connection lost")
             expect(page.locator("#overlay-text")).to_contain_text("stops by itself")
@@ -173,8 +173,8 @@ def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_bac
         with serving(simulation.url, port):
             until(lambda: page.evaluate("window.pioneer3.state.live"), 20.0)
             later(page)
-            assert body.drive.linear.velocity == 0.0  # the key that was held all the time
+            assert body.speeds[0] == 0.0  # the key that was held all the time
             page.keyboard.up("ArrowUp")
-            hold(page, "ArrowUp", lambda: body.drive.linear.velocity > 0.25)
+            hold(page, "ArrowUp", lambda: body.speeds[0] > 0.25)
             page.keyboard.up("ArrowUp")
         context.close()

@@ -198,10 +198,10 @@ def test_one_of_an_unknown_layout_is_shown_and_not_used(browser: Browser, produc
 def test_the_gamepad_goes_before_keys_and_leaves_none_behind(
     player: Visit, product: Product
 ) -> None:
-    hold(player.page, "ArrowDown", lambda: product.simulation.body.drive.linear.velocity < -0.25)
+    hold(player.page, "ArrowDown", lambda: product.simulation.body.speeds[0] < -0.25)
     player.stick(*FORWARD)
     player.button(DEADMAN)
-    until(lambda: product.simulation.body.drive.linear.velocity > 0.25)
+    until(lambda: product.simulation.body.speeds[0] > 0.25)
     assert player.source == "gamepad"
     player.button(DEADMAN, pressed=False)
     stands(player, product)  # although the key is still held
@@ -211,7 +211,7 @@ def test_the_gamepad_goes_before_keys_and_leaves_none_behind(
     player.page.keyboard.down("ArrowDown")
     later(player.page, 3)
     assert player.source == "gamepad"
-    assert product.simulation.body.drive.linear.velocity > 0.25
+    assert product.simulation.body.speeds[0] > 0.25
     player.button(DEADMAN, pressed=False)
     stands(player, product)
     player.page.keyboard.up("ArrowDown")

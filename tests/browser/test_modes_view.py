@@ -125,9 +125,9 @@ def test_an_arrow_that_is_held_comes_before_the_mode_which_goes_on_afterwards(
     modes.locator("#wander-start").click()
     until(lambda: speed(product) > 0.1)
     modes.keyboard.down("ArrowDown")
-    until(lambda: product.simulation.body.drive.linear.velocity < -0.2)
+    until(lambda: product.simulation.body.speeds[0] < -0.2)
     modes.keyboard.up("ArrowDown")
-    until(lambda: product.simulation.body.drive.linear.velocity > 0.1)
+    until(lambda: product.simulation.body.speeds[0] > 0.1)
     assert running(product) == "wander"
 
 

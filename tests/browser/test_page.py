@@ -34,18 +34,18 @@ def test_the_robot_is_drawn_where_the_simulator_has_it(page: Page, product: Prod
 def test_a_held_arrow_moves_and_letting_go_stops_within_300_ms(
     page: Page, product: Product
 ) -> None:
-    linear, angular = product.simulation.body.drive.linear, product.simulation.body.drive.angular
+    body = product.simulation.body
     moves: dict[str, Callable[[], bool]] = {
-        "ArrowUp": lambda: linear.velocity > 0.25,
-        "ArrowDown": lambda: linear.velocity < -0.25,
-        "ArrowLeft": lambda: angular.velocity > 0.5,
-        "ArrowRight": lambda: angular.velocity < -0.5,
+        "ArrowUp": lambda: body.speeds[0] > 0.25,
+        "ArrowDown": lambda: body.speeds[0] < -0.25,
+        "ArrowLeft": lambda: body.speeds[1] > 0.5,
+        "ArrowRight": lambda: body.speeds[1] < -0.5,
     }
     for key, moving in moves.items():
         page.keyboard.down(key)
         until(moving)
         page.keyboard.up(key)
-        took = until(lambda: linear.velocity == angular.velocity == 0.0)
+        took = until(lambda: body.speeds == (0.0, 0.0))
         assert took < 0.3 + SLACK, key
 
 

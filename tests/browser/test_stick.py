@@ -68,16 +68,16 @@ def test_the_stick_drives_in_proportion_up_to_the_sliders(phone: Visit, product:
 
 
 def test_the_stick_drives_the_way_it_points(phone: Visit, product: Product) -> None:
-    drive = product.simulation.body.drive
+    body = product.simulation.body
 
     def goes(forward: int, left: int) -> bool:
-        return drive.linear.velocity * forward > 0.2 or drive.angular.velocity * left > 0.4
+        return body.speeds[0] * forward > 0.2 or body.speeds[1] * left > 0.4
 
     for forward, left in ((0, 1), (0, -1), (-1, 0)):
         push(phone, forward, left)
         until(partial(goes, forward, left))
         phone.touch("touchEnd")
-        until(lambda: drive.linear.velocity == drive.angular.velocity == 0.0)
+        until(lambda: body.speeds == (0.0, 0.0))
 
 
 def test_a_finger_that_comes_down_off_the_middle_moves_nothing_by_itself(

@@ -156,11 +156,11 @@ def test_tipping_drives_and_letting_go_stops(phone: Visit, product: Product) -> 
 
 
 def test_each_way_of_turning_the_phone_drives_its_way(phone: Visit, product: Product) -> None:
-    drive = product.simulation.body.drive
+    body = product.simulation.body
 
     def goes(v: int, w: int) -> bool:
-        turns = drive.angular.velocity == pytest.approx(0.6 * w, abs=0.02)  # whole degrees
-        return turns and drive.linear.velocity == pytest.approx(0.3 * v)
+        turns = body.speeds[1] == pytest.approx(0.6 * w, abs=0.02)  # whole degrees
+        return turns and body.speeds[0] == pytest.approx(0.3 * v)
 
     ways = {(0.0, 45.0, 0.0): (-1, 0), (45.0, 0.0, 0.0): (0, 1), (315.0, 0.0, 0.0): (0, -1)}
     for angles, way in ways.items():

@@ -30,7 +30,7 @@ def product() -> Iterator[Product]:
 
 def speeds(product: Product) -> list[float]:
     """Return how fast each robot really moves [m/s]."""
-    return [abs(robot.body.drive.linear.velocity) for robot in product.simulation.robots]
+    return [abs(robot.body.speeds[0]) for robot in product.simulation.robots]
 
 
 def chosen(page: Page) -> list[int]:

@@ -46,11 +46,11 @@ class Person:
 
     @property
     def speed(self) -> float:
-        return self.simulation.body.drive.linear.velocity
+        return self.simulation.body.speeds[0]
 
     @property
     def turn_rate(self) -> float:
-        return self.simulation.body.drive.angular.velocity
+        return self.simulation.body.speeds[1]
 
     @property
     def standing(self) -> bool:

@@ -8,7 +8,7 @@ import gc
 import hashlib
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, pi, radians
 from random import Random
 
@@ -17,14 +17,14 @@ from pioneer3.arcos.commands import Command, RequestMode, SimLaserMode
 from pioneer3.arcos.packet import PacketReader
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap
-from pioneer3.models import load_model
+from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.kernels import Kernels
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import load_map
 from tests.e2e.plain_client import SYNCS
-from tests.support import frame
+from tests.support import OUTLINE, frame
 
 TICK = 0.02
 TICKS_PER_CYCLE = 5
@@ -203,9 +203,9 @@ def troubles_of(world: World) -> list[str]:
     bounds = world.map.bounds
     troubles = []
     for number, body in enumerate(world.robots):
-        here, odometry, drive = body.robot_in_world, body.robot_in_odom, body.drive
+        here, odometry = body.robot_in_world, body.robot_in_odom
         numbers = [here.x, here.y, here.theta, odometry.x, odometry.y, odometry.theta]
-        numbers += [drive.linear.velocity, drive.angular.velocity, body.battery.voltage]
+        numbers += [*body.speeds, body.battery.voltage]
         if not all(map(isfinite, numbers)):
             troubles.append(f"robot {number} at {world.time:.1f} s: not finite: {numbers}")
         elif not (bounds[0] < here.x < bounds[2] and bounds[1] < here.y < bounds[3]):
@@ -214,12 +214,19 @@ def troubles_of(world: World) -> list[str]:
 
 
 def stuck(world: World) -> list[int]:
-    """Return the robots that stand in something."""
+    """Return the robots that stand in something: bodies with mass end within their outlines."""
+    within = OUTLINE if world.dynamics.has_slip else 0.0
+    bodies = [Body(smaller(body.model, within), body.robot_in_world) for body in world.robots]
+    there = World(world.map, bodies)
     return [
-        number
-        for number, body in enumerate(world.robots)
-        if not world.is_free(body, body.robot_in_world)
+        number for number, body in enumerate(bodies) if not there.is_free(body, body.robot_in_world)
     ]
+
+
+def smaller(model: RobotModel, by: float) -> RobotModel:
+    """Return a model whose outline ends earlier by a length [m] on all sides."""
+    front, rear = model.length_front - by, model.length_rear - by
+    return replace(model, length_front=front, length_rear=rear, width=model.width - 2 * by)
 
 
 def _blocks() -> int:

@@ -302,12 +302,12 @@ async def test_run_that_is_ended_while_driving_says_goodbye_to_the_robot(
                         await asyncio.sleep(0.05)
 
                 holding = asyncio.ensure_future(hold())
-                await until(lambda: body.drive.linear.velocity > 0.2)
+                await until(lambda: body.speeds[0] > 0.2)
                 code, stderr = await command.end(number)
                 assert (code, stderr) == (128 + number, "")
                 await asyncio.wait([holding])
                 assert holding.exception() is not None  # the page has been closed
-        await until(lambda: body.drive.linear.velocity == 0.0)
+        await until(lambda: body.speeds[0] == 0.0)
         assert not body.drive.powered
         assert any(isinstance(command, Vel) and command.speed > 0 for command in wire.commands)
         assert wire.commands[-4:] == [Stop(), Enable(on=False), Sonar(on=False), Close()]

@@ -263,7 +263,7 @@ class TestTeleop:
             await asyncio.sleep(2)
             turned = degrees(the.sim.body.robot_in_world.theta) * sign
             assert 30 < turned < 60, turned
-            assert the.sim.body.drive.angular.velocity == 0
+            assert the.sim.body.speeds[1] == 0
 
     async def test_the_guarded_one_stops_before_a_wall(self) -> None:
         async with demo(wall_at(2.0)) as the:
@@ -638,7 +638,7 @@ class TestActs:
             await the.press("z")
             await until(lambda: the.sim.speed > 0.1)
             assert "movement on" in the.row.line
-            assert the.sim.body.drive.angular.velocity < 0  # the blob is on the right
+            assert the.sim.body.speeds[1] < 0  # the blob is on the right
             await the.press("space")
             await until(lambda: the.sim.speed == 0)
             assert "movement off" in the.row.line

@@ -130,11 +130,11 @@ class TestPlain:
                 ):
                     lines.append((await process.stdout.readline()).decode().rstrip("\n"))
                 process.stdin.write(UP * 10)
-                await until(lambda: running.body.drive.linear.velocity > 0.2)
+                await until(lambda: running.body.speeds[0] > 0.2)
                 process.stdin.write(b"s")
                 while "SONAR" not in lines[-1] and "mode: sonar" not in lines[-1]:
                     lines.append((await process.stdout.readline()).decode().rstrip("\n"))
-                await until(lambda: running.body.drive.linear.velocity == 0)
+                await until(lambda: running.body.speeds[0] == 0)
                 process.stdin.close()
                 out, err = await process.communicate()
         assert process.returncode == 0

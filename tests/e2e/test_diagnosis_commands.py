@@ -8,6 +8,7 @@ from math import isclose
 import pytest
 
 from pioneer3.sim.server.start import simulator
+from tests.support import is_at
 
 pytestmark = pytest.mark.realtime
 
@@ -42,7 +43,7 @@ async def test_monitor_prints_a_reading_a_line_and_moves_nothing() -> None:
     async with simulator(port=0) as simulated:
         before = simulated.body.robot_in_world
         code, out, _ = await pioneer3("monitor", "--json", "--seconds", "1", "-p", simulated.url)
-        assert simulated.body.robot_in_world == before
+        assert is_at(simulated.body.robot_in_world, before)
         assert not simulated.body.drive.powered
     readings = [json.loads(line) for line in out.splitlines()]
     sequence = [reading["snapshot"]["sequence"] for reading in readings]

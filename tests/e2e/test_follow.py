@@ -130,7 +130,7 @@ async def test_it_stands_still_before_somebody_who_does(model: str, aside: float
         sim.world.remove_obstacle(person)
         person = sim.world.add_obstacle(Person(path=path[1:]))
         await asyncio.sleep(4.0)
-        sim.stepped = lambda: turned.append(abs(sim.body.drive.angular.velocity))
+        sim.stepped = lambda: turned.append(abs(sim.body.speeds[1]))
         await asyncio.sleep(6.0)
     gap, _ = gap_to(person.pose, sim.body)
     assert gap == pytest.approx(0.3, abs=0.05)

@@ -33,16 +33,15 @@ async def test_a_gamepad_drives_is_unplugged_and_comes_back(kernel: Kernel) -> N
     path = kernel.add(4, "Test Pad")
     told: list[str] = []
     async with simulator(port=0) as running, connect_async(running.url) as robot:
-        wheels = running.body.drive.linear
         driving = asyncio.ensure_future(GamepadDriver(robot, open_gamepad, read, told.append).run())
         for news in (1, 3):
             await until(partial(has_come, told, news))
             hand = os.open(path, os.O_WRONLY)
             os.write(hand, bytes_of((EV_ABS, ABS_Y, -32768), (EV_KEY, BTN_TL, 1)))
-            await until(lambda: wheels.velocity > 0.3)
+            await until(lambda: running.body.speeds[0] > 0.3)
             path.rename(path.with_name("gone"))
             os.close(hand)
-            await until(lambda: wheels.velocity == 0.0)
+            await until(lambda: running.body.speeds[0] == 0.0)
             assert told[-1] == "the gamepad is gone: the robot stops; waiting for it"
             path.with_name("gone").rename(path)
         driving.cancel()

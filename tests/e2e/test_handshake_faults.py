@@ -19,7 +19,18 @@ from pioneer3.links.serial import SPEEDS, remembered_speed
 from pioneer3.models import load_model
 from pioneer3.robot.session import Session
 from pioneer3.runtime.connect import connect_async
-from tests.support import TICK, First, SimulatedRobot, corrupted, doubled, frame, hold, lost, until
+from tests.support import (
+    TICK,
+    First,
+    SimulatedRobot,
+    corrupted,
+    doubled,
+    frame,
+    hold,
+    is_at,
+    lost,
+    until,
+)
 
 SYNCS = [bytes.fromhex(sync) for sync in ("fafb03000000", "fafb03010001", "fafb03020002")]
 SYNC_NAMES = ["SYNC0", "SYNC1", "SYNC2"]
@@ -127,7 +138,7 @@ async def test_a_robot_that_the_watchdog_holds_is_stopped_before_it_hears_anythi
         before = robot.body.robot_in_world
         async with connect_async(robot.open):
             await asyncio.sleep(1.0)
-            assert robot.body.robot_in_world == before
+            assert is_at(robot.body.robot_in_world, before)
 
 
 async def test_at_the_speeds_that_give_noise_nothing_is_sent() -> None:

@@ -272,7 +272,7 @@ async def test_a_terminal_beside_tcp_serves_whoever_comes_first() -> None:
         async with connect_async(paths[1]) as driver:
             assert await hold(driver, 0.2, seconds=0.5) == 0
             assert here.ports[1].peer == paths[1]
-            assert here.bodies[1].drive.linear.velocity > 0.1
+            assert here.bodies[1].speeds[0] > 0.1
             late = await Host.connect(here.number(1))
             assert not await late.open()
             await late.close()

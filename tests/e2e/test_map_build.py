@@ -72,7 +72,7 @@ async def test_a_robot_explores_all_rooms_and_its_map_shows_their_walls() -> Non
         assert unreachable == ()
         assert robot.arbiter.mode is None
         await asyncio.sleep(1.0)
-        assert sim.body.drive.linear.velocity == 0.0
+        assert sim.body.speeds[0] == 0.0
         state = builder.state.latest
     assert state is not None
     assert not state.exploring
@@ -109,7 +109,7 @@ async def test_a_stop_ends_the_exploration_also_while_it_looks_for_the_next_edge
             await asyncio.sleep(4.0)
             now = sim.body.robot_in_world
             assert hypot(now.x - here.x, now.y - here.y) < 0.3
-            assert sim.body.drive.linear.velocity == 0.0
+            assert sim.body.speeds[0] == 0.0
 
 
 async def test_hands_on_the_stick_come_first_and_then_it_goes_on() -> None:
@@ -119,7 +119,7 @@ async def test_hands_on_the_stick_come_first_and_then_it_goes_on() -> None:
         for _ in range(20):
             robot.drive(0.0, 0.4)
             await asyncio.sleep(0.1)
-        assert sim.body.drive.linear.velocity == pytest.approx(0.0, abs=0.01)
+        assert sim.body.speeds[0] == pytest.approx(0.0, abs=0.01)
         await exploring
 
 

@@ -105,7 +105,7 @@ async def test_a_signal_stops_a_robot_that_wanders(number: signal.Signals, code:
             while "constant velocity" not in await command.line():
                 pass
             assert (await command.end(number))[0] == code
-        await until(lambda: simulated.body.drive.linear.velocity == 0.0)
+        await until(lambda: simulated.body.speeds[0] == 0.0)
         await until(lambda: not simulated.body.drive.powered)
 
 

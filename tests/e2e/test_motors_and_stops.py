@@ -11,7 +11,18 @@ from pioneer3.arcos.reports import Sip
 from pioneer3.errors import MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
-from tests.support import First, SimulatedRobot, frame, hold, lost, until, wall_at
+from tests.support import (
+    OUTLINE,
+    SLOW,
+    First,
+    SimulatedRobot,
+    frame,
+    hold,
+    is_at,
+    lost,
+    until,
+    wall_at,
+)
 
 ON, OFF = frame(commands.Enable(on=True)), frame(commands.Enable(on=False))
 PAUSE = 0.6
@@ -24,18 +35,14 @@ def now() -> float:
 
 async def stands(robot: SimulatedRobot, within: float) -> float:
     """Wait until the robot stands; return how long that took."""
-    return await until(lambda: not any(velocities(robot)), within)
-
-
-def velocities(robot: SimulatedRobot) -> tuple[float, float]:
-    return robot.body.drive.linear.velocity, robot.body.drive.angular.velocity
+    return await until(lambda: max(map(abs, robot.body.speeds)) < SLOW, within)
 
 
 async def test_connecting_leaves_the_motors_off_and_everything_still() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         await asyncio.sleep(3)
         assert not robot.powered
-        assert robot.body.robot_in_world == Pose2()
+        assert is_at(robot.body.robot_in_world, Pose2())
         assert ON not in robot.wires[0].data
         assert driver.why_not_moving() == "Nothing is asked of it, and the motors are off."
 
@@ -87,7 +94,7 @@ async def test_motors_that_never_come_on_are_named_by_whoever_needs_them() -> No
             await driver.motors(on=True)
         with pytest.raises(MotionError, match="motors"):
             await driver.move(0.5)
-        assert robot.body.robot_in_world == Pose2()
+        assert is_at(robot.body.robot_in_world, Pose2())
         robot.to_robot = lambda data: (data,)
         await asyncio.sleep(PAUSE)
         await hold(driver, 0.2)  # what kept them off is mended: a fresh command tries again
@@ -101,7 +108,7 @@ async def test_a_stop_button_ends_motion_and_releasing_it_starts_nothing() -> No
         await asyncio.sleep(0.5)
         robot.body.stop_button = True
         await stands(robot, within=0.5)
-        await asyncio.sleep(0.2)
+        await asyncio.sleep(0.5)
         assert "stop button" in str(driver.why_not_moving())
         await asyncio.sleep(1)
         already = robot.wires[0].data.count(ON)
@@ -109,7 +116,7 @@ async def test_a_stop_button_ends_motion_and_releasing_it_starts_nothing() -> No
         stood_at = robot.body.robot_in_world
         assert await holding > 10
         await asyncio.sleep(2)
-        assert robot.body.robot_in_world == stood_at
+        assert is_at(robot.body.robot_in_world, stood_at)
         assert robot.wires[0].data.count(ON) == already
         assert not robot.powered
         assert await hold(driver, 0.3) == 0
@@ -143,8 +150,8 @@ async def test_driving_into_a_wall_ends_in_a_stall_that_a_held_stick_does_not_re
         connect_async(robot.open) as driver,
     ):
         await hold(driver, 0.3, seconds=8)
-        touching = 1.0 - robot.body.model.length_front
-        assert robot.body.robot_in_world.x == pytest.approx(touching, abs=0.01)
+        touching = robot.body.robot_in_world.x
+        assert touching == pytest.approx(1.0 - robot.body.model.length_front, abs=OUTLINE)
         assert not robot.body.stalled  # it does not push any more
         assert "stalled" in str(driver.why_not_moving())
         await asyncio.sleep(PAUSE)
@@ -173,8 +180,8 @@ async def test_a_move_into_a_wall_says_that_the_wheels_stalled() -> None:
     ):
         with pytest.raises(MotionError, match="move: the wheels stalled"):
             await driver.move(2.0)
+        touching = robot.body.robot_in_world.x
         await driver.move(-0.3)
-        touching = 1.0 - robot.body.model.length_front
         assert robot.body.robot_in_world.x == pytest.approx(touching - 0.3, abs=0.01)
 
 
@@ -211,23 +218,23 @@ async def test_a_front_bumper_keeps_the_robot_from_pushing_on_but_not_from_leavi
             driver.stop()
             await stands(robot, within=1.5)
             await hold(driver, 0.0, radians(30))
-            assert robot.body.drive.angular.velocity > radians(20)
+            assert robot.body.speeds[1] > radians(20)
 
 
 async def test_the_emergency_stop_brakes_hard_switches_off_and_latches() -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         await hold(driver, 0.6, seconds=3)
-        assert robot.speed == pytest.approx(0.6)
+        assert robot.speed == pytest.approx(0.6, abs=0.01)
         driver.emergency_stop()
         holding = asyncio.ensure_future(hold(driver, 0.6, seconds=5))
-        await stands(robot, within=0.3)  # 0.6 m/s at 4 m/s^2, not at 0.3
+        await stands(robot, within=0.5)  # as hard as it can, not at 0.3 m/s^2
         await asyncio.sleep(1)
         assert not robot.powered
         assert "emergency stop is latched" in str(driver.why_not_moving())
         driver.reset_emergency_stop()
         stood_at = robot.body.robot_in_world
         await holding
-        assert robot.body.robot_in_world == stood_at  # the stick was held through the reset
+        assert is_at(robot.body.robot_in_world, stood_at)  # the stick was held through the reset
         assert not robot.powered
         await asyncio.sleep(PAUSE)
         assert await hold(driver, 0.2) == 0
@@ -280,6 +287,7 @@ async def test_a_command_that_is_not_renewed_ends_in_a_stop() -> None:
         await hold(driver, 0.3, seconds=2)
         braking = 0.3 / driver.info.limits.deceleration
         assert await stands(robot, within=EXPIRY + braking + 0.1) > EXPIRY - 0.1 - 0.02
+        await asyncio.sleep(0.2)
         assert "expired after 0.5 s" in str(driver.why_not_moving())
 
 
@@ -309,7 +317,7 @@ async def test_the_watchdog_stops_a_robot_whose_host_is_gone_and_any_packet_revi
         for command in (commands.Open(), commands.Enable(on=True), commands.Vel(0.3)):
             await link.write(frame(command))
         await asyncio.sleep(1.9)
-        assert robot.speed == pytest.approx(0.3)
+        assert robot.speed == pytest.approx(0.3, abs=0.01)
         await asyncio.sleep(0.2 + 0.3 / 0.3)
         assert robot.speed == 0
         assert robot.body.drive.held
@@ -317,7 +325,7 @@ async def test_the_watchdog_stops_a_robot_whose_host_is_gone_and_any_packet_revi
         assert robot.speed == 0
         await link.write(frame(commands.Pulse()))
         await asyncio.sleep(1.5)
-        assert robot.speed == pytest.approx(0.3)
+        assert robot.speed == pytest.approx(0.3, abs=0.01)
         await link.write(frame(commands.Stop()))
         await stands(robot, within=1.1)
 

@@ -84,7 +84,7 @@ async def test_a_second_client_is_turned_away_and_the_first_lives(station: Stati
         await second.write(frame(commands.EStop()) + frame(commands.Enable(on=False)))
         assert await second.read() == b""
         await hold(driver, 0.2)
-        assert station.firmware.body.drive.linear.velocity == pytest.approx(0.2)
+        assert station.firmware.body.speeds[0] == pytest.approx(0.2)
 
 
 async def test_a_hundred_sessions_one_after_the_other(station: Station) -> None:
@@ -105,7 +105,7 @@ async def driven_and_killed(station: Station) -> None:
     link = station.plug_in()
     await link.write(SYNCS + OPEN + frame(commands.Enable(on=True)) + frame(commands.Vel(0.3)))
     await asyncio.sleep(1.0)
-    assert station.firmware.body.drive.linear.velocity > 0.2
+    assert station.firmware.body.speeds[0] > 0.2
     await link.close()
 
 
@@ -113,7 +113,7 @@ async def test_a_client_that_vanishes_from_the_network_ends_its_session(station:
     await driven_and_killed(station)
     await asyncio.sleep(2 * TICK + 0.3 / 4.0)  # wheels without power
     assert not station.firmware.body.drive.powered
-    assert station.firmware.body.drive.linear.velocity == 0
+    assert station.firmware.body.speeds[0] == 0
     async with connect_async(station.open) as driver:
         assert await hold(driver, 0.2) == 0
 
@@ -131,7 +131,7 @@ async def test_a_program_of_arias_is_served_at_once_after_one_that_was_killed(
     assert b"MobileSim" in await link.read()
     assert not station.firmware.body.drive.powered
     await asyncio.sleep(0.1)
-    assert station.firmware.body.drive.linear.velocity == 0
+    assert station.firmware.body.speeds[0] == 0
 
 
 async def test_a_session_that_is_kept_goes_on_until_the_watchdog_ends_it() -> None:
@@ -139,10 +139,10 @@ async def test_a_session_that_is_kept_goes_on_until_the_watchdog_ends_it() -> No
     await driven_and_killed(station)
     body = station.firmware.body
     await asyncio.sleep(0.9)
-    assert body.drive.linear.velocity > 0  # it cannot know yet
+    assert body.speeds[0] > 0  # it cannot know yet
     await asyncio.sleep(0.2 + 0.3 / 4.0)  # the watchdog, and wheels without power
     assert not body.drive.powered
-    assert body.drive.linear.velocity == 0
+    assert body.speeds[0] == 0
     async with connect_async(station.open) as driver:
         assert await hold(driver, 0.2) == 0
     await station.close()
@@ -157,7 +157,7 @@ async def test_a_driver_that_comes_at_once_after_one_that_vanished_is_served(
     await asyncio.sleep(0)
     async with connect_async(station.open) as driver:
         await asyncio.sleep(1.0)
-        assert station.firmware.body.drive.linear.velocity == 0
+        assert station.firmware.body.speeds[0] == 0
         assert await hold(driver, 0.2) == 0
     await station.close()
 
@@ -282,7 +282,7 @@ async def test_a_robot_that_fails_is_cut_off_and_the_others_live(
         await heard(ours, 0.2)
         await ours.write(frame(commands.Enable(on=True)) + frame(commands.Vel(0.1)))
     await asyncio.sleep(0.5)
-    assert world.robots[0].drive.linear.velocity > 0
+    assert world.robots[0].speeds[0] > 0
 
     def broken(now: float) -> None:
         raise RuntimeError("a defect")
@@ -293,7 +293,7 @@ async def test_a_robot_that_fails_is_cut_off_and_the_others_live(
     await asyncio.sleep(1.0)
     assert [port.connected for port in simulation.ports] == [False, True]
     assert caplog.text.count("the simulated robot failed") == 1
-    assert [body.drive.linear.velocity for body in world.robots] == [0.0, 0.1]
+    assert [body.speeds[0] for body in world.robots] == [0.0, 0.1]
     for waiting in (task, *(served for _, served in links)):
         waiting.cancel()
     await asyncio.gather(task, *(served for _, served in links), return_exceptions=True)

@@ -52,7 +52,7 @@ async def test_one_that_is_lost_is_named_and_the_others_go_on() -> None:
             robot.drive(0.2)
             await asyncio.sleep(0.05)
         assert robot.snapshot is not None
-        assert left.body.drive.linear.velocity > 0.1
+        assert left.body.speeds[0] > 0.1
         assert [station.name for station in page.robots.values()] == ["left", "right"]
 
 

@@ -64,7 +64,7 @@ class Site:
 
     @property
     def speed(self) -> float:
-        return self.body.drive.linear.velocity
+        return self.body.speeds[0]
 
     async def drives(self) -> None:
         await until(lambda: self.speed >= 0.1, SOON)

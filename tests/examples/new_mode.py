@@ -37,7 +37,7 @@ async def test_the_api_lists_and_runs_it() -> None:
         asked = await script.ask("PUT", "/api/robots/1/mode", {"mode": "spin", "rate": 0.3})
         assert asked.json["mode"] == "spin"
         await asyncio.sleep(2.0)
-        assert the.sim.body.drive.angular.velocity == pytest.approx(0.3, abs=0.05)
+        assert the.sim.body.speeds[1] == pytest.approx(0.3, abs=0.05)
 
 
 def test_the_docs_have_it() -> None:

@@ -157,8 +157,8 @@ async def _serve(number: int, path: Path) -> None:
                 bodies = [robot.body for robot in here.robots]
                 rows = [
                     (
-                        round(body.drive.linear.velocity, 4),
-                        round(body.drive.angular.velocity, 4),
+                        round(body.speeds[0], 4),
+                        round(body.speeds[1], 4),
                         round(
                             hypot(
                                 body.robot_in_world.x - body.home.x,

@@ -31,7 +31,7 @@ class Drive:
 
     @property
     def speed(self) -> float:
-        return self.sim.body.drive.linear.velocity
+        return self.sim.body.speeds[0]
 
     def say(self, speed: float, sender: Sender = SOMEBODY) -> None:
         """Publish a Twist."""

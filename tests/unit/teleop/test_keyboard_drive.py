@@ -89,7 +89,7 @@ async def test_a_held_key_drives_without_a_gap(key: Key, sign: int) -> None:
 async def test_left_turns_counter_clockwise(key: Key, sign: int) -> None:
     async with seat() as the:
         await the.hold(key, 1.5)
-        assert the.sim.body.drive.angular.velocity == pytest.approx(sign * 0.5, abs=0.02)
+        assert the.sim.body.speeds[1] == pytest.approx(sign * 0.5, abs=0.02)
 
 
 async def test_space_stops_a_held_key_at_once() -> None:
@@ -143,7 +143,7 @@ async def test_keys_now_and_then_keep_a_latched_robot_going() -> None:
         the.press(Key.LEFT)
         for _ in range(5):
             await asyncio.sleep(PATIENCE - 1.0)
-            assert the.sim.body.drive.angular.velocity > 0.4
+            assert the.sim.body.speeds[1] > 0.4
             the.press(Key.FASTER)
             the.press(Key.SLOWER)
 

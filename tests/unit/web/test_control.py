@@ -57,7 +57,7 @@ async def test_a_take_over_stops_the_robot_first() -> None:
         await asyncio.sleep(EXPIRY)
         assert the.speed == 0.0
         await hold(the, BOB, BACK, 1.5)
-        assert the.sim.body.drive.linear.velocity == pytest.approx(-0.3)
+        assert the.sim.body.speeds[0] == pytest.approx(-0.3)
 
 
 async def test_a_robot_that_somebody_pushes_is_not_waited_for_for_ever() -> None:

@@ -111,19 +111,19 @@ async def test_who_lifts_the_robot_stops_it() -> None:
     async with playground() as the, Browser(the.app) as ann:
         driving = asyncio.ensure_future(ann.keep_driving(0.3, 3.0))
         await asyncio.sleep(1.5)
-        drive = the.simulation.robots[0].body.drive
-        assert drive.linear.velocity == pytest.approx(0.3)
+        body = the.simulation.robots[0].body
+        assert body.speeds[0] == pytest.approx(0.3)
         ann.say("move", id=OWN, x=0, y=3, theta=0)
         await asyncio.sleep(0.4)
         ann.say("move", id=OWN, x=0, y=4, theta=0)
         await asyncio.sleep(0.4)
-        assert drive.linear.velocity == 0.0
+        assert body.speeds[0] == 0.0
         assert the.simulation.robots[0].body.robot_in_world.y == 4.0
         assert ann.latest("refused")["message"].startswith("somebody stopped the robot")
         await driving
         ann.drive(0.0)
         await ann.keep_driving(0.3, 1.5)
-        assert drive.linear.velocity == pytest.approx(0.3)
+        assert body.speeds[0] == pytest.approx(0.3)
 
 
 async def test_nobody_lifts_a_robot_that_somebody_else_drives() -> None:
@@ -146,7 +146,7 @@ async def test_nobody_drives_a_robot_that_somebody_else_drags() -> None:
         await asyncio.sleep(TERM)
         assert bob.all("refused")[0]["message"] == "script has control"
         await bob.keep_driving(0.3, 1.5)
-        assert the.simulation.robots[0].body.drive.linear.velocity == pytest.approx(0.3)
+        assert the.simulation.robots[0].body.speeds[0] == pytest.approx(0.3)
 
 
 async def test_boxes_may_be_put_in_the_way_of_somebody_who_drives() -> None:
@@ -156,7 +156,7 @@ async def test_boxes_may_be_put_in_the_way_of_somebody_who_drives() -> None:
         bob.say("add_box", x=1.2, y=0, theta=0, length=0.5, width=2)
         await driving
         body = the.simulation.robots[0].body
-        assert body.stalled or body.drive.linear.velocity == 0.0
+        assert body.stalled or body.speeds[0] == 0.0
         assert body.robot_in_world.x < 0.95
         assert bob.all("edit_refused") == []
 
@@ -335,7 +335,7 @@ async def test_nonsense_is_refused_and_changes_nothing(type_: str, fields: dict[
         assert the.simulation.robots[0].body.robot_in_world == Pose2()
         assert not the.simulation.pace.paused
         await ann.keep_driving(0.3, 1.5)
-        assert the.simulation.robots[0].body.drive.linear.velocity == pytest.approx(0.3)
+        assert the.simulation.robots[0].body.speeds[0] == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ async def test_a_way_that_is_blocked_is_given_up_with_the_reason() -> None:
         assert newest(ann)["mode"] is None
         assert newest(ann)["ended"]["why"].startswith("something is in the way: ")
         assert not newest(ann)["ended"]["done"]
-        assert not the.simulation.body.drive.linear.velocity
+        assert not the.simulation.body.speeds[0]
 
 
 async def test_a_script_is_told_that_the_way_is_blocked() -> None:
@@ -119,7 +119,7 @@ async def test_what_the_map_forbids_is_refused(x: float, y: float, why: str) -> 
         await asyncio.sleep(SOON)
         assert ann.latest("refused")["message"] == why
         assert newest(ann)["mode"] is None
-        assert the.simulation.robots[0].body.drive.linear.velocity == 0.0
+        assert the.simulation.robots[0].body.speeds[0] == 0.0
 
 
 async def test_a_wall_in_the_way_is_told_but_not_forbidden() -> None:
@@ -132,25 +132,25 @@ async def test_a_wall_in_the_way_is_told_but_not_forbidden() -> None:
 
 async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:
     async with playground(line_map=ROOM) as the, Browser(the.app) as bob:
-        drive = the.simulation.robots[0].body.drive
+        body = the.simulation.robots[0].body
         bob.say("goto", x=6, y=0)
         await asyncio.sleep(3.0)
-        assert drive.linear.velocity > 0.2
+        assert body.speeds[0] > 0.2
         bob.say("end_mode")
         await asyncio.sleep(1.0)
-        assert drive.linear.velocity == 0.0
+        assert body.speeds[0] == 0.0
         assert newest(bob)["mode"] is None
         async with Browser(the.app) as ann:
             bob.say("release_control")
             await asyncio.sleep(SOON)
             ann.say("goto", x=6, y=0)
             await asyncio.sleep(3.0)
-            assert drive.linear.velocity > 0.2
+            assert body.speeds[0] > 0.2
             bob.say("end_mode")
             await asyncio.sleep(SOON)
             assert bob.latest("refused")["message"].endswith("has control")
         await asyncio.sleep(1.0)
-        assert drive.linear.velocity == 0.0
+        assert body.speeds[0] == 0.0
 
 
 async def test_who_has_not_control_sends_it_nowhere() -> None:

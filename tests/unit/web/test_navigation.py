@@ -161,7 +161,7 @@ async def test_a_robot_gives_up_where_the_door_is_closed_before_it() -> None:
         assert ann.snapshot["mode"] is None
         assert ann.snapshot["ended"]["why"].startswith("the way to Kitchen is closed")
         assert where(the).x < 0.0
-        assert not the.simulation.robots[0].body.drive.linear.velocity
+        assert not the.simulation.robots[0].body.speeds[0]
 
 
 async def test_a_real_robot_began_at_home_and_is_drawn_where_it_finds_itself(
