@@ -14,7 +14,17 @@ from pioneer3.maps.grid import outline, raster_outline
 from pioneer3.maps.image import to_png
 from pioneer3.models import load_model
 from pioneer3.sim.map_check import check_world
-from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile, load_map, parse_world, to_toml
+from pioneer3.sim.relief import Carpet, Cylinder, Ramp, Step, Table
+from pioneer3.sim.worldfile import (
+    Box,
+    Person,
+    RobotSpec,
+    Wall,
+    WorldFile,
+    load_map,
+    parse_world,
+    to_toml,
+)
 
 MODEL = load_model("p3at-sh")
 YAML = b"image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0.3]\n"
@@ -41,6 +51,11 @@ TOML_KEYS = st.sampled_from(
         "start=",
         "port=",
         "[[wall]]\n",
+        "[[ramp]]\n",
+        "[[table]]\n",
+        "[[mesh]]\n",
+        "file=",
+        "height=",
         "points=[[",
         "x=",
         "loop=",
@@ -122,21 +137,52 @@ def test_whole_millimetres_survive_an_aria_map(rows: list[tuple[int, int, int, i
 METRES = st.floats(-1e4, 1e4)
 NAMES = st.text(max_size=6).filter(str.isprintable)
 POINTS = st.tuples(METRES, METRES)
+SIZES = st.tuples(st.floats(0.01, 1000), st.floats(0.01, 1000))
+HEIGHTS = st.floats(0.001, 40)
+FEET = st.floats(0, 40)
+FRICTIONS = st.floats(0.01, 3)
+PLACES = st.builds(Pose2, METRES, METRES)
+PLACED = {"pose": PLACES, "size": SIZES, "z": FEET}
+SOLIDS = st.one_of(
+    # above the ground, or a wall could go through them
+    st.builds(Step, pose=PLACES, size=SIZES, height=st.floats(0.001, 10), z=st.just(100.0)),
+    st.builds(Ramp, pose=PLACES, size=SIZES, height=st.floats(0.001, 10), z=st.just(100.0)),
+    st.builds(Carpet, friction=FRICTIONS, height=st.floats(0.006, 0.05), **PLACED),
+    st.builds(Cylinder, pose=PLACES, radius=st.floats(0.005, 500), height=HEIGHTS, z=FEET),
+    st.builds(
+        Table,
+        height=st.floats(0.5, 40),
+        thickness=st.floats(0.002, 0.4),
+        leg_width=st.just(0.005),
+        back=st.floats(0, 10),
+        **PLACED,
+    ),
+)
 WORLDS = st.builds(
-    lambda name, seed, boxes, people, robots: WorldFile(
-        name=name, seed=seed, boxes=tuple(boxes), people=tuple(people), robots=tuple(robots)
+    lambda name, seed, boxes, people, robots, solids, step, wall_height: WorldFile(
+        name=name,
+        seed=seed,
+        boxes=tuple(boxes),
+        people=tuple(people),
+        robots=tuple(robots),
+        solids=tuple(solids),
+        physics_step=step / 1e6,
+        wall_height=wall_height,
+        walls=(Wall(points=((0.0, 0.0), (1.0, 1.0)), height=wall_height / 2),),
     ),
     NAMES,
     st.none() | st.integers(0, 2**63 - 1),
     st.lists(
         st.builds(
-            lambda at, size, movable, name: Box(
-                pose=Pose2(*at), size=size, movable=movable, name=name
-            ),
-            POINTS,
-            st.tuples(st.floats(0.01, 1000), st.floats(0.01, 1000)),
-            st.booleans(),
-            NAMES,
+            Box,
+            pose=PLACES,
+            size=SIZES,
+            movable=st.booleans(),
+            name=NAMES,
+            height=st.none() | HEIGHTS,
+            z=FEET,
+            mass=st.floats(0.01, 1000),
+            friction=FRICTIONS,
         ),
         max_size=3,
     ),
@@ -156,6 +202,9 @@ WORLDS = st.builds(
         ),
         max_size=2,
     ),
+    st.lists(SOLIDS, max_size=4),
+    st.integers(500, 2500),
+    st.floats(0.002, 90),
 )
 
 

@@ -38,6 +38,10 @@ Bool = NDArray[np.bool_]
 
 WALL_THICKNESS = 0.01
 """[m]."""
+PORTION = 2000
+"""Walls are added so many at a time: the time of each grows with the number before it."""
+SHARED_OPTIONS = ("timestep", "integrator", "cone", "impratio", "disableflags")
+"""What is attached to a world has the same, else MuJoCo warns."""
 PERSON_HEIGHT, LEG_HEIGHT = 1.7, 0.85
 """[m]."""
 BASE, WALL = "base", "wall"
@@ -150,30 +154,43 @@ def _ground(spec: Any, line_map: LineMap, relief: Relief) -> None:
     """Add the floor, and a thin upright board along each segment of the map."""
     import mujoco
 
-    plane, box = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX
     spec.worldbody.add_geom(
         name="floor",
-        type=plane,
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 1],
         friction=[GROUND_FRICTION, 0.005, 0.0001],
         contype=FLOOR,
         conaffinity=0,
         group=THINGS,
     )
-    heights = relief.heights_of(line_map).tolist()
-    for number, (x0, y0, x1, y1) in enumerate(line_map.walls.tolist()):
-        length, height = hypot(x1 - x0, y1 - y0), heights[number]
-        if length > 0 and height > 0:
-            spec.worldbody.add_geom(
-                name=f"{WALL}_{number}",
-                type=box,
-                size=[length / 2, WALL_THICKNESS / 2, height / 2],
-                pos=[(x0 + x1) / 2, (y0 + y1) / 2, height / 2],
-                quat=turned(atan2(y1 - y0, x1 - x0)),
-                contype=SOLID,
-                conaffinity=SOLID,
-                group=WALLS if height >= TALL else THINGS,
-            )
+    heights = relief.heights_of(line_map)
+    for first in range(0, len(line_map.walls), PORTION):
+        portion = mujoco.MjSpec()
+        for name in SHARED_OPTIONS:
+            setattr(portion.option, name, getattr(spec.option, name))
+        walls = line_map.walls[first : first + PORTION].tolist()
+        tall = heights[first : first + PORTION].tolist()
+        for number, (wall, height) in enumerate(zip(walls, tall, strict=True), first):
+            _add_wall(portion, str(number), wall, height)
+        spec.attach(portion, prefix=f"{WALL}_", frame=spec.worldbody.add_frame())
+
+
+def _add_wall(spec: Any, name: str, wall: list[float], height: float) -> None:
+    import mujoco
+
+    x0, y0, x1, y1 = wall
+    length = hypot(x1 - x0, y1 - y0)
+    if length > 0 and height > 0:
+        spec.worldbody.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[length / 2, WALL_THICKNESS / 2, height / 2],
+            pos=[(x0 + x1) / 2, (y0 + y1) / 2, height / 2],
+            quat=turned(atan2(y1 - y0, x1 - x0)),
+            contype=SOLID,
+            conaffinity=SOLID,
+            group=WALLS if height >= TALL else THINGS,
+        )
 
 
 def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
-from pioneer3.sim.relief import HeightField, Mesh, Ramp, Step, Table
+from pioneer3.sim.relief import Cylinder, HeightField, Mesh, Ramp, Solid, Step, Table
 from pioneer3.sim.relief.outlines import NONE
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.tables import Source
@@ -61,8 +61,12 @@ class _Barriers:
         for wall in world.walls:
             height = world.wall_height if wall.height is None else wall.height
             upright.append((wall.segments, 0.0, height))
-        upright += [(b.outline, b.z, np.inf) for b in world.boxes if not b.movable]
-        upright += [(s.walls, s.z, np.inf) for s in world.solids if not s.is_ground]
+        upright += [
+            (box.outline, box.z, box.z + box.block.size[2])
+            for box in world.boxes
+            if not box.movable
+        ]
+        upright += [(s.walls, s.z, _top(s)) for s in world.solids if not s.is_ground]
         self._walls = np.concatenate([NONE, *(walls for walls, _, _ in upright)])
         lengths = [len(walls) for walls, _, _ in upright]
         self._foot = np.repeat([foot for _, foot, _ in upright], lengths)
@@ -82,6 +86,16 @@ class _Barriers:
         share = (first[hit] + last[hit]) / 2
         x, y = near[hit, :2] + share * (near[hit, 2:] - near[hit, :2])
         return float(x), float(y)
+
+
+def _top(solid: Solid) -> float:
+    match solid:
+        case Cylinder():
+            return solid.z + solid.height
+        case Table():
+            return solid.z + solid.height + solid.back
+        case _:
+            return np.inf
 
 
 def _seen_from(pose: Pose2, points: Float) -> Float:

@@ -63,7 +63,7 @@ def parse_world(path: Path, text: str) -> WorldFile:
         seed=file.world.seed,
         keep_session=file.world.keep_session,
         physics=file.world.physics,
-        physics_step=file.world.physics_step_ms / 1000,
+        physics_step=round(file.world.physics_step_ms / 1000, 9),
         wall_height=file.world.wall_height,
         robots=robots,
         boxes=boxes,
@@ -124,7 +124,7 @@ def to_toml(world: WorldFile, folder: Path) -> str:
             physics_step_ms=(
                 schema.STEP_MS
                 if world.physics_step == PHYSICS_STEP
-                else round(world.physics_step * 1000, 9)
+                else round(world.physics_step * 1000, 6)
             ),
             wall_height=world.wall_height,
         ),

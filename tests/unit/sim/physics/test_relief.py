@@ -192,6 +192,15 @@ def test_walls_and_boxes_have_their_heights_and_solids_are_not_extruded() -> Non
     assert "cylinder_0" in found
 
 
+def test_a_large_map_has_all_its_walls() -> None:
+    walls = tuple(Wall(points=((float(n), 0.0), (float(n), 1.0))) for n in range(4500))
+    world = of_file(WorldFile(name="w", walls=walls, wall_height=0.7), powered())
+    scene = dynamics_of(world).scene
+    for number in (0, 1999, 2000, 4499):
+        at = scene.data.geom(f"wall_{number}").xpos
+        assert at.tolist() == pytest.approx([number, 0.5, 0.35])
+
+
 def test_a_robot_drives_below_a_table_between_its_legs_and_stops_at_a_column() -> None:
     body = powered()
     world = physical(
