@@ -331,6 +331,10 @@ def greeting(running: "RunningSimulation") -> Iterator[str]:
             laser = robot.laser
             pty = f" and {laser.pty}" if laser.pty else ""
             yield f"LASER: {laser.model.title} on {robot.name}: laser at {laser.url}{pty}"
+    for robot in robots:
+        if robot.camera is not None:
+            camera = robot.camera
+            yield f"CAMERA: {camera.model.title} on {robot.name}: pictures at {camera.url}"
     if running.factory_url:
         yield f"SIMULATOR: a robot for every client in {where} on {running.factory_url}"
     for robot, url in zip(robots, running.acts_urls, strict=False):

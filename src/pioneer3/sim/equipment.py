@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from math import isfinite, pi
+from types import MappingProxyType
 from typing import Any, Literal
 
 from pioneer3.errors import ConfigError
@@ -14,6 +15,14 @@ TableWiring = Literal["old", "new"]
 PORTS = (1, 2, 3)
 GYRO_TYPES = (0, 1, 2)
 LAST_PORT = 65535
+PICTURE_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "picture_width": (16, 1280),
+        "picture_height": (16, 960),
+        "picture_rate": (0.1, 30.0),
+    }
+)
+"""Least and most of numbers of pictures."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +38,11 @@ class Equipment:
             IO report ("new"); `None` without.
         camera: Canon VC-C4 or Sony EVI-D30; `None` without.
         camera_port: The AUX port that the camera is connected to.
+        picture_port: TCP port of the camera's pictures, which worlds with physics have; `None` for
+            the usual one, or the next that is free.
+        picture_width: Of a picture [pixels].
+        picture_height: [pixels].
+        picture_rate: Pictures a second of simulated time [Hz].
         laser: Name of a laser range finder with a port of its own; `None` without.
         laser_port: TCP port of that; `None` for the usual one, or the next that is free.
         north: Where magnetic north lies in the world, counter-clockwise from its x axis [rad].
@@ -47,6 +61,10 @@ class Equipment:
     table_ir: TableWiring | None = None
     camera: Camera | None = None
     camera_port: int = 1
+    picture_port: int | None = None
+    picture_width: int = 320
+    picture_height: int = 240
+    picture_rate: float = 10.0
     laser: str | None = None
     laser_port: int | None = None
     north: float = pi / 2
@@ -62,8 +80,13 @@ class Equipment:
         _one_of("table_ir", self.table_ir, (None, "old", "new"))
         if self.laser is not None:
             load_laser(self.laser)
-        if self.laser_port is not None and not 0 <= self.laser_port <= LAST_PORT:
-            raise ConfigError(f"laser_port: {self.laser_port} is not a port, 1 to {LAST_PORT}")
+        for field in ("laser_port", "picture_port"):
+            port = getattr(self, field)
+            if port is not None and not 0 <= port <= LAST_PORT:
+                raise ConfigError(f"{field}: {port} is not a port, 1 to {LAST_PORT}")
+        for field, (low, high) in PICTURE_RANGES.items():
+            if not low <= getattr(self, field) <= high:
+                raise ConfigError(f"{field}: {getattr(self, field)} is not {low:g} to {high:g}")
         for field in ("north", "compass_noise", "gyro_bias", "gyro_noise"):
             if not isfinite(getattr(self, field)):
                 raise ConfigError(f"{field}: {getattr(self, field)} is not finite")
@@ -89,6 +112,10 @@ class EquipmentOptions:
         joystick: Whether there is one at the robot.
         camera: Canon VC-C4 or Sony EVI-D30.
         camera_port: The AUX port it is connected to.
+        picture_port: TCP port of its pictures.
+        picture_width: [pixels].
+        picture_height: [pixels].
+        picture_rate: [Hz].
         laser: Name of a laser range finder (:data:`pioneer3.models.lasers.LASERS`), or `none`.
         laser_port: Its TCP port.
         table_ir: The wiring of the table sensors.
@@ -105,6 +132,10 @@ class EquipmentOptions:
     joystick: bool | None = None
     camera: Literal["none"] | Camera | None = None
     camera_port: int | None = None
+    picture_port: int | None = None
+    picture_width: int | None = None
+    picture_height: int | None = None
+    picture_rate: float | None = None
     laser: str | None = None
     laser_port: int | None = None
     table_ir: Literal["none"] | TableWiring | None = None

@@ -15,7 +15,8 @@ from pioneer3.sim.worldfile.schema import EquipmentTable
 
 AT, PEOPLEBOT = load_model("p3at-sh"), load_model("peoplebot-sh")
 ALL = """{ gripper = true, compass = true, gyro = 2, bumpers = 4, joystick = true, camera = "sony",
-camera_port = 3, table_ir = "old", north_deg = 45, compass_noise_deg = 1.5,
+camera_port = 3, picture_port = 8190, picture_width = 160, picture_height = 120, picture_rate = 5,
+table_ir = "old", north_deg = 45, compass_noise_deg = 1.5,
 gyro_bias_deg_s = -0.5, gyro_noise_deg_s = 0.25 }""".replace("\n", " ")
 READ = Options(
     gripper=True,
@@ -25,6 +26,10 @@ READ = Options(
     joystick=True,
     camera="sony",
     camera_port=3,
+    picture_port=8190,
+    picture_width=160,
+    picture_height=120,
+    picture_rate=5.0,
     table_ir="old",
     north=radians(45),
     compass_noise=radians(1.5),

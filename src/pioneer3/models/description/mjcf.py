@@ -23,8 +23,10 @@ BELT: Final = (0.004, 1.0)
 REACH: Final = 0.01
 """A bumper feels what is this close to it [m]; nothing pushes it before it touches."""
 HERE: Final = Place(0.0, 0.0, 0.0, 0.0)
-CAMERA_HEIGHT: Final = 0.05
-"""Above the top plate [m]."""
+CAMERA: Final = "camera"
+"""Name of the camera."""
+CAMERA_VIEW: Final = 37.0
+"""Angle from the bottom of a picture to its top [deg]: 48 wide at 320 x 240, as a VC-C4's."""
 
 
 def mjcf_of(
@@ -64,7 +66,7 @@ def mjcf_of(
     if floor:
         _floor(world)
     base = _base(world, tree, frames, physics, solids)
-    _camera(base, model, shape)
+    _camera(base, tree.fixed_in_base()[frames.camera])
     for joint in tree.wheels:
         _wheel(base, joint, shape, physics, solids[joint.child])
     if tree.caster:
@@ -113,12 +115,12 @@ def _base(
     return base
 
 
-def _camera(base: ET.Element, model: RobotModel, shape: Shape) -> None:
-    """Add a camera that looks forward, above the front of the top plate, and its site."""
-    front = max((mount.x for mount in model.sonars), default=model.length_front / 2) - 0.05
-    at = row(front, 0.0, shape.height + CAMERA_HEIGHT)
-    ET.SubElement(base, "site", name="camera", pos=at, size="0.005", group=VISUAL)
-    ET.SubElement(base, "camera", name="camera", pos=at, xyaxes="0 -1 0 0 0 1", fovy="48")
+def _camera(base: ET.Element, place: Place) -> None:
+    """Add a camera that looks forward."""
+    ET.SubElement(
+        base, "camera", name=CAMERA, pos=row(*place[:3]), xyaxes="0 -1 0 0 0 1",
+        fovy=row(CAMERA_VIEW),
+    )  # fmt: skip
 
 
 def _wheel(

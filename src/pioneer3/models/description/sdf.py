@@ -54,7 +54,7 @@ def sdf_of(model: RobotModel, *, bumpers: tuple[int, int] | None = None, laser: 
     robot.append(ET.Comment(f" {MAKER} "))
     for joint in tree.fixed:
         frame = ET.SubElement(robot, "frame", name=joint.child, attached_to=joint.parent)
-        _pose(frame, (joint.x, joint.y, joint.z), (0.0, 0.0, joint.yaw))
+        _pose(frame, (joint.x, joint.y, joint.z), joint.rpy)
     base = _link(robot, tree.base, inertials[tree.base])
     for name in tree.fixed_in_base():
         _solids(base, name, solids.get(name, ()), on="" if name == tree.base else name)

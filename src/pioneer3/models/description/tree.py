@@ -18,6 +18,10 @@ BUMPER_HEIGHT: Final = 0.09
 """Of the middle of a bumper above the floor [m]."""
 SCAN_HEIGHT: Final = 0.116
 """Height of a laser's plane above its base: that of a SICK LMS 200 [m]."""
+LASER_TOP: Final = 0.076
+"""Height of a SICK LMS 200 above its plane [m]."""
+LENS_HEIGHT: Final = 0.05
+"""Height of a camera's lens above what the camera stands on [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +37,7 @@ class Frames:
         sonar_prefix: Before the number of a transducer, which looks along its frame's x axis.
         laser: Of the laser range finder; of others it is followed by their number.
         imu: Of the gyro.
+        camera: Of the camera: x forward, z up. Its pictures' own frame has another name.
     """
 
     odom: str = "odom"
@@ -43,6 +48,7 @@ class Frames:
     sonar_prefix: str = "sonar_"
     laser: str = "laser"
     imu: str = "imu_link"
+    camera: str = "camera_link"
 
     def transducer(self, number: int) -> str:
         """Return the frame of one sonar transducer."""
@@ -51,6 +57,11 @@ class Frames:
     def laser_frame(self, number: int) -> str:
         """Return the frame of a laser range finder; the first, number 0, has the plain name."""
         return f"{self.laser}{number + 1}" if number else self.laser
+
+    @property
+    def camera_optical(self) -> str:
+        """The frame of pictures: z forward, x to the right, y down (REP 103)."""
+        return f"{self.camera.removesuffix('_link')}_optical_frame"
 
     @property
     def bumper_link(self) -> str:
@@ -70,6 +81,10 @@ class Quaternion(NamedTuple):
     y: float
     z: float
     w: float
+
+
+OPTICAL: Final = Quaternion(-0.5, 0.5, -0.5, 0.5)
+"""From x forward, y left, z up to z forward, x right, y down (REP 103)."""
 
 
 class Place(NamedTuple):
@@ -93,6 +108,7 @@ class Joint:
         y: To the left.
         z: Up.
         yaw: Of the child in the parent's frame, counter-clockwise seen from above [rad].
+        optical: Whether the child is the optical frame of a camera, with the z axis forward.
         axis: About which it turns without end; empty for a joint that never moves.
     """
 
@@ -103,12 +119,20 @@ class Joint:
     y: float = 0.0
     z: float = 0.0
     yaw: float = 0.0
+    optical: bool = False
     axis: Literal["", "y", "z"] = ""
+
+    @property
+    def rpy(self) -> tuple[float, float, float]:
+        """Roll, pitch and yaw of the child in the parent's frame [rad]."""
+        return (-pi / 2, 0.0, -pi / 2) if self.optical else (0.0, 0.0, self.yaw)
 
     def rotation(self, turned: float = 0.0) -> Quaternion:
         """Return the rotation of the child; that of a wheel has `turned` about its y axis [rad]."""
         if self.axis == "y":
             return Quaternion(0.0, sin(turned / 2), 0.0, cos(turned / 2))
+        if self.optical:
+            return OPTICAL
         return Quaternion(0.0, 0.0, sin(self.yaw / 2), cos(self.yaw / 2))
 
 
@@ -141,10 +165,10 @@ class Tree:
     def fixed_in_base(self) -> dict[str, Place]:
         """Return the place on the base of every link that never moves; the base's own is all 0.
 
-        Fixed links turn about the z axis only.
+        Fixed links turn about the z axis only; optical frames, which do not, are left out.
         """
         places = {self.base: Place(0.0, 0.0, 0.0, 0.0)}
-        for joint in self.fixed:
+        for joint in (joint for joint in self.fixed if not joint.optical):
             x, y, z, yaw = places[joint.parent]
             c, s = cos(yaw), sin(yaw)
             places[joint.child] = Place(
@@ -162,6 +186,8 @@ def tree_of(
     wheel_names: tuple[str, ...] = (),
     sonar_height: float | None = None,
     lasers: Sequence[Pose2] | None = None,
+    *,
+    camera: bool = False,
 ) -> Tree:
     """Return the tree of a robot of this kind.
 
@@ -171,6 +197,7 @@ def tree_of(
         wheel_names: Of the joints, in place of those of :func:`wheel_joint_names`.
         sonar_height: Above the floor [m], in place of the usual one.
         lasers: Poses of the laser range finders on the robot [m, rad]; `None` for that of `model`.
+        camera: Whether the robot has a camera.
 
     Raises:
         ConfigError: two frames have one name, or there are too many or too few names of wheels.
@@ -179,6 +206,8 @@ def tree_of(
         at = model.laser
         lasers = [Pose2(at.x, at.y, at.theta)] if at else []
     fixed = tuple(_fixed(model, frames, sonar_height, lasers))
+    if camera:
+        fixed += tuple(_camera(model, frames))
     tree = Tree(base=frames.base, fixed=fixed, wheels=tuple(_wheels(model, frames, wheel_names)))
     names = sorted([frames.base, frames.odom, *(joint.child for joint in tree.joints)])
     twice = [one for one, other in pairwise(names) if one == other]
@@ -192,7 +221,7 @@ def body_tree(model: RobotModel, frames: Frames) -> Tree:
 
     The link `caster_swivel` turns about the vertical, and the wheel `caster` trails behind it.
     """
-    tree, shape = tree_of(model, frames), shape_of(model)
+    tree, shape = tree_of(model, frames, camera=True), shape_of(model)
     if shape.caster is None:
         return tree
     high = shape.caster_radius
@@ -261,6 +290,17 @@ def _fixed(
     if shape.caster is not None:
         behind = shape.caster - shape.caster_trail
         yield _joint(frames.base, "caster", (behind, 0.0, shape.caster_radius))
+
+
+def _camera(model: RobotModel, frames: Frames) -> Iterator[Joint]:
+    """Yield the place of the camera: on the laser, or above the front of the top plate."""
+    if model.laser is not None:
+        at = (model.laser.x, model.laser.y, SCAN_HEIGHT + LASER_TOP + LENS_HEIGHT)
+    else:
+        front = max((mount.x for mount in model.sonars), default=model.length_front / 2)
+        at = (front - 0.05, 0.0, LENS_HEIGHT)
+    yield _joint("top_plate", frames.camera, at)
+    yield replace(_joint(frames.camera, frames.camera_optical), optical=True)
 
 
 def _wheels(model: RobotModel, frames: Frames, names: tuple[str, ...]) -> Iterator[Joint]:

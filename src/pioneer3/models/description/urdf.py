@@ -104,9 +104,7 @@ def _joint(robot: ET.Element, joint: Joint) -> ET.Element:
     element = ET.SubElement(robot, "joint", name=joint.name, type=kind)
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
-    ET.SubElement(
-        element, "origin", xyz=row(joint.x, joint.y, joint.z), rpy=row(0.0, 0.0, joint.yaw)
-    )
+    ET.SubElement(element, "origin", xyz=row(joint.x, joint.y, joint.z), rpy=row(*joint.rpy))
     if joint.axis:
         ET.SubElement(element, "axis", xyz=AXES[joint.axis])
     return element

@@ -1,8 +1,10 @@
 """Moves robots by the torque of their motors, and boxes by what pushes them."""
 
 import logging
+import os
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import count
 from math import ceil
 from typing import Any
@@ -14,6 +16,7 @@ from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
+from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import (
@@ -26,8 +29,9 @@ from pioneer3.sim.kernels.drives import (
     VELOCITY,
 )
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.elements import TOUCHING, turned
+from pioneer3.sim.physics.elements import turned
 from pioneer3.sim.physics.ground import Ground, feet_of, feet_of_box, has_ground
+from pioneer3.sim.physics.groups import TOUCHING
 from pioneer3.sim.physics.scene import Scene, build, set_contacts
 from pioneer3.sim.physics.sensing import MujocoSensing
 from pioneer3.sim.realism import SonarErrors
@@ -52,6 +56,47 @@ DRAG = 0.3
 """Torque of a side's gears and motors without power [Nm]; an assumption."""
 LEAST_SPEED = 5e-4
 """Slower wheels stand, as far as encoders tell [m/s]."""
+GL = "MUJOCO_GL"
+"""Variable that tells MuJoCo at its import which OpenGL to load."""
+
+
+def _mujoco() -> Any:
+    """Return MuJoCo, without OpenGL: a value of MUJOCO_GL that does not fit lets its import fail.
+
+    Raises:
+        ConfigError: It is not installed.
+    """
+    given = os.environ.get(GL)
+    os.environ[GL] = "disabled"
+    try:
+        import mujoco
+    except ImportError:
+        raise ConfigError(f"physics need MuJoCo: {how_to_get('physics')}") from None
+    finally:
+        del os.environ[GL]
+        if given is not None:
+            os.environ[GL] = given
+    mujoco.set_mju_user_warning(log.warning)  # else it writes a file where people work
+    return mujoco
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instant:
+    """What there is to be seen at one instant, for pictures.
+
+    Attributes:
+        scene: The world.
+        camera: Name of the asking robot's camera in it.
+        qpos: A copy of MuJoCo's, shape (Q,).
+        people: A copy of MuJoCo's `mocap_pos`, shape (P, 3).
+        hidden: Names of the other robots that are not to be seen.
+    """
+
+    scene: Scene
+    camera: str
+    qpos: Float
+    people: Float
+    hidden: tuple[str, ...]
 
 
 class MujocoDynamics:
@@ -70,12 +115,7 @@ class MujocoDynamics:
     has_slip = True
 
     def __init__(self, step: float = PHYSICS_STEP) -> None:
-        try:
-            import mujoco
-        except ImportError:
-            raise ConfigError(f"physics need MuJoCo: {how_to_get('physics')}") from None
-        mujoco.set_mju_user_warning(log.warning)  # else it writes a file where people work
-        self._mujoco: Any = mujoco
+        self._mujoco: Any = _mujoco()
         self._step = step
         self._map, self._relief = empty_map(), FLAT
         self._names: dict[Body | Obstacle, str] = {}
@@ -87,6 +127,7 @@ class MujocoDynamics:
         self._ground: Ground | None = None
         self._owed = self._cycle_time = 0.0
         self._thread: ThreadPoolExecutor | None = None
+        self._work: Future[None] | None = None
         self._before = np.zeros((2, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
         self._radius = self._torque = self._drag = np.zeros(0)
@@ -158,7 +199,8 @@ class MujocoDynamics:
         scene, steps = self.scene, self._begin_cycle(kernels, dt)
         if self._thread is None:
             self._thread = ThreadPoolExecutor(1, "physics")
-        return self._thread.submit(self._mujoco.mj_step, scene.model, scene.data, steps)
+        self._work = self._thread.submit(self._mujoco.mj_step, scene.model, scene.data, steps)
+        return self._work
 
     def finish(self, kernels: Kernels) -> None:
         self._end_cycle(kernels)
@@ -168,6 +210,20 @@ class MujocoDynamics:
         left, right = (self._speed[side, number] for side in range(2))
         v, w = (left + right) / 2, (right - left) / self._drives.wheels[BASE, number]
         return float(v), float(w)
+
+    def instant(self, body: Body) -> Instant:
+        """Return what the camera of a robot may see now."""
+        if self._work is not None:
+            self._work.result()  # positions do not change while they are copied
+        hidden = np.flatnonzero(self._outlines.hidden[: len(self._robots)])
+        others = [self._robots[number] for number in hidden.tolist()]
+        return Instant(
+            scene=self.scene,
+            camera=f"{self._names[body]}/{CAMERA}",
+            qpos=self.scene.data.qpos.copy(),
+            people=self.scene.data.mocap_pos.copy(),
+            hidden=tuple(self._names[other] for other in others if other is not body),
+        )
 
     def _begin_cycle(self, kernels: Kernels, dt: float) -> int:
         """Tell the motors the speeds at the end of the ramps; return the steps of MuJoCo."""

@@ -9,6 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps.text import one_line
 from pioneer3.models import RobotModel, physics_of
 from pioneer3.models.description.tree import wheel_joint_names
+from pioneer3.sim.physics.groups import THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
 
@@ -18,10 +19,6 @@ GROUND_FRICTION = 0.6
 """Of the floor, steps and ramps; tires have their own."""
 CARPET_PRIORITY = 2
 """Above that of boxes and tires: the friction of a carpet holds for all that touches it."""
-GROUPS = 6
-WALLS, THINGS, PARTS, TOUCHING, BODIES, LEGS = range(GROUPS)
-"""Groups of geoms: tall walls; the floor and all else that sensors meet; small parts of robots,
-which are only seen; solids that touch; people as sonars and eyes meet them, and as lasers do."""
 CASTER = "caster"
 """Name of the tire of a caster."""
 TERRAIN_BASE = 0.1

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.sim.physics.elements import FLOOR, GROUPS, THINGS, TOUCHING, turned
+from pioneer3.sim.physics.elements import FLOOR, turned
+from pioneer3.sim.physics.groups import COUNT, THINGS, TOUCHING
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box
 
@@ -38,7 +39,7 @@ class Ground:
 
         self._mujoco: Any = mujoco
         self._model, self._data = model, data
-        self._groups = np.zeros(GROUPS, dtype=np.uint8)
+        self._groups = np.zeros(COUNT, dtype=np.uint8)
         self._groups[THINGS] = 1
         self._is_ground = (model.geom_contype == FLOOR) & (model.geom_conaffinity == 0)
         mujoco.mj_kinematics(model, data)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pioneer3.maps.materials import GLASS, GLASS_ANGLE
-from pioneer3.sim.physics.elements import GROUPS, THINGS
+from pioneer3.sim.physics.groups import COUNT, THINGS
 from pioneer3.sim.physics.scene import Scene
 
 Float = NDArray[np.float64]
@@ -96,7 +96,7 @@ def cast(
 
     count = len(ways)
     geoms, ranges = np.empty(count, dtype=np.int32), np.empty(count)
-    normals, mask = np.zeros(3 * count), np.zeros(GROUPS, dtype=np.uint8)
+    normals, mask = np.zeros(3 * count), np.zeros(COUNT, dtype=np.uint8)
     mask[list(groups)] = 1
     mujoco.mj_multiRay(
         scene.model, scene.data, origin, ways.ravel(), mask, True, but, geoms, ranges, normals,

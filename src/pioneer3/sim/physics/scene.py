@@ -16,19 +16,9 @@ from pioneer3.models.description.mjcf import SIDES, bumper_geoms, mjcf_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.body import Body
 from pioneer3.sim.obstacles import Obstacle
-from pioneer3.sim.physics.elements import (
-    BODIES,
-    FLOOR,
-    GROUND_FRICTION,
-    LEGS,
-    PARTS,
-    SOLID,
-    THINGS,
-    WALLS,
-    Elements,
-    tires_of,
-    turned,
-)
+from pioneer3.sim.physics.colors import paint
+from pioneer3.sim.physics.elements import FLOOR, GROUND_FRICTION, SOLID, Elements, tires_of, turned
+from pioneer3.sim.physics.groups import BODIES, LEGS, PARTS, THINGS, WALLS
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.worldfile import Box, Person
 
@@ -141,6 +131,7 @@ def build(
     for name, obstacle in obstacles:
         _add_obstacle(spec, name, obstacle)
     elements.pair_carpets([(name, body.model) for name, body in robots])
+    paint(spec, dict(obstacles))
     model = elements.compiled()
     return _indexed(model, mujoco.MjData(model), line_map, robots, obstacles)
 

@@ -1,16 +1,17 @@
 """A running simulator: its robots, and the methods that change its world."""
 
 import asyncio
+import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
 from pioneer3.arcos.reports import MapChanged
-from pioneer3.errors import CommandError, PioneerError
+from pioneer3.errors import CommandError, DeviceError, PioneerError
 from pioneer3.geometry import Pose2
 from pioneer3.links.addresses import url_of
 from pioneer3.models import RobotModel, load_model
@@ -29,6 +30,11 @@ from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec
 
+if TYPE_CHECKING:
+    from pioneer3.sim.server.camera import SimulatedCamera
+
+log = logging.getLogger(__name__)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SimulatedRobot:
@@ -43,6 +49,7 @@ class SimulatedRobot:
         url: For hosts; `memory:NAME` where it does not listen.
         pty: Its serial port, or `None`.
         laser: Its range finder with a port of its own, or `None`.
+        camera: Its camera if that has pictures, or `None`.
     """
 
     name: str
@@ -52,6 +59,7 @@ class SimulatedRobot:
     url: str
     pty: str | None = None
     laser: SimulatedLaser | None = None
+    camera: "SimulatedCamera | None" = None
 
     @classmethod
     def at(
@@ -60,6 +68,7 @@ class SimulatedRobot:
         name: str,
         pty: str | None = None,
         laser: SimulatedLaser | None = None,
+        camera: "SimulatedCamera | None" = None,
     ) -> Self:
         """Return the robot behind `port`."""
         firmware, address = port.firmware, port.address
@@ -71,6 +80,7 @@ class SimulatedRobot:
             url=url_of(*address) if address is not None else f"memory:{name}",
             pty=pty,
             laser=laser,
+            camera=camera,
         )
 
     @property
@@ -179,11 +189,11 @@ class RunningSimulation:
                 client_maps=self._client_maps,
             )
             try:
-                laser = await self._listen(firmware, spec.port, equipment)
+                laser, camera = await self._listen(firmware, spec.port, equipment)
             except PioneerError:
                 self.world.remove(body)
                 raise
-            added = SimulatedRobot.at(self._simulation.ports[-1], name, laser=laser)
+            added = SimulatedRobot.at(self._simulation.ports[-1], name, laser=laser, camera=camera)
             added.port.faults = _like(self._faults, len(self.robots))
             if laser is not None:
                 laser.faults = _like(self._faults, len(self.robots))
@@ -201,6 +211,8 @@ class RunningSimulation:
         await self._simulation.remove(robot.firmware)
         if robot.laser is not None:
             self._simulation.lasers.remove(robot.laser)
+        if robot.camera is not None and self._simulation.cameras is not None:
+            self._simulation.cameras.remove(robot.camera)
         self.world.remove(robot.body)
 
     def add_box(self, box: Box) -> Obstacle:
@@ -268,16 +280,32 @@ class RunningSimulation:
 
     async def _listen(
         self, firmware: Firmware, port: int | None, equipment: Equipment
-    ) -> SimulatedLaser | None:
-        """Let hosts connect to a new robot and its laser; return the laser."""
-        await self._simulation.add(firmware, port)
-        if equipment.laser is None:
+    ) -> "tuple[SimulatedLaser | None, SimulatedCamera | None]":
+        """Let hosts connect to a new robot, its laser and its camera; return those two."""
+        simulation = self._simulation
+        await simulation.add(firmware, port)
+        laser: SimulatedLaser | None = None
+        try:
+            if equipment.laser is not None:
+                laser = await simulation.add_laser(firmware, equipment.laser, equipment.laser_port)
+            return laser, await self._listen_camera(firmware, equipment)
+        except PioneerError:
+            if laser is not None:
+                simulation.lasers.remove(laser)
+            await simulation.remove(firmware)
+            raise
+
+    async def _listen_camera(
+        self, firmware: Firmware, equipment: Equipment
+    ) -> "SimulatedCamera | None":
+        """Serve the pictures of a new robot's camera, if there can be any."""
+        if equipment.camera is None or self._simulation.cameras is None:
             return None
         try:
-            return await self._simulation.add_laser(firmware, equipment.laser, equipment.laser_port)
-        except PioneerError:
-            await self._simulation.remove(firmware)
-            raise
+            return await self._simulation.cameras.add(firmware, equipment)
+        except DeviceError as error:
+            log.warning("%s", error)
+            return None
 
     def _refuse_on_robots(self, outline: NDArray[np.float64], pose: Pose2) -> None:
         for robot in self.robots:

@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import ceil, inf
+from typing import TYPE_CHECKING
 
 from pioneer3.clock import Clock
 from pioneer3.errors import LinkError
@@ -27,6 +28,9 @@ from pioneer3.sim.server.listeners import PtyListener, TcpListener, listening
 from pioneer3.sim.server.pacer import LATELY, TICK, Pacer
 from pioneer3.sim.server.port import RobotPort
 from pioneer3.sim.world import World
+
+if TYPE_CHECKING:
+    from pioneer3.sim.server.camera_ports import CameraPorts
 
 log = logging.getLogger(__name__)
 
@@ -54,6 +58,7 @@ class Simulation:
         pace: The same; its attributes may be changed while the simulation runs.
         ports: One for each robot.
         lasers: The range finders of the robots, which have ports of their own.
+        cameras: Their cameras with pictures; `None` without physics or OpenGL.
     """
 
     def __init__(
@@ -70,6 +75,7 @@ class Simulation:
         self._keep_session = keep_session
         self._heard = asyncio.Event()
         self.lasers = LaserPorts(world, self._heard.set)
+        self.cameras: CameraPorts | None = None
         self._host: str | None = None
         self._next_number = 0
         self._ticks = self._turns = 0
@@ -282,6 +288,8 @@ class Simulation:
             with self._isolated(port):
                 port.tick(now)
         self.lasers.tick(now)
+        if self.cameras is not None:
+            self.cameras.tick(now)
 
     @contextmanager
     def _isolated(self, port: RobotPort) -> Iterator[None]:

@@ -9,13 +9,15 @@ from collections.abc import AsyncIterator, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from numpy.random import default_rng
 
-from pioneer3.errors import ConfigError, PioneerError, how_to_get
+from pioneer3.errors import ConfigError, DeviceError, PioneerError, how_to_get
 from pioneer3.jit import numba_version
 from pioneer3.links.addresses import url_of
 from pioneer3.links.stream import accepted
+from pioneer3.maps import LineMap
 from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.dynamics import dynamics_of
@@ -35,6 +37,9 @@ from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.sim.worldfile.flattened import flattened
 from pioneer3.tasks import running
+
+if TYPE_CHECKING:
+    from pioneer3.sim.server.camera import SimulatedCamera
 
 log = logging.getLogger(__name__)
 
@@ -146,14 +151,7 @@ async def simulator(
     line_map, rng = world_file.line_map(), default_rng(world_file.seed)
     spawned, client_maps = spawn_robots(world_file, line_map, rng), _client_maps(world_file)
     bodies = [Body(each.model, each.pose) for each in spawned]
-    world = World(
-        line_map,
-        bodies,
-        seed=world_file.seed,
-        realism=realism,
-        dynamics=dynamics_of(world_file.physics, world_file.physics_step),
-        relief=world_file.relief(line_map),
-    )
+    world = _world(world_file, line_map, bodies, realism)
     firmwares = [
         Firmware(
             world,
@@ -164,9 +162,6 @@ async def simulator(
         )
         for each, body in zip(spawned, bodies, strict=True)
     ]
-    things: tuple[Box | Person, ...] = world_file.movable + world_file.people
-    for thing in things:
-        world.add_obstacle(thing)
     simulation = Simulation(world, firmwares, pace=pace, keep_session=world_file.keep_session)
     factory_robot = overrides.factory_robot
     if factory_robot:
@@ -180,10 +175,12 @@ async def simulator(
         )
     # connections are accepted from now on; time begins when compiled kernels are loaded
     lasers = await _lasers(spawned, simulation)
-    robots = _robots(spawned, simulation, lasers, ptys=ptys)
+    wanted = port is not None and world_file.physics == "mujoco"
+    cameras, problems = await _cameras(spawned, simulation, host if wanted else None, free=not port)
+    robots = _robots(spawned, simulation, lasers, cameras, ptys=ptys)
     here = RunningSimulation(simulation, robots, rng, client_maps)
-    here.notes = [*_notes(world_file, spawned)]
-    work = [simulation.run()]
+    here.notes = [*_notes(world_file, spawned), *problems]
+    work = [simulation.run(), *([simulation.cameras.run()] if simulation.cameras else [])]
     if _is_work(simulation) or factory_robot:
         if not numba_version():
             here.notes.append(f"without numba this simulation is slow: {how_to_get('fast')}")
@@ -204,6 +201,24 @@ async def simulator(
             trackers = colour_trackers(world, here.robots[:], acts, host)
             here.acts_urls = await stack.enter_async_context(trackers)
         yield here
+
+
+def _world(
+    world_file: WorldFile, line_map: LineMap, bodies: Sequence[Body], realism: Realism | None
+) -> World:
+    """Return the world of a file, with these robots and all that can be moved."""
+    world = World(
+        line_map,
+        bodies,
+        seed=world_file.seed,
+        realism=realism,
+        dynamics=dynamics_of(world_file.physics, world_file.physics_step),
+        relief=world_file.relief(line_map),
+    )
+    things: tuple[Box | Person, ...] = world_file.movable + world_file.people
+    for thing in things:
+        world.add_obstacle(thing)
+    return world
 
 
 async def _load_kernels(world: World) -> None:
@@ -257,12 +272,14 @@ def _robots(
     spawned: Sequence[SpawnedRobot],
     simulation: Simulation,
     lasers: Sequence[SimulatedLaser | None],
+    cameras: "Sequence[SimulatedCamera | None]",
     *,
     ptys: bool,
 ) -> Iterator[SimulatedRobot]:
     names = simulation.open_ptys() if ptys else [None] * len(spawned)
-    for each, port, pty, laser in zip(spawned, simulation.ports, names, lasers, strict=True):
-        yield SimulatedRobot.at(port, each.name, pty, laser)
+    parts = zip(spawned, simulation.ports, names, lasers, cameras, strict=True)
+    for each, port, pty, laser, camera in parts:
+        yield SimulatedRobot.at(port, each.name, pty, laser, camera)
 
 
 async def _lasers(
@@ -279,6 +296,34 @@ async def _lasers(
         simulation.close()
         raise
     return lasers
+
+
+async def _cameras(
+    spawned: Sequence[SpawnedRobot], simulation: Simulation, host: str | None, *, free: bool
+) -> "tuple[list[SimulatedCamera | None], list[str]]":
+    """Serve the pictures of all robots' cameras at `host`; `None` serves none.
+
+    Returns:
+        The cameras, `None` for robots without pictures; and a note why there are none.
+    """
+    cameras: list[SimulatedCamera | None] = [None] * len(spawned)
+    if host is None:
+        return cameras, []
+    from pioneer3.sim.server.camera_ports import CameraPorts
+
+    simulation.cameras = ports = CameraPorts(simulation.world, host, free=free)
+    try:
+        for number, each in enumerate(spawned):
+            if each.equipment.camera is not None:
+                firmware = simulation.ports[number].firmware
+                cameras[number] = await ports.add(firmware, each.equipment)
+    except DeviceError as error:
+        return cameras, [str(error)]
+    except PioneerError:
+        await ports.close()
+        simulation.close()
+        raise
+    return cameras, []
 
 
 def _is_work(simulation: Simulation) -> bool:

@@ -4,7 +4,7 @@ msgspec reads and checks them. Tables have the field names of the objects in
 :mod:`pioneer3.sim.worldfile.spec` that they stand for, and become them and are made of them.
 """
 
-from typing import TYPE_CHECKING, Annotated, Literal, Optional, Self, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional, Self, get_type_hints
 
 from msgspec import Meta, defstruct, field
 from msgspec.structs import asdict
@@ -13,7 +13,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps.materials import Material
 from pioneer3.models.lasers import LASERS
 from pioneer3.models.model import BUMPERS
-from pioneer3.sim.equipment import LAST_PORT, EquipmentOptions
+from pioneer3.sim.equipment import LAST_PORT, PICTURE_RANGES, EquipmentOptions
 from pioneer3.sim.relief import WALL_HEIGHT
 from pioneer3.sim.worldfile import solid_tables
 from pioneer3.sim.worldfile.person import PATIENCE, RADIUS, SPEED, Person
@@ -77,10 +77,21 @@ _ANGLES = {
     "gyro_bias": "gyro_bias_deg_s",
     "gyro_noise": "gyro_noise_deg_s",
 }
+
+
+def _picture_range(kind: type, name: str) -> Any:
+    low, high = PICTURE_RANGES[name]
+    return Annotated[kind, Meta(ge=low, le=high)]
+
+
 _RANGES = {
     "gyro_type": Annotated[int, Meta(ge=0, le=2)],
     "bumpers": Annotated[int, Meta(ge=0, le=int(BUMPERS.high))],
     "camera_port": Annotated[int, Meta(ge=1, le=3)],
+    "picture_port": Annotated[int, Meta(ge=1, le=LAST_PORT)],
+    "picture_width": _picture_range(int, "picture_width"),
+    "picture_height": _picture_range(int, "picture_height"),
+    "picture_rate": _picture_range(float, "picture_rate"),
     "laser": Literal.__getitem__(("none", *LASERS)),
     "laser_port": Annotated[int, Meta(ge=1, le=LAST_PORT)],
     "north": Angle,

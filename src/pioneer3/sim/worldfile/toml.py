@@ -24,7 +24,7 @@ KINDS = {"goal": "Goal", "dock": "Dock", "home": "RobotHome"}
 """ARIA's type of the places in each table; a goal with a heading is a GoalWithHeading."""
 _ALONE = {"bumpers": "5", "gyro": "1", "table_ir": "new"}
 """Values of the words of `--fit` that may stand without one; a switch is on then."""
-_EXAMPLES = {"camera": "vcc4", "laser": "utm-30lx", "laser_port": "10940"}
+_EXAMPLES = {"camera": "vcc4", "laser": "utm-30lx", "laser_port": "10940", "picture_port": "8181"}
 
 
 def is_world(path: Path) -> bool:

@@ -1,0 +1,301 @@
+"""Streams of JPEG pictures over HTTP, as network cameras send them; without I/O.
+
+The answer to a GET is `multipart/x-mixed-replace`: part after part, each a picture, without end.
+A camera may leave out the length of a part; the next boundary ends it then.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import unquote, urlsplit
+
+from pioneer3.errors import ConfigError, LinkError
+
+BOUNDARY: Final = "pioneer3picture"
+"""Of the streams that we send."""
+MOST_PICTURE: Final = 8 << 20
+"""A picture of more bytes is refused."""
+MOST_HEAD: Final = 16 << 10
+"""So are more bytes of headers in one place."""
+START, END = b"\xff\xd8", b"\xff\xd9"
+"""Of every JPEG (ITU T.81, table B.1)."""
+TRAILING: Final = 64
+"""Some cameras fill up a picture after its end, by fewer bytes than this."""
+PORTS: Final = {"http": 80, "https": 443}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraUrl:
+    """Where a stream is.
+
+    Attributes:
+        host: Name or address.
+        port: TCP port.
+        path: With the query, from the slash on.
+        secure: Whether it is https.
+        user: Name to log in with; empty for none.
+        password: Of that user.
+    """
+
+    host: str
+    port: int
+    path: str = "/"
+    secure: bool = False
+    user: str = ""
+    password: str = ""
+
+    def __str__(self) -> str:
+        """The URL without name and password."""
+        scheme = "https" if self.secure else "http"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        usual = self.port == PORTS[scheme]
+        return f"{scheme}://{host}{'' if usual else f':{self.port}'}{self.path}"
+
+
+def parse_url(text: str) -> CameraUrl:
+    """Read `http://[USER:PASSWORD@]HOST[:PORT][/PATH]`, or the same with https.
+
+    Raises:
+        ConfigError: It is no such URL.
+    """
+    try:
+        parts = urlsplit(text)
+        port = parts.port
+    except ValueError as error:
+        raise _wrong(text, str(error)) from None
+    if parts.scheme not in PORTS or not parts.hostname or not text.isascii():
+        raise _wrong(text, "no URL of a camera")
+    if any(character <= " " or character == "\x7f" for character in text):
+        raise _wrong(text, "a space or a control character in it")
+    path = parts.path or "/"
+    return CameraUrl(
+        host=parts.hostname,
+        port=PORTS[parts.scheme] if port is None else port,
+        path=f"{path}?{parts.query}" if parts.query else path,
+        secure=parts.scheme == "https",
+        user=unquote(parts.username or ""),
+        password=unquote(parts.password or ""),
+    )
+
+
+def _wrong(text: str, problem: str) -> ConfigError:
+    bare = text.rpartition("@")[2]  # never shows a password
+    return ConfigError(
+        f"--camera {bare}: {problem}; expected the URL of an MJPEG stream, such as "
+        "http://127.0.0.1:8181/ or http://user:password@192.168.0.90/axis-cgi/mjpg/video.cgi"
+    )
+
+
+def stream_head() -> bytes:
+    """Return the head of the answer that a stream follows, with its headers."""
+    return answer("200 OK", f"multipart/x-mixed-replace; boundary={BOUNDARY}")
+
+
+def answer(status: str, kind: str, body: bytes | None = None, extra: str = "") -> bytes:
+    """Return an answer of HTTP/1.0; without `body` the connection's end ends what follows."""
+    length = "" if body is None else f"Content-Length: {len(body)}\r\n"
+    head = (
+        f"HTTP/1.0 {status}\r\nContent-Type: {kind}\r\n{length}{extra}"
+        "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n"
+    )
+    return head.encode() + (body or b"")
+
+
+def part(jpeg: bytes) -> bytes:
+    """Return a picture as a part of our stream."""
+    head = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+    return head.encode() + jpeg + b"\r\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The head of an answer.
+
+    Attributes:
+        status: Of HTTP, such as 200.
+        reason: The words after it.
+        headers: Lower-case names; of several with one name the last.
+    """
+
+    status: int
+    reason: str
+    headers: dict[str, str]
+
+
+def is_picture(data: bytes) -> bool:
+    """Whether it begins as a JPEG does and ends as one does."""
+    return data.startswith(START) and END in data[-TRAILING:]
+
+
+class Parser:
+    """Takes the bytes of an answer, and gives its pictures.
+
+    Its buffer never holds more than one picture of :data:`MOST_PICTURE`, and a read.
+
+    Attributes:
+        head: Of the answer; `None` before.
+        pictures: Number of pictures given.
+        broken: Number of parts that are no pictures.
+    """
+
+    def __init__(self) -> None:
+        self.head: Head | None = None
+        self.pictures = self.broken = 0
+        self._buffer = bytearray()
+        self._searched = 0
+        self._ending = b""
+        self._length: int | None = None
+        self._in_part = False
+
+    def receive(self, data: bytes) -> list[bytes]:
+        """Return the pictures that `data` completes, as JPEG.
+
+        Raises:
+            LinkError: This is no stream of pictures; the message says what it is.
+        """
+        self._buffer += data
+        if self.head is None:
+            lines = self._headers()
+            if lines is None:
+                return []
+            self.head = _head(lines)
+            self._ending = b"--" + _boundary(self.head).encode("latin-1")
+        found = []
+        while (body := self._body()) is not None:
+            if is_picture(body):
+                self.pictures += 1
+                found.append(body)
+            elif body.strip():
+                self.broken += 1
+        return found
+
+    def _body(self) -> bytes | None:
+        """Return the body of the next part if it is complete."""
+        if not self._in_part:
+            lines = self._headers()
+            if lines is None:
+                return None
+            self._length = _length(lines)
+            self._in_part = True
+        body = self._counted() if self._length is not None else self._delimited()
+        if body is not None:
+            self._in_part = False
+        return body
+
+    def _headers(self) -> list[str] | None:
+        """Take lines up to an empty one, without those before the first; `None` if incomplete.
+
+        Raises:
+            LinkError: They are longer than any camera's.
+        """
+        skipped = len(self._buffer) - len(self._buffer.lstrip(b"\r\n"))
+        del self._buffer[:skipped]
+        end, width = _empty_line(self._buffer)
+        if end > MOST_HEAD or (end < 0 and len(self._buffer) > MOST_HEAD):
+            raise LinkError(f"headers of more than {MOST_HEAD >> 10} kB: this is no camera")
+        if end < 0:
+            return None
+        lines = bytes(self._buffer[:end]).decode("latin-1").splitlines()
+        del self._buffer[: end + width]
+        return lines
+
+    def _counted(self) -> bytes | None:
+        assert self._length is not None
+        if len(self._buffer) < self._length:
+            return None
+        body = bytes(self._buffer[: self._length])
+        del self._buffer[: self._length]
+        return body
+
+    def _delimited(self) -> bytes | None:
+        """Take what is before the next boundary.
+
+        Raises:
+            LinkError: None comes for too long.
+        """
+        end = self._buffer.find(self._ending, self._searched)
+        if end < 0:
+            self._searched = max(0, len(self._buffer) - len(self._ending))
+            if len(self._buffer) > MOST_PICTURE:
+                raise LinkError(_too_large("more than that"))
+            return None
+        body = bytes(self._buffer[:end])
+        del self._buffer[:end]
+        self._searched = 0
+        return body
+
+
+def _empty_line(data: bytearray) -> tuple[int, int]:
+    """Return where the first empty line begins, with the end of the line before, and its width."""
+    places = [(data.find(mark), len(mark)) for mark in (b"\r\n\r\n", b"\n\n")]
+    return min((place for place in places if place[0] >= 0), default=(-1, 0))
+
+
+def _fields(lines: list[str]) -> dict[str, str]:
+    pairs = (line.partition(":") for line in lines)
+    return {name.strip().lower(): value.strip() for name, colon, value in pairs if colon}
+
+
+def _head(lines: list[str]) -> Head:
+    words = lines[0].split(None, 2)
+    if len(words) < 2 or not words[0].startswith("HTTP/") or not words[1].isdigit():
+        raise LinkError("what answers there does not speak HTTP: is this the camera's port?")
+    reason = words[2] if len(words) > 2 else ""
+    return Head(int(words[1][:3]), reason[:60], _fields(lines[1:]))
+
+
+def _boundary(head: Head) -> str:
+    """Return the boundary between the parts of an answer, without the dashes before it.
+
+    Raises:
+        LinkError: It is no stream.
+    """
+    if head.status != 200:
+        raise LinkError(_refusal(head))
+    kind, _, parameters = head.headers.get("content-type", "").partition(";")
+    if not kind.strip().lower().startswith("multipart/"):
+        what = "one picture" if kind.strip().lower() == "image/jpeg" else f"{kind[:40] or 'data'!r}"
+        raise LinkError(f"it sends {what}, no MJPEG stream: give the URL of its stream")
+    if head.headers.get("transfer-encoding", "identity").lower() != "identity":
+        raise LinkError("it sends chunks, which HTTP/1.0 does not have")
+    given = (word.strip().partition("=") for word in parameters.split(";"))
+    found = next((value for name, _, value in given if name.lower() == "boundary"), "")
+    boundary = found.strip().strip('"').removeprefix("--")
+    if not boundary or len(boundary) > 200:
+        raise LinkError("its stream tells no boundary between pictures")
+    return boundary
+
+
+def _refusal(head: Head) -> str:
+    match head.status:
+        case 401 | 403:
+            return "it wants a user and a password: http://USER:PASSWORD@..."
+        case 404:
+            return "it has no such page: give the URL of its MJPEG stream"
+        case 301 | 302 | 303 | 307 | 308:
+            return f"it sends on to {head.headers.get('location', '?')[:200]}: give that URL"
+        case 503:
+            return "it has too many viewers, or is busy"
+    return f"it answers {head.status} {head.reason}"
+
+
+def _length(lines: list[str]) -> int | None:
+    """Return the length of a part by its headers.
+
+    Raises:
+        LinkError: It is none, or too much.
+    """
+    text = _fields(lines).get("content-length")
+    if text is None:
+        return None
+    if not (text.isascii() and text.isdigit()) or len(text) > 20:
+        raise LinkError(f"a picture of {text[:20]!r} bytes: this is no camera")
+    if int(text) > MOST_PICTURE:
+        raise LinkError(_too_large(f"{int(text)} bytes"))
+    return int(text)
+
+
+def _too_large(size: str) -> str:
+    return (
+        f"a picture of {size}, the most is {MOST_PICTURE >> 20} MB: "
+        "let the camera send smaller ones"
+    )

@@ -1,0 +1,52 @@
+"""Colours of a world's parts: a camera and a colour tracker can tell them apart."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.worldfile import Person
+
+Rgba = tuple[float, float, float, float]
+
+FLOOR: Final = "floor"
+COLORS: Final[Mapping[str, Rgba]] = MappingProxyType(
+    {
+        "floor": (0.62, 0.58, 0.52, 1.0),
+        "wall": (0.86, 0.84, 0.78, 1.0),
+        "box": (0.90, 0.50, 0.10, 1.0),
+        "person": (0.10, 0.55, 0.25, 1.0),
+    }
+)
+"""Of each kind of thing; robots have those of their description, most of them red."""
+SKY: Final = (0.55, 0.72, 0.90), (0.30, 0.45, 0.75)
+"""At the horizon, and above."""
+SKY_SIZE: Final = 16
+"""Of a side of the sky's picture [pixels]."""
+
+
+def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:
+    """Colour floor, walls, boxes and people, and put a sky around them.
+
+    Args:
+        spec: MuJoCo's `MjSpec`, complete.
+        obstacles: By the names of their bodies.
+    """
+    import mujoco
+
+    for geom in spec.worldbody.geoms:
+        geom.rgba = COLORS["floor" if geom.name == FLOOR else "wall"]
+    for name, obstacle in obstacles.items():
+        kind = "person" if isinstance(obstacle.kind, Person) else "box"
+        for geom in spec.body(name).geoms:
+            geom.rgba = COLORS[kind]
+    horizon, above = SKY
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=above,
+        rgb2=horizon,
+        width=SKY_SIZE,
+        height=SKY_SIZE * 6,
+    )

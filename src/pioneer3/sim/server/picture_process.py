@@ -1,0 +1,173 @@
+"""The process that renders the pictures of all cameras of a simulation."""
+
+import asyncio
+import os
+import sys
+from asyncio.subprocess import DEVNULL, PIPE, Process
+from contextlib import suppress
+from typing import Final
+
+import msgspec
+import numpy as np
+
+from pioneer3.errors import DeviceError, how_to_get
+from pioneer3.sim.physics.dynamics import GL, Instant
+from pioneer3.sim.physics.renderer import (
+    LENGTH,
+    Answer,
+    Failed,
+    LoadScene,
+    Picture,
+    Ready,
+    TakePicture,
+    framed,
+)
+from pioneer3.sim.physics.scene import Scene
+
+MODULE: Final = "pioneer3.sim.physics.renderer"
+PLATFORM: Final = "PYOPENGL_PLATFORM"
+"""PyOpenGL loads what this variable says; it has to be the same as MUJOCO_GL."""
+PACKAGES: Final = "libegl1 libgl1-mesa-dri"
+"""Debian's, for OpenGL without a screen."""
+BACKENDS: Final = ("egl", "osmesa") if sys.platform == "linux" else ("",)
+"""Of OpenGL, in the order in which they are tried; elsewhere MuJoCo chooses."""
+START_PATIENCE = 20.0
+"""For the process to load [s]; it takes 0.6 on a machine that is not busy."""
+PICTURE_PATIENCE = 10.0
+CLOSE_PATIENCE = 1.0
+LONGEST_ANSWER = 64 << 20
+
+
+class PictureProcess:
+    """Renders one picture after the other, by OpenGL in a process of its own.
+
+    Attributes:
+        backend: The OpenGL in use; empty before :meth:`start`.
+    """
+
+    def __init__(self) -> None:
+        self.backend = ""
+        self._process: Process | None = None
+        self._scene: Scene | None = None
+        self._decoder: msgspec.msgpack.Decoder[Answer] = msgspec.msgpack.Decoder(Answer)
+        self._busy = asyncio.Lock()
+
+    async def start(self) -> None:
+        """Start the process with the first OpenGL that works; a running one is ended.
+
+        Raises:
+            DeviceError: None works; the message says what to install.
+        """
+        await self.close()
+        reasons = []
+        for backend in BACKENDS:
+            reason = await self._try(backend)
+            if reason is None:
+                return
+            reasons.append(f"{backend}: {reason}" if backend else reason)
+        raise DeviceError(_advice(reasons))
+
+    async def picture(self, instant: Instant, asked: TakePicture) -> bytes:
+        """Return a picture of the world at `instant`, as JPEG.
+
+        Raises:
+            DeviceError: The process does not run, or does not answer.
+        """
+        async with self._busy:
+            try:
+                async with asyncio.timeout(PICTURE_PATIENCE):
+                    answer = await self._ask(instant, asked)
+            except TimeoutError:
+                await self.close()
+                raise DeviceError(f"no picture within {PICTURE_PATIENCE:g} s") from None
+            except BaseException:
+                await self.close()  # what it says next would be the answer to this
+                raise
+        if isinstance(answer, Picture):
+            return answer.jpeg
+        raise DeviceError(answer.reason if isinstance(answer, Failed) else "no picture")
+
+    async def close(self) -> None:
+        """End the process."""
+        process, self._process, self._scene = self._process, None, None
+        if process is None:
+            return
+        assert process.stdin is not None
+        process.stdin.close()
+        try:
+            async with asyncio.timeout(CLOSE_PATIENCE):
+                await process.wait()
+        except TimeoutError:
+            with suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+
+    async def _try(self, backend: str) -> str | None:
+        """Start the process; return why it cannot render, or `None`."""
+        environment = {name: value for name, value in os.environ.items() if name != PLATFORM}
+        environment |= {GL: backend}
+        self._process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", MODULE, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, env=environment
+        )
+        try:
+            async with asyncio.timeout(START_PATIENCE):
+                answer = await self._read()
+        except (DeviceError, TimeoutError) as error:
+            answer = Failed(str(error) or f"nothing within {START_PATIENCE:g} s")
+        except BaseException:
+            await self.close()
+            raise
+        if isinstance(answer, Ready):
+            self.backend = answer.backend
+            return None
+        await self.close()
+        return answer.reason if isinstance(answer, Failed) else "it says nothing"
+
+    async def _ask(self, instant: Instant, asked: TakePicture) -> Answer:
+        process = self._process
+        if process is None:
+            raise DeviceError("nothing renders pictures")
+        assert process.stdin is not None
+        if instant.scene is not self._scene:
+            process.stdin.write(framed(LoadScene(_binary(instant.scene))))
+            self._scene = instant.scene
+        process.stdin.write(framed(asked))
+        try:
+            await process.stdin.drain()
+        except OSError as error:
+            raise DeviceError(f"what renders pictures has ended: {error}") from None
+        return await self._read()
+
+    async def _read(self) -> Answer:
+        assert self._process is not None
+        assert self._process.stdout is not None
+        reader = self._process.stdout
+        try:
+            length = int.from_bytes(await reader.readexactly(LENGTH), "big")
+            if length > LONGEST_ANSWER:
+                raise DeviceError("what renders pictures talks nonsense")
+            return self._decoder.decode(await reader.readexactly(length))
+        except (asyncio.IncompleteReadError, OSError, msgspec.DecodeError):
+            raise DeviceError("what renders pictures has ended") from None
+
+
+def _advice(reasons: list[str]) -> str:
+    """Return one line about OpenGL that is missing, and what to do."""
+    if any("OpenGL" in reason and "No module" in reason for reason in reasons):
+        return f"no camera pictures: {how_to_get('physics')}"
+    why = "; ".join(" ".join(reason.split())[:100] for reason in reasons)
+    if sys.platform != "linux":
+        return f"no camera pictures: OpenGL does not work here ({why})"
+    return (
+        "no camera pictures, all else works: OpenGL without a screen is missing; on Debian run: "
+        f"sudo apt-get install -y {PACKAGES} ({why})"
+    )
+
+
+def _binary(scene: Scene) -> bytes:
+    """Return the model of a world in MuJoCo's binary format."""
+    import mujoco
+
+    buffer = np.zeros((mujoco.mj_sizeModel(scene.model), 1), dtype=np.uint8)
+    mujoco.mj_saveModel(scene.model, None, buffer)
+    return buffer.tobytes()
