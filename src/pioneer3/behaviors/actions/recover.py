@@ -60,6 +60,7 @@ class StallRecover:
         turn_rate: Highest [rad/s].
         creep: Speed at which any point of the robot may touch something [m/s].
         clear: So far from where it stalled nothing unseen touches it [m].
+        beside: A thing so far beside the robot is not in its way [m].
         enabled: Whether it does anything.
     """
 
@@ -70,6 +71,7 @@ class StallRecover:
     turn_rate: float = radians(10)
     creep: float = CREEP
     clear: float = 0.1
+    beside: float = 0.03
     enabled: bool = True
     name: str = "stall recover"
     _way: Way | None = field(default=None, init=False)
@@ -138,9 +140,21 @@ class StallRecover:
             else around.nearest(AHEAD, -AHEAD, Buffer.WINDOW)
         )
         room = echo.distance - situation.model.radius
+        if self._is_blocked(drive, situation):
+            return 0.0
         if left <= self.seconds / 2 and 0 < room < self.obstacle_distance:
             return 0.0
         return drive * self.speed
+
+
+    def _is_blocked(self, drive: int, situation: Situation) -> bool:
+        """Whether something is seen right in front of the robot, or right behind it."""
+        model, beside = situation.model, situation.model.width / 2 + self.beside
+        edge = model.length_front if drive > 0 else -model.length_rear
+        echo = situation.around.nearest_in_box(
+            edge / 2, -beside, edge + drive * self.clear, beside, Buffer.WINDOW
+        )
+        return bool(echo)
 
 
 def _away(situation: Situation) -> int:
