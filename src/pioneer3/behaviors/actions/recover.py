@@ -60,6 +60,7 @@ class StallRecover:
         turn_rate: Highest [rad/s].
         creep: Speed at which any point of the robot may touch something [m/s].
         clear: So far from where it stalled nothing unseen touches it [m].
+        gap: The robot does not drive at what it sees nearer than this to its front or rear [m].
         beside: A thing so far beside the robot is not in its way [m].
         enabled: Whether it does anything.
     """
@@ -71,6 +72,7 @@ class StallRecover:
     turn_rate: float = radians(10)
     creep: float = CREEP
     clear: float = 0.1
+    gap: float = 0.1
     beside: float = 0.03
     enabled: bool = True
     name: str = "stall recover"
@@ -152,7 +154,7 @@ class StallRecover:
         model, beside = situation.model, situation.model.width / 2 + self.beside
         edge = model.length_front if drive > 0 else -model.length_rear
         echo = situation.around.nearest_in_box(
-            edge / 2, -beside, edge + drive * self.clear, beside, Buffer.WINDOW
+            edge / 2, -beside, edge + drive * self.gap, beside, Buffer.WINDOW
         )
         return bool(echo)
 
