@@ -1,15 +1,18 @@
 """Virtual time: timeouts of minutes pass in microseconds, and always in the same order.
 
-`--all` runs the thorough tests too.
+`--all` runs the thorough tests too; `--physics` moves all simulated robots by MuJoCo.
 """
 
 import asyncio
+import os
 import selectors
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 from hypothesis import settings
+
+from tests.e2e.processes import PHYSICS
 
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
@@ -69,8 +72,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Move the robots of all worlds of this process by MuJoCo, if asked to."""
+    """Move the robots of all worlds by MuJoCo, if asked to."""
     if config.getoption("--physics"):
+        os.environ[PHYSICS] = "1"
         from pioneer3.sim import dynamics, world
         from pioneer3.sim.physics.dynamics import MujocoDynamics
 
@@ -78,7 +82,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the thorough tests unless they are asked for."""
+    """Leave out the thorough tests unless they are asked for; with physics skip the planar ones."""
+    for item in items if config.getoption("--physics") else ():
+        if planar := item.get_closest_marker("planar"):
+            item.add_marker(pytest.mark.skip(f"on a plane only: {planar.args[0]}"))
     if config.getoption("--all"):
         return
     left_out = [item for item in items if item.get_closest_marker("thorough")]

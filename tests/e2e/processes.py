@@ -11,10 +11,26 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from pioneer3.sim.server.start import PHYSICS as PHYSICS_NOTE
+
 PATIENCE = 30.0
 """Longest wait for anything on a busy machine [s]."""
 KILLED = -1000
 COMMAND = (sys.executable, "-m", "pioneer3")
+PHYSICS = "PYTEST_PHYSICS"
+"""Set in the environment by pytest's option `--physics`: commands simulate with MuJoCo, too."""
+
+
+def told_besides(stderr: str) -> str:
+    """Return what was said besides that physics are on."""
+    lines = stderr.splitlines(keepends=True)
+    return "".join(line for line in lines if PHYSICS_NOTE not in line)
+
+
+def words_of(*arguments: str) -> tuple[str, ...]:
+    """Return all words of a command."""
+    physics = PHYSICS in os.environ and arguments[:1] == ("sim",)
+    return (*COMMAND, *arguments, *(["--physics"] if physics else []))
 
 
 def environment() -> dict[str, str]:
@@ -25,7 +41,7 @@ def environment() -> dict[str, str]:
 def p3(*arguments: str) -> "subprocess.CompletedProcess[str]":
     """Run a command to its end, with nothing on standard input."""
     return subprocess.run(
-        [*COMMAND, *arguments],
+        words_of(*arguments),
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -69,7 +85,7 @@ class Command:
         if number is not None:
             self.process.send_signal(number)
         async with asyncio.timeout(PATIENCE):
-            stderr = (await self.process.stderr.read()).decode()
+            stderr = told_besides((await self.process.stderr.read()).decode())
             code = await self.process.wait()
         assert in_session(self.process.pid) == []
         return (code if code >= 0 else KILLED + code), stderr
@@ -79,8 +95,7 @@ class Command:
 async def running(*arguments: str) -> AsyncIterator[Command]:
     """Start a command; kill it in the end if it still runs."""
     process = await asyncio.create_subprocess_exec(
-        *COMMAND,
-        *arguments,
+        *words_of(*arguments),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -18,7 +18,17 @@ from pioneer3 import connect_async
 from pioneer3.arcos.commands import Close, Enable, Sonar, Stop, Vel
 from pioneer3.cli.main import execute
 from pioneer3.sim.server.start import simulator
-from tests.e2e.processes import COMMAND, KILLED, PATIENCE, Command, environment, p3, running, until
+from tests.e2e.processes import (
+    COMMAND,
+    KILLED,
+    PATIENCE,
+    Command,
+    environment,
+    p3,
+    running,
+    until,
+    words_of,
+)
 from tests.support import Wire
 
 pytestmark = pytest.mark.realtime
@@ -321,7 +331,7 @@ def test_output_that_nobody_reads_is_no_traceback(line: str) -> None:
     os.close(ours)
     try:
         ended = subprocess.run(
-            [*COMMAND, *line.split()],
+            words_of(*line.split()),
             stdin=subprocess.DEVNULL,
             stdout=theirs,
             stderr=subprocess.PIPE,

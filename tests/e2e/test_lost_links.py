@@ -62,7 +62,7 @@ HOWS = ["silent for 10 s", "unplugged", "power cycle"]
 async def test_after_a_loss_a_stick_that_was_held_all_through_moves_nothing(how: str) -> None:
     async with SimulatedRobot() as robot, connect_async(robot.open) as driver:
         await hold(driver, 0.3, seconds=2)
-        assert robot.speed == pytest.approx(0.3)
+        assert robot.speed == pytest.approx(0.3, abs=0.01)
         holding = asyncio.ensure_future(hold(driver, 0.3, seconds=30))
         back = await lose(robot, how)
         await reconnected(driver)
@@ -89,7 +89,7 @@ async def test_after_a_loss_a_fresh_command_drives_again(how: str) -> None:
         assert robot.speed == 0
         assert not robot.powered
         assert await hold(driver, 0.3, seconds=2) == 0
-        assert robot.speed == pytest.approx(0.3)
+        assert robot.speed == pytest.approx(0.3, abs=0.01)
         assert driver.snapshot is not None
         assert driver.snapshot.link.sessions == 2
 

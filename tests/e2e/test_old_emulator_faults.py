@@ -21,7 +21,7 @@ from pioneer3.sim.server import Simulation
 from pioneer3.sim.world import World
 from pioneer3.tasks import running
 from tests.e2e.plain_client import PATIENCE, PlainClient, TurnedAwayError, session
-from tests.e2e.processes import COMMAND, environment
+from tests.e2e.processes import environment, words_of
 
 ON = commands.Enable(on=True)
 CYCLE, TICK = 0.1, 0.02
@@ -40,7 +40,7 @@ class Process:
     def __init__(self, *options: str) -> None:
         screenless = {k: v for k, v in environment().items() if "DISPLAY" not in k}
         self.process = subprocess.Popen(
-            [*COMMAND, "sim", "-p", "0", *options],
+            words_of("sim", "-p", "0", *options),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

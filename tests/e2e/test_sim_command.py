@@ -11,7 +11,7 @@ import pytest
 
 from pioneer3 import Robot, connect_async
 from pioneer3.robot.devices import Acts
-from tests.e2e.processes import COMMAND, Command, environment, p3, running, until
+from tests.e2e.processes import Command, environment, p3, running, until, words_of
 
 pytestmark = pytest.mark.realtime
 
@@ -126,8 +126,7 @@ async def test_a_factory_serves_several_clients_at_one_port() -> None:
 async def test_it_needs_no_display_and_no_terminal() -> None:
     blind = {k: v for k, v in environment().items() if k not in {"DISPLAY", "WAYLAND_DISPLAY"}}
     process = await asyncio.create_subprocess_exec(
-        *COMMAND,
-        *("sim", "-p", "0", "--no-gui", "--noninteractive"),
+        *words_of("sim", "-p", "0", "--no-gui", "--noninteractive"),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.PIPE,

@@ -239,7 +239,7 @@ async def test_in_a_pause_hosts_are_welcome_and_nothing_is_lost() -> None:
         assert body.speeds[0] > 0
         lab.simulation.pace.resume()
         assert await passed(lab, 1.0) == pytest.approx(1.0, abs=0.03)
-        assert body.speeds[0] == pytest.approx(0.3)
+        assert body.speeds[0] == pytest.approx(0.3, abs=0.01)
         assert not body.drive.held
 
 

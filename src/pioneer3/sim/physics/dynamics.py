@@ -354,7 +354,8 @@ class MujocoDynamics:
             data.qpos[places] = 0.0  # the caster's, too: the same place always begins the same
             data.qpos[places[:7]] = pose.x, pose.y, z, *turn
             data.qvel[speeds] = data.qacc_warmstart[speeds] = 0.0
-            data.act[scene.motors[:, number]] = self._goal[:, number] = 0.0
+            data.act[scene.motors[:, number]] = 0.0
+            self._goal[:, number] = self._pushing[:, number] = 0.0
             return
         own = number - len(self._robots)
         if scene.people[own] >= 0:
