@@ -19,6 +19,11 @@ ARROWS: Final = "→↗↑↖←↙↓↘"
 SIGNS: Mapping[Layer, str] = MappingProxyType({Layer.GOAL: "●", Layer.DOCK: "■", Layer.HOME: "▲"})
 STYLES: Mapping[Layer, str] = MappingProxyType(
     {
+        Layer.CARPET: "dim magenta",
+        Layer.HEIGHTFIELD: "dim green",
+        Layer.STEP: "blue",
+        Layer.RAMP: "cyan",
+        Layer.TABLE: "dim yellow",
         Layer.WALL: "",
         Layer.FORBIDDEN: "red",
         Layer.PERSON: "magenta",

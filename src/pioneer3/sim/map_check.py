@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from enum import StrEnum
+from math import atan2, degrees, radians, tan
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
+from pioneer3.sim.relief import Ramp
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
 
 MOST = 10
@@ -27,6 +29,8 @@ MOST = 10
 _COUNTS = {"LINES": "NumLines", "DATA": "NumPoints"}
 _BOXES = {"LINES": ("LineMinPos", "LineMaxPos"), "DATA": ("MinPos", "MaxPos")}
 ROUNDING_MM = 1.0
+STEEPEST_DEG = 14.0
+"""Of a ramp that a P3-DX climbs with physics; a PeopleBot climbs 12, a P3-AT 20."""
 MOST_ERRORS = 1000
 GOALS = ("Goal", "GoalWithHeading")
 FORBIDDEN = ("ForbiddenLine", "ForbiddenArea")
@@ -123,6 +127,7 @@ def _unknown_keys(file: MapServerFile) -> Iterator[Finding]:
 def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
     line_map = world.line_map()
     yield from check_places(line_map, model)
+    yield from _steep(world)
     sound: dict[int, RobotSpec] = {}
     for index, robot in enumerate(world.robots):
         try:
@@ -141,6 +146,19 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
         return
     for (index, robot), each in zip(sound.items(), spawned, strict=True):
         yield from _robot(f"robot[{index}]", robot, each, line_map)
+
+
+def _steep(world: WorldFile) -> Iterator[Finding]:
+    """Yield the ramps that no robot climbs."""
+    ramps = [solid for solid in world.solids if isinstance(solid, Ramp)]
+    for index, ramp in enumerate(ramps):
+        slope = degrees(atan2(ramp.height, ramp.size[0]))
+        if slope > STEEPEST_DEG:
+            long_enough = ramp.height / tan(radians(STEEPEST_DEG))
+            yield warning(
+                f"ramp[{index}]: rises {slope:.0f} degrees, a P3-DX climbs {STEEPEST_DEG:.0f}: "
+                f"make it {long_enough:.2f} m long, or lower"
+            )
 
 
 def _robot(

@@ -14,6 +14,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.map_check import Finding, Severity, check_world
 from pioneer3.sim.worldfile import WorldFile, load_world, write_world
 from pioneer3.sim.worldfile.drawing import Drawing, draw, to_picture, to_svg
+from pioneer3.sim.worldfile.flattened import solids_in_words
 
 FORMATS = (".map", ".yaml", ".toml", ".svg", ".png")
 
@@ -71,6 +72,7 @@ def _counts(world: WorldFile, line_map: LineMap) -> dict[str, int]:
     counts = Counter(item.kind for item in line_map.objects)
     found = {"robot": len(world.robots), "movable box": len(world.movable)}
     found["person"] = len(world.people)
+    found |= Counter(solid.table for solid in world.solids)
     return dict(counts) | {kind: count for kind, count in found.items() if count}
 
 
@@ -140,11 +142,14 @@ def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ..
     """Return the contents that a format cannot hold, in words."""
     counts = {"robots": len(world.robots), "people": len(world.people)}
     counts["materials of walls"] = int(np.count_nonzero(line_map.materials))
+    heights = [wall.height for wall in world.walls] + [box.height for box in world.boxes]
+    counts["heights of walls and boxes"] = len(heights) - heights.count(None)
     if ending == ".yaml":
         counts |= {"movable boxes": len(world.movable), "objects": len(line_map.objects)}
     if ending not in {".map", ".yaml"}:
         return ()
-    return tuple(f"{count} {name}" for name, count in counts.items() if count)
+    said = tuple(f"{count} {name}" for name, count in counts.items() if count)
+    return said + tuple(solids_in_words(world))
 
 
 def _unknown(ending: str) -> str:

@@ -13,6 +13,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps import shipped_map
 from pioneer3.sim.map_convert import look
 from pioneer3.sim.worldfile import load_map, load_world
+from pioneer3.sim.worldfile.drawing import Layer
 
 BAD = "2D-Map\nLINES\n1 2 3\n"
 
@@ -134,6 +135,37 @@ def test_what_a_format_cannot_hold_is_told(
     assert "1 robots, 1 people, 1 movable boxes" in capsys.readouterr().out
     convert(str(world), tmp_path / "v.toml")
     assert "left out" not in capsys.readouterr().out
+
+
+def test_solids_are_drawn_counted_and_left_out_of_maps_without_heights(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    world = tmp_path / "w.toml"
+    world.write_text(
+        "[world]\n[[wall]]\npoints=[[0,0],[9,0]]\nheight=2\n"
+        "[[ramp]]\ncenter=[2,3]\nsize=[2,1]\ntheta_deg=90\nheight=0.2\n"
+        "[[step]]\ncenter=[5,3]\nsize=[1,1]\nheight=0.1\n"
+        "[[carpet]]\ncenter=[5,6]\nsize=[1,1]\n"
+        "[[table]]\ncenter=[8,6]\nsize=[1,1]\nheight=0.7\n"
+    )
+    drawing = look(str(world)).drawing
+    assert len(drawing.lines[Layer.RAMP]) == 7
+    up = drawing.lines[Layer.RAMP][4]
+    assert up.tolist() == pytest.approx([2.0, 2.2, 2.0, 3.8])
+    for layer in (Layer.STEP, Layer.CARPET, Layer.TABLE):
+        assert len(drawing.lines[layer]) == 4
+    show(str(world))
+    told = capsys.readouterr().out
+    for words in ("1 ramp, 1 carpet, 1 table", "ramp  ", "carpet  "):
+        assert words in told
+    for ending in (".map", ".yaml"):
+        convert(str(world), tmp_path / f"o{ending}")
+        left = capsys.readouterr().out
+        assert "1 heights of walls and boxes, 1 step, 1 ramp, 1 carpet, 1 table\n" in left
+    convert(str(world), tmp_path / "o.svg")
+    svg = (tmp_path / "o.svg").read_text()
+    assert all(f'class="{layer}"' in svg for layer in ("ramp", "step", "carpet", "table"))
+    convert(str(world), tmp_path / "o.png")
 
 
 def test_nothing_is_written_over_unless_told(tmp_path: Path) -> None:

@@ -166,3 +166,17 @@ def test_known_maps(name: str, count: int) -> None:
     if name == "columbia":
         assert "Inside Forbidden Area" in remarks[0][2]
         assert "Impossible Goal" in remarks[1][2]
+
+
+def test_a_ramp_that_nobody_climbs_is_told(tmp_path: Path) -> None:
+    ramps = "".join(
+        f"[[ramp]]\ncenter=[{x},2]\nsize=[1,1]\nheight={height}\n"
+        for x, height in ((2, 0.15), (5, 0.4))
+    )
+    world = (
+        f"[world]\n{ramps}[[wall]]\npoints=[[0,0],[9,0],[9,9],[0,9]]\nclosed=true\n"
+        "[[home]]\nx=7\ny=7\n"
+    )
+    ((level, _, text),) = check(tmp_path, world, "w.toml")
+    assert level == "warning"
+    assert text == ("ramp[1]: rises 22 degrees, a P3-DX climbs 14: make it 1.60 m long, or lower")

@@ -112,7 +112,8 @@ def test_the_lasers_and_materials_that_there_are_are_on_the_page() -> None:
 
 
 def test_the_worlds_that_ship_are_named() -> None:
-    assert shipped_worlds() == ("cafe", "lab")
-    assert "`lab`, as an example, and `cafe`" in TEXT
+    assert shipped_worlds() == ("cafe", "dining", "lab", "ramps")
+    for name in shipped_worlds():
+        assert f"| `{name}` |" in TEXT
     assert '`"office"`' in TEXT
     assert "office" in shipped_maps()

@@ -16,6 +16,7 @@ from pioneer3.maps.grid import shape_of, touched
 from pioneer3.maps.image import to_png
 from pioneer3.maps.line_map import Bounds, LineMap, MapObject
 from pioneer3.maps.materials import BLACK, GLASS, REFLECTOR
+from pioneer3.sim.relief import Ramp
 from pioneer3.sim.worldfile.person import Person
 from pioneer3.sim.worldfile.spec import WorldFile
 
@@ -34,6 +35,11 @@ DOT = 0.12
 class Layer(StrEnum):
     """A layer of a drawing; later ones are drawn over earlier ones."""
 
+    CARPET = "carpet"
+    HEIGHTFIELD = "heightfield"
+    STEP = "step"
+    RAMP = "ramp"
+    TABLE = "table"
     WALL = "wall"
     FORBIDDEN = "forbidden"
     PERSON = "person"
@@ -48,6 +54,11 @@ class Layer(StrEnum):
 
 COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
     {
+        Layer.CARPET: (196, 160, 190),
+        Layer.HEIGHTFIELD: (150, 170, 110),
+        Layer.STEP: (128, 140, 160),
+        Layer.RAMP: (70, 130, 140),
+        Layer.TABLE: (200, 170, 120),
         Layer.WALL: (32, 32, 32),
         Layer.FORBIDDEN: (214, 39, 40),
         Layer.PERSON: (148, 103, 189),
@@ -60,6 +71,10 @@ COLOURS: Mapping[Layer, tuple[int, int, int]] = MappingProxyType(
         Layer.HOME: (44, 160, 44),
     }
 )
+
+
+SOLID_LAYERS = (Layer.CARPET, Layer.HEIGHTFIELD, Layer.STEP, Layer.RAMP, Layer.TABLE)
+"""The kinds of solids that are not walls, or not as a whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +119,8 @@ class Drawing:
 
 def draw(world: WorldFile, line_map: LineMap) -> Drawing:
     """Return the drawing of `world`, whose :meth:`WorldFile.line_map` is given."""
-    lines = {Layer.WALL: line_map.walls}
+    lines = {Layer(kind): _solids(world, kind) for kind in SOLID_LAYERS}
+    lines[Layer.WALL] = line_map.walls
     forbidden = [o for o in line_map.objects if o.kind.startswith("Forbidden")]
     lines[Layer.FORBIDDEN] = _sides(forbidden)
     movable = [box.as_object() for box in world.movable]
@@ -116,6 +132,26 @@ def draw(world: WorldFile, line_map: LineMap) -> Drawing:
     return Drawing(
         name=world.name, bounds=_bounds(lines.values(), markers), lines=lines, markers=markers
     )
+
+
+def _solids(world: WorldFile, table: str) -> Float:
+    """Return the outlines of all solids of one table; of ramps an arrow to the upper end, too."""
+    found = [np.empty((0, 4))]
+    for solid in world.solids:
+        if solid.table == table:
+            found.append(solid.outline)
+            if isinstance(solid, Ramp):
+                found.append(_arrow(solid))
+    return np.concatenate(found)
+
+
+def _arrow(ramp: Ramp) -> Float:
+    length, width = ramp.size
+    tip, head = 0.4 * length, 0.3 * min(length, width)
+    strokes = [((-tip, 0.0), (tip, 0.0))]
+    strokes += [((tip - head, side * head / 2), (tip, 0.0)) for side in (-1, 1)]
+    ends = [[ramp.pose @ Pose2(x, y) for x, y in stroke] for stroke in strokes]
+    return np.array([(a.x, a.y, b.x, b.y) for a, b in ends])
 
 
 def _sides(objects: Iterable[MapObject]) -> Float:
