@@ -4,8 +4,9 @@ import asyncio
 import os
 import subprocess
 import sys
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass, field
 from functools import lru_cache
 from io import BytesIO
 
@@ -13,6 +14,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
+
+from pioneer3 import mjpeg
 
 Pixels = NDArray[np.uint8]
 
@@ -74,3 +77,71 @@ async def body_of(url: str) -> tuple[str, bytes]:
     async with http_get(url) as reader:
         head, _, body = (await reader.read()).partition(b"\r\n\r\n")
         return head.split(b"\r\n")[0].decode(), body
+
+
+Script = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
+
+
+@dataclass
+class FakeCamera:
+    """A camera on the network that does as its script says, with each connection.
+
+    Attributes:
+        url: Of its stream.
+        requests: The questions that it got.
+        left: Set when a connection has ended.
+    """
+
+    url: str
+    requests: list[bytes] = field(default_factory=list)
+    left: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+@asynccontextmanager
+async def fake_camera(*scripts: Script) -> AsyncIterator[FakeCamera]:
+    """Run a camera; its first connections get `scripts`, later ones the last of them."""
+    told = FakeCamera("")
+    left = list(scripts)
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        script = left.pop(0) if len(left) > 1 else left[0]
+        told.left.clear()
+        try:
+            with suppress(OSError, asyncio.IncompleteReadError):
+                told.requests.append(await reader.readuntil(b"\r\n\r\n"))
+                await script(reader, writer)
+                await writer.drain()
+        finally:
+            told.left.set()
+            writer.transport.abort() if writer.is_closing() else writer.close()
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    told.url = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/stream"
+    try:
+        yield told
+    finally:
+        server.close()
+
+
+def says(data: bytes, *, then_waits: bool = False) -> Script:
+    """Return a script that says something, and hangs up or falls silent."""
+
+    async def script(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(data)
+        if then_waits:
+            await reader.read()
+
+    return script
+
+
+def films(*colors: tuple[int, int, int], pause: float = 0.02, count: int = 10_000) -> Script:
+    """Return a script that sends `count` pictures of these colours in turn, each after `pause`."""
+
+    async def script(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(mjpeg.stream_head())
+        for number in range(count):
+            writer.write(mjpeg.part(jpeg_of(colors[number % len(colors)])))
+            await writer.drain()
+            await asyncio.sleep(pause)
+
+    return script

@@ -4,7 +4,10 @@ The answer to a GET is `multipart/x-mixed-replace`: part after part, each a pict
 A camera may leave out the length of a part; the next boundary ends it then.
 """
 
-from dataclasses import dataclass
+import re
+from base64 import b64encode
+from dataclasses import dataclass, replace
+from hashlib import md5, sha256
 from typing import Final
 from urllib.parse import unquote, urlsplit
 
@@ -67,13 +70,16 @@ def parse_url(text: str) -> CameraUrl:
     if any(character <= " " or character == "\x7f" for character in text):
         raise _wrong(text, "a space or a control character in it")
     path = parts.path or "/"
+    user, password = unquote(parts.username or ""), unquote(parts.password or "")
+    if not (user + password).isprintable() or ":" in user or '"' in user:
+        raise _wrong(text, "a user's name or password that cannot be sent")
     return CameraUrl(
         host=parts.hostname,
         port=PORTS[parts.scheme] if port is None else port,
         path=f"{path}?{parts.query}" if parts.query else path,
         secure=parts.scheme == "https",
-        user=unquote(parts.username or ""),
-        password=unquote(parts.password or ""),
+        user=user,
+        password=password,
     )
 
 
@@ -83,6 +89,60 @@ def _wrong(text: str, problem: str) -> ConfigError:
         f"--camera {bare}: {problem}; expected the URL of an MJPEG stream, such as "
         "http://127.0.0.1:8181/ or http://user:password@192.168.0.90/axis-cgi/mjpg/video.cgi"
     )
+
+
+def request(url: CameraUrl, authorization: str = "") -> bytes:
+    """Return the question for a stream; HTTP/1.0, so that it comes in one piece."""
+    host = str(replace(url, path="")).partition("//")[2]
+    login = f"Authorization: {authorization}\r\n" if authorization else ""
+    return (
+        f"GET {url.path} HTTP/1.0\r\nHost: {host}\r\nUser-Agent: pioneer3\r\n"
+        f"Accept: multipart/x-mixed-replace\r\n{login}\r\n"
+    ).encode()
+
+
+def authorization(url: CameraUrl, challenge: str, nonce: str) -> str:
+    """Return the answer to the question for a user (RFC 7617, RFC 7616).
+
+    Args:
+        url: Has the user and the password.
+        challenge: The header WWW-Authenticate.
+        nonce: Random hexadecimal digits of ours.
+    """
+    scheme, _, parameters = challenge.strip().partition(" ")
+    if scheme.lower() != "digest":
+        return f"Basic {b64encode(f'{url.user}:{url.password}'.encode()).decode()}"
+    given = {
+        name.lower(): value.strip('"')
+        for name, _, value in (word.strip().partition("=") for word in _words(parameters))
+    }
+    realm, theirs = given.get("realm", ""), given.get("nonce", "")
+    algorithm = given.get("algorithm", "MD5")
+
+    def hashed(text: str) -> str:
+        secure = algorithm.upper().startswith("SHA-256")
+        return (sha256 if secure else md5)(text.encode(), usedforsecurity=False).hexdigest()
+
+    secret, asked = hashed(f"{url.user}:{realm}:{url.password}"), hashed(f"GET:{url.path}")
+    fields = {"username": url.user, "realm": realm, "nonce": theirs, "uri": url.path}
+    plain = f"algorithm={algorithm}"
+    if "auth" in given.get("qop", "").replace(" ", "").split(","):
+        count = "00000001"
+        answer = hashed(f"{secret}:{theirs}:{count}:{nonce}:auth:{asked}")
+        fields["cnonce"] = nonce
+        plain += f", qop=auth, nc={count}"
+    else:
+        answer = hashed(f"{secret}:{theirs}:{asked}")
+    fields["response"] = answer
+    if "opaque" in given:
+        fields["opaque"] = given["opaque"]
+    quoted = ", ".join(f'{name}="{value}"' for name, value in fields.items())
+    return f"Digest {quoted}, {plain}"
+
+
+def _words(parameters: str) -> list[str]:
+    """Return what commas part that are not in quotes."""
+    return re.findall(r'(?:[^,"]|"[^"]*")+', parameters)
 
 
 def stream_head() -> bytes:
@@ -113,7 +173,7 @@ class Head:
     Attributes:
         status: Of HTTP, such as 200.
         reason: The words after it.
-        headers: Lower-case names; of several with one name the last.
+        headers: Lower-case names; of several with one name the first.
     """
 
     status: int
@@ -145,6 +205,13 @@ class Parser:
         self._ending = b""
         self._length: int | None = None
         self._in_part = False
+
+    @property
+    def challenge(self) -> str:
+        """The question for a user and a password; empty without one."""
+        if self.head is None or self.head.status != 401:
+            return ""
+        return self.head.headers.get("www-authenticate", "")
 
     def receive(self, data: bytes) -> list[bytes]:
         """Return the pictures that `data` completes, as JPEG.
@@ -232,7 +299,11 @@ def _empty_line(data: bytearray) -> tuple[int, int]:
 
 def _fields(lines: list[str]) -> dict[str, str]:
     pairs = (line.partition(":") for line in lines)
-    return {name.strip().lower(): value.strip() for name, colon, value in pairs if colon}
+    found: dict[str, str] = {}
+    for name, colon, value in pairs:
+        if colon:
+            found.setdefault(name.strip().lower(), value.strip())
+    return found
 
 
 def _head(lines: list[str]) -> Head:

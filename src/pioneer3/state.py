@@ -271,3 +271,18 @@ class Scan:
             for i, (a, r) in enumerate(readings)
             if isfinite(r)
         ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A picture of a camera, as it came.
+
+    Attributes:
+        stamp: When it was here [s, monotonic].
+        sequence: Its number, from 1 on.
+        jpeg: Its bytes.
+    """
+
+    stamp: float
+    sequence: int
+    jpeg: bytes = field(repr=False)

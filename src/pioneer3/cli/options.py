@@ -199,6 +199,12 @@ class LaserOptions:
 
 NO_LASERS = LaserOptions()
 AUTO = "auto"
+CAMERA = Group.create_ordered("Camera")
+CameraUrl = Annotated[
+    str | None,
+    Parameter(env_var="PIONEER3_CAMERA", metavar="URL", group=CAMERA, show_default=False),
+]
+"""URL of the MJPEG stream of a camera on the robot."""
 
 
 @Parameter(name="*")
@@ -251,6 +257,13 @@ class RobotOptions:
         laser = laser_of(fleet_of(self.fleet).robot(self.robot))
         return (laser,) if laser else ()
 
+    @property
+    def fleet_camera(self) -> str | None:
+        """The URL of the camera that the fleet file gives the robot."""
+        if self.robot is None:
+            return None
+        return fleet_of(self.fleet).robot(self.robot).camera or None
+
 
 WHICH = RobotOptions()
 
@@ -264,11 +277,13 @@ class LinkOptions(RobotOptions):
         baud: Serial speed to try first.
         record: New file for every byte on the wire; --port replay:FILE plays it.
         lasers: Its laser range finders.
+        camera: Its camera: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
     """
 
     baud: Baud = None
     record: Path | None = None
     lasers: LaserOptions = NO_LASERS
+    camera: CameraUrl = None
 
     @asynccontextmanager
     async def connect(
@@ -290,6 +305,7 @@ class LinkOptions(RobotOptions):
             auto_enable=auto_enable,
             record=self.record,
             lasers=await self.lasers.specs(self.record, [url], self.fleet_lasers),
+            camera=self.camera or self.fleet_camera,
             line_map=line_map,
             start=start,
         )

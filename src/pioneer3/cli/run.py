@@ -14,6 +14,7 @@ from pioneer3.cli.options import (
     PORT_VARIABLE,
     WORLD,
     Baud,
+    CameraUrl,
     Flag,
     FleetFile,
     LaserOptions,
@@ -45,6 +46,7 @@ def run(
     ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
     lasers: LaserOptions = NO_LASERS,
+    camera: CameraUrl = None,
     sim_port: TcpPort = 8101,
     web_port: TcpPort = 8080,
     lan: Flag = False,
@@ -71,6 +73,7 @@ def run(
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
         lasers: Of the robot.
+        camera: Of the robot: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
         sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.
@@ -95,6 +98,8 @@ def run(
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
+    if (len(port) > 1 or len(robots) > 1) and camera is not None:
+        raise ConfigError("--camera: of one robot only; run one `pioneer3 run` for each robot")
     served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
     options = Options(
         ports=port,
@@ -112,6 +117,7 @@ def run(
         max_speed=max_speed,
         record=record,
         lasers=lambda: lasers.specs(record, port),
+        camera=camera,
         announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, _tell))

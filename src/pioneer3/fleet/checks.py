@@ -27,7 +27,7 @@ def check_operator(source: Source, operator: Operator) -> None:
 
 
 def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
-    """Refuse wrong addresses, ports, models and lasers.
+    """Refuse wrong addresses, ports, models, lasers and cameras.
 
     Args:
         source: The file's text.
@@ -45,7 +45,7 @@ def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
 
 
 def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defaults) -> None:
-    """Refuse a port, model or laser that commands would refuse.
+    """Refuse a port, model, laser or camera that commands would refuse.
 
     Raises:
         ConfigError: One is wrong.
@@ -55,6 +55,7 @@ def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defa
         ("bridge", lambda: _check_bridge(given)),
         ("model", lambda: _check_model(folder, given.model)),
         ("laser", lambda: _check_laser(given.laser)),
+        ("camera", lambda: _check_camera(given.camera)),
     )
     for key, check in checks:
         with _blamed_on(source, f"{place}.{key}"):
@@ -154,13 +155,21 @@ def _check_laser(laser: str) -> None:
         parse_laser(laser)
 
 
+def _check_camera(camera: str) -> None:
+    from pioneer3.mjpeg import parse_url
+
+    if camera:
+        parse_url(camera)
+
+
 @contextmanager
 def _blamed_on(source: Source, place: str) -> Iterator[None]:
     """Give the errors of a check the line of the key."""
     try:
         yield
     except ConfigError as error:
-        raise source.wrong(place, str(error).removeprefix("--laser: ")) from None
+        said = str(error).removeprefix("--laser: ").removeprefix("--camera ")
+        raise source.wrong(place, said) from None
 
 
 def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:

@@ -33,6 +33,7 @@ def robot_of(word: str, defaults: Defaults) -> Robot:
         user=defaults.user,
         model=defaults.model,
         laser=defaults.laser,
+        camera=defaults.camera,
         ros=defaults.ros,
         node=lab_node(name),
     )

@@ -77,6 +77,7 @@ class DefaultsTable(Table):
     bridge: Bridge = Defaults().bridge
     model: str = Defaults().model
     laser: str = Defaults().laser
+    camera: str = Defaults().camera
     ros: Ros = ""
 
     def defaults(self) -> Defaults:
@@ -87,6 +88,7 @@ class DefaultsTable(Table):
             bridge=self.bridge,
             model=self.model,
             laser=self.laser,
+            camera=self.camera,
             ros=self.ros,
         )
 
@@ -99,6 +101,7 @@ class DefaultsTable(Table):
             bridge=defaults.bridge,
             model=defaults.model,
             laser=defaults.laser,
+            camera=defaults.camera,
             ros=_ros(defaults.ros),
         )
 
@@ -114,6 +117,7 @@ class RobotTable(Table):
     user: User | None = None
     model: str | None = None
     laser: str | None = None
+    camera: str | None = None
     ros: Ros | None = None
     node: Node | None = None
     note: str = ""
@@ -132,6 +136,7 @@ class RobotTable(Table):
             user=defaults.user if self.user is None else self.user,
             model=defaults.model if self.model is None else self.model,
             laser=defaults.laser if self.laser is None else self.laser,
+            camera=defaults.camera if self.camera is None else self.camera,
             ros=ros,
             node=lab_node(self.name) if self.node is None else self.node,
             note=self.note,
@@ -152,6 +157,7 @@ class RobotTable(Table):
             user=None if robot.user == defaults.user else robot.user,
             model=None if robot.model == defaults.model else robot.model,
             laser=None if robot.laser == defaults.laser else robot.laser,
+            camera=None if robot.camera == defaults.camera else robot.camera,
             ros=None if robot.ros == defaults.ros else _ros(robot.ros),
             node=None if robot.node == usual else robot.node,
             note=robot.note,

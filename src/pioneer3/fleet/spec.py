@@ -30,6 +30,7 @@ class Robot:
         user: The account on its computer.
         model: Name of a robot model, or the path of its file.
         laser: Its laser, as `--laser` takes it; empty for none.
+        camera: Its camera, as `--camera` takes it; empty for none.
         ros: Version of ROS on its computer, `1` or `2`; empty for none.
         node: Name of the ROS node that drives it, under which its topics are.
         note: For people.
@@ -44,6 +45,7 @@ class Robot:
     user: str = USER
     model: str = MODEL
     laser: str = ""
+    camera: str = ""
     ros: str = ""
     node: str
     note: str = ""
@@ -86,6 +88,7 @@ class Defaults:
     bridge: int = 0
     model: str = MODEL
     laser: str = ""
+    camera: str = ""
     ros: str = ""
 
 

@@ -88,6 +88,7 @@ class Unit:
         words = [self.python, "-m", "pioneer3", "ros1" if robot.ros == "1" else "run"]
         words += ["--port", robot.port]
         words += ["--laser", robot.laser] if robot.laser else []
+        words += ["--camera", robot.camera] if robot.camera else []
         words += [f"__name:={robot.node}"] if robot.ros == "1" else []
         return " ".join(map(quoted, words))
 

@@ -32,6 +32,7 @@ def connect(
     auto_enable: bool = True,
     record: Path | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
+    camera: str | None = None,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
 ) -> "BlockingRobot":
@@ -51,6 +52,7 @@ def connect(
             auto_enable=auto_enable,
             record=record,
             lasers=lasers,
+            camera=camera,
             line_map=line_map,
             start=start,
         )

@@ -23,6 +23,7 @@ from pioneer3.tasks import running
 
 if TYPE_CHECKING:
     from pioneer3.maps import LineMap
+    from pioneer3.robot.camera_driver import CameraDriver
     from pioneer3.robot.lasers.driver import LaserDriver
     from pioneer3.robot.lasers.mounting import Mounting
     from pioneer3.robot.lasers.spec import LaserSpec
@@ -47,6 +48,7 @@ async def connect_async(
     record: Path | None = None,
     timing: Timing | None = None,
     lasers: "Sequence[LaserSpec | str]" = (),
+    camera: str | None = None,
     line_map: "LineMap | str | Path | None" = None,
     start: Pose2 | str | None = None,
 ) -> AsyncIterator[Robot]:
@@ -66,6 +68,7 @@ async def connect_async(
         timing: How patient to be.
         lasers: Laser range finders at the computer, such as `/dev/ttyACM0`. They may come later,
             and may be lost and found again.
+        camera: URL of the MJPEG stream of a camera on the robot; it may come and go too.
         line_map: The map to navigate on, its file, or the name of one that ships; needs a laser.
         start: Where the robot is on the map: a pose, the name of a place, `"unknown"`, or `None`
             for the map's home; without a home the robot has to be found.
@@ -93,11 +96,14 @@ async def connect_async(
         )
         arbiter = Arbiter(supervisor, remark)
         drivers = [_laser(spec, supervisor, stack) for spec in lasers]
+        eye = _camera(camera)
+        work = [supervisor.run(), *(driver.run() for driver in drivers)]
+        work += [eye.run()] if eye else []
         load_model(USUAL)  # the reader of models loads slowly, and a robot that waits is lost
         stack.enter_context(StopOnSignals(asyncio.get_running_loop(), arbiter.stop))
-        async with running(supervisor.run(), *(driver.run() for driver in drivers)):
+        async with running(*work):
             await _first_snapshot(supervisor)
-            robot = Robot(supervisor, arbiter, drivers)
+            robot = Robot(supervisor, arbiter, drivers, eye)
             if line_map is None:
                 yield robot
                 return
@@ -191,6 +197,15 @@ def _laser(
 
     poses = supervisor.poses if supervisor else Poses()
     return LaserDriver(config, poses.at, mounting)
+
+
+def _camera(url: str | None) -> "CameraDriver | None":
+    """Return the driver of the camera at this URL, if there is one."""
+    if url is None:
+        return None
+    from pioneer3.robot.camera_driver import CameraDriver  # imports ssl
+
+    return CameraDriver(url)
 
 
 async def _first_snapshot(supervisor: Supervisor) -> None:

@@ -107,6 +107,8 @@ def facade_of(kind: type) -> type[Facade]:
     for name in (name for name in dir(kind) if not name.startswith("_")):
         member = getattr(kind, name)
         members[name] = blocking(member) if inspect.isfunction(member) else _property(name, member)
+    if inspect.isfunction(call := vars(kind).get("__call__")):
+        members["__call__"] = blocking(call)
     return type(f"Blocking{kind.__name__}", (MadeFacade,), members)
 
 

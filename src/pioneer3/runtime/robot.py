@@ -10,7 +10,7 @@ from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Hold, Move, Turn
 from pioneer3.behaviors.modes import goto
 from pioneer3.errors import CommandError, MotionError
-from pioneer3.robot.devices import Devices
+from pioneer3.robot.devices import Devices, PictureSource
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.limits import checked, finite
 from pioneer3.robot.supervisor import RobotInfo, Supervisor
@@ -39,11 +39,15 @@ class Robot:
     """
 
     def __init__(
-        self, supervisor: Supervisor, arbiter: Arbiter, lasers: Sequence[LaserSource] = ()
+        self,
+        supervisor: Supervisor,
+        arbiter: Arbiter,
+        lasers: Sequence[LaserSource] = (),
+        pictures: PictureSource | None = None,
     ) -> None:
         self.supervisor = supervisor
         self.arbiter = arbiter
-        self.devices = Devices(supervisor)
+        self.devices = Devices(supervisor, pictures)
         self.lasers: tuple[LaserSource, ...] = (*lasers,) or (self.devices.laser,)
         self.navigator: Navigator | None = None
         self._hold = Hold("program")

@@ -19,7 +19,7 @@ PICTURE_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
         "picture_width": (16, 1280),
         "picture_height": (16, 960),
-        "picture_rate": (0.1, 30.0),
+        "picture_rate": (0.2, 30.0),
     }
 )
 """Least and most of numbers of pictures."""

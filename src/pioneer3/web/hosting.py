@@ -44,6 +44,7 @@ class Target:
         record: New file for every byte on the wire.
         timing: Time limits of the link.
         lasers: Its laser range finders.
+        camera: URL of the MJPEG stream of its camera.
     """
 
     url: str
@@ -56,6 +57,7 @@ class Target:
     record: Path | None = None
     timing: Timing | None = None
     lasers: tuple[LaserSpec, ...] = ()
+    camera: str | None = None
 
 
 @asynccontextmanager
@@ -135,6 +137,7 @@ class RobotConnection:
                 record=target.record,
                 timing=target.timing,
                 lasers=target.lasers,
+                camera=target.camera,
             ) as robot,
             self._in_scene(robot) as scene,
             self._page.hosting(robot, scene, target.name, self._number) as view,

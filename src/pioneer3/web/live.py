@@ -59,6 +59,7 @@ class Options:
         record: New file for every byte on the wire; of several robots each has its own, with its
             name added.
         lasers: Looks for the laser range finders of the only robot.
+        camera: URL of the MJPEG stream of its camera.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
     """
@@ -78,6 +79,7 @@ class Options:
     max_speed: float | None = None
     record: Path | None = None
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
+    camera: str | None = None
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
@@ -165,6 +167,7 @@ def _simulated(running: RunningSimulation) -> list[Target]:
             name=robot.name if several else "",
             timing=PATIENT,
             lasers=(_laser_of(robot.laser),) if robot.laser else (),
+            camera=robot.camera.url if robot.camera else None,
         )
         for robot in running.robots
     ]
@@ -190,6 +193,7 @@ def _with_options(
             max_speed=options.max_speed,
             record=file,
             lasers=(*lasers, *target.lasers),
+            camera=options.camera or target.camera,
         )
         for target, file in zip(targets, files, strict=True)
     ]

@@ -10,6 +10,7 @@ compass        TCM2
 gyro           heading from samples, where the robot sends them
 laser          scans of a simulator's laser, and the interface of every laser
 camera         pan, tilt and zoom; canon and sony encode the bytes, aux_port sends them
+pictures       the pictures of a camera, and its pan, tilt and zoom in one place
 status         flags and faults by name, safety systems, CONFIG on demand
 acts           blobs of colour, from the ACTS server
 presence       whether the robot has a device, and the evidence
@@ -31,6 +32,7 @@ from pioneer3.robot.devices.gripper import Gripper
 from pioneer3.robot.devices.gyro import Gyro
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.lines import Lines
+from pioneer3.robot.devices.pictures import Image, PictureSource, RobotCamera
 from pioneer3.robot.devices.presence import Presence, bumpers_of, sonars_of
 from pioneer3.robot.devices.sensor import Sensor
 from pioneer3.robot.devices.status import DetailedStatus, Safety, ask_configuration, detailed_status
@@ -45,9 +47,12 @@ __all__ = [
     "Devices",
     "Gripper",
     "Gyro",
+    "Image",
     "Laser",
     "Lines",
+    "PictureSource",
     "Presence",
+    "RobotCamera",
     "Safety",
     "TcmCompass",
     "detailed_status",
@@ -58,9 +63,9 @@ __all__ = [
 class Devices:
     """The devices of one robot, each made at its first use."""
 
-    def __init__(self, supervisor: Supervisor) -> None:
+    def __init__(self, supervisor: Supervisor, pictures: PictureSource | None = None) -> None:
         self._supervisor = supervisor
-        self._cameras: dict[tuple[CameraName, int], Camera] = {}
+        self._pictures = pictures
 
     @cached_property
     def gripper(self) -> Gripper:
@@ -81,6 +86,11 @@ class Devices:
     def gyro(self) -> Gyro:
         """The gyro, where the host corrects the heading."""
         return Gyro(self._supervisor)
+
+    @cached_property
+    def camera(self) -> RobotCamera:
+        """The camera's pictures; `camera.ptz("vcc4")` turns and zooms it."""
+        return RobotCamera(self._supervisor, self._pictures)
 
     @cached_property
     def laser(self) -> Laser:
@@ -106,16 +116,6 @@ class Devices:
     def sonars(self) -> Presence:
         """Whether there are sonars; their ranges are in the snapshots."""
         return self._built_in(sonars_of)
-
-    def camera(self, name: CameraName, port: int = 1) -> Camera:
-        """Return the camera of this make on AUX `port`, always the same one.
-
-        Raises:
-            ConfigError: there is no such make or port.
-        """
-        if (name, port) not in self._cameras:
-            self._cameras[name, port] = Camera(self._supervisor, name, port)
-        return self._cameras[name, port]
 
     async def configuration(self) -> Config:
         """Ask for CONFIG again and return it; `info.config` is this one from then on.

@@ -111,13 +111,15 @@ class CameraPorts:
 
     async def _woken(self) -> None:
         """Wait for a picture to render; while time stands, take one now and then."""
+        before = self._world.time
         try:
             async with asyncio.timeout(STILL):
                 await self._wake.wait()
         except TimeoutError:
+            stands = self._world.time == before
             for camera in self.cameras:
-                if camera.wanted:
-                    camera.shoot(self._world.time)
+                if stands and camera.wanted:
+                    camera.shoot(before)
         self._wake.clear()
 
     async def _start_again(self) -> None:
