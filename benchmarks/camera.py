@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -81,7 +82,7 @@ def measure(width: int, height: int, seconds: float) -> list[Row]:
             busy = (used(process.pid) - before) / seconds
         finally:
             process.terminate()
-    gaps = [later - sooner for sooner, later in zip(times, times[1:], strict=False)]
+    gaps = [later - sooner for sooner, later in pairwise(times)]
     bar = BARS.get((width, height))
     return [
         Row(f"{what}: the first picture", first, "s", 1.0),

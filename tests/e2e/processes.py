@@ -11,20 +11,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from pioneer3.sim.server.start import PHYSICS as PHYSICS_NOTE
-
 PATIENCE = 30.0
 """Longest wait for anything on a busy machine [s]."""
 KILLED = -1000
 COMMAND = (sys.executable, "-m", "pioneer3")
 PHYSICS = "PYTEST_PHYSICS"
 """Set in the environment by pytest's option `--physics`: commands simulate with MuJoCo, too."""
-
-
-def told_besides(stderr: str) -> str:
-    """Return what was said besides that physics are on."""
-    lines = stderr.splitlines(keepends=True)
-    return "".join(line for line in lines if PHYSICS_NOTE not in line)
 
 
 def words_of(*arguments: str) -> tuple[str, ...]:
@@ -85,7 +77,7 @@ class Command:
         if number is not None:
             self.process.send_signal(number)
         async with asyncio.timeout(PATIENCE):
-            stderr = told_besides((await self.process.stderr.read()).decode())
+            stderr = (await self.process.stderr.read()).decode()
             code = await self.process.wait()
         assert in_session(self.process.pid) == []
         return (code if code >= 0 else KILLED + code), stderr

@@ -148,7 +148,6 @@ class StallRecover:
             return 0.0
         return drive * self.speed
 
-
     def _is_blocked(self, drive: int, situation: Situation) -> bool:
         """Whether something is seen right in front of the robot, or right behind it."""
         model, beside = situation.model, situation.model.width / 2 + self.beside
