@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from concurrent.futures import Future
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,23 @@ from pioneer3.sim.sensing import PlanarSensing, Sensing
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Physics
 
 Float = NDArray[np.float64]
+
+
+GRAVITY = 9.81
+"""[m/s2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImuReading:
+    """What a gyro and an accelerometer at the origin of a robot feel, about its own axes.
+
+    Attributes:
+        rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].
+        acceleration: Along the same [m/s2]. At rest on a level floor it is 9.81 upwards.
+    """
+
+    rates: tuple[float, float, float]
+    acceleration: tuple[float, float, float]
 
 
 class Dynamics(Protocol):
@@ -89,6 +107,10 @@ class Dynamics(Protocol):
         """Return speed and turn rate of robot `number` by its encoders."""
         ...
 
+    def imu(self, number: int) -> ImuReading:
+        """Return what robot `number` feels, on average over the last step, without errors."""
+        ...
+
 
 class PlanarDynamics:
     """`Dynamics` on a plane: robots do what their drives want, up to the first thing they meet."""
@@ -109,11 +131,13 @@ class PlanarDynamics:
         outlines: Robots,
     ) -> None:
         self._drives, self._outlines = drives, outlines
+        self._before, self._dt = drives.axes[VELOCITY].copy(), 1.0
 
     def place(self) -> None:
         pass
 
     def step(self, kernels: Kernels, dt: float, noise: Float | None) -> None:
+        self._before[:], self._dt = self._drives.axes[VELOCITY], dt
         kernels.step(self._grid, self._outlines, self._drives, dt, noise)
 
     def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
@@ -125,6 +149,11 @@ class PlanarDynamics:
     def speeds(self, number: int) -> Speeds:
         axes = self._drives.axes
         return axes.item(VELOCITY, LINEAR, number), axes.item(VELOCITY, ANGULAR, number)
+
+    def imu(self, number: int) -> ImuReading:
+        v, w = self.speeds(number)
+        gained = (v - self._before.item(LINEAR, number)) / self._dt
+        return ImuReading((0.0, 0.0, w), (gained, v * w, GRAVITY))
 
 
 def dynamics_of(physics: Physics, step: float = PHYSICS_STEP) -> Dynamics:

@@ -17,7 +17,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.maps.materials import Codes
 from pioneer3.sim.body import Body, Bumpers, outline_of
-from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
+from pioneer3.sim.dynamics import Dynamics, ImuReading, PlanarDynamics
 from pioneer3.sim.kernels import (
     Drives,
     Fan,
@@ -204,6 +204,11 @@ class World:
         """
         self._place()
         return self._sensing.look(self.kernels, fan, limit, body.number)
+
+    def imu(self, body: Body) -> ImuReading:
+        """Return what a gyro and an accelerometer on `body` feel, without errors."""
+        self._place()
+        return self._dynamics.imu(body.number)
 
     def generator(self, body: Body) -> Generator:
         """Return a new random generator for a sensor of `body`; no other numbers change."""

@@ -15,23 +15,18 @@ from numpy.typing import NDArray
 from pioneer3.errors import ConfigError, how_to_get
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
-from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
 from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
+from pioneer3.sim.dynamics import GRAVITY, ImuReading
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import (
-    ANGULAR,
-    BASE,
-    LINEAR,
-    POWERED,
-    STALLED,
     TOUCHED,
-    VELOCITY,
 )
 from pioneer3.sim.obstacles import Obstacle
 from pioneer3.sim.physics.elements import turned
 from pioneer3.sim.physics.ground import Ground, feet_of, feet_of_box, has_ground
 from pioneer3.sim.physics.groups import TOUCHING
+from pioneer3.sim.physics.motors import Motors
 from pioneer3.sim.physics.scene import Scene, build, set_contacts
 from pioneer3.sim.physics.sensing import MujocoSensing
 from pioneer3.sim.realism import SonarErrors
@@ -47,15 +42,9 @@ Bool = NDArray[np.bool_]
 
 CYCLE = 0.02
 """The wheel-speed loop gets another speed so often [s]; one call of MuJoCo for each."""
-STALL_TIME, FULL_SHARE = 0.3, 0.98
-"""A side that pushes with this share of its torque for so long is stalled [s]."""
 WORTH_A_THREAD = 4
 """So many robots take longer than the way to another thread and back."""
 ALMOST = 1e-6
-DRAG = 0.3
-"""Torque of a side's gears and motors without power [Nm]; an assumption."""
-LEAST_SPEED = 5e-4
-"""Slower wheels stand, as far as encoders tell [m/s]."""
 GL = "MUJOCO_GL"
 """Variable that tells MuJoCo at its import which OpenGL to load."""
 
@@ -128,12 +117,9 @@ class MujocoDynamics:
         self._owed = self._cycle_time = 0.0
         self._thread: ThreadPoolExecutor | None = None
         self._work: Future[None] | None = None
-        self._before = np.zeros((2, 0))
+        self._motors = Motors()
+        self._velocity = self._gained = np.zeros((3, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
-        self._radius = self._torque = self._drag = np.zeros(0)
-        self._gain = self._damping = self._inertia = np.ones(0)
-        self._pushing = self._speed = self._goal = np.zeros((2, 0))
-        self._released = np.zeros(0, np.bool_)
 
     @property
     def scene(self) -> Scene:
@@ -165,10 +151,9 @@ class MujocoDynamics:
         drives: Drives,
         outlines: Robots,
     ) -> None:
-        self._keep_wheels(robots)
         self._robots, self._obstacles = robots, obstacles
         self._drives, self._outlines = drives, outlines
-        drives.wheels[BASE] = [physics_of(body.model).turning_track for body in robots]
+        self._motors.change(robots, drives)
         self._names = {
             item: self._names.get(item) or f"{kind}{next(self._numbers)}"
             for kind, items in (("robot", robots), ("obstacle", obstacles))
@@ -207,9 +192,21 @@ class MujocoDynamics:
         self._see(kernels)
 
     def speeds(self, number: int) -> Speeds:
-        left, right = (self._speed[side, number] for side in range(2))
-        v, w = (left + right) / 2, (right - left) / self._drives.wheels[BASE, number]
-        return float(v), float(w)
+        return self._motors.speeds(number)
+
+    def imu(self, number: int) -> ImuReading:
+        scene = self.scene
+        turned = scene.data.xmat[scene.bodies[number]].reshape(3, 3)
+        first = scene.base_speed[number]
+        rates = scene.data.qvel[first + 3 : first + 6].tolist()
+        gained = self._gained[:, number] + (0.0, 0.0, GRAVITY)
+        return ImuReading(tuple(rates), tuple((gained @ turned).tolist()))
+
+    def _velocities(self) -> Float:
+        """Return the velocity of each robot's origin in the world [m/s], shape (3, N)."""
+        scene = self.scene
+        velocity: Float = scene.data.qvel[scene.base_speed + np.arange(3)[:, None]]
+        return velocity
 
     def instant(self, body: Body) -> Instant:
         """Return what the camera of a robot may see now."""
@@ -226,85 +223,21 @@ class MujocoDynamics:
         )
 
     def _begin_cycle(self, kernels: Kernels, dt: float) -> int:
-        """Tell the motors the speeds at the end of the ramps; return the steps of MuJoCo."""
-        scene, drives = self.scene, self._drives
-        data = scene.data
-        begin = self._wheels_of(drives.axes[VELOCITY])
-        kernels.ramp(drives, dt)
-        self._before = data.qpos[scene.wheels].mean(axis=2)
-        self._turn_wheels(self._before, begin, self._wheels_of(drives.axes[VELOCITY]), dt)
+        """Tell the motors how fast to turn; return the steps that MuJoCo is to make."""
+        self._motors.begin(self.scene, kernels, dt)
         self._cycle_time = dt
-        self._owed += dt / scene.model.opt.timestep
+        self._owed += dt / self.scene.model.opt.timestep
         steps = int(self._owed + ALMOST)
         self._owed -= steps
         return steps
 
     def _end_cycle(self, kernels: Kernels) -> None:
-        """Count the ways of the wheels, and feel whether they stall."""
-        scene = self.scene
-        data = scene.data
-        if not np.isfinite(data.qpos).all():
+        """Let the motors count their ways, and accelerometers feel the change of velocity."""
+        if not np.isfinite(self.scene.data.qpos).all():
             raise ArithmeticError("the physics of this world have no solution: something overlaps")
-        rolled = (data.qpos[scene.wheels].mean(axis=2) - self._before) * self._radius
-        left, right = np.ascontiguousarray(rolled)
-        kernels.count(self._drives, left, right)
-        self._see_wheels()
-        self._feel_stall(self._cycle_time)
-
-    def _wheels_of(self, axes: Float) -> Float:
-        """Return the speeds of left and right wheels [rad/s], (2, N), for speeds and turn rates."""
-        half = axes[ANGULAR] * self._drives.wheels[BASE] / 2
-        both: Float = np.stack([axes[LINEAR] - half, axes[LINEAR] + half]) / self._radius
-        return both
-
-    def _turn_wheels(self, angles: Float, begin: Float, end: Float, dt: float) -> None:
-        """Tell the loops the angles that the wheels should have, and limit their torque.
-
-        A loop is a spring and a damper between a wheel and where it should be, which goes no
-        farther ahead of the wheel than the torque reaches: it does not wind up. MuJoCo's damper
-        brakes any speed, and none of its parts knows the ramp: the angle leads by what they need.
-        Motors that lose their power brake until the wheels stand.
-
-        Args:
-            angles: Of the wheels, (2, N) [rad].
-            begin: Speeds that they should have now, (2, N) [rad/s].
-            end: The same after `dt`.
-            dt: [s].
-        """
-        scene, drives = self.scene, self._drives
-        stand = (drives.axes[VELOCITY] == 0.0).all(axis=0) & (self._speed == 0.0).all(axis=0)
-        self._released = (drives.flags[POWERED] == 0) & (self._released | stand)
-        limit = np.where(self._released, self._drag, self._torque)
-        ranges = np.stack([-limit, limit], axis=-1)
-        scene.model.actuator_forcerange[scene.motors] = ranges[None]
-        reach = limit / self._gain
-        goal = self._goal.clip(angles - reach, angles + reach)
-        mean = (begin + end) / 2
-        lead = (self._damping * mean + self._inertia * (end - begin) / dt) / self._gain
-        speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2)
-        middle = angles + self._damping * speed / self._gain
-        beyond = abs(goal + lead - middle) > FULL_SHARE * reach
-        goal = np.where(beyond & (begin == 0.0) & (end == 0.0), angles, goal)
-        scene.data.act[scene.motors] = (goal + lead).clip(middle - reach, middle + reach)
-        scene.data.ctrl[scene.motors] = mean
-        self._goal = goal + mean * dt
-
-    def _see_wheels(self) -> None:
-        """Note the speeds that encoders tell."""
-        scene = self.scene
-        speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
-        self._speed = np.where(abs(speed) < LEAST_SPEED, 0.0, speed)
-
-    def _feel_stall(self, dt: float) -> None:
-        drives = self._drives
-        force = abs(self.scene.data.actuator_force[self.scene.motors])
-        pushes = (force > FULL_SHARE * self._torque) & (drives.flags[POWERED] != 0)
-        self._pushing = np.where(pushes, self._pushing + dt, 0.0)
-        stalled = (self._pushing >= STALL_TIME).any(axis=0)
-        drives.flags[STALLED] = stalled
-        # ramps begin anew at the speeds of the wheels, so that another command counts at once
-        speeds = [self.speeds(number) for number in np.flatnonzero(stalled).tolist()]
-        drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
+        self._motors.end(self.scene, kernels, self._cycle_time)
+        velocity = self._velocities()
+        self._gained, self._velocity = (velocity - self._velocity) / self._cycle_time, velocity
 
     def _see(self, kernels: Kernels) -> None:
         """Tell the outlines and the boxes where they are, but not those that were put elsewhere."""
@@ -354,8 +287,8 @@ class MujocoDynamics:
             data.qpos[places] = 0.0  # the caster's, too: the same place always begins the same
             data.qpos[places[:7]] = pose.x, pose.y, z, *turn
             data.qvel[speeds] = data.qacc_warmstart[speeds] = 0.0
-            data.act[scene.motors[:, number]] = 0.0
-            self._goal[:, number] = self._pushing[:, number] = 0.0
+            self._velocity[:, number] = 0.0
+            self._motors.rest(scene, number)
             return
         own = number - len(self._robots)
         if scene.people[own] >= 0:
@@ -398,30 +331,17 @@ class MujocoDynamics:
         self._scene = scene = build(self._map, self._relief, robots, obstacles, self._step)
         self._ground = Ground(scene.model, scene.data) if has_ground(self._relief) else None
         self._hidden = np.zeros(len(self._outlines))
-        bodies = [physics_of(body.model) for body in self._robots]
-        self._radius = np.array([body.rolling_radius for body in bodies])
-        self._torque = np.array([body.side_torque for body in bodies])
-        self._gain = np.array([body.loop_gain for body in bodies])
-        self._damping = np.array([body.loop_damping for body in bodies])
-        self._inertia = np.array([_inertia(body.model) for body in self._robots])
-        self._drag = np.minimum(DRAG, self._torque / 4)
+        self._velocity = self._gained = np.zeros((3, len(robots)))
         if before is not None:
             self._keep(before, scene)
         self._known = self._poses()  # the outlines may have others, which are still to be taken
         if self._ground is not None:
             self._put_new(before)
         self._mujoco.mj_forward(scene.model, scene.data)
-        self._see_wheels()
+        self._motors.look(scene)
+        self._velocity = self._velocities()
         if self._outlines.hidden.any():
             self._hide()
-
-    def _keep_wheels(self, robots: Sequence[Body]) -> None:
-        """Lay out anew, for `robots`, what is known of the wheels; those of new robots are free."""
-        before = {body: number for number, body in enumerate(self._robots)}
-        places = [before.get(body, -1) for body in robots]
-        self._pushing = np.pad(self._pushing, ((0, 0), (0, 1)))[:, places]
-        self._goal = np.pad(self._goal, ((0, 0), (0, 1)))[:, places]
-        self._released = np.pad(self._released, (0, 1))[places]
 
     def _keep(self, old: Scene, new: Scene) -> None:
         """Take over the state of everything that was there before."""
@@ -436,10 +356,3 @@ class MujocoDynamics:
             name = new.model.actuator(number).name
             if name.partition("/")[0] in old.joints:
                 new.data.act[number] = old.data.act[old.model.actuator(name).id]
-
-
-def _inertia(model: RobotModel) -> float:
-    """Return what one side's motors turn when a robot drives straight, at the wheels [kg m2]."""
-    physics = physics_of(model)
-    motors = physics.armature * len(shape_of(model).axles)
-    return motors + total_mass(model) * physics.rolling_radius**2 / 2

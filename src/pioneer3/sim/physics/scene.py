@@ -49,6 +49,7 @@ class Scene:
         model: MuJoCo's `MjModel`.
         data: Its `MjData`.
         base: Where the pose of each robot begins in `qpos`, shape (N,).
+        base_speed: Where the velocity of each robot begins in `qvel`, shape (N,).
         wheels: The wheels of each side in `qpos`, shape (2, N, W); a robot with fewer wheels than
             others has some of them twice.
         wheel_speeds: The same in `qvel`.
@@ -70,6 +71,7 @@ class Scene:
     model: Any
     data: Any
     base: Int
+    base_speed: Int
     wheels: Int
     wheel_speeds: Int
     motors: Int
@@ -278,6 +280,7 @@ def _indexed(
         model=model,
         data=data,
         base=np.array([joint.qposadr[0] for joint in bases], dtype=np.int64),
+        base_speed=np.array([joint.dofadr[0] for joint in bases], dtype=np.int64),
         wheels=wheels,
         wheel_speeds=speeds,
         motors=motors,

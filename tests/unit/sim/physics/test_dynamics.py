@@ -1,7 +1,7 @@
 """Robots with mass: they drive, slip, push, stall, come and go."""
 
 from collections.abc import Iterator
-from math import degrees, hypot, pi
+from math import atan2, degrees, hypot, pi, radians, tan
 
 import numpy as np
 import pytest
@@ -10,9 +10,11 @@ from numpy.random import default_rng
 from pioneer3.geometry import ORIGIN, Pose2, wrap
 from pioneer3.models import load_model, physics_of
 from pioneer3.sim.body import Body
+from pioneer3.sim.dynamics import dynamics_of
+from pioneer3.sim.relief import Ramp
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile import Box, Person, WorldFile
-from pioneer3.sim.worldfile.spec import Wall
+from pioneer3.sim.worldfile.spec import Physics, Wall
 
 pytest.importorskip("mujoco")
 from pioneer3.sim.physics.dynamics import MujocoDynamics
@@ -308,3 +310,34 @@ def test_robots_come_go_and_sense_while_the_thread_works() -> None:
     ways = [[body.wheel_travel for body in world.robots] for world in (here, beside)]
     assert ways[0] == pytest.approx(np.array(ways[1]), abs=1e-6)
     assert beside.time == pytest.approx(30 * TICK)
+
+
+@pytest.mark.parametrize("physics", ["mujoco", "planar"])
+def test_an_imu_feels_gravity_turns_and_braking(physics: Physics) -> None:
+    body = powered("p3dx-sh")
+    world = World(None, [body], dynamics=dynamics_of(physics))
+    run(world, 1.0)
+    assert world.imu(body).acceleration == pytest.approx((0.0, 0.0, 9.81), abs=0.01)
+    body.drive.linear.go(0.4)
+    body.drive.angular.go(0.5)
+    run(world, 4.0)
+    reading = world.imu(body)
+    assert reading.rates == pytest.approx((0.0, 0.0, 0.5), abs=0.02)
+    assert reading.acceleration == pytest.approx((0.0, 0.2, 9.81), abs=0.05)
+    body.drive.angular.go(0.0)
+    run(world, 1.0)
+    body.drive.linear.go(0.0)
+    run(world, 0.5)
+    assert world.imu(body).acceleration[0] == pytest.approx(-0.3, abs=0.05)
+
+
+def test_an_accelerometer_on_a_slope_shows_its_angle() -> None:
+    ramp = Ramp(pose=ORIGIN, size=(4.0, 2.0), height=4.0 * tan(radians(8.0)))
+    file = WorldFile(name="slope", solids=(ramp,))
+    body = powered("p3dx-sh")
+    line_map = file.line_map()
+    world = World(line_map, [body], dynamics=MujocoDynamics(), relief=file.relief(line_map))
+    run(world, 2.0)
+    ahead, aside, up = world.imu(body).acceleration
+    assert degrees(atan2(ahead, up)) == pytest.approx(8.0, abs=0.3)
+    assert abs(aside) < 0.02

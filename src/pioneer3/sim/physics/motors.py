@@ -1,0 +1,146 @@
+"""The motors of all robots: a wheel-speed loop a side, its torque, its encoder, its stall."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
+from pioneer3.sim.body import Body, Speeds
+from pioneer3.sim.kernels import Drives, Kernels
+from pioneer3.sim.kernels.drives import ANGULAR, BASE, LINEAR, POWERED, STALLED, VELOCITY
+from pioneer3.sim.physics.scene import Scene
+
+Float = NDArray[np.float64]
+
+STALL_TIME, FULL_SHARE = 0.3, 0.98
+"""A side that pushes with this share of its torque for so long is stalled [s]."""
+DRAG = 0.3
+"""Torque of a side's gears and motors without power [Nm]; an assumption."""
+LEAST_SPEED = 5e-4
+"""Slower wheels stand, as far as encoders tell [m/s]."""
+
+
+class Motors:
+    """The motors of N robots, as arrays: left and right sides (2, N)."""
+
+    def __init__(self) -> None:
+        self._robots: Sequence[Body] = ()
+        self._drives = Drives.at_rest(0)
+        self._angles = self._speed = np.zeros((2, 0))
+        self._goal = self._pushing = np.zeros((2, 0))
+        self._released = np.zeros(0, np.bool_)
+
+    def change(self, robots: Sequence[Body], drives: Drives) -> None:
+        """Replace the robots, in the order of `drives`; those that stay keep their state."""
+        before = {body: number for number, body in enumerate(self._robots)}
+        places = [before.get(body, -1) for body in robots]
+        self._pushing = np.pad(self._pushing, ((0, 0), (0, 1)))[:, places]
+        self._goal = np.pad(self._goal, ((0, 0), (0, 1)))[:, places]
+        self._released = np.pad(self._released, (0, 1))[places]
+        self._robots, self._drives = robots, drives
+        bodies = [physics_of(body.model) for body in robots]
+        drives.wheels[BASE] = [body.turning_track for body in bodies]
+        self._radius = np.array([body.rolling_radius for body in bodies])
+        self._torque = np.array([body.side_torque for body in bodies])
+        self._gain = np.array([body.loop_gain for body in bodies])
+        self._damping = np.array([body.loop_damping for body in bodies])
+        self._inertia = np.array([_inertia(body.model) for body in robots])
+        self._drag = np.minimum(DRAG, self._torque / 4)
+
+    def rest(self, scene: Scene, number: int) -> None:
+        """Let the wheels of one robot, which are at their zero, push nowhere."""
+        scene.data.act[scene.motors[:, number]] = 0.0
+        self._goal[:, number] = self._pushing[:, number] = 0.0
+
+    def begin(self, scene: Scene, kernels: Kernels, dt: float) -> None:
+        """Tell the loops the speeds that the firmware's ramps have within `dt` [s]."""
+        begin = self._wanted()
+        kernels.ramp(self._drives, dt)
+        self._angles = _angles(scene)
+        self._drive(scene, begin, self._wanted(), dt)
+
+    def end(self, scene: Scene, kernels: Kernels, dt: float) -> None:
+        """Count the ways of the wheels within the last `dt` [s], and feel whether they stall."""
+        rolled = (_angles(scene) - self._angles) * self._radius
+        left, right = np.ascontiguousarray(rolled)
+        kernels.count(self._drives, left, right)
+        self.look(scene)
+        self._feel_stall(scene, dt)
+
+    def look(self, scene: Scene) -> None:
+        """Note the speeds that encoders tell."""
+        speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2) * self._radius
+        self._speed = np.where(abs(speed) < LEAST_SPEED, 0.0, speed)
+
+    def speeds(self, number: int) -> Speeds:
+        """Return speed and turn rate of a robot by its encoders."""
+        left, right = (self._speed[side, number] for side in range(2))
+        v, w = (left + right) / 2, (right - left) / self._drives.wheels[BASE, number]
+        return float(v), float(w)
+
+    def _wanted(self) -> Float:
+        """Return the speeds of the wheels that the ramps have now [rad/s], shape (2, N)."""
+        drives = self._drives
+        v, half = (
+            drives.axes[VELOCITY, LINEAR],
+            drives.axes[VELOCITY, ANGULAR] * drives.wheels[BASE] / 2,
+        )
+        both: Float = np.stack([v - half, v + half]) / self._radius
+        return both
+
+    def _drive(self, scene: Scene, begin: Float, end: Float, dt: float) -> None:
+        """Tell the loops the angles that the wheels should have, and limit their torque.
+
+        A loop is a spring and a damper between a wheel and where it should be, which goes no
+        farther ahead of the wheel than the torque reaches: it does not wind up. MuJoCo's damper
+        brakes any speed, and none of its parts knows the ramp: the angle leads by what they need.
+        Motors that lose their power brake until the wheels stand.
+
+        Args:
+            scene: The world.
+            begin: Speeds that they should have now, (2, N) [rad/s].
+            end: The same after `dt`.
+            dt: [s].
+        """
+        drives, angles = self._drives, self._angles
+        stand = (drives.axes[VELOCITY] == 0.0).all(axis=0) & (self._speed == 0.0).all(axis=0)
+        self._released = (drives.flags[POWERED] == 0) & (self._released | stand)
+        limit = np.where(self._released, self._drag, self._torque)
+        ranges = np.stack([-limit, limit], axis=-1)
+        scene.model.actuator_forcerange[scene.motors] = ranges[None]
+        reach = limit / self._gain
+        goal = self._goal.clip(angles - reach, angles + reach)
+        mean = (begin + end) / 2
+        lead = (self._damping * mean + self._inertia * (end - begin) / dt) / self._gain
+        speed = scene.data.qvel[scene.wheel_speeds].mean(axis=2)
+        middle = angles + self._damping * speed / self._gain
+        beyond = abs(goal + lead - middle) > FULL_SHARE * reach
+        goal = np.where(beyond & (begin == 0.0) & (end == 0.0), angles, goal)
+        scene.data.act[scene.motors] = (goal + lead).clip(middle - reach, middle + reach)
+        scene.data.ctrl[scene.motors] = mean
+        self._goal = goal + mean * dt
+
+    def _feel_stall(self, scene: Scene, dt: float) -> None:
+        drives = self._drives
+        force = abs(scene.data.actuator_force[scene.motors])
+        pushes = (force > FULL_SHARE * self._torque) & (drives.flags[POWERED] != 0)
+        self._pushing = np.where(pushes, self._pushing + dt, 0.0)
+        stalled = (self._pushing >= STALL_TIME).any(axis=0)
+        drives.flags[STALLED] = stalled
+        # ramps begin anew at the speeds of the wheels, so that another command counts at once
+        speeds = [self.speeds(number) for number in np.flatnonzero(stalled).tolist()]
+        drives.axes[VELOCITY][:, stalled] = np.array(speeds).reshape(-1, 2).T
+
+
+def _angles(scene: Scene) -> Float:
+    """Return how far the wheels of each side have turned [rad], shape (2, N)."""
+    angles: Float = scene.data.qpos[scene.wheels].mean(axis=2)
+    return angles
+
+
+def _inertia(model: RobotModel) -> float:
+    """Return what one side's motors turn when a robot drives straight, at the wheels [kg m2]."""
+    physics = physics_of(model)
+    motors = physics.armature * len(shape_of(model).axles)
+    return motors + total_mass(model) * physics.rolling_radius**2 / 2
