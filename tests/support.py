@@ -30,7 +30,7 @@ from pioneer3.sim.worldfile.spec import Physics
 
 TICK = 0.02
 SYNCS = (0, 1, 2)
-STILL = 2e-3
+STAYED = 2e-3
 """What has moved by less stands where it was [m, rad]."""
 SLOW = 0.02
 """What is slower stands, as people see it [m/s, rad/s]."""
@@ -56,7 +56,7 @@ def wall_at(x: float) -> LineMap:
 def is_at(pose: Pose2, place: Pose2) -> bool:
     """Return whether a robot at `pose` is where it should be."""
     away = hypot(pose.x - place.x, pose.y - place.y)
-    return away < STILL and abs(wrap(pose.theta - place.theta)) < STILL
+    return away < STAYED and abs(wrap(pose.theta - place.theta)) < STAYED
 
 
 @dataclass

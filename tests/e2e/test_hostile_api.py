@@ -26,7 +26,7 @@ from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
-from tests.support import SimulatedRobot
+from tests.support import STAYED, SimulatedRobot
 
 pytestmark = pytest.mark.realtime
 
@@ -153,7 +153,7 @@ def test_a_driver_without_control_moves_nothing(target: Target) -> None:
     for one in OPERATIONS:
         if one.name not in {"take_control", "leave", "revoke_session"}:  # takes over; ends itself
             attack(target, one, headers)
-    assert target.travelled == 0.0
+    assert target.travelled < STAYED
 
 
 def test_a_viewer_moves_nothing(target: Target) -> None:
@@ -161,11 +161,11 @@ def test_a_viewer_moves_nothing(target: Target) -> None:
     for one in OPERATIONS:
         if one.name != "leave":
             attack(target, one, headers)
-    assert target.travelled == 0.0
+    assert target.travelled < STAYED
 
 
 def test_a_stranger_moves_nothing_and_learns_nothing(target: Target) -> None:
     for one in OPERATIONS:
         attack(target, one, FAR)
-    assert target.travelled == 0.0
+    assert target.travelled < STAYED
     assert target.page.access.sessions.listed() == []

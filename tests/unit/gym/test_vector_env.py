@@ -12,7 +12,7 @@ from pioneer3.errors import CommandError, ConfigError
 from pioneer3.gym import GoalEnv, GoalVectorEnv
 from pioneer3.gym.task import Sensors
 from pioneer3.sim.realism import Realism
-from tests.support import STILL
+from tests.support import STAYED
 from tests.unit.gym.rooms import PILLARED, ROOM, towards
 
 STEPS = 60
@@ -125,7 +125,7 @@ def test_a_disabled_autoreset_waits_for_a_reset_of_those_who_are_done() -> None:
         env.step(still)
     mask = np.array([True, False, True])
     after = env.reset(options={"reset_mask": mask})[1]["pose"]
-    assert (abs(before - after) > STILL).any(axis=1).tolist() == mask.tolist()
+    assert (abs(before - after) > STAYED).any(axis=1).tolist() == mask.tolist()
     with pytest.raises(ResetNeeded):
         env.step(still)
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from pioneer3.web.control import EXPIRY, TERM
+from tests.support import STAYED
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, product
 
@@ -47,7 +48,7 @@ async def test_ten_snapshots_arrive_in_a_second() -> None:
 async def test_looking_moves_nothing() -> None:
     async with product() as the, Browser(the.app):
         await asyncio.sleep(2.0)
-        assert the.travelled == 0.0
+        assert the.travelled < STAYED
         assert not the.sim.powered
 
 
@@ -176,7 +177,7 @@ async def test_motors_can_be_switched_on_without_moving() -> None:
         ann.say("motors", on=True)
         await asyncio.sleep(1.0)
         assert the.sim.powered
-        assert the.travelled == 0.0
+        assert the.travelled < STAYED
 
 
 async def test_the_emergency_stop_latches_until_it_is_reset() -> None:
@@ -233,7 +234,7 @@ async def test_nonsense_is_answered_and_moves_nothing(text: str) -> None:
         await asyncio.sleep(1.0)
         (answer,) = ann.all("refused")
         assert answer["message"].startswith("not understood: ")
-        assert the.travelled == 0.0
+        assert the.travelled < STAYED
         assert not the.sim.powered
         await ann.keep_driving(0.3, 1.5)
         assert the.speed == pytest.approx(0.3, abs=0.01)
