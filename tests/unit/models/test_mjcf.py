@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import hypot
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -71,6 +72,17 @@ def test_a_robot_stands_still_on_all_wheels(model: RobotModel) -> None:
     mujoco.mj_step(robot.compiled, robot.data, 1000)
     assert abs(robot.data.qvel).max() < 1e-6
     assert robot.data.ncon == 2 * len(shape_of(model).axles) + (shape_of(model).caster is not None)
+
+
+@pytest.mark.parametrize("length", [0.03, 0.25])
+@pytest.mark.parametrize("mounts", [(), (0.166,), (0.01, -0.01), (-0.2,)])
+def test_a_robot_with_sonars_anywhere_or_nowhere_has_a_body(
+    mounts: tuple[float, ...], length: float
+) -> None:
+    sonars = tuple(replace(P3DX.sonars[0], x=x) for x in mounts)
+    model = replace(P3DX, sonars=sonars, length_front=length, length_rear=length)
+    robot = Drive(model, compiled(model))
+    assert robot.place == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
 
 
 @every_type

@@ -34,6 +34,8 @@ ARRAY: Final = 0.05
 """Height of a row of sonars [m]."""
 BUMPER: Final = 0.025
 """Thickness of a bumper [m]."""
+SHORTEST: Final = 0.12
+"""Length of a body at least [m]."""
 ARM: Final = 0.05
 """Length of a bumper's support inside the body [m]."""
 
@@ -87,11 +89,19 @@ def solids_of(
 
 
 def _ends(model: RobotModel) -> tuple[float, float]:
-    """Return where the body begins and ends along the robot [m]: at its sonars, if it has any."""
+    """Return where the body begins and ends along the robot [m]: at its sonars, if it has any.
+
+    Sonars on one end only, or near the middle, say nothing about the other end.
+    """
     places = [mount.x for mount in model.sonars]
-    front = max(places, default=0.0) or model.length_front - 0.05
-    rear = min(places, default=0.0) or -model.length_rear + 0.05
-    return max(rear, -model.length_rear + 0.02), min(front, model.length_front - 0.02)
+    front, rear = max(places, default=0.0), min(places, default=0.0)
+    if front < model.length_front / 2:
+        front = model.length_front - 0.05
+    if rear > -model.length_rear / 2:
+        rear = -model.length_rear + 0.05
+    rear, front = max(rear, -model.length_rear + 0.02), min(front, model.length_front - 0.02)
+    short = max(0.0, SHORTEST - (front - rear)) / 2
+    return rear - short, front + short
 
 
 def _body(model: RobotModel, shape: Shape) -> tuple[Solid, ...]:
