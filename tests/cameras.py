@@ -47,9 +47,9 @@ def require_opengl() -> None:
         pytest.skip("OpenGL is missing: apt-get install libegl1 libgl1-mesa-dri")
 
 
-def decoded(jpeg: bytes) -> Pixels:
-    """Return a JPEG as an array, shape (H, W, 3)."""
-    return np.asarray(Image.open(BytesIO(jpeg)).convert("RGB"))
+def decoded(file: bytes) -> Pixels:
+    """Return a JPEG or a PNG as an array, shape (H, W, 3)."""
+    return np.asarray(Image.open(BytesIO(file)).convert("RGB"))
 
 
 def jpeg_of(color: tuple[int, int, int] = (200, 30, 30), size: tuple[int, int] = (32, 24)) -> bytes:
@@ -60,12 +60,12 @@ def jpeg_of(color: tuple[int, int, int] = (200, 30, 30), size: tuple[int, int] =
 
 
 @asynccontextmanager
-async def http_get(url: str) -> AsyncIterator[asyncio.StreamReader]:
-    """Ask for a page; yield what answers, from its first line on."""
+async def http_get(url: str, headers: str = "") -> AsyncIterator[asyncio.StreamReader]:
+    """Ask for a page with `headers`, whole lines; yield what answers, from its first line on."""
     host, _, path = url.removeprefix("http://").partition("/")
     name, _, port = host.partition(":")
     reader, writer = await asyncio.open_connection(name, int(port))
-    writer.write(f"GET /{path} HTTP/1.0\r\n\r\n".encode())
+    writer.write(f"GET /{path} HTTP/1.0\r\n{headers}\r\n".encode())
     try:
         yield reader
     finally:

@@ -13,6 +13,7 @@ from urllib.parse import unquote, urlsplit
 
 from pioneer3.errors import ConfigError, LinkError
 
+MULTIPART: Final = "multipart/x-mixed-replace"
 BOUNDARY: Final = "pioneer3picture"
 """Of the streams that we send."""
 MOST_PICTURE: Final = 8 << 20
@@ -97,7 +98,7 @@ def request(url: CameraUrl, authorization: str = "") -> bytes:
     login = f"Authorization: {authorization}\r\n" if authorization else ""
     return (
         f"GET {url.path} HTTP/1.0\r\nHost: {host}\r\nUser-Agent: pioneer3\r\n"
-        f"Accept: multipart/x-mixed-replace\r\n{login}\r\n"
+        f"Accept: {MULTIPART}\r\n{login}\r\n"
     ).encode()
 
 
@@ -147,7 +148,7 @@ def _words(parameters: str) -> list[str]:
 
 def stream_head() -> bytes:
     """Return the head of the answer that a stream follows, with its headers."""
-    return answer("200 OK", f"multipart/x-mixed-replace; boundary={BOUNDARY}")
+    return answer("200 OK", f"{MULTIPART}; boundary={BOUNDARY}")
 
 
 def answer(status: str, kind: str, body: bytes | None = None, extra: str = "") -> bytes:

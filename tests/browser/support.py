@@ -76,7 +76,12 @@ def running_product(
             for one in running.robots:
                 lasers = [one.laser.url] if one.laser else []
                 robot = await stack.enter_async_context(
-                    connect_async(one.url, timing=PATIENT, lasers=lasers)
+                    connect_async(
+                        one.url,
+                        timing=PATIENT,
+                        lasers=lasers,
+                        camera=one.camera.url if one.camera else None,
+                    )
                 )
                 scene = Scene.of(running, one) if editable else Scene(running.world.map)
                 name = one.name if len(running.robots) > 1 else ""

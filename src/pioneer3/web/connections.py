@@ -40,6 +40,10 @@ REQUEST_TIME = 5.0
 """Longest time from the first byte of a request to its last [s]."""
 ANSWER_TIME = 30.0
 """Longest time until an answer has been taken [s]."""
+STREAMING = "pioneer3.streaming"
+"""Extension of the ASGI scope: a function that an answer without end calls before each piece."""
+STREAM_BUFFER = 32 << 10
+"""Of the operating system for such an answer [bytes]; its own would let old pieces wait."""
 BACKLOG = 1024
 """Connections that wait in the operating system."""
 BATCH = 4
@@ -165,7 +169,7 @@ class HttpProtocol(H11Protocol):
         super().__init__(config, limits.state, {})
         self._limits = limits
         self._connection = connection
-        self._begun = False
+        self._begun = self._streams = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Note the way to close it."""
@@ -205,9 +209,20 @@ class HttpProtocol(H11Protocol):
     def _note_whole_request(self) -> None:
         cycle = self.cycle
         if cycle is not None and not cycle.more_body and not cycle.response_complete:
+            scope: Any = cycle.scope
+            scope.setdefault("extensions", {})[STREAMING] = self._go_on
             if self._connection.phase is not Phase.ACTIVE:
                 self._connection.due = self.loop.time() + ANSWER_TIME
             self._connection.phase = Phase.ACTIVE
+
+    def _go_on(self) -> None:
+        """Let an answer without end last for as long as its pieces are taken."""
+        if not self._streams:
+            self._streams = True
+            self.transport.set_write_buffer_limits(high=0)
+            connection = self.transport.get_extra_info("socket")
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, STREAM_BUFFER)
+        self._connection.due = self.loop.time() + ANSWER_TIME
 
 
 class Acceptor:

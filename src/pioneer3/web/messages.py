@@ -67,7 +67,8 @@ class SpeedLimits(Part, frozen=True):
 class Robot(Part, frozen=True):
     """A robot. `robot` and `limits` are null until it has been connected to.
 
-    It `plans` ways where it has a map, a laser or sonars, and what navigation needs.
+    It `plans` ways where it has a map, a laser or sonars, and what navigation needs. Pictures of
+    its `camera` are got over the HTTP API.
     """
 
     id: int
@@ -79,6 +80,7 @@ class Robot(Part, frozen=True):
     laser: bool
     scans: bool
     plans: bool = False
+    camera: bool = False
 
 
 class Model(Part, frozen=True):

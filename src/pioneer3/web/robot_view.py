@@ -81,6 +81,7 @@ class RobotView:
             laser=bool(laser.presence.there),
             scans=laser is not self.robot.devices.laser,
             plans=self.navigation.possible,
+            camera=bool(self.robot.devices.camera.presence.there),
         )
 
     def status(self) -> messages.Status:
@@ -138,6 +139,7 @@ def robot_part(
     laser: bool = False,
     scans: bool = False,
     plans: bool = False,
+    camera: bool = False,
 ) -> messages.Robot:
     """Return the part of the hello for a robot; `info` is `None` before the first connection."""
     return messages.Robot(
@@ -150,6 +152,7 @@ def robot_part(
         laser=laser,
         scans=scans,
         plans=plans,
+        camera=camera,
     )
 
 

@@ -57,6 +57,7 @@ class Script:
         headers = {"host": self.host, "content-type": "application/json", **dict(self.headers)}
         scope = {
             "type": "http",
+            "asgi": {"version": "3.0", "spec_version": "2.4"},
             "scheme": self.scheme,
             "method": method,
             "path": path,

@@ -180,8 +180,9 @@ def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None
     elsewhere = {module for page in others for module in modules(page)}
     files = {path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*.js")}
     files -= {f"app/{path.name}" for path in (STATIC / "app").glob("*.js")}
-    later = set(modules("view3d/scene3d.js")) - set(named)  # only once the 3-D view is opened
-    assert all(module.startswith(("view3d/", "vendor/three")) for module in later)
+    opened = ("view3d/scene3d.js", "panels/camera.js")  # only once these views are
+    later = {module for view in opened for module in modules(view)} - set(named)
+    assert all(module.startswith(("view3d/", "vendor/three", opened[1])) for module in later)
     assert len(named) == len(set(named))
     assert not set(named) & set(others)
     assert set(named) | elsewhere | later == files

@@ -1,6 +1,7 @@
 """The camera of a robot: its pictures, and the motors that turn it."""
 
 from collections.abc import AsyncGenerator
+from contextlib import aclosing
 from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -123,8 +124,9 @@ class RobotCamera:
         Raises:
             DeviceError: No camera is known.
         """
-        async for picture in self._known().values():
-            yield picture
+        async with aclosing(self._known().values()) as values:
+            async for picture in values:
+                yield picture
 
     def ptz(self, name: CameraName, port: int = 1) -> Camera:
         """Return pan, tilt and zoom of a camera of this make on AUX `port`, always the same one.

@@ -1,7 +1,7 @@
 """One operation of the API: declared once, served and documented from that."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
 from inspect import cleandoc
@@ -13,6 +13,7 @@ import msgspec
 from starlette.types import Scope
 
 from pioneer3 import __version__
+from pioneer3.mjpeg import MULTIPART
 from pioneer3.web.access.middleware import MEDIA_TYPE, ErrorResponse
 from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.page import Page
@@ -71,6 +72,24 @@ class TextFile:
     """An answer that is a file, for people to keep under its name."""
 
     path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Jpeg:
+    """An answer that is a picture."""
+
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class PictureStream:
+    """An answer that is picture after picture, as parts of MJPEG."""
+
+    parts: AsyncIterator[bytes]
+
+
+MEDIA = {TextFile: PLAIN, Jpeg: "image/jpeg", PictureStream: MULTIPART}
+"""Types of answers that are no JSON."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,8 +185,8 @@ def openapi(operations: Sequence[Operation]) -> bytes:
         success: Json = {"description": "Done."}
         if _has_schema(one.answer):
             success["content"] = _content(next(refs))
-        elif one.answer is TextFile:
-            success["content"] = _content({"type": "string"}, PLAIN)
+        elif one.answer in MEDIA:
+            success["content"] = _content({"type": "string"}, MEDIA[one.answer])
         status = "200" if "content" in success else "204"
         described["responses"] = {status: success, **_errors(one, schemas[-1])}
         paths.setdefault(one.path, {})[one.method.lower()] = described
@@ -188,7 +207,7 @@ def openapi(operations: Sequence[Operation]) -> bytes:
 
 
 def _has_schema(kind: object) -> bool:
-    return kind not in {None, NoneType, TextFile}
+    return kind not in {None, NoneType, *MEDIA}
 
 
 def _content(schema: Json, media_type: str = "application/json") -> Json:

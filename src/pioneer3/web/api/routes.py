@@ -13,15 +13,26 @@ from pioneer3.web.access.middleware import ErrorResponse, respond, session_of
 from pioneer3.web.access.sessions import Role, Session
 from pioneer3.web.api.access_operations import ACCESS
 from pioneer3.web.api.body_operations import BODIES
+from pioneer3.web.api.camera_operations import CAMERA, respond_with
 from pioneer3.web.api.class_operations import CLASS
 from pioneer3.web.api.navigation_operations import NAVIGATION
-from pioneer3.web.api.operation import PLAIN, ApiRequest, Operation, TextFile, decode, openapi
+from pioneer3.web.api.operation import (
+    MEDIA,
+    PLAIN,
+    ApiRequest,
+    Jpeg,
+    Operation,
+    PictureStream,
+    TextFile,
+    decode,
+    openapi,
+)
 from pioneer3.web.api.robot_operations import ROBOTS
 from pioneer3.web.page import Page
 from pioneer3.web.requests import NOT_YOURS, ONLY_DRIVERS, ONLY_TEACHERS
 from pioneer3.web.robot_view import RobotView
 
-OPERATIONS = (*ROBOTS, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
+OPERATIONS = (*ROBOTS, *CAMERA, *BODIES, *NAVIGATION, *CLASS, *ACCESS)
 LONGEST_BODY = 16_384
 JSON = "application/json"
 
@@ -65,13 +76,23 @@ async def _serve(page: Page, operation: Operation, request: Request) -> Response
     result = await _carry_out(operation, call, request)
     if isawaitable(result):
         result = await result
-    if isinstance(result, ErrorResponse):
-        return respond(result)
-    if isinstance(result, TextFile):
-        return FileResponse(result.path, media_type=PLAIN, filename=result.path.name)
-    headers = {"Set-Cookie": call.cookie} if call.cookie else None
-    if result is None:
-        return Response(status_code=204, headers=headers)
+    return _response(result, call.cookie)
+
+
+def _response(result: object, cookie: str | None) -> Response:
+    """Return the response for the answer of an operation."""
+    headers = {"Set-Cookie": cookie} if cookie else None
+    match result:
+        case ErrorResponse():
+            return respond(result)
+        case TextFile(path):
+            return FileResponse(path, media_type=PLAIN, filename=path.name)
+        case Jpeg(data):
+            return Response(data, media_type=MEDIA[Jpeg])
+        case PictureStream():
+            return respond_with(result)
+        case None:
+            return Response(status_code=204, headers=headers)
     return Response(msgspec.json.encode(result), headers=headers, media_type=JSON)
 
 

@@ -10,7 +10,7 @@ export interface Hello {
   class: ClassMember | null;
 }
 
-/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs. */
+/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs. Pictures of its `camera` are got over the HTTP API. */
 export interface Robot {
   id: number;
   name: string;
@@ -21,6 +21,7 @@ export interface Robot {
   laser: boolean;
   scans: boolean;
   plans: boolean;
+  camera: boolean;
 }
 
 /** A robot's type and outline [m]; `sonar_max` is the longest range that is drawn [m]. */

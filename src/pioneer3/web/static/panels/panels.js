@@ -7,8 +7,8 @@ import { ModeCard, ModesView } from "./modes.js";
 import { Plots } from "./plots.js";
 import { RobotView } from "./robot_view.js";
 
-const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", program: "Program", robots: "All robots", help: "Help" };
-const OF_ONE = ["robot", "plots", "modes", "program"]; // the button beside a phone's numbers opens the last of them
+const VIEWS = { robot: "Robot", plots: "Plots", modes: "Modes", camera: "Camera", program: "Program", robots: "All robots", help: "Help" };
+const OF_ONE = ["robot", "plots", "modes", "camera", "program"]; // the button beside a phone's numbers opens the last of them
 
 export class Panels {
   #send;
@@ -22,6 +22,7 @@ export class Panels {
   #plots;
   #modes;
   #card;
+  #camera = null;
 
   /**
    * @param send   function(message): returns whether it was sent to the selected robot
@@ -63,6 +64,8 @@ export class Panels {
   select(robot) {
     const changed = robot?.id !== this.#selected?.id;
     this.#selected = robot;
+    for (const button of document.querySelectorAll('[data-view="camera"]')) button.hidden = !robot?.hello.camera;
+    if (this.view === "camera" && !robot?.hello.camera) this.open(null);
     if (!changed) return;
     this.#view.clear();
     this.#card.forget();
@@ -95,7 +98,14 @@ export class Panels {
   /** Tells the server whether the details are shown, also after a new connection. */
   subscribe() {
     this.#plots.setOpen(this.view === "plots");
+    this.#look();
     this.#send({ type: "watch_details", on: this.view === "robot" });
+  }
+
+  /** Shows the camera's pictures while its view is open; the module comes with the first time. */
+  async #look() {
+    if (this.view === "camera") this.#camera ??= import("./camera.js").then(({ CameraView }) => new CameraView(byId("view-camera")));
+    (await this.#camera)?.show(this.view === "camera" ? this.#selected.id : null);
   }
 
   #history(number) {

@@ -1,0 +1,148 @@
+"""Pictures of a camera over the API. Virtual time, save for the stream, which has a real server."""
+
+import asyncio
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+
+from pioneer3.errors import DeviceError
+from pioneer3.mjpeg import Parser
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.supervisor import Feed
+from pioneer3.runtime.connect import connect_async
+from pioneer3.state import Picture
+from pioneer3.tasks import running
+from pioneer3.web import connections
+from pioneer3.web.access.sessions import Kind, Role
+from pioneer3.web.page import Page
+from pioneer3.web.scene import Scene
+from pioneer3.web.server import serve
+from tests.cameras import decoded, fake_camera, films, http_get, jpeg_of
+from tests.support import SimulatedRobot
+from tests.unit.web.asking import Script, stranger
+from tests.unit.web.browser import Browser, Product, product
+
+IMAGE, STREAM = "/api/robots/1/camera/image", "/api/robots/1/camera/stream"
+JPEG = jpeg_of()
+
+
+class TenASecond:
+    """A camera with ten pictures a second; `lost` has none.
+
+    Attributes:
+        viewers: Number of iterations that go on.
+    """
+
+    presence = Presence(True, "The camera is lost: its cable.")
+
+    def __init__(self, *, lost: bool = False) -> None:
+        self.viewers = 0
+        self._lost = lost
+        self._feed: Feed[Picture] = Feed()
+
+    async def run(self) -> None:
+        for number in range(1, 10_000):
+            clock = asyncio.get_running_loop().time
+            self._feed.publish(Picture(stamp=clock(), sequence=number, jpeg=JPEG))
+            await asyncio.sleep(0.1)
+
+    async def values(self) -> AsyncGenerator[Picture, None]:
+        self.viewers += 1
+        try:
+            async for picture in self._feed.values():
+                yield picture
+        finally:
+            self.viewers -= 1
+
+    async def picture(self, max_age: float = 1.0, patience: float = 6.0) -> Picture:
+        if self._lost:
+            await asyncio.sleep(patience)
+            raise DeviceError(str(self.presence))
+        return await anext(self._feed.values())
+
+
+@asynccontextmanager
+async def looking(*, lost: bool = False) -> AsyncIterator[tuple[Product, TenASecond]]:
+    camera = TenASecond(lost=lost)
+    async with product() as the, running(camera.run()):
+        the.robot.devices.camera._source = camera
+        yield the, camera
+
+
+async def test_an_image_is_the_next_picture() -> None:
+    async with looking() as (the, _):
+        answer = await Script(the.app).ask("GET", IMAGE)
+        assert answer.status == 200
+        assert answer.headers["content-type"] == "image/jpeg"
+        assert answer.body == JPEG
+
+
+@pytest.mark.parametrize("path", [IMAGE, STREAM])
+async def test_a_lost_camera_and_none_are_told_in_words(path: str) -> None:
+    async with looking(lost=True) as (the, _):
+        assert "its cable" in (await Script(the.app).ask("GET", path)).detail
+    async with product() as the:
+        answer = await Script(the.app).ask("GET", path)
+        assert (answer.status, "--camera" in answer.detail) == (409, True)
+        assert (await Script(the.app).ask("GET", path.replace("/1/", "/2/"))).status == 404
+
+
+@pytest.mark.parametrize("path", [IMAGE, STREAM])
+async def test_a_stranger_sees_nothing(path: str) -> None:
+    async with looking() as (the, _):
+        assert (await stranger(the.app).ask("GET", path)).status == 401
+
+
+async def test_a_stream_ends_with_its_session() -> None:
+    async with looking() as (the, camera):
+        session, secret = the.page.access.sessions.open("Vera", Role.VIEWER, Kind.SCRIPT)
+        script = stranger(the.app).with_headers(authorization=f"Bearer {secret}")
+        asked = asyncio.ensure_future(script.ask("GET", STREAM))
+        await asyncio.sleep(1.05)
+        assert camera.viewers == 1
+        session.ended.set()
+        answer = await asked
+        parser = Parser()
+        head = f"HTTP/1.1 200 OK\r\ncontent-type: {answer.headers['content-type']}\r\n\r\n"
+        assert parser.receive(head.encode() + answer.body) == [JPEG] * parser.pictures
+        assert 8 <= parser.pictures <= 10
+        await asyncio.sleep(0.1)
+        assert camera.viewers == 0
+
+
+async def test_the_page_is_told_which_robot_has_a_camera() -> None:
+    async with looking() as (the, _), Browser(the.app) as ann:
+        await asyncio.sleep(0.5)
+        the.page._publish_robots()
+        await asyncio.sleep(0.5)
+        assert ann.latest("hello")["robots"][0]["camera"]
+    async with product() as the, Browser(the.app) as ann:
+        await asyncio.sleep(0.5)
+        assert not ann.latest("hello")["robots"][0]["camera"]
+
+
+@pytest.mark.realtime
+async def test_viewers_share_one_connection_and_a_stream_outlasts_other_answers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(connections, "ANSWER_TIME", 0.5)
+    page = Page()
+    async with (
+        fake_camera(films((200, 30, 30), (30, 30, 200), pause=0.05)) as camera,
+        SimulatedRobot() as sim,
+        connect_async(sim.open, camera=camera.url) as robot,
+        serve(page, host="127.0.0.1", port=0) as served,
+        page.hosting(robot, Scene()),
+    ):
+        stream = f"{served.http}{STREAM}"
+        host = f"Host: {served.http.removeprefix('http://')}\r\n"
+        async with http_get(stream, host) as one, http_get(stream, host) as two:
+            clock = asyncio.get_running_loop().time
+            end, parsers = clock() + 1.5, (Parser(), Parser())
+            while clock() < end:
+                for reader, parser in zip((one, two), parsers, strict=True):
+                    for jpeg in parser.receive(await reader.read(1 << 16)):
+                        assert decoded(jpeg).shape == (24, 32, 3)
+        assert min(parser.pictures for parser in parsers) > 10
+        assert len(camera.requests) == 1
