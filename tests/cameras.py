@@ -4,7 +4,7 @@ import asyncio
 import os
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pioneer3 import mjpeg
+from pioneer3.errors import DeviceError
+from pioneer3.robot.devices.presence import Presence
+from pioneer3.robot.supervisor import Feed
+from pioneer3.state import Picture
 
 Pixels = NDArray[np.uint8]
 
@@ -145,3 +149,43 @@ def films(*colors: tuple[int, int, int], pause: float = 0.02, count: int = 10_00
             await asyncio.sleep(pause)
 
     return script
+
+
+class TenASecond:
+    """A source of ten pictures a second, in the loop's time; one that is `lost` has none.
+
+    Attributes:
+        viewers: Number of iterations that go on.
+    """
+
+    presence = Presence(True, "The camera is lost: its cable.")
+
+    def __init__(
+        self, *, lost: bool = False, jpeg: bytes | None = None, view: float | None = None
+    ) -> None:
+        self.viewers = 0
+        self._jpeg, self._view = jpeg or jpeg_of(), view
+        self._lost = lost
+        self._feed: Feed[Picture] = Feed()
+
+    async def run(self) -> None:
+        for number in range(1, 10_000):
+            clock = asyncio.get_running_loop().time
+            self._feed.publish(
+                Picture(stamp=clock(), sequence=number, jpeg=self._jpeg, view=self._view)
+            )
+            await asyncio.sleep(0.1)
+
+    async def values(self) -> AsyncGenerator[Picture, None]:
+        self.viewers += 1
+        try:
+            async for picture in self._feed.values():
+                yield picture
+        finally:
+            self.viewers -= 1
+
+    async def picture(self, max_age: float = 1.0, patience: float = 6.0) -> Picture:
+        if self._lost:
+            await asyncio.sleep(patience)
+            raise DeviceError(str(self.presence))
+        return await anext(self._feed.values())

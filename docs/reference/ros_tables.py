@@ -12,7 +12,7 @@ from docs.reference.protocol_tables import BLOCK, table
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
 from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
 from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
-from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.goals import STATUS_EVERY
 from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
@@ -25,6 +25,7 @@ EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",
     SensorUpdate: "with every sample",
+    PictureUpdate: "with every picture",
     DiagnosticsUpdate: "",
     MapUpdate: "once",
     NavigationUpdate: "with every snapshot",

@@ -6,8 +6,10 @@ A camera may leave out the length of a part; the next boundary ends it then.
 
 import re
 from base64 import b64encode
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import md5, sha256
+from math import pi
 from typing import Final
 from urllib.parse import unquote, urlsplit
 
@@ -24,6 +26,9 @@ START, END = b"\xff\xd8", b"\xff\xd9"
 """Of every JPEG (ITU T.81, table B.1)."""
 TRAILING: Final = 64
 """Some cameras fill up a picture after its end, by fewer bytes than this."""
+VIEW: Final = "X-Field-Of-View-Rad"
+"""Header of a part: the angle from the left edge of the picture to the right one [rad], which
+changes with the zoom. Ours; other cameras do not tell it."""
 PORTS: Final = {"http": 80, "https": 443}
 
 
@@ -161,9 +166,10 @@ def answer(status: str, kind: str, body: bytes | None = None, extra: str = "") -
     return head.encode() + (body or b"")
 
 
-def part(jpeg: bytes) -> bytes:
-    """Return a picture as a part of our stream."""
-    head = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+def part(jpeg: bytes, view: float | None = None) -> bytes:
+    """Return a picture as a part of our stream, with its field of `view` [rad] if that is known."""
+    known = "" if view is None else f"{VIEW}: {view:.6f}\r\n"
+    head = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n{known}\r\n"
     return head.encode() + jpeg + b"\r\n"
 
 
@@ -196,11 +202,14 @@ class Parser:
         head: Of the answer; `None` before.
         pictures: Number of pictures given.
         broken: Number of parts that are no pictures.
+        view: Angle from the left edge of the newest picture to the right one [rad]; `None` where
+            the camera does not tell it.
     """
 
     def __init__(self) -> None:
         self.head: Head | None = None
         self.pictures = self.broken = 0
+        self.view: float | None = None
         self._buffer = bytearray()
         self._searched = 0
         self._ending = b""
@@ -242,7 +251,8 @@ class Parser:
             lines = self._headers()
             if lines is None:
                 return None
-            self._length = _length(lines)
+            fields = _fields(lines)
+            self._length, self.view = _length(fields), _view(fields)
             self._in_part = True
         body = self._counted() if self._length is not None else self._delimited()
         if body is not None:
@@ -350,13 +360,22 @@ def _refusal(head: Head) -> str:
     return f"it answers {head.status} {head.reason}"
 
 
-def _length(lines: list[str]) -> int | None:
+def _view(fields: Mapping[str, str]) -> float | None:
+    """Return the field of view that the headers of a part tell [rad]."""
+    try:
+        view = float(fields[VIEW.lower()])
+    except (KeyError, ValueError):
+        return None
+    return view if 0 < view < pi else None
+
+
+def _length(fields: Mapping[str, str]) -> int | None:
     """Return the length of a part by its headers.
 
     Raises:
         LinkError: It is none, or too much.
     """
-    text = _fields(lines).get("content-length")
+    text = fields.get("content-length")
     if text is None:
         return None
     if not (text.isascii() and text.isdigit()) or len(text) > 20:

@@ -281,8 +281,11 @@ class Picture:
         stamp: When it was here [s, monotonic].
         sequence: Its number, from 1 on.
         jpeg: Its bytes.
+        view: Angle from its left edge to its right one [rad]; `None` where the camera does not tell
+            it.
     """
 
     stamp: float
     sequence: int
     jpeg: bytes = field(repr=False)
+    view: float | None = None

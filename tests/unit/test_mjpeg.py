@@ -146,3 +146,21 @@ def test_an_error_never_shows_a_password() -> None:
     with pytest.raises(ConfigError) as caught:
         parse_url("ftp://root:secret@cam/")
     assert "secret" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("told", "view"),
+    [("0.8", 0.8), ("nan", None), ("-1", None), ("9", None), ("wide", None), (None, None)],
+)
+def test_a_camera_may_tell_its_field_of_view(told: str | None, view: float | None) -> None:
+    parser = Parser()
+    line = "" if told is None else f"{mjpeg.VIEW}: {told}\r\n"
+    head = f"--pioneer3picture\r\n{line}Content-Length: {len(JPEG)}\r\n\r\n"
+    assert parser.receive(mjpeg.stream_head() + head.encode() + JPEG) == [JPEG]
+    assert parser.view == view
+
+
+def test_our_own_stream_tells_the_field_of_view() -> None:
+    parser = Parser()
+    parser.receive(mjpeg.stream_head() + mjpeg.part(JPEG, 0.837758))
+    assert parser.view == 0.837758

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, LaserOptions, RobotOptions
+from pioneer3.cli.options import AUTO, NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
 from pioneer3.cli.places import MapName, StartPlace, pose_of
 from pioneer3.cli.process import run_until_told_to_leave, write_line
 from pioneer3.cli.ros1_demos import (
@@ -52,6 +52,7 @@ def ros1(
     which: RobotOptions = WHICH,
     baud: Baud = None,
     lasers: LaserOptions = NO_LASERS,
+    camera: CameraUrl = None,
     map_: MapName = None,
     start: StartPlace = None,
     install_package: Path | None = None,
@@ -70,6 +71,7 @@ def ros1(
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
+        camera: Of the robot: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.
@@ -83,6 +85,7 @@ def ros1(
         baud=baud,
         laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
+        camera=camera or which.fleet_camera,
         line_map=map_,
         start=None if start is None else pose_of(start, "ros1"),
         arguments=arguments,

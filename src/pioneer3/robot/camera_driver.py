@@ -204,14 +204,14 @@ class CameraDriver:
                 raise LinkError("the camera closed the connection")
             for jpeg in parser.receive(data):
                 last = self._clock()
-                self._take(jpeg, last)
+                self._take(jpeg, last, parser.view)
 
-    def _take(self, jpeg: bytes, now: float) -> None:
+    def _take(self, jpeg: bytes, now: float, view: float | None) -> None:
         self.pictures += 1
         if not self.connected:
             self._failure, self._failures = "", 0
             self._publish(Connection.CONNECTED, "pictures come")
-        self.latest = Picture(stamp=now, sequence=self.pictures, jpeg=jpeg)
+        self.latest = Picture(stamp=now, sequence=self.pictures, jpeg=jpeg, view=view)
         self._stamps.append(now)
         self._forget(now)
         self._feed.publish(self.latest)

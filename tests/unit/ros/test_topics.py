@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from docs.reference.ros_tables import LASER_PAGE, PAGE, filled
@@ -7,9 +8,10 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import load_model
 from pioneer3.models.description.tree import Frames
 from pioneer3.robot.devices.gyro import GyroReading
+from pioneer3.robot.devices.pictures import Image
 from pioneer3.ros.messages import sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
-from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate
+from pioneer3.ros.messages.update import MessageOptions, PictureUpdate, ScanUpdate, SensorUpdate
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.topics import COMMANDS, TOPICS, Topic, Update, published, topics_of
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Scan, Sonar
@@ -26,6 +28,10 @@ ROSARIA = {
     "~battery_recharge_state": "std_msgs/Int8",
     "~motors_state": "std_msgs/Bool",
     "~battery_state_of_charge": "std_msgs/Float32",
+}
+CAMERA = {
+    "camera/image_raw": "sensor_msgs/Image",
+    "camera/camera_info": "sensor_msgs/CameraInfo",
 }
 STANDARD = {
     "cmd_vel": "geometry_msgs/Twist",
@@ -44,6 +50,7 @@ STANDARD = {
     "aio": "std_msgs/Float32MultiArray",
     "imu/data_raw": "sensor_msgs/Imu",
     "scan": "sensor_msgs/LaserScan",
+    **CAMERA,
     "/diagnostics": "diagnostic_msgs/DiagnosticArray",
     **{f"sonar/range_{number}": "sensor_msgs/Range" for number in range(16)},
 }
@@ -79,6 +86,7 @@ def test_the_compatible_names_types_and_latches_are_rosarias() -> None:
         "/tf_static": "tf2_msgs/TFMessage",  # which RosAria leaves out, so that nothing is shown
         "/diagnostics": "diagnostic_msgs/DiagnosticArray",
         "scan": "sensor_msgs/LaserScan",  # of lasers that somebody asked for
+        **CAMERA,
     }
 
 
@@ -112,6 +120,9 @@ def update_of(source: type[Update]) -> Update:
     if source is SensorUpdate:
         gyro = GyroReading(stamp=5.0, heading=0.0, rate=0.1, temperature_raw=0)
         return SensorUpdate(reading=gyro, frames=Frames(), stamp="now")
+    if source is PictureUpdate:
+        image = Image(np.zeros((24, 32, 3), np.uint8), stamp=5.0)
+        return PictureUpdate(image=image, view=1.0, frame="camera_optical_frame", stamp="now")
     if source is DiagnosticsUpdate:
         return DiagnosticsUpdate(found=(), node="/n", hardware="h", stamp="now", make=make)
     return update(seen(sonar=Sonar(ranges=(1.0,) * 16), inputs=Inputs(compass=0.5)))

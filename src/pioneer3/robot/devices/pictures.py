@@ -45,10 +45,13 @@ class Image:
     Attributes:
         pixels: Red, green, blue from 0 to 255; rows from above, shape (H, W, 3), uint8.
         stamp: When it was here [s, monotonic], as that of snapshots.
+        view: Angle from its left edge to its right one [rad], with the zoom that the camera had;
+            `None` where the camera does not tell it. Those of the simulator do.
     """
 
     pixels: "NDArray[np.uint8]"
     stamp: float
+    view: float | None = None
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> "NDArray[Any]":
         """Return the pixels."""
@@ -81,7 +84,7 @@ def decode(picture: Picture) -> Image:
         Pillow.DecompressionBombWarning,
     ) as error:
         raise DeviceError(f"the camera sent a broken picture: {error}") from None
-    return Image(pixels, picture.stamp)
+    return Image(pixels, picture.stamp, picture.view)
 
 
 class RobotCamera:

@@ -14,6 +14,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
 from pioneer3.models.description.tree import Frames, Tree
 from pioneer3.robot.assemble import SONAR_MAX
+from pioneer3.robot.devices.pictures import Image
 from pioneer3.state import Scan, Snapshot
 
 UNMEASURED: Final = 1e6
@@ -144,6 +145,23 @@ class SensorUpdate:
 
     reading: Any
     frames: Frames
+    stamp: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureUpdate:
+    """A new picture of the camera.
+
+    Attributes:
+        image: The picture.
+        view: Angle from its left edge to its right one [rad]; `None` where nobody tells it.
+        frame: Of the picture: z forward, x to the right, y down.
+        stamp: When it was here.
+    """
+
+    image: Image
+    view: float | None
+    frame: str
     stamp: Any
 
 

@@ -1,18 +1,19 @@
 """A robot as a ROS node, over any middleware; `ros1` runs it on rospy."""
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncGenerator, Callable, Iterable, Mapping
+from contextlib import aclosing, suppress
 from dataclasses import replace
 from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Final
 
 from pioneer3.arcos.commands import Command
-from pioneer3.errors import CommandError
+from pioneer3.errors import CommandError, DeviceError
 from pioneer3.models import RobotModel
 from pioneer3.models.description.tree import Tree, tree_of
 from pioneer3.models.description.urdf import describe
+from pioneer3.robot.devices.pictures import Image, decode
 from pioneer3.robot.devices.sensor import Stamped
 from pioneer3.robot.lasers.driver import LaserDriver
 from pioneer3.robot.supervisor import Connection
@@ -25,7 +26,7 @@ from pioneer3.ros.messages.diagnostics import (
 )
 from pioneer3.ros.messages.laser_diagnostics import laser_status
 from pioneer3.ros.messages.motion import WheelAngles
-from pioneer3.ros.messages.update import ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate, StateUpdate
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
 from pioneer3.ros.node.middleware import Middleware
@@ -119,6 +120,7 @@ class RobotNode:
                     )
                     for sensor in self._sensors.values()
                 ),
+                self._publishing.publish_device(PictureUpdate, self._images, self._picture_update),
                 self._follow_link(),
             ):
                 await self._ended.wait()
@@ -163,6 +165,8 @@ class RobotNode:
             plain = self._parameters.profile is Profile.COMPATIBILITY  # RosAria has no such topic
             asked = self._robot.laser is not self._robot.devices.laser
             return bool(self._robot.laser.presence.there) and (asked or not plain)
+        if topic.source is PictureUpdate:
+            return bool(self._robot.devices.camera.presence.there)
         return not topic.sensor or bool(self._sensors[topic.sensor].presence.there)
 
     async def _publish_state(self) -> None:
@@ -195,6 +199,29 @@ class RobotNode:
             frame=self._frames.laser_frame(number),
             stamp=self._stamp(scan.stamp),
             period=scan.period or (pause if pause < LONGEST_PERIOD else 0.0),
+        )
+
+    async def _images(self) -> AsyncGenerator[Image, None]:
+        """Yield the camera's pictures, without those that are broken."""
+        warned = False
+        async with aclosing(self._robot.devices.camera.pictures()) as pictures:
+            async for picture in pictures:
+                try:
+                    image = await asyncio.to_thread(decode, picture)
+                except DeviceError as error:
+                    if not warned:
+                        self._middleware.warn(str(error))
+                    warned = True
+                else:
+                    warned = False
+                    yield image
+
+    def _picture_update(self, image: Image) -> PictureUpdate:
+        return PictureUpdate(
+            image=image,
+            view=image.view or self._parameters.camera_view,
+            frame=self._frames.camera_optical,
+            stamp=self._stamp(image.stamp),
         )
 
     def _sensor_update(self, reading: Stamped) -> SensorUpdate:
@@ -298,4 +325,5 @@ class RobotNode:
             options.wheel_joints,
             options.sonar_height,
             [laser.sensor_in_robot for laser in self._robot.lasers] if asked else None,
+            camera=bool(self._robot.devices.camera.presence.there),
         )

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from math import inf, isfinite, pi
+from math import inf, isfinite, pi, radians
 from typing import Final
 
 from pioneer3.errors import ConfigError
@@ -78,6 +78,8 @@ OTHERS: Final = (
     "global_frame_id",
     "transform_tolerance",
     "tf_broadcast",
+    "camera_url",
+    "camera_view_deg",
     BELOW,
 )
 MODEL: Final = "robot_model"
@@ -107,6 +109,9 @@ class NodeParameters:
         start: Where the robot is on it, as :func:`place` reads it; `None` for the map's home.
         map_tf: Whether `/tf` has the odom frame in the map, if there is one.
         goal_speed: On the way to goals at most [m/s].
+        camera: URL of the MJPEG stream of the camera; `None` for none.
+        camera_view: Its field of view from left to right [rad], if it does not tell that; `None`
+            where it is not known.
         options: Of messages.
     """
 
@@ -124,6 +129,8 @@ class NodeParameters:
     start: Pose2 | str | None = None
     map_tf: bool = True
     goal_speed: float = GOAL_SPEED
+    camera: str | None = None
+    camera_view: float | None = None
     options: MessageOptions = field(
         default_factory=lambda: MessageOptions(frames=Frames(laser="laser_frame"))
     )
@@ -151,6 +158,8 @@ def read_parameters(raw: RawParameters) -> NodeParameters:
         start=place(told) if (told := text(raw, "start")) else None,
         map_tf=flag(raw, "tf_broadcast", default=True),
         goal_speed=number(raw, "goal_speed", GOAL_SPEED, 0.01, 5.0),
+        camera=text(raw, "camera_url"),
+        camera_view=radians(number(raw, "camera_view_deg", 0.0, 0.0, 179.0)) or None,
         options=_options(raw, profile),
     )
 

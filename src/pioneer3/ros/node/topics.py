@@ -6,11 +6,17 @@ from enum import StrEnum
 from typing import Any, Final
 
 from pioneer3.models import RobotModel
-from pioneer3.ros.messages import motion, sensors
+from pioneer3.ros.messages import camera, motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
 from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
 from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
-from pioneer3.ros.messages.update import MessageOptions, ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.messages.update import (
+    MessageOptions,
+    PictureUpdate,
+    ScanUpdate,
+    SensorUpdate,
+    StateUpdate,
+)
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands
 from pioneer3.state import Charging
 
@@ -20,6 +26,7 @@ Update = (
     StateUpdate
     | ScanUpdate
     | SensorUpdate
+    | PictureUpdate
     | DiagnosticsUpdate
     | MapUpdate
     | NavigationUpdate
@@ -281,6 +288,23 @@ TOPICS: Final = (
         type_name="std_msgs/Float32MultiArray",
         fill=sensors.analog,
         note="selected port and its voltage",
+    ),
+    Topic(
+        compatibility="camera/image_raw",
+        standard="camera/image_raw",
+        type_name="sensor_msgs/Image",
+        source=PictureUpdate,
+        fill=camera.image,
+        note="`rgb8`, with `--camera` or `~camera_url`; its frame is `camera_optical_frame`",
+    ),
+    Topic(
+        compatibility="camera/camera_info",
+        standard="camera/camera_info",
+        type_name="sensor_msgs/CameraInfo",
+        source=PictureUpdate,
+        fill=camera.camera_info,
+        note="with every picture; matrices of 0 unless the camera tells its field of view, as"
+        " simulated ones do, or `~camera_view_deg` does",
     ),
     DIAGNOSTICS,
 )

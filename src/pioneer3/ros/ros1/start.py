@@ -60,6 +60,7 @@ class Options:
         baud: Serial speed to try first.
         laser_ports: Of the robot's laser range finders.
         lasers: Looks for them.
+        camera: URL of the MJPEG stream of the robot's camera.
         line_map: To navigate on: a file, or the name of a map that ships.
         start: Where the robot is on it: a pose, the name of a place, or `unknown`.
         arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
@@ -69,6 +70,7 @@ class Options:
     baud: int | None = None
     laser_ports: Sequence[str] = ()
     lasers: FindLasers = _of_parameters
+    camera: str | None = None
     line_map: str | None = None
     start: Pose2 | str | None = None
     arguments: Sequence[str] = ()
@@ -147,6 +149,7 @@ async def serve(options: Options, tell: Callable[[str], None]) -> int:
             max_turn_rate=parameters.max_turn_rate,
             auto_enable=parameters.auto_enable,
             lasers=parameters.laser.applied_to(lasers),
+            camera=options.camera or parameters.camera,
             line_map=line_map,
             start=options.start or parameters.start,
         ) as robot:

@@ -83,7 +83,7 @@ class SimulatedCamera:
         self._shot: Shot | None = None
         self._wanted = 0
         self._arrival = asyncio.Event()
-        self._jpeg = b""
+        self._jpeg, self._view = b"", self.model.wide
         self._server: asyncio.Server | None = None
         self._serving: set[asyncio.Task[None]] = set()
 
@@ -138,7 +138,7 @@ class SimulatedCamera:
         if self._shot is shot:
             self._shot = None
         if jpeg is not None:
-            self._jpeg = jpeg
+            self._jpeg, self._view = jpeg, shot.asked.view
             self.taken += 1
             arrival, self._arrival = self._arrival, asyncio.Event()
             arrival.set()
@@ -223,7 +223,7 @@ class SimulatedCamera:
                 async with asyncio.timeout(FIRST_PATIENCE):
                     await self._arrival.wait()
             sent = self.taken
-            await _send(writer, mjpeg.part(self._jpeg))
+            await _send(writer, mjpeg.part(self._jpeg, self._view))
 
 
 async def _request(reader: asyncio.StreamReader) -> str | None:

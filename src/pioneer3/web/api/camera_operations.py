@@ -52,7 +52,7 @@ async def _parts(
             if request.caller.ended.is_set():
                 return
             goes_on()
-            yield mjpeg.part(picture.jpeg)
+            yield mjpeg.part(picture.jpeg, picture.view)
 
 
 def respond_with(stream: PictureStream) -> StreamingResponse:

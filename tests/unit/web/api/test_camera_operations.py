@@ -1,65 +1,26 @@
 """Pictures of a camera over the API. Virtual time, save for the stream, which has a real server."""
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import pytest
 
-from pioneer3.errors import DeviceError
 from pioneer3.mjpeg import Parser
-from pioneer3.robot.devices.presence import Presence
-from pioneer3.robot.supervisor import Feed
 from pioneer3.runtime.connect import connect_async
-from pioneer3.state import Picture
 from pioneer3.tasks import running
 from pioneer3.web import connections
 from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
-from tests.cameras import decoded, fake_camera, films, http_get, jpeg_of
+from tests.cameras import TenASecond, decoded, fake_camera, films, http_get, jpeg_of
 from tests.support import SimulatedRobot
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
 
 IMAGE, STREAM = "/api/robots/1/camera/image", "/api/robots/1/camera/stream"
 JPEG = jpeg_of()
-
-
-class TenASecond:
-    """A camera with ten pictures a second; `lost` has none.
-
-    Attributes:
-        viewers: Number of iterations that go on.
-    """
-
-    presence = Presence(True, "The camera is lost: its cable.")
-
-    def __init__(self, *, lost: bool = False) -> None:
-        self.viewers = 0
-        self._lost = lost
-        self._feed: Feed[Picture] = Feed()
-
-    async def run(self) -> None:
-        for number in range(1, 10_000):
-            clock = asyncio.get_running_loop().time
-            self._feed.publish(Picture(stamp=clock(), sequence=number, jpeg=JPEG))
-            await asyncio.sleep(0.1)
-
-    async def values(self) -> AsyncGenerator[Picture, None]:
-        self.viewers += 1
-        try:
-            async for picture in self._feed.values():
-                yield picture
-        finally:
-            self.viewers -= 1
-
-    async def picture(self, max_age: float = 1.0, patience: float = 6.0) -> Picture:
-        if self._lost:
-            await asyncio.sleep(patience)
-            raise DeviceError(str(self.presence))
-        return await anext(self._feed.values())
 
 
 @asynccontextmanager
