@@ -13,7 +13,10 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps import LineMap, write_aria_map, write_map_server
 from pioneer3.maps.text import read_bytes, write_bytes, wrong
 from pioneer3.nav.mapper import Mapper
-from pioneer3.sim.worldfile import WorldFile, write_world
+from pioneer3.sim.relief import FLAT, Relief
+from pioneer3.sim.worldfile import write_world
+from pioneer3.sim.worldfile.flattened import solids_in_words
+from pioneer3.sim.worldfile.on_map import split
 
 FORMATS = (".map", ".yaml", ".toml")
 """ARIA's map; map_server's YAML with a picture; a world on a map."""
@@ -52,18 +55,21 @@ def free_path(path: Path) -> Path:
     return free
 
 
-def left_out(line_map: LineMap, path: Path) -> str:
+def left_out(line_map: LineMap, path: Path, relief: Relief = FLAT) -> str:
     """Return the parts of a map that its format has no room for, in words, or nothing."""
     counts = {"materials of walls": int(np.count_nonzero(line_map.materials))}
     if path.suffix.lower() in (".yaml", ".yml"):
         counts["places and areas"] = len(line_map.objects)
-    return ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    said = [f"{count} {what}" for what, count in counts.items() if count]
+    if path.suffix.lower() != ".toml":
+        said += solids_in_words(solid for solid in relief.solids.values() if solid.table != "box")
+    return ", ".join(said)
 
 
-def save_map(line_map: LineMap, path: Path) -> None:
+def save_map(line_map: LineMap, path: Path, relief: Relief = FLAT) -> None:
     """Write a map in the format that the ending of its name tells.
 
-    A file that is there stays whole until the new one is.
+    A file that is there stays whole until the new one is. Only a world holds the heights.
 
     Raises:
         ConfigError: A file cannot be written, or the ending is none of :data:`FORMATS`.
@@ -74,8 +80,9 @@ def save_map(line_map: LineMap, path: Path) -> None:
         case ".map":
             write_aria_map(named, path)
         case ".toml":
-            write_aria_map(named, _map_of(path))
-            write_world(WorldFile(name=path.stem, map=_map_of(path)), path)
+            base, world = split(named, relief, _map_of(path))
+            write_aria_map(base, _map_of(path))
+            write_world(world, path)
         case _:
             write_map_server(named, path, *(grid.resolution for grid in named.grids[:1]))
 

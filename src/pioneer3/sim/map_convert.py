@@ -149,7 +149,7 @@ def _left_out(world: WorldFile, line_map: LineMap, ending: str) -> tuple[str, ..
     if ending not in {".map", ".yaml"}:
         return ()
     said = tuple(f"{count} {name}" for name, count in counts.items() if count)
-    return said + tuple(solids_in_words(world))
+    return said + tuple(solids_in_words(world.solids))
 
 
 def _unknown(ending: str) -> str:

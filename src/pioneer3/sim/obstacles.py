@@ -1,6 +1,7 @@
 """Boxes, and people on their paths: the things in a world that may move, beside robots."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot, pi, tan
 
 import numpy as np
@@ -16,6 +17,8 @@ CUT = 1 - tan(pi / 8)
 """Share of half a side that cut corners take, to make a square a regular octagon."""
 SHANK, APART = 0.24, 1.0
 """Radius of a lower leg, and from one to the other side by side, as shares of a person's radius."""
+PERSON_HEIGHT = 1.7
+"""[m]."""
 POLITE = 0.15
 """Nearer to a robot nobody walks on towards it [m]."""
 
@@ -24,12 +27,12 @@ class Obstacle:
     """A box or a person in a world.
 
     Attributes:
-        kind: What it was made from.
+        kind: What it was made from; a box of it can be moved.
         pose: Where it is now.
     """
 
     def __init__(self, kind: Box | Person) -> None:
-        self.kind = kind
+        self.kind = replace(kind, movable=True) if isinstance(kind, Box) else kind
         self._clock, self._waited = 0.0, 0.0
         self._onward = 1.0
         self._shift = (0.0, 0.0)
@@ -53,6 +56,11 @@ class Obstacle:
             return length / 2, length / 2, width / 2, 0.0
         radius = self.kind.radius
         return radius, radius, radius, radius * CUT
+
+    @property
+    def height(self) -> float:
+        """Of all of it [m]."""
+        return self.kind.block.size[2] if isinstance(self.kind, Box) else PERSON_HEIGHT
 
     @property
     def legs(self) -> tuple[Pose2, ...]:

@@ -15,6 +15,7 @@ from typing import Any
 from pioneer3.errors import CommandError, PioneerError
 from pioneer3.maps import Bounds, LineMap, edit
 from pioneer3.runtime.robot import Robot
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.web import messages, requests
 from pioneer3.web.world import map_message
 
@@ -32,6 +33,7 @@ class MapEditor:
 
     Args:
         map_in_use: Returns the map that robots drive on, or `None`.
+        relief_in_use: Returns the heights of this map.
         robots_on: Returns the robots that use a map.
         adopt: Called with the map in use and the one to use from now on.
         publish: Called with the text of each new draft.
@@ -44,6 +46,7 @@ class MapEditor:
     def __init__(
         self,
         map_in_use: Callable[[], LineMap | None],
+        relief_in_use: Callable[[], Relief] = lambda: FLAT,
         *,
         robots_on: Callable[[LineMap], list[Robot]],
         adopt: Callable[[LineMap, LineMap], None],
@@ -52,6 +55,7 @@ class MapEditor:
         self.folder = Path()
         self.in_thread: Callable[..., Awaitable[Any]] = asyncio.to_thread
         self._map_in_use, self._robots_on = map_in_use, robots_on
+        self._relief_in_use = relief_in_use
         self._adopt, self._publish = adopt, publish
         self._base: LineMap | None = None
         self._steps: deque[LineMap] = deque(maxlen=MOST_STEPS)
@@ -110,7 +114,10 @@ class MapEditor:
         ):
             raise CommandError("the map has changed meanwhile; try again")
         after = await self.in_thread(changed, before, request)
-        text = await self.in_thread(_text_of, after, self._version + 1, len(self._steps) + 1)
+        steps = len(self._steps) + 1
+        text = await self.in_thread(
+            _text_of, after, self._relief_of(after), self._version + 1, steps
+        )
         if self._map_in_use() is not used:
             raise CommandError("the map has been replaced meanwhile")
         self._base = used
@@ -124,7 +131,8 @@ class MapEditor:
         if before is self._base:
             self._forget()
             return
-        self._take(before, await self.in_thread(_text_of, before, self._version + 1, self._count))
+        relief, version = self._relief_of(before), self._version + 1
+        self._take(before, await self.in_thread(_text_of, before, relief, version, self._count))
 
     async def _save(self, request: requests.SaveMap, used: LineMap, answer: Answer) -> None:
         from pioneer3.runtime.map_files import free_path, left_out, save_map
@@ -136,9 +144,10 @@ class MapEditor:
             if mode := robot.arbiter.mode:
                 raise CommandError(f"a robot drives on the map before: end {mode.name} first")
         path = free_path(self.folder / f"{request.name}{request.format}")
-        await self.in_thread(save_map, draft, path)
+        relief = self._relief_of(draft)
+        await self.in_thread(save_map, draft, path, relief)
         news = f"Saved {path.name}, in the folder of this program."
-        if lost := left_out(draft, path):
+        if lost := left_out(draft, path, relief):
             news += f" A {path.suffix} has no room for {lost}."
         answer(messages.Told(news))
         if self._map_in_use() is not used:
@@ -147,6 +156,11 @@ class MapEditor:
             robot.arbiter.end_mode("the map has changed")
         self._adopt(used, draft)
         self._forget()
+
+    def _relief_of(self, line_map: LineMap) -> Relief:
+        """Return the heights of a draft."""
+        used = self._map_in_use()
+        return self._relief_in_use().carried(used or line_map, line_map)
 
     @property
     def _count(self) -> int:
@@ -187,6 +201,6 @@ def changed(line_map: LineMap, request: requests.MapChange) -> LineMap:
             return edit.without(line_map, number)
 
 
-def _text_of(line_map: LineMap, version: int, steps: int) -> str:
-    drawing = map_message(line_map).map
+def _text_of(line_map: LineMap, relief: Relief, version: int, steps: int) -> str:
+    drawing = map_message(line_map, relief).map
     return messages.encode(messages.MapDraft(drawing, version, min(steps, MOST_STEPS)))

@@ -320,13 +320,45 @@ class MapObject(Part, frozen=True):
     points: tuple[tuple[float, float], ...]
 
 
+class MapShape(Part, frozen=True):
+    """A shape of a solid, at x, y, z [m] and a heading [rad].
+
+    A `block`, `wedge` or `column` stands there on the middle of its foot, with a length, width and
+    height; a wedge rises along its x axis. A `mesh` has `numbers`, x, y and z of each of its
+    points, and three `corners` of each triangle. A `terrain` has the heights of a grid of so many
+    `columns` above its foot as `numbers`, the lowest row first.
+    """
+
+    form: Literal["block", "wedge", "column", "mesh", "terrain"]
+    at: tuple[float, float, float, float]
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    numbers: tuple[float, ...] = ()
+    corners: tuple[int, ...] = ()
+    columns: int = 0
+
+
+class MapSolid(Part, frozen=True):
+    """A solid with heights; `ground` if robots drive over it. `outline` is as seen from above."""
+
+    kind: str
+    ground: bool
+    outline: tuple[tuple[float, float], ...]
+    shapes: tuple[MapShape, ...]
+
+
 class Drawing(Part, frozen=True):
-    """A map: walls as lines x0, y0, x1, y1 [m], grids, and named places."""
+    """A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids.
+
+    Walls are `wall_height` [m] high, or as `heights` says of each; 0 for an outline of a solid.
+    """
 
     name: str
     walls: tuple[tuple[float, float, float, float], ...]
     cells: tuple[MapCells, ...]
     objects: tuple[MapObject, ...]
+    wall_height: float
+    heights: tuple[float, ...]
+    solids: tuple[MapSolid, ...]
 
 
 class Map(Message, tag="map", frozen=True):
@@ -358,15 +390,17 @@ class Thing(msgspec.Struct, tag_field="kind", kw_only=True, frozen=True):
 
 
 class Box(Thing, tag="box", frozen=True):
-    """A box."""
+    """A box of some height [m]."""
 
     walks: bool
+    height: float
 
 
 class Person(Thing, tag="person", frozen=True):
-    """A person."""
+    """A person of some height [m]."""
 
     walks: bool
+    height: float
 
 
 class SimulatedRobot(Thing, tag="robot", kw_only=True, frozen=True):

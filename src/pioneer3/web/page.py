@@ -12,6 +12,7 @@ from pioneer3.maps import LineMap
 from pioneer3.names import free_name
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.traffic import Participant, Traffic
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.tasks import running
 from pioneer3.teleop.gamepad import SCHEME
 from pioneer3.web import messages, requests
@@ -71,6 +72,7 @@ class Page:
         self._editor: Editor | None = None
         self.map_editor = MapEditor(
             self._map_in_use,
+            self._known_relief,
             robots_on=self._robots_on,
             adopt=self._adopt_map,
             publish=self._publish_draft,
@@ -377,7 +379,8 @@ class Page:
         for view in self.robots.values():
             if view.mapping.drawing is not None and view.mapping.drawing is self._map:
                 return view.mapping.drawing_text
-        return messages.encode(map_message(self._map))
+        relief = self._known_relief() if self._map is self._known_map() else FLAT
+        return messages.encode(map_message(self._map, relief))
 
     def _map_now(self) -> LineMap | None:
         """Return the map that is made, that of the simulated world, or the first of a scene."""
@@ -392,6 +395,13 @@ class Page:
             return self.world.simulation.world.map
         maps = (view.scene.map_now for view in self.robots.values())
         return next((known for known in maps if known is not None), None)
+
+    def _known_relief(self) -> Relief:
+        """Return the heights of the known map."""
+        if self.world is not None:
+            return self.world.simulation.world.relief
+        scenes = (view.scene for view in self.robots.values() if view.scene.map_now is not None)
+        return next((scene.relief_now for scene in scenes), FLAT)
 
     def _map_in_use(self) -> LineMap | None:
         """Return the map that robots drive on; `None` while one is made, or without walls."""

@@ -21,8 +21,9 @@ from pioneer3.robot.identity import is_simulator
 from pioneer3.runtime.robot import Robot
 from pioneer3.runtime.traffic import Place, frame_of
 from pioneer3.runtime.true_pose import TruePose
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
-from pioneer3.sim.worldfile import load_world, shipped_worlds
+from pioneer3.sim.worldfile import WorldFile, load_world, shipped_worlds
 from pioneer3.state import Snapshot
 from pioneer3.tasks import running
 
@@ -45,10 +46,11 @@ class RemoteWorld:
 
     Attributes:
         map: The map, `None` while none is known.
+        relief: Its heights.
     """
 
     def __init__(self, robot: Robot, line_map: LineMap | None, tell: Callable[[str], None]) -> None:
-        self.map = line_map
+        self.map, self.relief = line_map, FLAT
         self._robot, self._true = robot, TruePose(robot)
         self._given = line_map is not None
         self._tell = tell
@@ -64,9 +66,9 @@ class RemoteWorld:
         """Identity of the simulated world: robots of one simulator on one map are in the same."""
         return "simulator", self._true.world, self.map.name if self.map else ""
 
-    def adopt(self, line_map: LineMap) -> None:
+    def adopt(self, line_map: LineMap, relief: Relief = FLAT) -> None:
         """Show this map from now on, whatever the simulator says."""
-        self.map, self._given = line_map, True
+        self.map, self.relief, self._given = line_map, relief, True
 
     async def follow(self) -> None:
         """Ask at every connection, and read the answers; ends by cancellation."""
@@ -95,26 +97,31 @@ class RemoteWorld:
             if self._given:
                 continue
             try:
-                self.map = await asyncio.to_thread(known_map, name)
+                self.map, self.relief = await asyncio.to_thread(known_map, name)
             except ConfigError as error:
-                self.map = None
+                self.map, self.relief = None, FLAT
                 self._tell(f"The simulator's map is not shown: {error}; give it with --map")
 
 
-def known_map(name: str) -> LineMap:
-    """Return the map that ships under `name`, or lies in the working folder.
+def known_map(name: str) -> tuple[LineMap, Relief]:
+    """Return the map that ships under `name`, or lies in the working folder, and its heights.
 
     Raises:
         ConfigError: There is none, or it cannot be read.
     """
     stem = name.removesuffix(".map")
     if stem in {"empty", *shipped_maps(), *shipped_worlds()}:
-        return load_world(stem).line_map()
+        return _with_relief(load_world(stem))
     plain = stem == Path(stem).name
     path = next((p for e in ENDINGS if plain and (p := Path(stem + e)).is_file()), None)
     if path is None:
         raise ConfigError(f"there is no map {stem[:40]!r} here")
-    return load_world(path).line_map()
+    return _with_relief(load_world(path))
+
+
+def _with_relief(world: WorldFile) -> tuple[LineMap, Relief]:
+    line_map = world.line_map()
+    return line_map, world.relief(line_map)
 
 
 @dataclass(slots=True)
@@ -195,13 +202,21 @@ class Scene:
             return self.simulated[0].world.map
         return self.remote.map if self.remote else self.map
 
+    @property
+    def relief_now(self) -> Relief:
+        """The heights of the present map."""
+        if self.simulated:
+            return self.simulated[0].world.relief
+        return self.remote.relief if self.remote else FLAT
+
     def adopt(self, line_map: LineMap) -> None:
         """Use another map of the same place from now on; a simulated world becomes it."""
         if self.simulated:
             world = self.simulated[0].world
             world.change_map(line_map, world.relief.carried(world.map, line_map))
         elif self.remote is not None:
-            self.remote.adopt(line_map)
+            before = self.remote.map or line_map
+            self.remote.adopt(line_map, self.remote.relief.carried(before, line_map))
 
     def odom_in_map_now(self, robot_in_odom: Pose2) -> Pose2:
         """Return the apparent pose of the odometry's origin [m, rad], from its present snapshot.

@@ -14,6 +14,7 @@ from pioneer3.maps import MapObject as NamedPlace
 from pioneer3.maps.image import to_png
 from pioneer3.models import load_model, model_names
 from pioneer3.sim.obstacles import Obstacle
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotItem
 from pioneer3.sim.worldfile import Box as BoxItem
@@ -31,6 +32,7 @@ from pioneer3.web.messages import (
     World,
     encode,
 )
+from pioneer3.web.solids import heights_of_lines, solids_of
 
 Item = RobotItem | Obstacle
 MOST_GONE = 1000
@@ -104,6 +106,7 @@ class WorldView:
                 side=side,
                 pose=_placed(item.pose),
                 walks=item.walks,
+                height=item.height,
             )
         model, port = item.model, item.port
         return SimulatedRobot(
@@ -203,8 +206,13 @@ class WorldChannel:
             self._complete_since = self._gone.pop(number)
 
 
-def map_message(line_map: LineMap | None) -> Map:
-    """Return the message for a map; it leaves out walls that outline cells."""
+def map_message(line_map: LineMap | None, relief: Relief = FLAT) -> Map:
+    """Return the message for a map; it leaves out walls that outline cells.
+
+    Args:
+        line_map: The map, or `None`.
+        relief: Of the map.
+    """
     if line_map is None:
         return Map(None)
     lines = line_map.lines.round(3).tolist()
@@ -214,6 +222,9 @@ def map_message(line_map: LineMap | None) -> Map:
             walls=tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in lines),
             cells=tuple(map(_cells, line_map.grids)),
             objects=tuple(map(_object, line_map.objects)),
+            wall_height=relief.wall_height,
+            heights=heights_of_lines(line_map, relief),
+            solids=solids_of(relief),
         )
     )
 

@@ -21,6 +21,7 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
+from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.server import Simulation
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.running import SimulatedRobot as RobotHere
@@ -204,10 +205,12 @@ async def product(
             yield Product(sim, robot, page, view, make_app(page))
 
 
-def simulated(*poses: Pose2, line_map: LineMap | None = None) -> RunningSimulation:
+def simulated(
+    *poses: Pose2, line_map: LineMap | None = None, relief: Relief = FLAT
+) -> RunningSimulation:
     """Return a simulation with a robot at each pose, without a network and without time."""
     bodies = [Body(load_model("p3dx-sh"), pose) for pose in poses]
-    world = World(line_map, bodies)
+    world = World(line_map, bodies, relief=relief)
     simulation = Simulation(world, [Firmware(world, body) for body in bodies])
     robots = [
         RobotHere(
@@ -234,9 +237,11 @@ class Playground:
 
 
 @asynccontextmanager
-async def playground(*poses: Pose2, line_map: LineMap | None = None) -> AsyncIterator[Playground]:
+async def playground(
+    *poses: Pose2, line_map: LineMap | None = None, relief: Relief = FLAT
+) -> AsyncIterator[Playground]:
     """Join simulation, driver and page, in the loop's time; one robot at the origin if not said."""
-    here = simulated(*(poses or (Pose2(),)), line_map=line_map)
+    here = simulated(*(poses or (Pose2(),)), line_map=line_map, relief=relief)
     port = here.robots[0].port
     serving: list[asyncio.Task[None]] = []
 

@@ -15,7 +15,8 @@ import pytest
 from pioneer3 import connect_async
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject, read_map
-from pioneer3.sim.worldfile import load_map
+from pioneer3.sim.relief import Cylinder, Ramp, Table
+from pioneer3.sim.worldfile import Box, Wall, WorldFile, load_map, load_world
 from pioneer3.tasks import running
 from pioneer3.web import requests
 from pioneer3.web.app import make_app
@@ -193,3 +194,46 @@ async def test_a_real_robot_stays_found_on_the_saved_map(
             await ann.stay(20.0)
             there = sim.body.robot_in_world
             assert (there.x, there.y) == pytest.approx((2.0, -1.0), abs=0.15)
+
+
+CHAIR = Table(pose=Pose2(2.5, 1.5), size=(0.5, 0.5), height=0.45, back=0.4)
+PILLAR = Cylinder(pose=Pose2(-3.0, 2.0), radius=0.2, height=2.0)
+RAMP = Ramp(pose=Pose2(2.5, -2.0), size=(1.0, 1.0), height=0.1)
+HALL = WorldFile(
+    name="hall",
+    wall_height=2.0,
+    walls=(
+        Wall(points=((-4, -3), (4, -3), (4, 3), (-4, 3)), closed=True),
+        Wall(points=((1, 0), (1, 1)), height=0.6),
+    ),
+    boxes=(Box(pose=Pose2(-3.0, -2.0), size=(0.5, 0.5), height=0.3),),
+    solids=(RAMP, PILLAR, CHAIR),
+)
+
+
+async def test_a_world_keeps_its_heights_when_it_is_edited_and_saved(tmp_path: Path) -> None:
+    line_map = HALL.line_map()
+    relief = HALL.relief(line_map)
+    async with playground(line_map=line_map, relief=relief) as the, Browser(the.app) as ann:
+        the.page.map_editor.in_thread, the.page.map_editor.folder = at_once, tmp_path
+        await asyncio.sleep(0.3)
+        drawing = ann.latest("map")["map"]
+        assert [solid["kind"] for solid in drawing["solids"]] == ["ramp", "cylinder", "table"]
+        await edit(ann, "erase_walls", x0=-2.7, y0=1.7, x1=-3.3, y1=2.3)  # the pillar
+        draft = await edit(ann, "draw_wall", x0=-1, y0=-1, x1=-1, y1=1)
+        assert [solid["kind"] for solid in draft["map"]["solids"]] == ["ramp", "table"]
+        await edit(ann, "save_map", name="lab", format=".toml")
+        relief = the.simulation.world.relief
+        assert list(relief.solids) == ["box_0", "ramp_0", "table_0"]
+        await edit(ann, "name_place", role="goal", name="Door", x=0, y=2)
+        await edit(ann, "save_map", name="lab", format=".map")
+        assert "A .map has no room for 1 ramp, 1 table" in ann.latest("told")["message"]
+    saved = load_world(tmp_path / "lab.toml")
+    assert saved.solids == (RAMP, CHAIR)
+    assert saved.boxes == HALL.boxes
+    assert saved.walls == (HALL.walls[1],)
+    assert saved.wall_height == 2.0
+    again = saved.line_map()
+    assert len(again.walls) == 4 + 1 + 1 + 4 + 16
+    heights = saved.relief(again).heights_of(again).tolist()
+    assert heights == [2.0] * 5 + [0.6] + [0.3] * 4 + [0.0] * 16

@@ -68,8 +68,8 @@ def test_maps_are_known_by_the_names_that_ship_and_by_files_of_this_folder_only(
     lines = "2D-Map\nLineMinPos: 0 0\nLineMaxPos: 1 1\nNumLines: 1\nLINES\n0 0 1000 1000\nDATA\n"
     (tmp_path / "here" / "hall.map").write_text(lines)
     (tmp_path / "up.map").write_text(lines)
-    assert known_map("hall").name == "hall"
-    assert known_map("office.map").name == "office"
+    assert known_map("hall")[0].name == "hall"
+    assert known_map("office.map")[0].name == "office"
     for name in ("../up", str(tmp_path / "up"), "up", ""):
         with pytest.raises(ConfigError, match="there is no map"):
             known_map(name)

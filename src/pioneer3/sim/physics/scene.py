@@ -32,7 +32,7 @@ PORTION = 2000
 """Walls are added so many at a time: the time of each grows with the number before it."""
 SHARED_OPTIONS = ("timestep", "integrator", "cone", "impratio", "disableflags")
 """What is attached to a world has the same, else MuJoCo warns."""
-PERSON_HEIGHT, LEG_HEIGHT = 1.7, 0.85
+LEG_HEIGHT = 0.85
 """[m]."""
 BASE, WALL = "base", "wall"
 TALL = 0.8
@@ -196,8 +196,8 @@ def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
         body.add_geom(
             name=name,
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-            size=[kind.radius, PERSON_HEIGHT / 2, 0.0],
-            pos=[0.0, 0.0, PERSON_HEIGHT / 2],
+            size=[kind.radius, obstacle.height / 2, 0.0],
+            pos=[0.0, 0.0, obstacle.height / 2],
             contype=SOLID,
             conaffinity=SOLID,
             group=BODIES,

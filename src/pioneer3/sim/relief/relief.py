@@ -12,6 +12,8 @@ from pioneer3.sim.relief.solids import Solid
 
 Float = NDArray[np.float64]
 
+Side = tuple[float, float, float, float]
+
 WALL_HEIGHT = 1.0
 """Of walls of which nothing is said [m]."""
 
@@ -44,11 +46,37 @@ class Relief:
     def carried(self, before: LineMap, after: LineMap) -> "Relief":
         """Return the relief of a map that was made of the one before.
 
-        Walls that are still there keep their heights; others have :attr:`wall_height`.
+        Walls that are still there keep their heights; others have :attr:`wall_height`. A solid
+        one of whose walls is gone is gone, and its other walls are like others.
         """
-        known = dict(zip(map(tuple, before.walls.tolist()), self.heights_of(before), strict=True))
-        heights = [known.get(tuple(wall), self.wall_height) for wall in after.walls.tolist()]
-        return replace(self, heights=np.array(heights, dtype=np.float64))
+        if before is after:
+            return self
+        if not self.solids and (self.heights == self.wall_height).all():
+            return replace(self, heights=np.empty(0))
+        there = sides_of(after.walls)
+        solids = {
+            name: solid for name, solid in self.solids.items() if sides_of(solid.walls) <= there
+        }
+        known = dict(zip(sides_in(before.walls), self.heights_of(before).tolist(), strict=True))
+        for name, solid in self.solids.items():
+            if name not in solids:
+                known |= dict.fromkeys(sides_of(solid.walls), self.wall_height)
+        heights = [known.get(side, self.wall_height) for side in sides_in(after.walls)]
+        return replace(
+            self,
+            heights=np.array(heights, dtype=np.float64),
+            solids=MappingProxyType(solids),
+        )
+
+
+def sides_in(walls: Float) -> list[Side]:
+    """Return segments (S, 4) as numbers that can be looked up."""
+    return [(x0, y0, x1, y1) for x0, y0, x1, y1 in walls.tolist()]
+
+
+def sides_of(walls: Float) -> set[Side]:
+    """Return the set of segments (S, 4)."""
+    return set(sides_in(walls))
 
 
 FLAT = Relief()

@@ -1,7 +1,9 @@
 """What a plane makes of the solids of a world, in words."""
 
 from collections import Counter
+from collections.abc import Iterable
 
+from pioneer3.sim.relief import Solid
 from pioneer3.sim.worldfile.spec import WorldFile
 
 _PLURALS = {"mesh": "meshes"}
@@ -14,9 +16,9 @@ def flattened(world: WorldFile) -> str:
     has them in three dimensions`.
     """
     said = []
-    if ground := solids_in_words(world, is_ground=True):
+    if ground := solids_in_words(solid for solid in world.solids if solid.is_ground):
         said.append(_joined(ground) + _are(ground) + "flat floor")
-    upright = solids_in_words(world, is_ground=False)
+    upright = solids_in_words(solid for solid in world.solids if not solid.is_ground)
     tables = [words for words in upright if words.endswith(("table", "tables"))]
     outlines = [words for words in upright if words not in tables]
     if outlines:
@@ -28,14 +30,9 @@ def flattened(world: WorldFile) -> str:
     return f"on a plane {_joined(said, ', and ')}; --physics has them in three dimensions"
 
 
-def solids_in_words(world: WorldFile, *, is_ground: bool | None = None) -> list[str]:
-    """Return the number of solids of each kind, such as `3 steps`.
-
-    Args:
-        world: Its solids.
-        is_ground: Only those that are ground, or only others; `None` for all.
-    """
-    counts = Counter(solid.table for solid in world.solids if is_ground in (None, solid.is_ground))
+def solids_in_words(solids: Iterable[Solid]) -> list[str]:
+    """Return the number of solids of each kind, such as `3 steps`."""
+    counts = Counter(solid.table for solid in solids)
     return [
         f"{count} {table if count == 1 else _PLURALS.get(table, table + 's')}"
         for table, count in counts.items()

@@ -216,12 +216,15 @@ export interface Map {
   map: Drawing | null;
 }
 
-/** A map: walls as lines x0, y0, x1, y1 [m], grids, and named places. */
+/** A map: walls as lines x0, y0, x1, y1 [m], grids, named places, solids. Walls are `wall_height` [m] high, or as `heights` says of each; 0 for an outline of a solid. */
 export interface Drawing {
   name: string;
   walls: [number, number, number, number][];
   cells: MapCells[];
   objects: MapObject[];
+  wall_height: number;
+  heights: number[];
+  solids: MapSolid[];
 }
 
 /** A grid as a grey PNG picture in base64; its first row is the lowest, which `corner` is at. */
@@ -245,6 +248,24 @@ export interface MapObject {
   points: [number, number][];
 }
 
+/** A solid with heights; `ground` if robots drive over it. `outline` is as seen from above. */
+export interface MapSolid {
+  kind: string;
+  ground: boolean;
+  outline: [number, number][];
+  shapes: MapShape[];
+}
+
+/** A shape of a solid, at x, y, z [m] and a heading [rad]. A `block`, `wedge` or `column` stands there on the middle of its foot, with a length, width and height; a wedge rises along its x axis. A `mesh` has `numbers`, x, y and z of each of its points, and three `corners` of each triangle. A `terrain` has the heights of a grid of so many `columns` above its foot as `numbers`, the lowest row first. */
+export interface MapShape {
+  form: "block" | "column" | "mesh" | "terrain" | "wedge";
+  at: [number, number, number, number];
+  size: [number, number, number];
+  numbers: number[];
+  corners: number[];
+  columns: number;
+}
+
 /** The map as edited but not saved, null without edits; `steps` can be undone. `version` counts the drafts: requests about an object of `map` name it. */
 export interface MapDraft {
   type: "map_draft";
@@ -263,10 +284,11 @@ export interface World {
   clock: Clock | null;
 }
 
-/** A box. */
+/** A box of some height [m]. */
 export interface Box {
   kind: "box";
   walks: boolean;
+  height: number;
   id: number;
   name: string;
   front: number;
@@ -275,10 +297,11 @@ export interface Box {
   pose: [number, number, number];
 }
 
-/** A person. */
+/** A person of some height [m]. */
 export interface Person {
   kind: "person";
   walks: boolean;
+  height: number;
   id: number;
   name: string;
   front: number;
