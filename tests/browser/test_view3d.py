@@ -1,13 +1,23 @@
 """The 3-D view: it comes when it is opened, shows what the flat map shows, and leaves."""
 
-from math import hypot
+from dataclasses import replace
+from math import hypot, pi
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from pioneer3.geometry import Pose2
+from pioneer3.sim.worldfile import RobotSpec, load_world
 from tests.browser.drawn import state
-from tests.browser.support import Product, hold, speed, until, wait_for_the_robot
+from tests.browser.support import (
+    Product,
+    hold,
+    running_product,
+    speed,
+    until,
+    wait_for_the_robot,
+)
 
 NO_WEBGL = """
 const get = HTMLCanvasElement.prototype.getContext;
@@ -127,6 +137,31 @@ def test_on_a_phone_the_controls_stay_on_top(browser: Browser, product: Product)
             "(it) => { const { x, y, width, height } = it.getBoundingClientRect();"
             " return it.contains(document.elementFromPoint(x + width / 2, y + height / 2)); }"
         ), name
+    context.close()
+
+
+def test_solids_are_drawn_and_robots_stand_on_them(browser: Browser) -> None:
+    world = replace(
+        load_world("ramps"), robots=(RobotSpec(model="p3at-sh", start=Pose2(12.8, 1.0, pi)),)
+    )
+    context = browser.new_context()
+    page = context.new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    with running_product(world=world) as product:
+        page.goto(product.address)
+        wait_for_the_robot(page)
+        open_3d(page)
+        assert state(page, "solid.solids") == 9
+        until(lambda: bool(drawn(page)))
+        assert drawn(page)["z"] == pytest.approx(0.25)
+        product.call(lambda: setattr(product.simulation.body, "robot_in_world", Pose2(10.7, 1.0)))
+        until(lambda: abs(drawn(page)["x"] - 10.7) < 0.01)
+        assert drawn(page)["z"] == pytest.approx(0.125, abs=2e-3)
+        product.call(lambda: setattr(product.simulation.body, "robot_in_world", Pose2(3.0, 2.0)))
+        until(lambda: abs(drawn(page)["x"] - 3.0) < 0.01)
+        assert drawn(page)["z"] == 0.0
+    assert errors == []
     context.close()
 
 

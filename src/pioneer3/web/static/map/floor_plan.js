@@ -17,6 +17,11 @@ export class FloorPlan {
   grids;
   /** Objects that the map names. @type {import("../messages.d.ts").MapObject[]} */
   objects;
+  /** Solids with heights. @type {import("../messages.d.ts").MapSolid[]} */
+  solids;
+  /** Of each wall [m], or of all where there are none. */
+  heights;
+  wallHeight;
   /** Extent of walls, cells and objects, or null without any. */
   bounds = null;
 
@@ -25,7 +30,11 @@ export class FloorPlan {
     this.objects = map?.objects ?? [];
     this.walls = map?.walls ?? [];
     this.grids = grids;
+    this.solids = map?.solids ?? [];
+    this.heights = map?.heights ?? [];
+    this.wallHeight = map?.wall_height ?? 1;
     for (const wall of this.walls) this.#add(wall);
+    for (const { outline } of this.solids) for (const [x, y] of outline) this.bounds = grow(this.bounds, x, y);
     for (const { outline } of grids) for (const [x, y] of outline) this.bounds = grow(this.bounds, x, y);
     for (const { x, y, points } of this.objects) {
       for (const [px, py] of points.length ? points : [[x, y]]) this.bounds = grow(this.bounds, px, py);
@@ -36,6 +45,7 @@ export class FloorPlan {
   draw(context, camera, palette, ratio, shown) {
     if (shown("grid")) drawGrid(context, camera, palette);
     if (shown("map")) for (const grid of this.grids) grid.draw(context, camera, palette, ratio);
+    if (shown("map")) this.#drawSolids(context, camera, palette);
     if (shown("zones")) drawZones(context, camera, palette, this.objects);
     if (shown("map")) this.#drawWalls(context, camera, palette);
     if (shown("places")) drawPlaces(context, camera, palette, this.objects);
@@ -53,6 +63,19 @@ export class FloorPlan {
     tile.count += 1;
     tile.box = grow(grow(tile.box, x0, y0), x1, y1);
     this.bounds = grow(grow(this.bounds, x0, y0), x1, y1);
+  }
+
+  /** What is flat floor here, and the tops of tables: faint outlines. */
+  #drawSolids(context, view, palette) {
+    if (!this.solids.length) return;
+    context.beginPath();
+    for (const { outline } of this.solids) {
+      outline.forEach(([x, y], at) => (at ? context.lineTo(x, y) : context.moveTo(x, y)));
+      context.closePath();
+    }
+    context.strokeStyle = palette["wall-soft"];
+    context.lineWidth = Math.max(0.03, 1.5 / view.scale);
+    context.stroke();
   }
 
   #drawWalls(context, view, palette) {

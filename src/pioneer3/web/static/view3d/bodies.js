@@ -74,10 +74,9 @@ class Model {
     for (const kinds of [this.#body, ...this.#tyres]) for (const instances of kinds) instances.begin();
   }
 
-  /** Draws one robot. @param turned of its wheels [rad] */
-  draw({ x, y, theta }, turned, faint) {
+  /** Draws one robot. @param base where it stands, a matrix, turned of its wheels [rad] */
+  draw(base, turned, faint) {
     const kind = Number(faint);
-    const base = new Matrix4().makeRotationZ(theta).setPosition(x, y, 0);
     this.#body[kind].add(base);
     this.wheels.forEach(({ at }, number) => {
       const wheel = new Matrix4().makeRotationY(turned[number]).setPosition(...at);

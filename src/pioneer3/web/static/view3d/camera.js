@@ -48,7 +48,7 @@ export class Camera3d {
     if (!pose) return;
     if (this.mode === "eyes") this.#jump();
     if (this.mode !== "follow" || !before) return;
-    const by = new Vector3(pose.x - before.x, pose.y - before.y, 0);
+    const by = new Vector3(pose.x - before.x, pose.y - before.y, pose.z - before.z);
     for (const point of this.#goal ? [this.#goal.eye, this.#goal.at] : [this.camera.position, this.#controls.target]) point.add(by);
     this.#controls.update();
   }
@@ -103,7 +103,7 @@ export class Camera3d {
     const robot = this.#pose;
     if (this.mode === "fit" || !robot) return this.#overview();
     const [c, s] = [Math.cos(robot.theta), Math.sin(robot.theta)];
-    const ahead = (far, height) => new Vector3(robot.x + far * c, robot.y + far * s, height);
+    const ahead = (far, height) => new Vector3(robot.x + far * c, robot.y + far * s, robot.z + height);
     if (this.mode === "eyes") return { eye: ahead(-EYES.back, EYES.height), at: ahead(EYES.ahead, EYES.height - EYES.down) };
     return { eye: ahead(-BEHIND, ABOVE), at: ahead(0.4, 0.2) };
   }

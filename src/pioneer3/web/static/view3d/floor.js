@@ -6,8 +6,9 @@ import {
 } from "../vendor/three-0.187.0/three.js";
 import { Ribbons } from "./ribbons.js";
 import { clear, label, merge } from "./shapes.js";
+import { meshOf } from "./solids.js";
 
-const WALL = { height: 1.0, thick: 0.06 }; // m
+const THICK = 0.06; // m, of walls
 const MOST_CELLS = 40000; // that are extruded; more stay a picture on the floor
 const AROUND = 3; // m of floor around the map
 const COLOURS = { goal: "goal", dock: "dock", home: "home", place: "ink" };
@@ -24,8 +25,9 @@ export class Floor {
     const box = plan.bounds ?? { left: -5, right: 5, bottom: -5, top: 5 };
     if (shown("grid")) this.#addGrid(box, palette);
     if (shown("map")) {
-      this.#addWalls(plan.walls, palette);
-      for (const grid of plan.grids) this.#addCells(grid, palette);
+      this.#addWalls(plan, palette);
+      for (const grid of plan.grids) this.#addCells(grid, plan.wallHeight, palette);
+      if (plan.solids.length) this.group.add(meshOf(plan.solids, palette));
     }
     if (shown("zones")) for (const item of plan.objects) if (item.points.length && !item.solid) this.#addZone(item, palette);
     if (shown("places")) this.#addPlaces(plan.objects.filter(({ points }) => !points.length), palette);
@@ -48,18 +50,19 @@ export class Floor {
     }
   }
 
-  #addWalls(walls, palette) {
-    const mesh = boxes(walls.length, softer(palette));
+  #addWalls({ walls, heights, wallHeight }, palette) {
+    const upright = walls.map((wall, at) => ({ wall, height: heights[at] ?? wallHeight })).filter(({ height }) => height > 0);
+    const mesh = boxes(upright.length, softer(palette));
     const [turn, up] = [new Quaternion(), new Vector3(0, 0, 1)];
-    walls.forEach(([x0, y0, x1, y1], at) => {
-      const length = Math.hypot(x1 - x0, y1 - y0) + WALL.thick;
+    upright.forEach(({ wall: [x0, y0, x1, y1], height }, at) => {
+      const length = Math.hypot(x1 - x0, y1 - y0) + THICK;
       turn.setFromAxisAngle(up, Math.atan2(y1 - y0, x1 - x0));
-      mesh.setMatrixAt(at, new Matrix4().compose(new Vector3((x0 + x1) / 2, (y0 + y1) / 2, WALL.height / 2), turn, new Vector3(length, WALL.thick, WALL.height)));
+      mesh.setMatrixAt(at, new Matrix4().compose(new Vector3((x0 + x1) / 2, (y0 + y1) / 2, height / 2), turn, new Vector3(length, THICK, height)));
     });
     this.group.add(mesh);
   }
 
-  #addCells(grid, palette) {
+  #addCells(grid, tall, palette) {
     const [x, y, theta] = grid.corner;
     const part = new Group();
     part.position.set(x, y, 0);
@@ -74,8 +77,8 @@ export class Floor {
     const cells = grid.occupied();
     if (cells.length === 0 || cells.length > MOST_CELLS) return;
     const mesh = boxes(cells.length, softer(palette));
-    const matrix = new Matrix4().makeScale(grid.side, grid.side, WALL.height);
-    cells.forEach(([column, row], at) => mesh.setMatrixAt(at, matrix.setPosition((column + 0.5) * grid.side, (row + 0.5) * grid.side, WALL.height / 2)));
+    const matrix = new Matrix4().makeScale(grid.side, grid.side, tall);
+    cells.forEach(([column, row], at) => mesh.setMatrixAt(at, matrix.setPosition((column + 0.5) * grid.side, (row + 0.5) * grid.side, tall / 2)));
     part.add(mesh);
   }
 

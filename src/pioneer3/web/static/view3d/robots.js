@@ -5,7 +5,6 @@ import { Bodies } from "./bodies.js";
 import { flat } from "./floor.js";
 import { free, label, merge } from "./shapes.js";
 
-const HEIGHT = { box: 0.5, person: 1.7 }; // m: the simulated world is flat, its things stand so high
 const REACH = 0.3; // m, of a robot whose shape is not known
 
 /** One robot of the picture: the ring and the name are its own, the body is one of many. */
@@ -24,12 +23,12 @@ class Figure {
     this.group.add(this.#ring);
   }
 
-  show(body, pose, { ring, name, palette, faint, hidden }) {
+  show(body, pose, { ring, name, palette, faint, hidden, ground }) {
     if (body) this.#roll(body.wheels, pose);
-    if (body && !hidden) body.draw(pose, this.turned, faint);
-    this.pose = pose;
+    if (body && !hidden) body.draw(ground.stance(pose), this.turned, faint);
+    this.pose = { ...pose, z: ground.height(pose.x, pose.y) };
     this.group.visible = !hidden;
-    this.group.position.set(pose.x, pose.y, 0);
+    this.group.position.set(pose.x, pose.y, this.pose.z);
     this.#ring.visible = ring > 0;
     this.#ring.material.color.set(palette.nose);
     Object.assign(this.#ring.material, { transparent: ring < 1, opacity: ring });
@@ -74,7 +73,7 @@ export class Robots {
   }
 
   /** @param placed [[Robot, pose]], things [[thing, pose]] */
-  show(placed, things, { selected, chosen, several, isLive, shown, palette, hidden }) {
+  show(placed, things, { selected, chosen, several, isLive, shown, palette, hidden, ground }) {
     const seen = new Set();
     this.#bodies.begin();
     for (const [robot, pose] of placed) {
@@ -82,15 +81,15 @@ export class Robots {
       const ring = !several ? 0 : robot === selected ? 1 : chosen.includes(robot) ? 0.4 : 0;
       const figure = this.#figure(robot, robot.shape);
       figure.show(robot.shape && this.#bodies.get(robot.shape.model), pose, {
-        ring, palette, name: several && shown("names") ? robot.name : "", faint: robot !== selected && !isLive(robot), hidden: robot === hidden,
+        ring, palette, ground, name: several && shown("names") ? robot.name : "", faint: robot !== selected && !isLive(robot), hidden: robot === hidden,
       });
     }
     for (const [thing, pose] of things) {
       if (thing.own || (thing.kind !== "robot" && !shown("things"))) continue;
       seen.add(thing.id);
       if (thing.kind === "robot") {
-        this.#figure(thing.id, null).show(this.#bodies.get(thing.model), pose, { ring: 0, palette, name: shown("names") ? thing.name : "", faint: false, hidden: false });
-      } else this.#showThing(thing, pose, palette);
+        this.#figure(thing.id, null).show(this.#bodies.get(thing.model), pose, { ring: 0, palette, ground, name: shown("names") ? thing.name : "", faint: false, hidden: false });
+      } else this.#showThing(thing, pose, palette, ground);
     }
     for (const [key, figure] of this.#figures) if (!seen.has(key)) (figure.dispose(), this.#figures.delete(key));
     for (const [key, { mesh }] of this.#things) if (!seen.has(key)) (free(mesh), this.#things.delete(key));
@@ -111,7 +110,7 @@ export class Robots {
     return this.#figures.get(key);
   }
 
-  #showThing(thing, pose, palette) {
+  #showThing(thing, pose, palette, ground) {
     let known = this.#things.get(thing.id);
     if (known?.thing !== thing || known.palette !== palette) {
       if (known) free(known.mesh);
@@ -120,7 +119,7 @@ export class Robots {
       this.#things.set(thing.id, known);
       this.group.add(mesh);
     }
-    known.mesh.position.set(pose.x, pose.y, 0);
+    known.mesh.position.set(pose.x, pose.y, ground.height(pose.x, pose.y));
     known.mesh.rotation.z = pose.theta;
   }
 
@@ -131,20 +130,20 @@ export class Robots {
   }
 }
 
-function boxOf({ front, rear, side }, palette) {
-  const geometry = new BoxGeometry(front + rear, 2 * side, HEIGHT.box).translate((front - rear) / 2, 0, HEIGHT.box / 2);
+function boxOf({ front, rear, side, height }, palette) {
+  const geometry = new BoxGeometry(front + rear, 2 * side, height).translate((front - rear) / 2, 0, height / 2);
   return merge([{ geometry, color: new Color(palette["box-edge"]) }]);
 }
 
 /** Legs, trunk and head, and a nose that tells the heading. */
-function personOf({ side }, palette) {
+function personOf({ side, height }, palette) {
   const [body, skin] = [new Color(palette.person), new Color(palette["person-head"])];
   const r = Math.min(side, 0.22);
   const upright = (geometry) => geometry.rotateX(Math.PI / 2);
   return merge([
     ...[r * 0.5, -r * 0.5].map((y) => ({ geometry: upright(new CylinderGeometry(r * 0.36, r * 0.3, 0.85, 12)).translate(0, y, 0.425), color: body.clone().multiplyScalar(0.6) })),
     { geometry: upright(new CapsuleGeometry(r * 0.8, 0.4, 4, 14)).scale(0.7, 1.1, 1).translate(0, 0, 1.1), color: body },
-    { geometry: new SphereGeometry(0.12, 16, 12).translate(0, 0, HEIGHT.person - 0.12), color: skin },
-    { geometry: new SphereGeometry(0.03, 8, 6).translate(0.12, 0, HEIGHT.person - 0.13), color: body },
+    { geometry: new SphereGeometry(0.12, 16, 12).translate(0, 0, height - 0.12), color: skin },
+    { geometry: new SphereGeometry(0.03, 8, 6).translate(0.12, 0, height - 0.13), color: body },
   ]);
 }

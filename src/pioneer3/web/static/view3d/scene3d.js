@@ -5,6 +5,7 @@ import { byId, make } from "../dom.js";
 import { robotAt } from "../map/robots.js";
 import { Camera3d } from "./camera.js";
 import { Floor } from "./floor.js";
+import { Ground } from "./ground.js";
 import { Marks } from "./marks.js";
 import { Robots } from "./robots.js";
 import { Sensors } from "./sensors.js";
@@ -23,6 +24,8 @@ export class Scene3d {
   #canvas = make("canvas", { id: "canvas-3d", role: "img", "aria-label": "Three-dimensional map with the robots, their trails and what they sense" });
   #space = new Space();
   #floor = new Floor();
+  #ground = new Ground();
+  #groundOf = null; // the plan that it is of
   #robots;
   #sensors = new Sensors();
   #marks = new Marks();
@@ -63,10 +66,12 @@ export class Scene3d {
     this.#placed = placed;
     const { selected, chosen, several, world } = model;
     const pose = placed.find(([robot]) => robot === selected)?.[1] ?? null;
+    if (plan !== this.#groundOf) [this.#groundOf, this.#ground] = [plan, new Ground(plan.solids)];
+    const ground = this.#ground;
     this.camera.setBounds(plan.bounds);
-    this.camera.setRobot(pose);
+    this.camera.setRobot(pose && { ...pose, z: ground.height(pose.x, pose.y) });
     const moving = this.camera.step(dt);
-    const common = { selected, chosen, several, isLive, shown, palette, goto, paused: world.paused, hidden: this.camera.mode === "eyes" ? selected : null };
+    const common = { ground, selected, chosen, several, isLive, shown, palette, goto, paused: world.paused, hidden: this.camera.mode === "eyes" ? selected : null };
     this.#floor.show(version, plan, palette, shown);
     this.#robots.show(placed, things, common);
     this.#sensors.show(placed, common);
@@ -82,6 +87,7 @@ export class Scene3d {
     const { position: { x, y, z } } = this.camera.camera;
     return {
       frames: this.frames, ratio: this.#ratio, mode: this.camera.mode, geometries, textures, calls: this.#renderer.info.render.calls, eye: [x, y, z],
+      solids: this.#groundOf?.solids.length ?? 0,
       robots: Object.fromEntries(this.#placed.map(([robot]) => [robot.id, this.#robots.drawn(robot)])),
     };
   }

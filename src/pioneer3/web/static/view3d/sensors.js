@@ -23,21 +23,21 @@ export class Sensors {
   #palette = null;
 
   /** @param placed [[Robot, pose]] */
-  show(placed, { selected, isLive, shown, paused, palette }) {
+  show(placed, { selected, isLive, shown, paused, palette, ground }) {
     if (palette !== this.#palette) (this.dispose(), (this.#palette = palette));
-    this.#showSonar(shown("sonar") ? placed : [], { selected, isLive, palette });
-    this.#showLasers(shown("laser") ? placed.filter(([robot]) => (robot.scanning || paused) && robot.points) : [], palette);
+    this.#showSonar(shown("sonar") ? placed : [], { selected, isLive, palette, ground });
+    this.#showLasers(shown("laser") ? placed.filter(([robot]) => (robot.scanning || paused) && robot.points) : [], palette, ground);
   }
 
   /** Cones of the selected robot; of the others only the ends where something echoed. */
-  #showSonar(placed, { selected, isLive, palette }) {
+  #showSonar(placed, { selected, isLive, palette, ground }) {
     this.#reserve(placed.reduce((sum, [{ shape }]) => sum + (shape?.sonars.length ?? 0), 0));
     let [cones, rims] = [0, 0];
     for (const [robot, pose] of placed) {
       const { shape, snapshot } = robot;
       const chosen = robot === selected;
       if (!shape || !snapshot?.sonar.enabled || !(chosen || isLive(robot))) continue;
-      const base = new Matrix4().makeRotationZ(pose.theta).setPosition(pose.x, pose.y, HEIGHT);
+      const base = new Matrix4().makeRotationZ(pose.theta).setPosition(pose.x, pose.y, HEIGHT + ground.height(pose.x, pose.y));
       snapshot.sonar.ranges.forEach((range, number) => {
         const mount = shape.sonars[number];
         if (!mount || range === null) return; // nothing echoed: no cone hides the view
@@ -66,7 +66,7 @@ export class Sensors {
   }
 
   /** The points of all lasers, written anew when a scan has come. */
-  #showLasers(placed, palette) {
+  #showLasers(placed, palette, ground) {
     const scans = placed.map(([robot]) => robot.points);
     if (scans.length === this.#scans.length && scans.every((points, at) => points === this.#scans[at])) return;
     this.#scans = scans;
@@ -81,7 +81,10 @@ export class Sensors {
     const { geometry } = this.#points;
     const { position } = geometry.attributes;
     let at = 0;
-    for (const points of scans) for (let k = 0; k < points.length; k += 2) position.setXYZ(at++, points[k], points[k + 1], LASER_HEIGHT);
+    for (const [{ points }, { x, y }] of placed) {
+      const height = LASER_HEIGHT + ground.height(x, y);
+      for (let k = 0; k < points.length; k += 2) position.setXYZ(at++, points[k], points[k + 1], height);
+    }
     position.needsUpdate = true;
     geometry.setDrawRange(0, count);
   }
