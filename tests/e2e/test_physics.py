@@ -6,6 +6,8 @@ import pytest
 
 from pioneer3.errors import MotionError
 from pioneer3.runtime.connect import connect_async
+from pioneer3.sim.server.start import simulator
+from pioneer3.sim.worldfile.arguments import WorldOverrides
 from tests.support import SimulatedRobot, wall_at
 
 pytest.importorskip("mujoco")
@@ -48,3 +50,10 @@ async def test_a_lost_host_leaves_it_standing() -> None:
         robot.silent = True
         await asyncio.sleep(5.0)
         assert robot.body.speeds == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+@pytest.mark.realtime
+async def test_a_world_with_heights_runs_with_physics_and_needs_no_words() -> None:
+    overrides = WorldOverrides(physics=True)
+    async with simulator(map_name="ramps", port=0, overrides=overrides) as world:
+        assert world.notes == []

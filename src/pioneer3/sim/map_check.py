@@ -19,9 +19,10 @@ from pioneer3.maps.map_server import KEYS, MapServerFile
 from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.collision import footprint_hits
+from pioneer3.sim.physics.elements import check_hull, shown_name
 from pioneer3.sim.placement.free_space import FreeGrid
 from pioneer3.sim.placement.spawn import SpawnedRobot, spawn_robots
-from pioneer3.sim.relief import Ramp
+from pioneer3.sim.relief import Mesh, Ramp
 from pioneer3.sim.worldfile import RobotSpec, WorldFile, load_world
 
 MOST = 10
@@ -128,6 +129,7 @@ def _world(world: WorldFile, model: RobotModel) -> Iterator[Finding]:
     line_map = world.line_map()
     yield from check_places(line_map, model)
     yield from _steep(world)
+    yield from _hulls(world, line_map)
     sound: dict[int, RobotSpec] = {}
     for index, robot in enumerate(world.robots):
         try:
@@ -159,6 +161,19 @@ def _steep(world: WorldFile) -> Iterator[Finding]:
                 f"ramp[{index}]: rises {slope:.0f} degrees, a P3-DX climbs {STEEPEST_DEG:.0f}: "
                 f"make it {long_enough:.2f} m long, or lower"
             )
+
+
+def _hulls(world: WorldFile, line_map: LineMap) -> Iterator[Finding]:
+    """Yield the meshes that physics refuse, where MuJoCo is installed."""
+    for name, solid in world.relief(line_map).solids.items():
+        if isinstance(solid, Mesh):
+            try:
+                check_hull(name, solid.hull, "")
+            except ConfigError as error:
+                problem = str(error).partition(f"{shown_name(name)}: ")[2]
+                yield warning(f"{shown_name(name)}, with physics: {problem}")
+            except ImportError:
+                return
 
 
 def _robot(

@@ -107,6 +107,18 @@ def test_a_map_is_loaded_and_everybody_told(bench: Bench, operation: SimOperatio
     assert bench.world.map.name == "two"
 
 
+def test_a_map_that_a_client_loads_takes_its_own_heights(bench: Bench, tmp_path: Path) -> None:
+    (tmp_path / "steps.toml").write_text(
+        "[world]\nwall_height=2\n[[step]]\ncenter=[2,2]\nsize=[1,1]\nheight=0.1\n"
+    )
+    bench.say(load("steps.toml"))
+    assert list(bench.world.relief.solids) == ["step_0"]
+    assert bench.world.relief.wall_height == 2.0
+    bench.say(load("two.map"))
+    assert not bench.world.relief.solids
+    assert bench.world.relief.heights_of(bench.world.map).tolist() == [1.0, 1.0]
+
+
 def test_by_itself_it_tells_its_own_host(bench: Bench) -> None:
     bench.say(load("two.map\0"))
     assert bench.hear() == [MapChanged(by_user=False, reloaded=1, file_name="two.map")]

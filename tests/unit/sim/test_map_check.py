@@ -6,6 +6,7 @@ import pytest
 
 from pioneer3.models import load_model
 from pioneer3.sim.map_check import check_world
+from tests.unit.sim.solid_files import write_block, write_u
 
 MODEL = load_model("p3at-sh")
 HOME = 'Cairn: RobotHome 2000 2000 0 "" ICON "H"\n'
@@ -180,3 +181,19 @@ def test_a_ramp_that_nobody_climbs_is_told(tmp_path: Path) -> None:
     ((level, _, text),) = check(tmp_path, world, "w.toml")
     assert level == "warning"
     assert text == ("ramp[1]: rises 22 degrees, a P3-DX climbs 14: make it 1.60 m long, or lower")
+
+
+def test_a_mesh_that_physics_refuse_is_told(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    write_u(tmp_path / "u.stl")
+    write_block(tmp_path / "block.stl", (0.5, 0.5, 0.5))
+    meshes = "".join(
+        f"[[mesh]]\nfile='{name}.stl'\ncenter=[{x},3]\n" for name, x in (("block", 2), ("u", 5))
+    )
+    world = (
+        f"[world]\n{meshes}[[wall]]\npoints=[[0,0],[9,0],[9,9],[0,9]]\nclosed=true\n"
+        "[[home]]\nx=7\ny=7\n"
+    )
+    ((level, _, text),) = check(tmp_path, world, "w.toml")
+    assert level == "warning"
+    assert text.startswith("mesh 1, with physics: its convex hull")

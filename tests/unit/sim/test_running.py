@@ -195,6 +195,14 @@ async def test_a_world_file_brings_robots_boxes_and_people(two: Path) -> None:
 
 
 @pytest.mark.realtime
+async def test_what_a_plane_makes_of_heights_is_a_note() -> None:
+    async with simulator(map_name="ramps", port=0) as running:
+        (note,) = running.notes
+        assert note.startswith("on a plane 4 steps, 1 ramp and 1 carpet are flat floor")
+        assert "ramp_0" in running.world.relief.solids
+
+
+@pytest.mark.realtime
 async def test_every_robot_has_a_host_of_its_own(two: Path) -> None:
     async with (
         simulator(map_name=two, port=0) as running,

@@ -81,6 +81,7 @@ def test_the_first_news_is_all_there_is() -> None:
         "rear": 0.5,
         "side": 0.2,
         "walks": False,
+        "height": 0.5,
         "pose": [3.0, 1.0, 0.5],
     }
     assert (person["kind"], person["name"], person["walks"]) == ("person", "Ada", True)

@@ -140,7 +140,7 @@ class MeshTable(SolidTable):
     kind = Mesh
     file: str
     center: Point
-    z: Annotated[float, Meta(ge=-100, le=100)] = 0.0
+    z: Annotated[float, Meta(ge=-100.0, le=100.0)] = 0.0
     theta_deg: Angle = 0.0
     scale: Annotated[float, Meta(ge=1e-6, le=1e6)] = 1.0
 
