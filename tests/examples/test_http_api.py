@@ -14,6 +14,7 @@ from pioneer3.web.api.routes import OPERATIONS
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
+from tests.cameras import fake_camera, films
 from tests.support import SimulatedRobot
 
 REFERENCE = Path(__file__).parents[2] / "docs/reference/http-api.md"
@@ -34,10 +35,11 @@ pytestmark = [
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
-async def test_an_example_of_the_reference_runs(example: str) -> None:
+async def test_an_example_of_the_reference_runs(example: str, tmp_path: Path) -> None:
     async with (
+        fake_camera(films((200, 30, 30))) as camera,
         SimulatedRobot(OFFICE, home=OFFICE.homes[0]) as sim,
-        connect_async(sim.open) as robot,
+        connect_async(sim.open, camera=camera.url) as robot,
         (page := Page()).hosting(robot, Scene(map=OFFICE, odom_in_map=OFFICE.homes[0])),
         serve(page, port=0) as served,
     ):
@@ -51,6 +53,7 @@ async def test_an_example_of_the_reference_runs(example: str) -> None:
             env={"TOKEN": token, "PATH": "/usr/local/bin:/usr/bin:/bin"},
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
+            cwd=tmp_path,
         )
         async with asyncio.timeout(PATIENCE):
             out, err = await bash.communicate()

@@ -303,7 +303,7 @@ TOPICS: Final = (
         type_name="sensor_msgs/CameraInfo",
         source=PictureUpdate,
         fill=camera.camera_info,
-        note="with every picture; matrices of 0 unless the camera tells its field of view, as"
+        note="matrices of 0 unless the camera tells its field of view, as"
         " simulated ones do, or `~camera_view_deg` does",
     ),
     DIAGNOSTICS,
