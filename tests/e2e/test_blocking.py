@@ -9,6 +9,7 @@ import pytest
 
 from pioneer3 import BlockingRobot, DeviceError, Robot, connect
 from pioneer3.arcos.reports import Config
+from pioneer3.mjpeg import START
 from pioneer3.robot.devices import (
     Camera,
     Devices,
@@ -23,6 +24,7 @@ from pioneer3.runtime.facade import facade_of
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.state import Scan
+from tests.cameras import fake_camera, films
 from tests.e2e.test_ways_out import BYE, SLOW, running, said_goodbye
 
 pytestmark = pytest.mark.realtime
@@ -80,6 +82,9 @@ async def test_devices_are_used_without_await(simulated: RunningSimulation) -> N
         devices.lines.set_output(3, high=True)
         assert not devices.safety.texts
         assert devices.camera("sony").aim.pan == 0
+        assert devices.camera.ptz("sony").aim.pan == 0
+        with pytest.raises(DeviceError, match="--camera"):
+            devices.camera.image()
         assert {"aim", "kind", "where"} <= set(dir(devices.camera("sony")))
         with pytest.raises(DeviceError):
             devices.safety.ask()
@@ -87,6 +92,19 @@ async def test_devices_are_used_without_await(simulated: RunningSimulation) -> N
             devices.laser.nothing  # noqa: B018
 
     await script(simulated, program)
+
+
+async def test_pictures_are_read_without_await(simulated: RunningSimulation) -> None:
+    async with fake_camera(films((200, 30, 30))) as camera:
+
+        def program() -> None:
+            with connect(simulated.url, camera=camera.url) as robot:
+                image = robot.devices.camera.image()
+                assert image.pixels.shape == (24, 32, 3)
+                several = zip(range(3), robot.devices.camera.pictures(), strict=False)
+                assert [picture.jpeg[:2] for _, picture in several] == [START] * 3
+
+        await asyncio.to_thread(program)
 
 
 async def test_an_iteration_that_is_left_lets_go_of_the_device(

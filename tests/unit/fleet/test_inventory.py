@@ -136,6 +136,7 @@ def test_a_model_file_is_looked_for_beside_the_fleet_file(tmp_path: Path) -> Non
         ('[defaults]\nport = "ttyS0"', "f.toml:2: defaults.port: 'ttyS0' names no port; use"),
         ('[defaults]\nport = "replay:a.log"', "f.toml:2: defaults.port: 'replay:a.log' is a reco"),
         ('[defaults]\nmodel = "p3az"', "f.toml:2: defaults.model: 'p3az': no such robot model, d"),
+        ('[defaults]\ncamera = "cam"', "f.toml:2: defaults.camera: cam: no URL of a camera"),
         ('[defaults]\nlaser = "ttyS0"', "f.toml:2: defaults.laser: 'ttyS0' names no port; use on"),
         ('[operator]\naddress = "10.0.0.256"', "f.toml:2: operator.address: expected an IP addre"),
         ('[operator]\nname = "a"\n' + TWO, "f.toml:2: operator.name: a is robot[0]'s"),

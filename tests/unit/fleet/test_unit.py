@@ -33,6 +33,12 @@ def test_it_drives_as_the_user_in_dialout_and_comes_back() -> None:
     assert {"KillSignal=SIGTERM", "NoNewPrivileges=yes", "WantedBy=multi-user.target"} <= set(lines)
 
 
+def test_its_camera_is_read_too_and_signs_of_its_url_are_kept() -> None:
+    url = "http://a:50%@10.0.0.9/?x=$y"
+    text = unit(replace(ROBOT, camera=url)).text()
+    assert "--port /dev/ttyUSB0 --camera http://a:50%%@10.0.0.9/?x=$$y\n" in text
+
+
 def test_the_unit_of_a_user_asks_for_nothing_that_needs_root() -> None:
     text = unit(with_root=False).text()
     assert "WantedBy=default.target" in text
