@@ -158,6 +158,7 @@ async def test_a_stall_ends_the_motion_of_a_mode() -> None:
         with pytest.raises(MotionError, match="mode: the wheels stalled"):
             await robot.run(mode(Go()))
         assert abs(sim.speed) < SLOW
+        await asyncio.sleep(0.5)
         assert str(robot.why_not_moving()).startswith(
             "Waiting for a fresh command: the wheels stalled; drive the other way"
         )

@@ -85,8 +85,8 @@ class Bench:
 
     @property
     def speed(self) -> float:
-        return self.body.drive.linear.velocity
+        return self.body.speeds[0]
 
     @property
     def turn_rate(self) -> float:
-        return self.body.drive.angular.velocity
+        return self.body.speeds[1]

@@ -144,7 +144,7 @@ def test_however_cold_it_never_reads_as_without_a_sensor(bench: Bench) -> None:
 def test_the_set_point_of_a_turn_is_where_it_will_end(bench: Bench) -> None:
     bench.say(ON, commands.Head(radians(90)))
     bench.wait(0.5)
-    assert bench.sip().control_raw == pytest.approx(1024, abs=1)
+    assert bench.sip().control_raw == pytest.approx(1024, abs=8)  # wheels lag behind their ramp
     bench.wait(5.0)
     sip = bench.sip()
     assert sip.control_raw == sip.heading_raw
