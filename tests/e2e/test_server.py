@@ -16,11 +16,13 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.server import Simulation
-from pioneer3.sim.server.pacer import TICK, Pacer
+from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.world import World
-from tests.support import frame, hold
+from tests.support import SLOW, frame, hold
 
 SOON = 20.0
+BRAKES = 0.5
+"""In which wheels without power brake from 0.3 m/s, with mass and without [s]."""
 SYNCS = b"".join(encode(bytes([number])) for number in (0, 1, 2))
 OPEN = frame(commands.Open())
 
@@ -111,9 +113,9 @@ async def driven_and_killed(station: Station) -> None:
 
 async def test_a_client_that_vanishes_from_the_network_ends_its_session(station: Station) -> None:
     await driven_and_killed(station)
-    await asyncio.sleep(2 * TICK + 0.3 / 4.0)  # wheels without power
+    await asyncio.sleep(BRAKES)
     assert not station.firmware.body.drive.powered
-    assert station.firmware.body.speeds[0] == 0
+    assert abs(station.firmware.body.speeds[0]) < SLOW
     async with connect_async(station.open) as driver:
         assert await hold(driver, 0.2) == 0
 
@@ -130,8 +132,8 @@ async def test_a_program_of_arias_is_served_at_once_after_one_that_was_killed(
     await link.write(encode(b"\2"))
     assert b"MobileSim" in await link.read()
     assert not station.firmware.body.drive.powered
-    await asyncio.sleep(0.1)
-    assert station.firmware.body.speeds[0] == 0
+    await asyncio.sleep(BRAKES)
+    assert abs(station.firmware.body.speeds[0]) < SLOW
 
 
 async def test_a_session_that_is_kept_goes_on_until_the_watchdog_ends_it() -> None:
@@ -140,9 +142,9 @@ async def test_a_session_that_is_kept_goes_on_until_the_watchdog_ends_it() -> No
     body = station.firmware.body
     await asyncio.sleep(0.9)
     assert body.speeds[0] > 0  # it cannot know yet
-    await asyncio.sleep(0.2 + 0.3 / 4.0)  # the watchdog, and wheels without power
+    await asyncio.sleep(0.2 + BRAKES)  # the watchdog first
     assert not body.drive.powered
-    assert body.speeds[0] == 0
+    assert abs(body.speeds[0]) < SLOW
     async with connect_async(station.open) as driver:
         assert await hold(driver, 0.2) == 0
     await station.close()
@@ -293,7 +295,7 @@ async def test_a_robot_that_fails_is_cut_off_and_the_others_live(
     await asyncio.sleep(1.0)
     assert [port.connected for port in simulation.ports] == [False, True]
     assert caplog.text.count("the simulated robot failed") == 1
-    assert [body.speeds[0] for body in world.robots] == [0.0, 0.1]
+    assert [body.speeds[0] for body in world.robots] == pytest.approx([0.0, 0.1], abs=0.01)
     for waiting in (task, *(served for _, served in links)):
         waiting.cancel()
     await asyncio.gather(task, *(served for _, served in links), return_exceptions=True)

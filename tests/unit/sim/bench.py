@@ -85,8 +85,8 @@ class Bench:
 
     @property
     def speed(self) -> float:
-        return self.body.speeds[0]
+        return self.body.drive.linear.velocity
 
     @property
     def turn_rate(self) -> float:
-        return self.body.speeds[1]
+        return self.body.drive.angular.velocity

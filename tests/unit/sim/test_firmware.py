@@ -116,7 +116,7 @@ def test_an_emergency_stop_ignores_motion_until_it_stands(bench: Bench, command:
     bench.say(ON, commands.Vel(0.4))
     bench.wait(2.0)
     bench.say(command, commands.Vel(0.4))
-    bench.wait(0.2)
+    bench.wait(0.8)
     assert bench.speed == 0.0
     bench.say(commands.Vel(0.4))
     bench.wait(1.0)

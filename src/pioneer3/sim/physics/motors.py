@@ -8,10 +8,19 @@ from numpy.typing import NDArray
 from pioneer3.models import RobotModel, physics_of, shape_of, total_mass
 from pioneer3.sim.body import Body, Speeds
 from pioneer3.sim.kernels import Drives, Kernels
-from pioneer3.sim.kernels.drives import ANGULAR, BASE, LINEAR, POWERED, STALLED, VELOCITY
+from pioneer3.sim.kernels.drives import (
+    ANGULAR,
+    BASE,
+    BRAKING,
+    LINEAR,
+    POWERED,
+    STALLED,
+    VELOCITY,
+)
 from pioneer3.sim.physics.scene import Scene
 
 Float = NDArray[np.float64]
+Bool = NDArray[np.bool_]
 
 STALL_TIME, FULL_SHARE = 0.3, 0.98
 """A side that pushes with this share of its torque for so long is stalled [s]."""
@@ -29,7 +38,7 @@ class Motors:
         self._drives = Drives.at_rest(0)
         self._angles = self._speed = np.zeros((2, 0))
         self._goal = self._pushing = np.zeros((2, 0))
-        self._released = np.zeros(0, np.bool_)
+        self._released = self._braking = np.zeros(0, np.bool_)
 
     def change(self, robots: Sequence[Body], drives: Drives) -> None:
         """Replace the robots, in the order of `drives`; those that stay keep their state."""
@@ -56,6 +65,7 @@ class Motors:
     def begin(self, scene: Scene, kernels: Kernels, dt: float) -> None:
         """Tell the loops the speeds that the firmware's ramps have within `dt` [s]."""
         begin = self._wanted()
+        self._braking = self._drives.flags[BRAKING] != 0
         kernels.ramp(self._drives, dt)
         self._angles = _angles(scene)
         self._drive(scene, begin, self._wanted(), dt)
@@ -66,6 +76,8 @@ class Motors:
         left, right = np.ascontiguousarray(rolled)
         kernels.count(self._drives, left, right)
         self.look(scene)
+        # an emergency stop lasts until the wheels stand, not the ramps
+        self._drives.flags[BRAKING] = self._braking & ~self._stand()
         self._feel_stall(scene, dt)
 
     def look(self, scene: Scene) -> None:
@@ -104,8 +116,7 @@ class Motors:
             dt: [s].
         """
         drives, angles = self._drives, self._angles
-        stand = (drives.axes[VELOCITY] == 0.0).all(axis=0) & (self._speed == 0.0).all(axis=0)
-        self._released = (drives.flags[POWERED] == 0) & (self._released | stand)
+        self._released = (drives.flags[POWERED] == 0) & (self._released | self._stand())
         limit = np.where(self._released, self._drag, self._torque)
         ranges = np.stack([-limit, limit], axis=-1)
         scene.model.actuator_forcerange[scene.motors] = ranges[None]
@@ -120,6 +131,12 @@ class Motors:
         scene.data.act[scene.motors] = (goal + lead).clip(middle - reach, middle + reach)
         scene.data.ctrl[scene.motors] = mean
         self._goal = goal + mean * dt
+
+    def _stand(self) -> Bool:
+        """Return which robots stand, and are not about to move, shape (N,)."""
+        ramps = (self._drives.axes[VELOCITY] == 0.0).all(axis=0)
+        stand: Bool = ramps & (self._speed == 0.0).all(axis=0)
+        return stand
 
     def _feel_stall(self, scene: Scene, dt: float) -> None:
         drives = self._drives

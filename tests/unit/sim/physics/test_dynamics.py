@@ -252,8 +252,12 @@ def test_a_watchdog_and_an_emergency_stop_brake_by_the_wheels() -> None:
     run(world, 4.0)
     body.drive.emergency_stop()
     x = body.robot_in_world.x
+    run(world, 0.2)
+    assert body.speeds[0] > 0.1
+    assert not body.drive.obeys
     run(world, 1.0)
     assert body.robot_in_world.x - x < 0.15
+    assert body.drive.obeys
     assert np.allclose(body.speeds, 0.0, atol=0.02)
 
 
