@@ -70,6 +70,9 @@ def test_maps_are_known_by_the_names_that_ship_and_by_files_of_this_folder_only(
     (tmp_path / "up.map").write_text(lines)
     assert known_map("hall")[0].name == "hall"
     assert known_map("office.map")[0].name == "office"
+    line_map, relief = known_map("ramps")
+    assert "ramp_0" in relief.solids
+    assert len(relief.heights_of(line_map)) == len(line_map.walls)
     for name in ("../up", str(tmp_path / "up"), "up", ""):
         with pytest.raises(ConfigError, match="there is no map"):
             known_map(name)
