@@ -8,11 +8,13 @@ from math import pi
 import numpy as np
 import pytest
 
+from pioneer3.errors import DeviceError
 from pioneer3.geometry import Pose2
 from pioneer3.mjpeg import Parser
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server import picture_process
 from pioneer3.sim.server.camera import MOST_VIEWERS, SimulatedCamera
+from pioneer3.sim.server.picture_process import PictureProcess
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile
@@ -20,8 +22,6 @@ from tests.cameras import Pixels, body_of, decoded, http_get, require_opengl
 
 pytestmark = pytest.mark.realtime
 
-ORANGE, GREEN = (0, 1), (1, 0)
-"""The two of red, green and blue that are strongest in a box, in order; the same of a person."""
 CAMERA = EquipmentOptions(camera="vcc4")
 
 
@@ -163,6 +163,47 @@ async def test_without_opengl_all_but_pictures_works(monkeypatch: pytest.MonkeyP
         before = running.world.time
         await asyncio.sleep(0.3)
         assert running.world.time > before
+
+
+@pytest.mark.parametrize(
+    ("reason", "advice"),
+    [
+        ("Failed to import OpenGL backend: No module named 'OpenGL'", "`physics` is missing"),
+        ("'NoneType' object has no attribute 'glGetError'", picture_process.PACKAGES),
+    ],
+)
+async def test_what_is_missing_is_told_in_one_line(
+    reason: str, advice: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def fail(process: PictureProcess, backend: str) -> str:
+        return f"{reason}\nand more"
+
+    monkeypatch.setattr(PictureProcess, "_try", fail)
+    with pytest.raises(DeviceError) as caught:
+        await PictureProcess().start()
+    assert advice in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+async def test_each_robot_sees_for_itself_until_it_goes() -> None:
+    async with seeing() as (running, first):
+        added = await running.add_robot(
+            RobotSpec(model="p3dx-sh", start=Pose2(1.5, 0.0, 0.0), equipment=CAMERA, port=0)
+        )
+        second = added.camera
+        assert second is not None
+        assert second.url != first.url
+        assert red_in(await snapshot(first)) > 500 > red_in(await snapshot(second))
+        await running.remove_robot(added)
+        with pytest.raises(ConnectionError):
+            await body_of(second.url)
+        assert red_in(await snapshot(first)) < 500
+
+
+def red_in(pixels: Pixels) -> int:
+    """Return how much of a picture is red, as robots are."""
+    red, green, blue = np.moveaxis(pixels.astype(int), -1, 0)
+    return int(((red > green + 60) & (red > blue + 60)).sum())
 
 
 async def test_a_wrong_setting_of_opengl_does_not_keep_physics_from_starting() -> None:

@@ -107,7 +107,12 @@ class PictureProcess:
         environment = {name: value for name, value in os.environ.items() if name != PLATFORM}
         environment |= {GL: backend}
         self._process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", MODULE, stdin=PIPE, stdout=PIPE, stderr=DEVNULL, env=environment
+            *(sys.executable, "-m", MODULE),
+            stdin=PIPE,
+            stdout=PIPE,
+            stderr=DEVNULL,
+            env=environment,
+            start_new_session=True,  # Ctrl-C is for the simulator, which ends it
         )
         try:
             async with asyncio.timeout(START_PATIENCE):
