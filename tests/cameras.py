@@ -58,8 +58,13 @@ def decoded(file: bytes) -> Pixels:
 
 def jpeg_of(color: tuple[int, int, int] = (200, 30, 30), size: tuple[int, int] = (32, 24)) -> bytes:
     """Return a JPEG of one colour; `size` is width and height."""
+    return encoded(np.full((*size[::-1], 3), color, np.uint8))
+
+
+def encoded(pixels: Pixels) -> bytes:
+    """Return a JPEG of these pixels, shape (H, W, 3)."""
     file = BytesIO()
-    Image.new("RGB", size, color).save(file, "JPEG")
+    Image.fromarray(pixels).save(file, "JPEG", quality=95)
     return file.getvalue()
 
 

@@ -4,9 +4,10 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import numpy as np
 import pytest
 
-from pioneer3.mjpeg import Parser
+from pioneer3.mjpeg import END, Parser, part, stream_head
 from pioneer3.runtime.connect import connect_async
 from pioneer3.tasks import running
 from pioneer3.web import connections
@@ -14,7 +15,19 @@ from pioneer3.web.access.sessions import Kind, Role
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import serve
-from tests.cameras import TenASecond, decoded, fake_camera, films, http_get, jpeg_of
+from tests.cameras import (
+    FakeCamera,
+    TenASecond,
+    decoded,
+    encoded,
+    fake_camera,
+    films,
+    http_get,
+    jpeg_of,
+)
+from tests.cameras import (
+    Script as CameraScript,
+)
 from tests.support import SimulatedRobot
 from tests.unit.web.asking import Script, stranger
 from tests.unit.web.browser import Browser, Product, product
@@ -83,21 +96,61 @@ async def test_the_page_is_told_which_robot_has_a_camera() -> None:
         assert not ann.latest("hello")["robots"][0]["camera"]
 
 
+@asynccontextmanager
+async def served(*scripts: CameraScript) -> AsyncIterator[tuple[FakeCamera, str, str]]:
+    """Serve the page of a robot with a camera; yield the camera, an address and a header."""
+    page = Page()
+    async with (
+        fake_camera(*scripts) as camera,
+        SimulatedRobot() as sim,
+        connect_async(sim.open, camera=camera.url) as robot,
+        serve(page, host="127.0.0.1", port=0) as at,
+        page.hosting(robot, Scene()),
+    ):
+        yield camera, f"{at.http}{STREAM}", f"Host: {at.http.removeprefix('http://')}\r\n"
+
+
+@pytest.mark.realtime
+async def test_a_slow_viewer_gets_fewer_pictures_and_none_that_has_waited_for_long() -> None:
+    noise = np.random.default_rng(1).integers(0, 256, (480, 640, 3), dtype=np.uint8)
+    large = encoded(noise)
+    assert len(large) > 300_000
+
+    async def script(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(stream_head())
+        for number in range(1000):
+            writer.write(part(large[:-2] + number.to_bytes(4, "big") + END))
+            await writer.drain()
+            await asyncio.sleep(0.05)
+
+    async with (
+        served(script) as (_, stream, host),
+        http_get(stream, host) as quick,
+        http_get(stream, host) as slow,
+    ):
+        parser, newest = Parser(), b""
+        while parser.pictures < 20:
+            for jpeg in parser.receive(await quick.read(1 << 16)):
+                newest = jpeg
+        late = Parser()
+        sent = int.from_bytes(newest[-6:-2], "big")
+        seen = list[int]()
+        while not seen or seen[-1] < sent:
+            seen += [
+                int.from_bytes(jpeg[-6:-2], "big")
+                for jpeg in late.receive(await slow.read(1 << 16))
+            ]
+        assert len(seen) < 10
+        assert seen == sorted(set(seen))
+
+
 @pytest.mark.realtime
 async def test_viewers_share_one_connection_and_a_stream_outlasts_other_answers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(connections, "ANSWER_TIME", 0.5)
-    page = Page()
-    async with (
-        fake_camera(films((200, 30, 30), (30, 30, 200), pause=0.05)) as camera,
-        SimulatedRobot() as sim,
-        connect_async(sim.open, camera=camera.url) as robot,
-        serve(page, host="127.0.0.1", port=0) as served,
-        page.hosting(robot, Scene()),
-    ):
-        stream = f"{served.http}{STREAM}"
-        host = f"Host: {served.http.removeprefix('http://')}\r\n"
+    film = films((200, 30, 30), (30, 30, 200), pause=0.05)
+    async with served(film) as (camera, stream, host):
         async with http_get(stream, host) as one, http_get(stream, host) as two:
             clock = asyncio.get_running_loop().time
             end, parsers = clock() + 1.5, (Parser(), Parser())
