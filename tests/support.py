@@ -34,7 +34,7 @@ STAYED = 2e-3
 """What has moved by less stands where it was [m, rad]."""
 SLOW = 0.02
 """What is slower stands, as people see it [m/s, rad/s]."""
-OUTLINE = 0.06
+OUTLINE = 0.07
 """A robot's body ends at most so far within the outline that ARIA gives it [m]."""
 
 
