@@ -34,6 +34,8 @@ ARRAY: Final = 0.05
 """Height of a row of sonars [m]."""
 BUMPER: Final = 0.025
 """Thickness of a bumper [m]."""
+COLUMN: Final = 0.5
+"""Above the hull of a robot that is higher than this stands a column that touches things [m]."""
 SHORTEST: Final = 0.12
 """Length of a body at least [m]."""
 ARM: Final = 0.05
@@ -119,6 +121,7 @@ def _body(model: RobotModel, shape: Shape) -> tuple[Solid, ...]:
         color="black",
         size=(front - rear - 0.10, 0.22, shape.height - top),
         at=((front + rear) / 2, 0.0, (shape.height + top) / 2),
+        hits=shape.height > COLUMN,
     )
     return hull, deck
 

@@ -9,16 +9,22 @@ from pioneer3.sim.worldfile import Person
 
 Rgba = tuple[float, float, float, float]
 
-FLOOR: Final = "floor"
 COLORS: Final[Mapping[str, Rgba]] = MappingProxyType(
     {
         "floor": (0.62, 0.58, 0.52, 1.0),
         "wall": (0.86, 0.84, 0.78, 1.0),
         "box": (0.90, 0.50, 0.10, 1.0),
         "person": (0.10, 0.55, 0.25, 1.0),
+        "ramp": (0.70, 0.71, 0.74, 1.0),
+        "step": (0.74, 0.75, 0.78, 1.0),
+        "heightfield": (0.66, 0.64, 0.56, 1.0),
+        "carpet": (0.60, 0.56, 0.75, 1.0),
+        "cylinder": (0.45, 0.34, 0.28, 1.0),
+        "table": (0.52, 0.36, 0.26, 1.0),
+        "mesh": (0.55, 0.55, 0.50, 1.0),
     }
 )
-"""Of each kind of thing; robots have those of their description, most of them red."""
+"""Of each kind of thing, as its geoms are named; robots have those of their description."""
 SKY: Final = (0.55, 0.72, 0.90), (0.30, 0.45, 0.75)
 """At the horizon, and above."""
 SKY_SIZE: Final = 16
@@ -35,7 +41,7 @@ def paint(spec: Any, obstacles: Mapping[str, Obstacle]) -> None:
     import mujoco
 
     for geom in spec.worldbody.geoms:
-        geom.rgba = COLORS["floor" if geom.name == FLOOR else "wall"]
+        geom.rgba = COLORS.get(geom.name.partition("_")[0], COLORS["wall"])
     for name, obstacle in obstacles.items():
         kind = "person" if isinstance(obstacle.kind, Person) else "box"
         for geom in spec.body(name).geoms:

@@ -216,6 +216,15 @@ def test_a_robot_drives_below_a_table_between_its_legs_and_stops_at_a_column() -
     assert body.stalled
 
 
+def test_the_column_of_a_peoplebot_meets_the_top_of_a_table() -> None:
+    body = powered("peoplebot-sh")
+    world = physical(body, solids=(Table(pose=Pose2(2.0, 0.0), size=(1.4, 1.0), height=0.75),))
+    body.drive.linear.go(0.2)
+    run(world, 12.0)
+    assert body.robot_in_world.x < 1.3
+    assert body.stalled
+
+
 @pytest.mark.parametrize("friction", [0.2, 0.8])
 def test_a_box_slides_as_far_as_the_friction_of_the_carpet_lets_it(friction: float) -> None:
     carpet = Carpet(pose=ORIGIN, size=(8.0, 3.0), friction=friction)
