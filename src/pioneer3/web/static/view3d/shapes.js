@@ -6,7 +6,7 @@ import { make } from "../dom.js";
 const TEXT = 28; // px, height of a label's letters in its picture
 const LABEL = 0.028; // height of a label on the screen, as a share of it
 
-/** One geometry with colours. @param parts [{geometry, color}] with indices; their geometries are freed */
+/** One geometry with colours. @param parts [{geometry, color}] with indices, perhaps shades of each point; their geometries are freed */
 export function merge(parts) {
   const count = parts.reduce((sum, { geometry }) => sum + geometry.attributes.position.count, 0);
   const [position, normal, colours] = [0, 1, 2].map(() => new Float32Array(3 * count));
@@ -16,7 +16,11 @@ export function merge(parts) {
     position.set(geometry.attributes.position.array, 3 * at);
     normal.set(geometry.attributes.normal.array, 3 * at);
     for (const corner of geometry.index.array) index.push(at + corner);
-    for (let end = at + geometry.attributes.position.count; at < end; at += 1) colours.set([color.r, color.g, color.b], 3 * at);
+    const { shades } = geometry.userData;
+    for (let own = 0; own < geometry.attributes.position.count; own += 1, at += 1) {
+      const shade = shades ? shades[own] : 1;
+      colours.set([color.r * shade, color.g * shade, color.b * shade], 3 * at);
+    }
     geometry.dispose();
   }
   const merged = new BufferGeometry().setIndex(index);

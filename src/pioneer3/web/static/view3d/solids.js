@@ -6,6 +6,7 @@ import {
 import { merge } from "./shapes.js";
 
 const SIDES = 32; // of a cylinder
+const [LOW, HIGH] = [0.65, 1.45]; // shades of a terrain
 
 /** @param solids of the map, at least one @type {import("../messages.d.ts").MapSolid[]} */
 export function meshOf(solids, palette) {
@@ -34,7 +35,7 @@ function geometryOf({ form, size: [length, width, height], numbers, corners, col
     case "wedge":
       return wedge(length / 2, width / 2, height);
     case "terrain":
-      return terrain(length, width, numbers, columns);
+      return terrain(length, width, height, numbers, columns);
     default:
       return faceted(numbers, corners);
   }
@@ -51,7 +52,8 @@ function faceted(numbers, corners) {
   return withNormals(position, corners.map((_, at) => at));
 }
 
-function terrain(length, width, numbers, columns) {
+/** Higher places are lighter: seen from above the light alone tells little. */
+function terrain(length, width, height, numbers, columns) {
   const rows = numbers.length / columns;
   const position = new Float32Array(numbers.flatMap((z, at) => (
     [((at % columns) / (columns - 1) - 0.5) * length, (Math.floor(at / columns) / (rows - 1) - 0.5) * width, z]
@@ -63,7 +65,9 @@ function terrain(length, width, numbers, columns) {
       index.push(at, at + 1, at + columns + 1, at, at + columns + 1, at + columns);
     }
   }
-  return withNormals(position, index);
+  const geometry = withNormals(position, index);
+  geometry.userData.shades = numbers.map((z) => LOW + ((HIGH - LOW) * z) / height);
+  return geometry;
 }
 
 function withNormals(position, index) {
