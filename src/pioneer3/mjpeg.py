@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import md5, sha256
 from math import pi
-from typing import Final
-from urllib.parse import unquote, urlsplit
+from typing import Final, NamedTuple
+from urllib.parse import urlsplit
 
 from pioneer3.errors import ConfigError, LinkError
 
@@ -30,6 +30,9 @@ VIEW: Final = "X-Field-Of-View-Rad"
 """Header of a part: the angle from the left edge of the picture to the right one [rad], which
 changes with the zoom. Ours; other cameras do not tell it."""
 PORTS: Final = {"http": 80, "https": 443}
+WRITE_LOGIN: Final = (
+    "write `machine HOST login USER password PASSWORD` into ~/.netrc, and chmod 600 ~/.netrc"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,19 +44,15 @@ class CameraUrl:
         port: TCP port.
         path: With the query, from the slash on.
         secure: Whether it is https.
-        user: Name to log in with; empty for none.
-        password: Of that user.
     """
 
     host: str
     port: int
     path: str = "/"
     secure: bool = False
-    user: str = ""
-    password: str = ""
 
     def __str__(self) -> str:
-        """The URL without name and password."""
+        """The URL."""
         scheme = "https" if self.secure else "http"
         host = f"[{self.host}]" if ":" in self.host else self.host
         usual = self.port == PORTS[scheme]
@@ -61,7 +60,7 @@ class CameraUrl:
 
 
 def parse_url(text: str) -> CameraUrl:
-    """Read `http://[USER:PASSWORD@]HOST[:PORT][/PATH]`, or the same with https.
+    """Read `http://HOST[:PORT][/PATH]`, or the same with https.
 
     Raises:
         ConfigError: It is no such URL.
@@ -76,16 +75,13 @@ def parse_url(text: str) -> CameraUrl:
     if any(character <= " " or character == "\x7f" for character in text):
         raise _wrong(text, "a space or a control character in it")
     path = parts.path or "/"
-    user, password = unquote(parts.username or ""), unquote(parts.password or "")
-    if not (user + password).isprintable() or ":" in user or '"' in user:
-        raise _wrong(text, "a user's name or password that cannot be sent")
+    if "@" in parts.netloc:
+        raise _wrong(text, f"others could read the login in it; {WRITE_LOGIN}")
     return CameraUrl(
         host=parts.hostname,
         port=PORTS[parts.scheme] if port is None else port,
         path=f"{path}?{parts.query}" if parts.query else path,
         secure=parts.scheme == "https",
-        user=user,
-        password=password,
     )
 
 
@@ -93,7 +89,7 @@ def _wrong(text: str, problem: str) -> ConfigError:
     bare = text.rpartition("@")[2]  # never shows a password
     return ConfigError(
         f"--camera {bare}: {problem}; expected the URL of an MJPEG stream, such as "
-        "http://127.0.0.1:8181/ or http://user:password@192.168.0.90/axis-cgi/mjpg/video.cgi"
+        "http://127.0.0.1:8181/ or http://192.168.0.90/axis-cgi/mjpg/video.cgi"
     )
 
 
@@ -107,17 +103,25 @@ def request(url: CameraUrl, authorization: str = "") -> bytes:
     ).encode()
 
 
-def authorization(url: CameraUrl, challenge: str, nonce: str) -> str:
+class Login(NamedTuple):
+    """Name and password of a user; printable, and the name has neither colon nor quote."""
+
+    user: str
+    password: str
+
+
+def authorization(url: CameraUrl, login: Login, challenge: str, nonce: str) -> str:
     """Return the answer to the question for a user (RFC 7617, RFC 7616).
 
     Args:
-        url: Has the user and the password.
+        url: Of the stream.
+        login: Of the user.
         challenge: The header WWW-Authenticate.
         nonce: Random hexadecimal digits of ours.
     """
     scheme, _, parameters = challenge.strip().partition(" ")
     if scheme.lower() != "digest":
-        return f"Basic {b64encode(f'{url.user}:{url.password}'.encode()).decode()}"
+        return f"Basic {b64encode(f'{login.user}:{login.password}'.encode()).decode()}"
     given = {
         name.lower(): value.strip('"')
         for name, _, value in (word.strip().partition("=") for word in _words(parameters))
@@ -129,8 +133,8 @@ def authorization(url: CameraUrl, challenge: str, nonce: str) -> str:
         secure = algorithm.upper().startswith("SHA-256")
         return (sha256 if secure else md5)(text.encode(), usedforsecurity=False).hexdigest()
 
-    secret, asked = hashed(f"{url.user}:{realm}:{url.password}"), hashed(f"GET:{url.path}")
-    fields = {"username": url.user, "realm": realm, "nonce": theirs, "uri": url.path}
+    secret, asked = hashed(f"{login.user}:{realm}:{login.password}"), hashed(f"GET:{url.path}")
+    fields = {"username": login.user, "realm": realm, "nonce": theirs, "uri": url.path}
     plain = f"algorithm={algorithm}"
     if "auth" in given.get("qop", "").replace(" ", "").split(","):
         count = "00000001"
@@ -350,7 +354,7 @@ def _boundary(head: Head) -> str:
 def _refusal(head: Head) -> str:
     match head.status:
         case 401 | 403:
-            return "it wants a user and a password: http://USER:PASSWORD@..."
+            return f"it wants a user and a password: {WRITE_LOGIN}"
         case 404:
             return "it has no such page: give the URL of its MJPEG stream"
         case 301 | 302 | 303 | 307 | 308:

@@ -3,13 +3,14 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pioneer3 import mjpeg
 from pioneer3.errors import ConfigError, DeviceError
-from pioneer3.mjpeg import START, authorization, parse_url
+from pioneer3.mjpeg import START, Login, authorization, parse_url
 from pioneer3.robot import camera_driver
 from pioneer3.robot.camera_driver import CameraDriver
 from pioneer3.robot.devices.pictures import decode
@@ -146,29 +147,49 @@ async def test_a_camera_that_is_not_there_is_named() -> None:
     ],
 )
 async def test_a_password_is_sent_when_the_camera_asks_for_it(
-    challenge: str, answer: bytes
+    challenge: str, answer: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    logins = tmp_path / "netrc"
+    logins.write_text("machine 127.0.0.1 login root password pass\n")
+    logins.chmod(0o600)
+    monkeypatch.setenv("NETRC", str(logins))
     asks = f"HTTP/1.0 401 Unauthorized\r\nWWW-Authenticate: {challenge}\r\n\r\n".encode()
-    async with fake_camera(says(asks), films(RED)) as camera:
-        url = camera.url.replace("http://", "http://root:pass@")
-        async with driven(url) as driver:
-            await driver.picture()
-            assert b"Authorization" not in camera.requests[0]
-            assert answer in camera.requests[1]
-            assert "pass" not in f"{driver.url} {driver.presence}"
+    async with fake_camera(says(asks), films(RED)) as camera, driven(camera.url) as driver:
+        await driver.picture()
+        assert b"Authorization" not in camera.requests[0]
+        assert answer in camera.requests[1]
+        assert "pass" not in f"{driver.url} {driver.presence}"
+
+
+async def test_a_login_that_others_may_read_is_told_and_a_missing_one_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asks = b"HTTP/1.0 401 Unauthorized\r\nWWW-Authenticate: Basic realm=x\r\n\r\n"
+    monkeypatch.setenv("NETRC", str(tmp_path / "netrc"))
+    async with fake_camera(says(asks), says(asks)) as camera, driven(camera.url) as driver:
+        with pytest.raises(DeviceError, match=r"\.netrc"):
+            await driver.picture(patience=0.3)
+        (tmp_path / "netrc").write_text("machine 127.0.0.1 login")
+        with pytest.raises(DeviceError, match="netrc"):
+            await driver.picture(patience=1.0)
 
 
 def test_a_digest_is_that_of_the_rfc() -> None:
     # RFC 7616, 3.9.1
-    url = parse_url("http://Mufasa:Circle%20of%20Life@www.example.org/dir/index.html")
+    url, login = (
+        parse_url("http://www.example.org/dir/index.html"),
+        Login("Mufasa", "Circle of Life"),
+    )
     challenge = (
         'Digest realm="http-auth@example.org", qop="auth, auth-int", algorithm=MD5, '
         'nonce="7ypf/xlj9XXwfDPEoM4URrv/xwf94BcCAzFZH4GiTo0v", '
         'opaque="FQhe/qaU925kfnzjCev0ciny7QMkPqMAFRtzCUYo5tdS"'
     )
     nonce = "f2/wE4q74E6zIJEtWaHKaf5wv/H5QzzpXusqGemxURZJ"
-    assert 'response="8ca523f5e9506fed4657c9700eebdbec"' in authorization(url, challenge, nonce)
-    secure = authorization(url, challenge.replace("MD5", "SHA-256"), nonce)
+    assert 'response="8ca523f5e9506fed4657c9700eebdbec"' in authorization(
+        url, login, challenge, nonce
+    )
+    secure = authorization(url, login, challenge.replace("MD5", "SHA-256"), nonce)
     assert "753927fa0e85d155564e2e272a28d1802ca10daf4496794697cf8db5856cb6c1" in secure
 
 

@@ -277,7 +277,7 @@ class LinkOptions(RobotOptions):
         baud: Serial speed to try first.
         record: New file for every byte on the wire; --port replay:FILE plays it.
         lasers: Its laser range finders.
-        camera: Its camera: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
+        camera: Its camera: http://HOST[:PORT]/PATH of an MJPEG stream.
     """
 
     baud: Baud = None

@@ -71,7 +71,7 @@ def ros1(
         baud: Serial speed to try first.
         lasers: Of the robot; or by ROS parameters such as _laser/serial_port:=/dev/ttyACM0.
             Other parameters below _laser/ hold for the first one in either case.
-        camera: Of the robot: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
+        camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         map_: To navigate on: a file, or the name of one that ships.
         start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
         install_package: Only write a ROS package to this folder, for rosrun and roslaunch.

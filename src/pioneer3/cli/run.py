@@ -73,7 +73,7 @@ def run(
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
         lasers: Of the robot.
-        camera: Of the robot: http://[USER:PASSWORD@]HOST[:PORT]/PATH of an MJPEG stream.
+        camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
         sim_port: TCP port of the first simulated robot, the others have the next; 0: free ones.
         web_port: TCP port of the page; https takes the next free one with --lan; 0: any free.
         lan: Let other devices in, who must pair first: shows a QR code to scan.

@@ -8,11 +8,12 @@ from collections import deque
 from collections.abc import AsyncGenerator, Iterator
 from contextlib import contextmanager
 from math import inf
+from netrc import NetrcParseError, netrc
 from secrets import token_hex
 from typing import Final
 
 from pioneer3.errors import DeviceError, LinkError
-from pioneer3.mjpeg import CameraUrl, Parser, authorization, parse_url, request
+from pioneer3.mjpeg import CameraUrl, Login, Parser, authorization, parse_url, request
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.supervisor import Connection, Feed, Status
 from pioneer3.state import Picture
@@ -43,7 +44,7 @@ class CameraDriver:
         url: Of its stream, such as `http://192.168.0.90/axis-cgi/mjpg/video.cgi`.
 
     Attributes:
-        url: The same, without user and password.
+        url: The same.
         status: State of the connection, with the reason.
         latest: The last picture, or `None`; look at its stamp.
         pictures: Number of pictures received.
@@ -160,9 +161,10 @@ class CameraDriver:
                 await self._take_stream(parser, login)
             except LinkError as error:
                 challenge = parser.challenge
-                if not challenge or login or not self._at.user:
+                user = login_of(self._at.host) if challenge and not login else None
+                if user is None:
                     raise LinkError(f"{self.url}: {error}") from None
-                login = authorization(self._at, challenge, token_hex(8))
+                login = authorization(self._at, user, challenge, token_hex(8))
             else:
                 return
             finally:
@@ -233,6 +235,27 @@ class CameraDriver:
     def _forget(self, now: float) -> None:
         while self._stamps and now - self._stamps[0] >= RATE_WINDOW:
             self._stamps.popleft()
+
+
+def login_of(host: str) -> Login | None:
+    """Return the user and password for a camera, from the file NETRC or ~/.netrc.
+
+    Raises:
+        LinkError: The file cannot be read, others may read it, or a login cannot be sent.
+    """
+    path = os.environ.get("NETRC")
+    try:
+        found = netrc(path).authenticators(host)
+    except FileNotFoundError:
+        return None
+    except (OSError, NetrcParseError) as error:
+        raise LinkError(f"{path or '~/.netrc'}: {error}") from None
+    if found is None:
+        return None
+    login = Login(found[0], found[2])
+    if not (login.user + login.password).isprintable() or {":", '"'} & {*login.user}:
+        raise LinkError(f"{path or '~/.netrc'}: a login for {host} that cannot be sent")
+    return login
 
 
 def _silent(parser: Parser) -> str:
