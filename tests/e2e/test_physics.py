@@ -5,8 +5,10 @@ import asyncio
 import pytest
 
 from pioneer3.errors import MotionError
+from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.start import simulator
+from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from tests.support import SimulatedRobot, wall_at
 
@@ -57,3 +59,26 @@ async def test_a_world_with_heights_runs_with_physics_and_needs_no_words() -> No
     overrides = WorldOverrides(physics=True)
     async with simulator(map_name="ramps", port=0, overrides=overrides) as world:
         assert world.notes == []
+
+
+@pytest.mark.realtime
+async def test_many_robots_drive_come_and_go_while_another_thread_steps() -> None:
+    robots = tuple(RobotSpec(model="p3dx-sh", start=Pose2(0.0, 2.0 * n)) for n in range(5))
+    overrides = WorldOverrides(physics=True, robots=robots)
+    async with simulator(map_name="empty", port=0, overrides=overrides) as here:
+        for robot in here.robots:
+            robot.body.enable_motors(on=True)
+            robot.body.drive.linear.go(0.4)
+        async with asyncio.timeout(30):
+            while here.world.time < 1.0:
+                await asyncio.sleep(0.01)
+            added = await here.add_robot(RobotSpec(model="p3at-sh", start=Pose2(-3.0, 0.0)))
+            here.robots[0].body.robot_in_world = Pose2(0.0, -4.0)
+            await here.remove_robot(here.robots[4])
+            began = here.world.time
+            while here.world.time < began + 1.0:
+                await asyncio.sleep(0.01)
+        poses = [robot.body.robot_in_world for robot in here.robots]
+        assert added.body.robot_in_world.x == pytest.approx(-3.0, abs=0.01)
+        assert poses[0].y == pytest.approx(-4.0, abs=0.01)
+        assert all(pose.x > 0.2 for pose in poses[:4])

@@ -3,8 +3,7 @@
 A tick is: bytes in, answers out, a step of the world, the reports of the robots that are due.
 Robots know the world's time, never the machine's, and take bytes only between steps, so the same
 bytes at the same ticks give the same simulation to the last bit, with any :class:`Pacer`. Only
-SIMSTAT tells real time. A step that takes long is done by another thread, while the event loop
-serves others.
+SIMSTAT tells real time.
 
 Bytes of lasers on serial lines leave between ticks too, while time passes steadily: programs give
 up a telegram that pauses for longer than a real one does.
@@ -52,6 +51,8 @@ class Simulation:
         pace: The speed of time; real time if not given.
         keep_session: Whether a host that vanishes from the network leaves its session behind, as
             on a serial line.
+        threads: Whether a step that takes long is done by another thread, while the event loop
+            serves others; not where the loop's time is virtual, which would not wait.
 
     Attributes:
         world: The same.
@@ -68,8 +69,10 @@ class Simulation:
         *,
         pace: Pacer | None = None,
         keep_session: bool = False,
+        threads: bool = False,
     ) -> None:
         self.world = world
+        self._threads = threads
         self.pace = pace or Pacer()
         self.ports: list[RobotPort] = []
         self._keep_session = keep_session
@@ -273,7 +276,7 @@ class Simulation:
         return ceil(len(self.ports) / TICKS_PER_CYCLE) - open_in[slot]
 
     async def _tick(self) -> None:
-        work = self.world.start(TICK)
+        work = self.world.start(TICK) if self._threads else None
         if work is None:
             self.world.step(TICK)
         else:

@@ -162,7 +162,9 @@ async def simulator(
         )
         for each, body in zip(spawned, bodies, strict=True)
     ]
-    simulation = Simulation(world, firmwares, pace=pace, keep_session=world_file.keep_session)
+    simulation = Simulation(
+        world, firmwares, pace=pace, keep_session=world_file.keep_session, threads=True
+    )
     factory_robot = overrides.factory_robot
     if factory_robot:
         load_model(factory_robot.model)  # better now than when the first client comes
