@@ -10,7 +10,7 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
-from tests.support import SimulatedRobot, wall_at
+from tests.support import SimulatedRobot, until, wall_at
 
 pytest.importorskip("mujoco")
 
@@ -69,15 +69,12 @@ async def test_many_robots_drive_come_and_go_while_another_thread_steps() -> Non
         for robot in here.robots:
             robot.body.enable_motors(on=True)
             robot.body.drive.linear.go(0.4)
-        async with asyncio.timeout(30):
-            while here.world.time < 1.0:
-                await asyncio.sleep(0.01)
-            added = await here.add_robot(RobotSpec(model="p3at-sh", start=Pose2(-3.0, 0.0)))
-            here.robots[0].body.robot_in_world = Pose2(0.0, -4.0)
-            await here.remove_robot(here.robots[4])
-            began = here.world.time
-            while here.world.time < began + 1.0:
-                await asyncio.sleep(0.01)
+        await until(lambda: here.world.time > 1.0)
+        added = await here.add_robot(RobotSpec(model="p3at-sh", start=Pose2(-3.0, 0.0)))
+        here.robots[0].body.robot_in_world = Pose2(0.0, -4.0)
+        await here.remove_robot(here.robots[4])
+        began = here.world.time
+        await until(lambda: here.world.time > began + 1.0)
         poses = [robot.body.robot_in_world for robot in here.robots]
         assert added.body.robot_in_world.x == pytest.approx(-3.0, abs=0.01)
         assert poses[0].y == pytest.approx(-4.0, abs=0.01)
