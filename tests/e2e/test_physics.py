@@ -1,14 +1,15 @@
 """The driver and the firmware of a robot that moves by physics cannot tell the difference."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 
-from pioneer3.errors import MotionError
+from pioneer3.errors import CommandError, MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.runtime.connect import connect_async
 from pioneer3.sim.server.start import simulator
-from pioneer3.sim.worldfile import RobotSpec
+from pioneer3.sim.worldfile import Box, RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
 from tests.support import SimulatedRobot, until, wall_at
 
@@ -79,3 +80,14 @@ async def test_many_robots_drive_come_and_go_while_another_thread_steps() -> Non
         assert added.body.robot_in_world.x == pytest.approx(-3.0, abs=0.01)
         assert poses[0].y == pytest.approx(-4.0, abs=0.01)
         assert all(pose.x > 0.2 for pose in poses[:4])
+
+
+@pytest.mark.realtime
+async def test_a_box_cannot_be_put_into_another_one() -> None:
+    async with simulator(map_name="empty", port=0, overrides=WorldOverrides(physics=True)) as here:
+        box = Box(pose=Pose2(2.0, 0.0), size=(0.5, 0.5))
+        here.add_box(box)
+        for pose in (box.pose, Pose2(2.3, 0.3, 0.7)):
+            with pytest.raises(CommandError, match="a box stands"):
+                here.add_box(replace(box, pose=pose))
+        here.add_box(replace(box, pose=Pose2(2.0, 0.6)))

@@ -106,7 +106,9 @@ class World:
         return self._dynamics
 
     def step(self, dt: float) -> None:
-        """Let `dt` [s] pass."""
+        """Let `dt` [s] pass; nothing happens if that is not above 0."""
+        if not dt > 0:
+            return
         pieces = max(1, ceil(dt / LONGEST - 1e-9))
         for _ in range(pieces):
             self._step(dt / pieces)
@@ -237,9 +239,14 @@ class World:
 
     def add_obstacle(self, kind: Box | Person) -> Obstacle:
         """Put a box or a person into the world."""
-        obstacle = Obstacle(kind)
-        self._rearrange(self.robots, (*self.obstacles, obstacle))
-        return obstacle
+        return self.add_obstacles([kind])[0]
+
+    def add_obstacles(self, kinds: Iterable[Box | Person]) -> tuple[Obstacle, ...]:
+        """Put several at once, which takes no longer than one."""
+        added = tuple(Obstacle(kind) for kind in kinds)
+        if added:
+            self._rearrange(self.robots, (*self.obstacles, *added))
+        return added
 
     def remove_obstacle(self, obstacle: Obstacle) -> None:
         """Take an obstacle away."""
@@ -329,8 +336,8 @@ class World:
     def _settle(self) -> None:
         """Wait for the other thread, if it works, and take over its results."""
         if self._working is not None:
-            self._working.result()
-            self._working = None
+            work, self._working = self._working, None
+            work.result()
             self._dynamics.finish(self.kernels)
 
     def _place(self) -> None:

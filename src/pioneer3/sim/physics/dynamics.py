@@ -5,6 +5,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import count
 from math import ceil
 from typing import Any
@@ -42,8 +43,15 @@ Bool = NDArray[np.bool_]
 
 CYCLE = 0.02
 """The wheel-speed loop gets another speed so often [s]; one call of MuJoCo for each."""
-WORTH_A_THREAD = 4
-"""So many robots take longer than the way to another thread and back."""
+WORTH_A_THREAD = 40
+"""Worlds with so many degrees of freedom take longer than the way to another thread and back: four
+robots, or seven boxes."""
+FASTEST = 50.0
+"""Nothing moves faster unless there is no solution: a fall of 100 m ends at 44 m/s [m/s]."""
+NO_SOLUTION = (
+    "the physics of this world have no solution, so that nothing moves: boxes or robots overlap; "
+    "take one away or move it"
+)
 ALMOST = 1e-6
 GL = "MUJOCO_GL"
 """Variable that tells MuJoCo at its import which OpenGL to load."""
@@ -65,8 +73,14 @@ def _mujoco() -> Any:
         del os.environ[GL]
         if given is not None:
             os.environ[GL] = given
-    mujoco.set_mju_user_warning(log.warning)  # else it writes a file where people work
+    mujoco.set_mju_user_warning(_warn)  # else it writes a file where people work
     return mujoco
+
+
+@lru_cache(maxsize=64)
+def _warn(text: str) -> None:
+    """Log a warning of MuJoCo, which may come with each step, only once."""
+    log.warning("MuJoCo: %s", text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +132,7 @@ class MujocoDynamics:
         self._thread: ThreadPoolExecutor | None = None
         self._work: Future[None] | None = None
         self._motors = Motors()
+        self._good, self._is_stuck = np.zeros(0), False
         self._velocity = self._gained = np.zeros((3, 0))
         self._known, self._hidden = np.zeros((3, 0)), np.zeros(0)
 
@@ -163,8 +178,12 @@ class MujocoDynamics:
 
     def place(self) -> None:
         poses = self._outlines.poses
-        for number in np.flatnonzero((poses != self._known).any(axis=0)).tolist():
+        moved = np.flatnonzero((poses != self._known).any(axis=0))
+        for number in moved.tolist():
             self._put(number, Pose2(*poses[:, number].tolist()))
+        walking = len(self._robots) + np.flatnonzero(self.scene.people >= 0)
+        if np.setdiff1d(moved, walking).size:
+            self._mujoco.mj_forward(self.scene.model, self.scene.data)  # finds the contacts there
         if (self._outlines.hidden != self._hidden).any():
             self._hide()
         self._known = poses.copy()
@@ -179,7 +198,7 @@ class MujocoDynamics:
         self._see(kernels)
 
     def start(self, kernels: Kernels, dt: float) -> Future[None] | None:
-        if len(self._robots) < WORTH_A_THREAD or dt > CYCLE + ALMOST:
+        if self.scene.model.nv < WORTH_A_THREAD or dt > CYCLE + ALMOST:
             return None
         scene, steps = self.scene, self._begin_cycle(kernels, dt)
         if self._thread is None:
@@ -188,6 +207,7 @@ class MujocoDynamics:
         return self._work
 
     def finish(self, kernels: Kernels) -> None:
+        self._work = None
         self._end_cycle(kernels)
         self._see(kernels)
 
@@ -233,11 +253,23 @@ class MujocoDynamics:
 
     def _end_cycle(self, kernels: Kernels) -> None:
         """Let the motors count their ways, and accelerometers feel the change of velocity."""
-        if not np.isfinite(self.scene.data.qpos).all():
-            raise ArithmeticError("the physics of this world have no solution: something overlaps")
+        self._keep_finite()
         self._motors.end(self.scene, kernels, self._cycle_time)
         velocity = self._velocities()
         self._gained, self._velocity = (velocity - self._velocity) / self._cycle_time, velocity
+
+    def _keep_finite(self) -> None:
+        """Take back a step that has no solution: nothing moves then, and hosts are still served."""
+        data = self.scene.data
+        fastest = abs(data.qvel[self.scene.free]).max(initial=0.0)
+        if np.isfinite(data.qpos).all() and fastest < FASTEST:
+            self._good, self._is_stuck = data.qpos.copy(), False
+            return
+        data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = self._good, 0.0, 0.0
+        data.act[:] = 0.0
+        if not self._is_stuck:
+            log.error("%s", NO_SOLUTION)
+            self._is_stuck = True
 
     def _see(self, kernels: Kernels) -> None:
         """Tell the outlines and the boxes where they are, but not those that were put elsewhere."""
@@ -272,7 +304,7 @@ class MujocoDynamics:
         pairs = contact.geom[contact.exclude == 0]  # the others are only near
         if len(pairs):
             touching = scene.hull[pairs]
-            touching[(pairs == 0).any(axis=1)] = -1
+            touching[(pairs == scene.floor).any(axis=1)] = -1
             flags[TOUCHED, touching[touching >= 0]] = 1
 
     def _put(self, number: int, pose: Pose2) -> None:
@@ -339,6 +371,7 @@ class MujocoDynamics:
             self._put_new(before)
         self._mujoco.mj_forward(scene.model, scene.data)
         self._motors.look(scene)
+        self._good = scene.data.qpos.copy()
         self._velocity = self._velocities()
         if self._outlines.hidden.any():
             self._hide()

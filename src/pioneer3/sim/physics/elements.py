@@ -9,7 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.maps.text import one_line
 from pioneer3.models import RobotModel, physics_of
 from pioneer3.models.description.tree import wheel_joint_names
-from pioneer3.sim.physics.groups import THINGS
+from pioneer3.sim.physics.groups import PARTS, THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
 
@@ -19,6 +19,8 @@ GROUND_FRICTION = 0.6
 """Of the floor, steps and ramps; tires have their own."""
 CARPET_PRIORITY = 2
 """Above that of boxes and tires: the friction of a carpet holds for all that touches it."""
+BOX = "box"
+"""Table of the solids whose sides are walls of the map, too."""
 CASTER = "caster"
 """Name of the tire of a caster."""
 TERRAIN_BASE = 0.1
@@ -97,6 +99,8 @@ class Elements:
         if ground:
             friction = solid.friction if isinstance(solid, Carpet) else GROUND_FRICTION
             geom["friction"] = [friction, 0.005, 0.0001]
+        if solid.table == BOX and solid.z <= 0:
+            geom["group"] = PARTS  # sensors meet the walls around it, which have its material
         if isinstance(solid, Carpet):
             geom["priority"] = CARPET_PRIORITY
         self._spec.worldbody.add_geom(**geom | self._shaped(name, shape))

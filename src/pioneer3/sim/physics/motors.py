@@ -77,7 +77,8 @@ class Motors:
         kernels.count(self._drives, left, right)
         self.look(scene)
         # an emergency stop lasts until the wheels stand, not the ramps
-        self._drives.flags[BRAKING] = self._braking & ~self._stand()
+        flags = self._drives.flags
+        flags[BRAKING] = ((flags[BRAKING] != 0) | self._braking) & ~self._stand()
         self._feel_stall(scene, dt)
 
     def look(self, scene: Scene) -> None:

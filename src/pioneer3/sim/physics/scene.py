@@ -50,6 +50,7 @@ class Scene:
         data: Its `MjData`.
         base: Where the pose of each robot begins in `qpos`, shape (N,).
         base_speed: Where the velocity of each robot begins in `qvel`, shape (N,).
+        free: The places in `qvel` of all that moves along x, y and z, shape (F, 3).
         wheels: The wheels of each side in `qpos`, shape (2, N, W); a robot with fewer wheels than
             others has some of them twice.
         wheel_speeds: The same in `qvel`.
@@ -72,6 +73,7 @@ class Scene:
     data: Any
     base: Int
     base_speed: Int
+    free: Int
     wheels: Int
     wheel_speeds: Int
     motors: Int
@@ -135,7 +137,8 @@ def build(
     elements.pair_carpets([(name, body.model) for name, body in robots])
     paint(spec, dict(obstacles))
     model = elements.compiled()
-    return _indexed(model, mujoco.MjData(model), line_map, robots, obstacles)
+    materials = _materials(line_map, relief, obstacles)
+    return _indexed(model, mujoco.MjData(model), materials, robots, obstacles)
 
 
 @lru_cache(maxsize=16)
@@ -237,7 +240,7 @@ def _add_obstacle(spec: Any, name: str, obstacle: Obstacle) -> None:
 def _indexed(
     model: Any,
     data: Any,
-    line_map: LineMap,
+    materials: Mapping[str, int],
     robots: Sequence[tuple[str, Body]],
     obstacles: Sequence[tuple[str, Obstacle]],
 ) -> Scene:
@@ -274,13 +277,14 @@ def _indexed(
             boxes[number] = model.joint(f"{name}/{BASE}").qposadr[0]
     bases = [model.joint(f"{name}/{BASE}") for name, _ in robots]
     set_contacts(model, robot >= 0, hidden=np.zeros(model.ngeom, dtype=np.bool_))
-    large = (model.geom_group == PARTS) & (model.geom_rbound >= SMALL)
+    large = (model.geom_group == PARTS) & (robot >= 0) & (model.geom_rbound >= SMALL)
     model.geom_group[large] = THINGS
     return Scene(
         model=model,
         data=data,
         base=np.array([joint.qposadr[0] for joint in bases], dtype=np.int64),
         base_speed=np.array([joint.dofadr[0] for joint in bases], dtype=np.int64),
+        free=model.jnt_dofadr[model.jnt_type == 0][:, None] + np.arange(3),
         wheels=wheels,
         wheel_speeds=speeds,
         motors=motors,
@@ -293,22 +297,26 @@ def _indexed(
         floor=model.geom("floor").id,
         groups=model.geom_group.astype(np.int64),
         moving=model.geom_bodyid != 0,
-        codes=_codes(model, line_map, obstacles),
+        codes=_codes(model, materials),
         bumpers=_bumper_bits(model, robots),
         joints=_joints(model),
     )
 
 
-def _codes(model: Any, line_map: LineMap, obstacles: Sequence[tuple[str, Obstacle]]) -> Codes:
+def _materials(
+    line_map: LineMap, relief: Relief, obstacles: Sequence[tuple[str, Obstacle]]
+) -> dict[str, int]:
+    """Return the codes of the materials of walls and boxes, by the names of their geoms."""
+    boxes = {name: solid for name, solid in relief.solids.items() if isinstance(solid, Box)}
+    boxes |= {name: each.kind for name, each in obstacles if isinstance(each.kind, Box)}
+    codes = {f"{WALL}_{number}": int(code) for number, code in enumerate(line_map.materials)}
+    return codes | {name: int(codes_of([box.material])[0]) for name, box in boxes.items()}
+
+
+def _codes(model: Any, materials: Mapping[str, int]) -> Codes:
     """Return the material of each geom."""
-    codes = np.full(model.ngeom, PLAIN, dtype=np.uint8)
-    materials = {f"{WALL}_{number}": code for number, code in enumerate(line_map.materials)}
-    for name, obstacle in obstacles:
-        if isinstance(obstacle.kind, Box):
-            materials[name] = codes_of([obstacle.kind.material])[0]
-    for geom in range(model.ngeom):
-        codes[geom] = materials.get(model.geom(geom).name, PLAIN)
-    return codes
+    names = (model.geom(number).name for number in range(model.ngeom))
+    return np.array([materials.get(name, PLAIN) for name in names], dtype=np.uint8)
 
 
 def _bumper_bits(model: Any, robots: Sequence[tuple[str, Body]]) -> Int:

@@ -4,6 +4,7 @@ import asyncio
 import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from math import hypot
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -16,6 +17,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.links.addresses import url_of
 from pioneer3.models import RobotModel, load_model
 from pioneer3.sim.body import Body
+from pioneer3.sim.collision import footprint_hits
 from pioneer3.sim.equipment import Equipment
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.obstacles import Obstacle
@@ -219,9 +221,12 @@ class RunningSimulation:
         """Put a box into the world; it can always be moved.
 
         Raises:
-            CommandError: A robot stands there.
+            CommandError: A robot stands there, or with physics another box, which it would push
+                away with all its might.
         """
         self._refuse_on_robots(box.outline, box.pose)
+        if self.world.dynamics.has_slip:
+            self._refuse_on_boxes(box)
         return self.world.add_obstacle(box)
 
     def add_person(self, person: Person) -> Obstacle:
@@ -314,6 +319,14 @@ class RunningSimulation:
                     f"{robot.name} stands at {pose.x:.2f} {pose.y:.2f}; choose another place"
                 )
 
+    def _refuse_on_boxes(self, box: Box) -> None:
+        for obstacle in self.world.obstacles:
+            there = obstacle.kind
+            if isinstance(there, Box) and _overlap(box, replace(there, pose=obstacle.pose)):
+                raise CommandError(
+                    f"a box stands at {box.pose.x:.2f} {box.pose.y:.2f}; choose another place"
+                )
+
     def _place_for(self, request: PlacementRequest) -> Pose2:
         standing = self.world.robots
         obstacles = [_outline(obstacle, obstacle.pose) for obstacle in self.world.obstacles]
@@ -333,6 +346,15 @@ def _like(faults: LinkFaults, number: int) -> LinkFaults:
     copy = LinkFaults.parse(str(faults))
     copy.seed = faults.seed + number
     return copy
+
+
+def _overlap(one: Box, other: Box) -> bool:
+    """Whether two boxes stand in each other."""
+    apart = hypot(one.pose.x - other.pose.x, one.pose.y - other.pose.y)
+    return apart < min(*one.size, *other.size) / 2 or any(
+        footprint_hits(a.pose, a.size[0] / 2, a.size[0] / 2, a.size[1] / 2, b.outline)
+        for a, b in ((one, other), (other, one))
+    )
 
 
 def _outline(obstacle: Obstacle, pose: Pose2) -> NDArray[np.float64]:

@@ -280,7 +280,7 @@ class Simulation:
         if work is None:
             self.world.step(TICK)
         else:
-            await asyncio.wrap_future(work)
+            await asyncio.shield(asyncio.wrap_future(work))
             self.world.finish(TICK)
         self._ticks += 1
         self._turns += 1

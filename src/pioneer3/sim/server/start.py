@@ -33,7 +33,7 @@ from pioneer3.sim.server.pacer import Pacer
 from pioneer3.sim.server.running import RunningSimulation, SimulatedRobot
 from pioneer3.sim.server.trackers import colour_trackers
 from pioneer3.sim.world import World
-from pioneer3.sim.worldfile import Box, ClientMaps, Person, RobotSpec, WorldFile, load_world
+from pioneer3.sim.worldfile import ClientMaps, RobotSpec, WorldFile, load_world
 from pioneer3.sim.worldfile.arguments import NO_OVERRIDES, WorldOverrides
 from pioneer3.sim.worldfile.flattened import flattened
 from pioneer3.tasks import running
@@ -217,9 +217,7 @@ def _world(
         dynamics=dynamics_of(world_file.physics, world_file.physics_step),
         relief=world_file.relief(line_map),
     )
-    things: tuple[Box | Person, ...] = world_file.movable + world_file.people
-    for thing in things:
-        world.add_obstacle(thing)
+    world.add_obstacles((*world_file.movable, *world_file.people))
     return world
 
 

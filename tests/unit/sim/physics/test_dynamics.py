@@ -345,3 +345,40 @@ def test_an_accelerometer_on_a_slope_shows_its_angle() -> None:
     ahead, aside, up = world.imu(body).acceleration
     assert degrees(atan2(ahead, up)) == pytest.approx(8.0, abs=0.3)
     assert abs(aside) < 0.02
+
+
+def test_an_emergency_stop_counts_also_while_the_thread_works() -> None:
+    world, bodies = crowd()
+    for _ in range(30):
+        step_beside(world)
+    world.start(TICK)
+    bodies[5].drive.emergency_stop()
+    world.finish(TICK)
+    assert bodies[5].drive.braking
+
+
+def test_bodies_that_overlap_without_a_solution_stand_still_and_are_told(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    body = powered("p3dx-sh")
+    world = physical(body)
+    run(world, 0.2)
+    heap = [Box(pose=Pose2(2.0, 0.0), size=(0.5, 0.5), movable=True)] * 80
+    boxes = world.add_obstacles(heap)
+    body.drive.linear.go(0.2)
+    run(world, 2.0)
+    assert np.isfinite(world.outlines.poses).all()
+    assert caplog.text.count("have no solution") <= 1
+    for box in boxes:
+        world.remove_obstacle(box)
+    x = body.robot_in_world.x
+    run(world, 2.0)
+    assert body.robot_in_world.x > x + 0.2
+
+
+def test_no_time_is_no_step() -> None:
+    world = physical(powered())
+    before = world.outlines.poses.tobytes()
+    world.step(0.0)
+    assert world.outlines.poses.tobytes() == before
+    assert np.isfinite(world.imu(world.robots[0]).acceleration).all()

@@ -1,5 +1,6 @@
 """Sensors in three dimensions: as on the plane where the floor is flat, and otherwise not."""
 
+from dataclasses import replace
 from math import pi, radians
 
 import numpy as np
@@ -40,6 +41,7 @@ def pair(model: str, pose: Pose2 = ORIGIN, *others: Body, world: WorldFile = ROO
             [Body(load_model(model), pose), *(Body(o.model, o.robot_in_world) for o in others)],
             dynamics=dynamics,
             realism=realism,
+            relief=world.relief(line_map),
         )
         for dynamics in (MujocoDynamics(), None)
     ]
@@ -58,6 +60,18 @@ def test_among_walls_alone_it_is_as_on_the_plane(model: str) -> None:
     physical, planar = pair(model, Pose2(0.5, 0.3, 0.7))
     for one, other in zip(exact(physical), exact(planar), strict=True):
         assert one.tolist() == other.tolist()
+
+
+@pytest.mark.parametrize("material", Material)
+def test_fixed_boxes_are_as_on_the_plane_whatever_they_are_made_of(material: Material) -> None:
+    box = Box(pose=Pose2(2.0, 0.3, 0.4), size=(0.5, 0.8), material=material)
+    world = replace(ROOM, boxes=(box,))
+    for y in (-1.0, 0.0, 1.0):
+        physical, planar = pair("p3dx-sh", Pose2(0.0, y), world=world)
+        for one, other in zip(
+            *(each.look(each.robots[0], FAN, 30.0) for each in (physical, planar)), strict=True
+        ):
+            assert one.tolist() == other.tolist()
 
 
 @settings(max_examples=20, deadline=None)
@@ -149,4 +163,6 @@ def test_a_bumper_is_pressed_where_it_touches(turned: float, front: bool, rear: 
         world.step(0.02)
     assert (body.front_bumpers > 0, body.rear_bumpers > 0) == (front, rear)
     pressed = body.front_bumpers or body.rear_bumpers
+    body.robot_in_world = Pose2(-3.0, 0.0)
+    assert (body.front_bumpers, body.rear_bumpers) == (0, 0)
     assert pressed & 0b001000, f"the middle segment of five, not {pressed:b}"
