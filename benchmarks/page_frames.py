@@ -225,7 +225,8 @@ def zoom(page: Page, now: float) -> None:
 
 def rows(seconds: float = SECONDS) -> Iterator[Row]:
     """Yield the figures."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    names = ("chromium", "chromium-headless-shell", "chromium-browser")
+    chromium = next(filter(None, map(shutil.which, names)), None)
     with served() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
