@@ -5,6 +5,7 @@ there are only its walls, as if cut at the height of sensors.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from pathlib import Path
 from typing import ClassVar, Protocol
@@ -278,9 +279,11 @@ class Table:
         return rectangle(self.pose, self.size)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class HeightField:
     """A floor whose heights a picture tells.
+
+    Its file is read once: a world that runs does not change with it.
 
     Attributes:
         file: A PNG or PGM picture, seen from above.
@@ -298,7 +301,7 @@ class HeightField:
     height: float
     z: float = 0.0
 
-    @property
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """One terrain.
 
@@ -327,9 +330,11 @@ class HeightField:
         return rectangle(self.pose, self.size)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Mesh:
     """A mesh of a file; what it touches meets its convex hull.
+
+    Its file is read once: a world that runs does not change with it.
 
     Attributes:
         file: STL or OBJ, z upwards.
@@ -345,7 +350,7 @@ class Mesh:
     z: float = 0.0
     scale: float = 1.0
 
-    @property
+    @cached_property
     def hull(self) -> Hull:
         """It in the map frame.
 

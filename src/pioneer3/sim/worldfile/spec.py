@@ -240,10 +240,13 @@ class WorldFile:
         )
 
     def relief(self, line_map: LineMap) -> Relief:
-        """Return the heights of all that stands still.
+        """Return the heights of all that stands still; files of solids are not needed from now on.
 
         Args:
             line_map: Its :meth:`line_map`.
+
+        Raises:
+            ConfigError: The file of a solid cannot be read.
         """
         heights = [self._height(wall.height) for wall in self.walls for _ in wall.segments]
         # a box on the floor is four walls around a block, as walls have materials
@@ -258,6 +261,7 @@ class WorldFile:
         }
         counts = Counter[str]()
         for solid in self.solids:
+            _ = solid.parts  # reads its file, if it has one
             solids[f"{solid.table}_{counts[solid.table]}"] = solid
             counts[solid.table] += 1
         return Relief(

@@ -323,6 +323,28 @@ def test_a_robot_stops_at_a_mesh(tmp_path: Path) -> None:
     assert body.stalled
 
 
+def test_a_world_keeps_its_solids_when_their_files_are_gone(tmp_path: Path) -> None:
+    write_hill(tmp_path / "hill.png")
+    write_block(tmp_path / "rock.stl", (1000.0, 500.0, 600.0))
+    world = physical(
+        powered(),
+        solids=(
+            HeightField(file=tmp_path / "hill.png", pose=Pose2(5.0, 5.0), size=(3, 3), height=0.1),
+            Mesh(file=tmp_path / "rock.stl", pose=Pose2(-5.0, 0.0), scale=0.001),
+        ),
+    )
+    before = geoms(world)
+    write_block(tmp_path / "rock.stl", (1000.0, 500.0, 900.0))
+    (tmp_path / "hill.png").unlink()
+    world.add(powered(pose=Pose2(-3.0, 0.0)))
+    world.add_obstacle(Box(pose=Pose2(2.0, 2.0), size=(0.5, 0.5), movable=True))
+    run(world, 0.1)
+    after = geoms(world)
+    for name in ("heightfield_0", "mesh_0"):
+        assert after[name] == before[name]
+    assert len(dynamics_of(world).scene.base) == 2
+
+
 def test_a_mesh_that_its_hull_is_much_larger_than_is_refused(tmp_path: Path) -> None:
     write_u(tmp_path / "u.stl")
     solids = (Mesh(file=tmp_path / "u.stl", pose=ORIGIN),)
