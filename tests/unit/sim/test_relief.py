@@ -1,5 +1,6 @@
 """Solids of world files: what they say in SI, what they are on a plane, what is refused."""
 
+import tracemalloc
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -225,6 +226,12 @@ TABLE = "[[table]]\ncenter=[0,0]\nsize=[1,0.5]\nheight=0.7\n"
         ("[[mesh]]\ncenter=[0,0]\nfile='open.obj'", "open.obj: has no volume: close its surface"),
         ("[[mesh]]\ncenter=[0,0]\nfile='none.obj'", "none.obj: holds no triangles"),
         ("[[mesh]]\ncenter=[0,0]\nfile='far.obj'", "far.obj: is damaged: a corner is missing"),
+        ("[[mesh]]\ncenter=[0,0]\nfile='huge.obj'", "huge.obj: is damaged: no OBJ file"),
+        ("[[mesh]]\ncenter=[0,0]\nfile='away.obj'", "away.obj: reaches farther than 100 km"),
+        ("[[mesh]]\ncenter=[0,0]\nscale=1000\nfile='rock.stl'", "rock.stl: reaches farther"),
+        ("[[mesh]]\ncenter=[0,0]\nfile='thin.stl'", "thin.stl: is 0.0005 m thick: expected 0.001"),
+        ("[[mesh]]\ncenter=[0,0]\nfile='many.obj'", "many.obj: holds more than 50000 triangles"),
+        ("[[mesh]]\ncenter=[0,0]\nfile='many.stl'", "many.stl: holds more than 50000 triangles"),
         (
             "[[heightfield]]\nfile='no.png'\ncenter=[0,0]\nsize=[1,1]\nheight=1",
             "w.toml:3: heightfield[0].file: ",
@@ -260,6 +267,11 @@ def test_what_is_wrong_is_said_in_one_line(folder: Path, text: str, complaint: s
     (folder / "none.obj").write_text("v 1 2 3\n")
     (folder / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     (folder / "far.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    (folder / "huge.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 99999999999999999999 1 2\n")
+    (folder / "away.obj").write_text("v 0 0 1e300\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    write_block(folder / "thin.stl", (1.0, 1.0, 0.0005))
+    (folder / "many.obj").write_text("v 0 0 0\n" + "f" + " 1" * 50_003)
+    (folder / "many.stl").write_text("solid\n" + "vertex 0 0 0\n" * 150_003)
     (folder / "flat.pgm").write_bytes(b"P5 2 2 255\n\5\5\5\5")
     (folder / "wide.pgm").write_bytes(b"P5 501 2 255\n" + bytes(501) + b"\5" * 501)
     with pytest.raises(ConfigError) as caught:
@@ -268,6 +280,29 @@ def test_what_is_wrong_is_said_in_one_line(folder: Path, text: str, complaint: s
     assert message.startswith(f"{folder / 'w.toml'}:")
     assert complaint in message
     assert message.isprintable()
+
+
+def test_solids_are_limited_in_sum(folder: Path) -> None:
+    steps = "".join(f"[[step]]\ncenter=[{n},0]\nsize=[1,1]\nheight=1\n" for n in range(501))
+    with pytest.raises(ConfigError, match=r"w\.toml:2002: step\[500\]: .* no more than 500 solids"):
+        read(folder, f"[world]\n{steps}")
+    (folder / "large.pgm").write_bytes(b"P5 500 500 255\n" + bytes(500) * 499 + b"\5" * 500)
+    large = "[[heightfield]]\nfile='large.pgm'\ncenter=[0,0]\nsize=[1,1]\nheight=1\n"
+    assert len(read(folder, "[world]\n" + 8 * large).solids) == 8
+    rock = "[[mesh]]\nfile='rock.stl'\ncenter=[0,0]\nscale=0.001\n"
+    with pytest.raises(ConfigError, match=r"w\.toml:43: mesh\[0\]\.file: .* 2 million cells and"):
+        read(folder, "[world]\n" + 8 * large + rock)
+
+
+def test_a_face_of_many_corners_takes_no_memory(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nf" + " 1" * 4_000_000)
+    tracemalloc.start()
+    try:
+        with pytest.raises(ConfigError, match="more than 50000 triangles"):
+            read_mesh(tmp_path / "a.obj")
+        assert tracemalloc.get_traced_memory()[1] < 100e6
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from pioneer3.sim.relief.mesh_file import Triangles
 Float = NDArray[np.float64]
 Size3 = tuple[float, float, float]
 """Length, width and height along the x, y and z axes of a shape [m]."""
+FARTHEST = 1e5
+"""Of a coordinate in a world [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

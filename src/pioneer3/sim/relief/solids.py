@@ -18,7 +18,7 @@ from pioneer3.maps.image import read_image
 from pioneer3.maps.text import wrong
 from pioneer3.sim.relief.mesh_file import read_mesh
 from pioneer3.sim.relief.outlines import NONE, outer, rectangle, ring
-from pioneer3.sim.relief.shapes import Block, Column, Hull, Part, Terrain, Wedge
+from pioneer3.sim.relief.shapes import FARTHEST, Block, Column, Hull, Part, Terrain, Wedge
 
 Float = NDArray[np.float64]
 
@@ -36,6 +36,10 @@ MOST_ROWS = 500
 """Of a height field's picture, and of its columns; each cell costs time when a wheel is near."""
 LEAST_VOLUME = 1e-9
 """A mesh with less has none [m3]."""
+LEAST_THICKNESS = 0.001
+"""Of a mesh [m]."""
+LEAST_SHARE = 1e-6
+"""Of a mesh's thickness in its reach: MuJoCo keeps points in single precision."""
 
 
 class Solid(Protocol):
@@ -355,11 +359,19 @@ class Mesh:
         """It in the map frame.
 
         Raises:
-            ConfigError: The file cannot be read, or holds no volume.
+            ConfigError: The file cannot be read, holds no volume, or is too large or too thin.
         """
-        triangles = read_mesh(self.file).scaled(self.scale)
+        mesh = read_mesh(self.file)
+        if mesh.reach * self.scale > FARTHEST:
+            far = f"reaches farther than {FARTHEST / 1000:g} km from its origin"
+            raise wrong(self.file, f" {far}: see key scale")
+        triangles = mesh.scaled(self.scale)
         if abs(triangles.volume) < LEAST_VOLUME:
             raise wrong(self.file, " has no volume: close its surface, and see key scale")
+        least = max(LEAST_THICKNESS, LEAST_SHARE * triangles.reach)
+        if triangles.thickness < least:
+            thin = f"is {triangles.thickness:.3g} m thick: expected {least:g} m or more"
+            raise wrong(self.file, f" {thin}; see key scale")
         return Hull(pose=self.pose, z=self.z, triangles=triangles)
 
     @property

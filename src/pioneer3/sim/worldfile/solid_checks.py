@@ -9,6 +9,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.geometry import Pose2
 from pioneer3.sim.relief import Cylinder, HeightField, Mesh, Ramp, Solid, Step, Table
 from pioneer3.sim.relief.outlines import NONE
+from pioneer3.sim.relief.shapes import Hull, Shape, Terrain
 from pioneer3.sim.worldfile.spec import WorldFile
 from pioneer3.tables import Source
 
@@ -17,24 +18,33 @@ Bool = NDArray[np.bool_]
 
 TOUCHING = 0.005
 """A wall that goes no farther into a ramp or step touches it [m]."""
+MOST_SOLIDS = 500
+MOST_FACES = 2_000_000
+"""Cells of height fields and triangles of meshes in a world: each is memory and time."""
 
 
 def check_solids(source: Source, world: WorldFile) -> None:
     """Refuse solids that cannot be there.
 
     Raises:
-        ConfigError: A file cannot be read, legs do not fit, or a ramp or step is in a wall.
+        ConfigError: A file cannot be read, legs do not fit, a ramp or step is in a wall, or the
+            solids are too many in sum.
     """
-    counts, barriers = Counter[str](), None
+    counts, barriers, faces = Counter[str](), None, 0
     for solid in world.solids:
         place = f"{solid.table}[{counts[solid.table]}]"
         counts[solid.table] += 1
+        if counts.total() > MOST_SOLIDS:
+            raise source.wrong(place, f"a world has no more than {MOST_SOLIDS} solids")
         match solid:
             case HeightField() | Mesh():
                 try:
-                    _ = solid.parts
+                    faces += sum(_faces(part.shape) for part in solid.parts)
                 except ConfigError as error:
                     raise source.wrong(f"{place}.file", str(error)) from None
+                if faces > MOST_FACES:
+                    problem = f"with it this world has more than {MOST_FACES / 1e6:g} million cells"
+                    raise source.wrong(f"{place}.file", f"{problem} and triangles; reduce it")
             case Table():
                 _check_legs(source, place, solid)
             case Step() | Ramp():
@@ -42,6 +52,17 @@ def check_solids(source: Source, world: WorldFile) -> None:
                 if at := barriers.inside(solid):
                     problem = f"a wall goes through it at {at[0]:.2f} {at[1]:.2f}; move either"
                     raise source.wrong(f"{place}.center", problem)
+
+
+def _faces(shape: Shape) -> int:
+    """Return the number of cells of a terrain, or of triangles of a mesh."""
+    match shape:
+        case Terrain(heights=heights):
+            return heights.size
+        case Hull(triangles=triangles):
+            return len(triangles.corners)
+        case _:
+            return 0
 
 
 def _check_legs(source: Source, place: str, table: Table) -> None:

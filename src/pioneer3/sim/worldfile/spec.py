@@ -25,8 +25,6 @@ Float = NDArray[np.float64]
 Start = Pose2 | Literal["random", "outside", "home"]
 """A pose in the map, somewhere free inside the map, beside the map, or a home of the map."""
 
-FARTHEST = 1e5
-"""Of a coordinate [m]."""
 BOX_KIND = "Sim.BoxObstacle"
 BOX_HEIGHT, BOX_MASS, BOX_FRICTION = 0.5, 5.0, 0.4
 """Of a movable box of which nothing is said: height [m], mass [kg], friction; assumptions."""

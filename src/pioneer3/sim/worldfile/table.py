@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 from msgspec import Meta, Struct
 
 from pioneer3.geometry import Pose2, wrap
-from pioneer3.sim.worldfile.spec import FARTHEST
+from pioneer3.sim.relief.shapes import FARTHEST
 from pioneer3.units import DEGREE
 
 Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
