@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from math import cos, sin
 from typing import Any
 
@@ -11,6 +12,7 @@ from pioneer3.models import RobotModel, physics_of
 from pioneer3.models.description.tree import wheel_joint_names
 from pioneer3.sim.physics.groups import PARTS, THINGS
 from pioneer3.sim.relief import Carpet, Relief, Solid
+from pioneer3.sim.relief.mesh_file import Triangles
 from pioneer3.sim.relief.shapes import Block, Column, Hull, Shape, Terrain, Wedge
 
 SOLID, FLOOR = 1, 2
@@ -41,6 +43,7 @@ class Elements:
 
     def __init__(self, spec: Any, relief: Relief) -> None:
         self._spec, self._relief = spec, relief
+        self._meshes: dict[Triangles, str] = {}
 
     def add_solids(self) -> None:
         """Add a geom for each part of each solid.
@@ -129,12 +132,10 @@ class Elements:
                 self._spec.add_mesh(name=name, uservert=shape.corners.ravel().tolist())
             case Hull():
                 check_hull(name, shape, self._relief.source)
-                self._spec.add_mesh(
-                    name=name,
-                    uservert=shape.triangles.points.ravel().tolist(),
-                    userface=shape.triangles.corners.ravel().tolist(),
-                    inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
-                )
+                if shape.triangles not in self._meshes:
+                    self._meshes[shape.triangles] = name
+                    add_mesh(self._spec, name, shape.triangles)
+                name = self._meshes[shape.triangles]
         return {"type": kinds.mjGEOM_MESH, "meshname": name, "pos": [x, y, shape.z]}
 
     def _terrain(self, name: str, shape: Terrain) -> dict[str, object]:
@@ -177,19 +178,8 @@ def check_hull(name: str, hull: Hull, source: str) -> None:
     Raises:
         ConfigError: It is, or MuJoCo cannot use the mesh.
     """
-    import mujoco
-
-    spec = mujoco.MjSpec()
-    spec.add_mesh(
-        name=name,
-        uservert=hull.triangles.points.ravel().tolist(),
-        userface=hull.triangles.corners.ravel().tolist(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
-    )
-    body = spec.worldbody.add_body()
-    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, density=1.0)
     try:
-        volume = float(spec.compile().body_mass[1])
+        volume = _hull_volume(hull.triangles)
     except ValueError as error:
         problem = f"MuJoCo refuses it: {_reason(error)}"
     else:
@@ -201,6 +191,34 @@ def check_hull(name: str, hull: Hull, source: str) -> None:
             "cut it into convex parts, each a file and a [[mesh]] of its own"
         )
     raise ConfigError(f"{_before(source)}{shown_name(name)}: {problem}")
+
+
+@lru_cache(maxsize=64)
+def _hull_volume(mesh: Triangles) -> float:
+    """Return the volume of the convex hull [m3]; a world is often compiled, each mesh the same.
+
+    Raises:
+        ValueError: MuJoCo cannot use the mesh.
+    """
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    add_mesh(spec, "mesh", mesh)
+    body = spec.worldbody.add_body()
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mesh", density=1.0)
+    return float(spec.compile().body_mass[1])
+
+
+def add_mesh(spec: Any, name: str, mesh: Triangles) -> None:
+    """Add a mesh that bodies meet as its convex hull, and rays and pictures as it is."""
+    import mujoco
+
+    spec.add_mesh(
+        name=name,
+        uservert=mesh.points.ravel().tolist(),
+        userface=mesh.corners.ravel().tolist(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+    )
 
 
 def _reason(error: ValueError) -> str:

@@ -44,8 +44,8 @@ class Triangles:
     corners: Int
 
     def scaled(self, scale: float) -> "Triangles":
-        """Return it `scale` times as large."""
-        return Triangles(self.points * scale, self.corners)
+        """Return it `scale` times as large; the same one for the same scale."""
+        return _scaled(self, scale)
 
     @property
     def volume(self) -> float:
@@ -78,6 +78,11 @@ def read_mesh(path: Path) -> Triangles:
     except (OSError, ValueError):
         key = 0, 0  # reading says why
     return _read(path, key)
+
+
+@lru_cache(maxsize=64)
+def _scaled(mesh: Triangles, scale: float) -> Triangles:
+    return Triangles(mesh.points * scale, mesh.corners)
 
 
 @lru_cache(maxsize=64)

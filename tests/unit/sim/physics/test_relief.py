@@ -28,6 +28,7 @@ from pioneer3.sim.worldfile import Box, Wall, WorldFile
 from tests.unit.sim.solid_files import write_block, write_hill, write_u
 
 pytest.importorskip("mujoco")
+from pioneer3.sim.physics import elements
 from pioneer3.sim.physics.dynamics import MujocoDynamics
 
 TICK = 0.02
@@ -343,6 +344,24 @@ def test_a_world_keeps_its_solids_when_their_files_are_gone(tmp_path: Path) -> N
     for name in ("heightfield_0", "mesh_0"):
         assert after[name] == before[name]
     assert len(dynamics_of(world).scene.base) == 2
+
+
+def test_meshes_of_one_file_share_a_hull_that_is_computed_once(tmp_path: Path) -> None:
+    write_block(tmp_path / "rock.stl", (1000.0, 500.0, 600.0))
+    rocks = tuple(
+        Mesh(file=tmp_path / "rock.stl", pose=Pose2(x, 3.0), scale=scale)
+        for x, scale in ((1.0, 0.001), (3.0, 0.001), (6.0, 0.002))
+    )
+    elements._hull_volume.cache_clear()
+    world = physical(powered(), solids=rocks)
+    world.add_obstacle(Box(pose=Pose2(2.0, 0.0), size=(0.5, 0.5), movable=True))
+    world.step(TICK)
+    assert elements._hull_volume.cache_info().misses == 2
+    model, data = dynamics_of(world).scene.model, dynamics_of(world).scene.data
+    first, second, large = (model.geom(f"mesh_{number}") for number in range(3))
+    assert first.dataid == second.dataid != large.dataid
+    for geom, x, z in ((first, 1.0, 0.3), (second, 3.0, 0.3), (large, 6.0, 0.6)):
+        assert data.geom_xpos[geom.id].tolist() == pytest.approx([x, 3.0, z])
 
 
 def test_a_mesh_that_its_hull_is_much_larger_than_is_refused(tmp_path: Path) -> None:
