@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from pioneer3.mjpeg import Parser
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.server import picture_process
 from pioneer3.sim.server.camera import MOST_VIEWERS, SimulatedCamera
-from pioneer3.sim.server.picture_process import PictureProcess
+from pioneer3.sim.server.picture_process import PictureProcess, Refusal
 from pioneer3.sim.server.running import RunningSimulation
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import Box, Person, RobotSpec, WorldFile
@@ -175,14 +176,38 @@ async def test_without_opengl_all_but_pictures_works(monkeypatch: pytest.MonkeyP
 async def test_what_is_missing_is_told_in_one_line(
     reason: str, advice: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async def fail(process: PictureProcess, backend: str) -> str:
-        return f"{reason}\nand more"
+    async def fail(process: PictureProcess, backend: str) -> Refusal:
+        return Refusal(f"{reason}\nand more", told=True)
 
     monkeypatch.setattr(PictureProcess, "_try", fail)
     with pytest.raises(DeviceError) as caught:
         await PictureProcess().start()
     assert advice in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+async def test_modules_in_the_working_folder_are_not_executed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    require_opengl()
+    (tmp_path / "copy.py").write_text("open('executed', 'w').close()\n")
+    monkeypatch.chdir(tmp_path)
+    process = PictureProcess()
+    try:
+        await process.start()
+    finally:
+        await process.close()
+    assert process.backend
+    assert not (tmp_path / "executed").exists()
+
+
+async def test_a_process_that_does_not_start_gives_its_last_line_and_no_advice_on_opengl(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(picture_process, "MODULE", "pioneer3.no_such_module")
+    with pytest.raises(DeviceError, match="No module named") as caught:
+        await PictureProcess().start()
+    assert "apt-get" not in str(caught.value)
 
 
 async def test_each_robot_sees_for_itself_until_it_goes() -> None:

@@ -3,9 +3,9 @@
 import asyncio
 import os
 import sys
-from asyncio.subprocess import DEVNULL, PIPE, Process
+from asyncio.subprocess import PIPE, Process
 from contextlib import suppress
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 import numpy as np
@@ -36,6 +36,20 @@ START_PATIENCE = 20.0
 PICTURE_PATIENCE = 10.0
 CLOSE_PATIENCE = 1.0
 LONGEST_ANSWER = 64 << 20
+LAST_WORDS = 4 << 10
+"""Kept of what the process says on its standard error [bytes]."""
+
+
+class Refusal(NamedTuple):
+    """Why the process does not render with one OpenGL.
+
+    Attributes:
+        reason: In words.
+        told: Whether the process itself gave it, by its answer.
+    """
+
+    reason: str
+    told: bool
 
 
 class PictureProcess:
@@ -51,6 +65,8 @@ class PictureProcess:
         self._scene: Scene | None = None
         self._decoder: msgspec.msgpack.Decoder[Answer] = msgspec.msgpack.Decoder(Answer)
         self._busy = asyncio.Lock()
+        self._said = b""
+        self._listening: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
         """Start the process with the first OpenGL that works; a running one is ended.
@@ -59,13 +75,14 @@ class PictureProcess:
             DeviceError: None works; the message says what to install.
         """
         await self.close()
-        reasons = []
+        refusals = []
         for backend in BACKENDS:
-            reason = await self._try(backend)
-            if reason is None:
+            refusal = await self._try(backend)
+            if refusal is None:
                 return
-            reasons.append(f"{backend}: {reason}" if backend else reason)
-        raise DeviceError(_advice(reasons))
+            reason = f"{backend}: {refusal.reason}" if backend else refusal.reason
+            refusals.append(refusal._replace(reason=reason))
+        raise DeviceError(_advice(refusals))
 
     async def picture(self, instant: Instant, asked: TakePicture) -> bytes:
         """Return a picture of the world at `instant`, as JPEG.
@@ -90,9 +107,11 @@ class PictureProcess:
     async def close(self) -> None:
         """End the process."""
         process, self._process, self._scene = self._process, None, None
+        listening, self._listening = self._listening, None
         if process is None:
             return
         assert process.stdin is not None
+        assert listening is not None
         process.stdin.close()
         try:
             async with asyncio.timeout(CLOSE_PATIENCE):
@@ -101,24 +120,30 @@ class PictureProcess:
             with suppress(ProcessLookupError):
                 process.kill()
             await process.wait()
+        await listening
 
-    async def _try(self, backend: str) -> str | None:
+    async def _try(self, backend: str) -> Refusal | None:
         """Start the process; return why it cannot render, or `None`."""
         environment = {name: value for name, value in os.environ.items() if name != PLATFORM}
         environment |= {GL: backend}
         self._process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", MODULE),
+            *(sys.executable, "-P", "-m", MODULE),  # -P: modules in the working folder are not ours
             stdin=PIPE,
             stdout=PIPE,
-            stderr=DEVNULL,
+            stderr=PIPE,
             env=environment,
             start_new_session=True,  # Ctrl-C is for the simulator, which ends it
         )
+        assert self._process.stderr is not None
+        self._said = b""
+        self._listening = asyncio.create_task(self._listen(self._process.stderr))
         try:
             async with asyncio.timeout(START_PATIENCE):
                 answer = await self._read()
         except (DeviceError, TimeoutError) as error:
-            answer = Failed(str(error) or f"nothing within {START_PATIENCE:g} s")
+            await self.close()
+            reason = str(error) or f"nothing within {START_PATIENCE:g} s"
+            return Refusal(self._last_line or reason, told=False)
         except BaseException:
             await self.close()
             raise
@@ -126,7 +151,18 @@ class PictureProcess:
             self.backend = answer.backend
             return None
         await self.close()
-        return answer.reason if isinstance(answer, Failed) else "it says nothing"
+        told = isinstance(answer, Failed)
+        return Refusal(answer.reason if isinstance(answer, Failed) else "it says nothing", told)
+
+    async def _listen(self, errors: asyncio.StreamReader) -> None:
+        while said := await errors.read(LAST_WORDS):
+            self._said = (self._said + said)[-LAST_WORDS:]
+
+    @property
+    def _last_line(self) -> str:
+        """The last line on the standard error of the process; empty without one."""
+        lines = self._said.decode(errors="replace").strip().splitlines()
+        return "".join(filter(str.isprintable, lines[-1])) if lines else ""
 
     async def _ask(self, instant: Instant, asked: TakePicture) -> Answer:
         process = self._process
@@ -156,11 +192,13 @@ class PictureProcess:
             raise DeviceError("what renders pictures has ended") from None
 
 
-def _advice(reasons: list[str]) -> str:
-    """Return one line about OpenGL that is missing, and what to do."""
-    if any("OpenGL" in reason and "No module" in reason for reason in reasons):
+def _advice(refusals: list[Refusal]) -> str:
+    """Return one line about what is missing, and what to do."""
+    if any("OpenGL" in reason and "No module" in reason for reason, _ in refusals):
         return f"no camera pictures: {how_to_get('physics')}"
-    why = "; ".join(" ".join(reason.split())[:100] for reason in reasons)
+    why = "; ".join(" ".join(reason.split())[:100] for reason, _ in refusals)
+    if not any(told for _, told in refusals):
+        return f"no camera pictures, all else works: what renders them does not start ({why})"
     if sys.platform != "linux":
         return f"no camera pictures: OpenGL does not work here ({why})"
     return (
