@@ -210,6 +210,17 @@ async def test_a_process_that_does_not_start_gives_its_last_line_and_no_advice_o
     assert "apt-get" not in str(caught.value)
 
 
+async def test_a_robot_that_was_hidden_when_the_world_was_sent_is_seen_later() -> None:
+    async with seeing() as (running, camera):
+        other = await running.add_robot(RobotSpec(model="p3dx-sh", start=Pose2(1.5, 0.0, 0.0)))
+        other.body.ghost = True
+        await asyncio.sleep(0.3)
+        assert red_in(await snapshot(camera)) < 500
+        other.body.ghost = False
+        await asyncio.sleep(0.3)
+        assert red_in(await snapshot(camera)) > 500
+
+
 async def test_each_robot_sees_for_itself_until_it_goes() -> None:
     async with seeing() as (running, first):
         added = await running.add_robot(

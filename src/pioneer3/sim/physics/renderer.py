@@ -28,9 +28,16 @@ AMBIENT, DIFFUSE = 0.55, 0.45
 
 
 class LoadScene(Struct, tag=True):
-    """Another world: a model of MuJoCo as its own binary format (MJB)."""
+    """Another world.
+
+    Attributes:
+        model: Of MuJoCo as its own binary format (MJB).
+        groups: The group of each geom while no robot is hidden, 32-bit integers. The model's own
+            ones change while robots are hidden.
+    """
 
     model: bytes
+    groups: bytes
 
 
 class TakePicture(Struct, tag=True, kw_only=True):
@@ -120,9 +127,10 @@ class Renderer:
         self._world: _World | None = None
         self._rebind(320, 240)
 
-    def load(self, binary: bytes) -> None:
+    def load(self, world: LoadScene) -> None:
         """Draw another world from now on."""
-        model = self._mujoco.MjModel.from_binary_path("world.mjb", {"world.mjb": binary})
+        model = self._mujoco.MjModel.from_binary_path("world.mjb", {"world.mjb": world.model})
+        model.geom_group[:] = np.frombuffer(world.groups, dtype=np.int32)
         self._show(model)
 
     def picture(self, asked: TakePicture) -> bytes:
@@ -249,7 +257,7 @@ def serve(requests: BinaryIO, answers: BinaryIO, backend: str) -> None:
     while len(head := requests.read(LENGTH)) == LENGTH:
         message = decoder.decode(requests.read(int.from_bytes(head, "big")))
         if isinstance(message, LoadScene):
-            renderer.load(message.model)
+            renderer.load(message)
             continue
         try:
             answer: Answer = Picture(renderer.picture(message))

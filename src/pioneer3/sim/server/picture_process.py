@@ -170,7 +170,7 @@ class PictureProcess:
             raise DeviceError("nothing renders pictures")
         assert process.stdin is not None
         if instant.scene is not self._scene:
-            process.stdin.write(framed(LoadScene(_binary(instant.scene))))
+            process.stdin.write(framed(_loading(instant.scene)))
             self._scene = instant.scene
         process.stdin.write(framed(asked))
         try:
@@ -207,10 +207,10 @@ def _advice(refusals: list[Refusal]) -> str:
     )
 
 
-def _binary(scene: Scene) -> bytes:
-    """Return the model of a world in MuJoCo's binary format."""
+def _loading(scene: Scene) -> LoadScene:
+    """Return the message that carries a world."""
     import mujoco
 
     buffer = np.zeros((mujoco.mj_sizeModel(scene.model), 1), dtype=np.uint8)
     mujoco.mj_saveModel(scene.model, None, buffer)
-    return buffer.tobytes()
+    return LoadScene(buffer.tobytes(), scene.groups.astype(np.int32).tobytes())

@@ -21,6 +21,7 @@ from pioneer3.sim.physics.renderer import (
     serve,
 )
 
+LOAD = LoadScene(b"mjb", b"groups")
 ANGLES = st.floats(-1.5, 1.5)
 ASKED = TakePicture(camera="a/camera", qpos=b"12345678", people=b"", view=0.8, width=4, height=3)
 
@@ -37,7 +38,7 @@ def test_the_axes_are_a_rotation_that_looks_along_pan_and_tilt(pan: float, tilt:
 
 
 def test_a_message_comes_out_as_it_went_in() -> None:
-    for message in (LoadScene(b"mjb"), ASKED):
+    for message in (LOAD, ASKED):
         data = framed(message)
         assert int.from_bytes(data[:LENGTH], "big") == len(data) - LENGTH
         decoded = msgspec.msgpack.decode(data[LENGTH:], type=LoadScene | TakePicture)
@@ -58,8 +59,8 @@ def test_a_picture_that_cannot_be_is_refused_and_the_next_one_is_taken(
     class Broken:
         asked = 0
 
-        def load(self, binary: bytes) -> None:
-            assert binary == b"mjb"
+        def load(self, world: LoadScene) -> None:
+            assert world == LOAD
 
         def picture(self, asked: TakePicture) -> bytes:
             self.asked += 1
@@ -68,7 +69,7 @@ def test_a_picture_that_cannot_be_is_refused_and_the_next_one_is_taken(
             return b"jpeg"
 
     monkeypatch.setattr("pioneer3.sim.physics.renderer.Renderer", Broken)
-    said = answers(LoadScene(b"mjb"), ASKED, ASKED)[1:]
+    said = answers(LOAD, ASKED, ASKED)[1:]
     assert said == [Failed("no such camera"), Picture(b"jpeg")]
 
 
