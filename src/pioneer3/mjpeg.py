@@ -24,6 +24,11 @@ MOST_HEAD: Final = 16 << 10
 """So are more bytes of headers in one place."""
 START, END = b"\xff\xd8", b"\xff\xd9"
 """Of every JPEG (ITU T.81, table B.1)."""
+MOST_PARTS: Final = 200
+"""In one read, and in a second: a stream of more is refused."""
+NOT_LINE_END: Final = re.compile(rb"[^\r\n]")
+EMPTY_LINE: Final = re.compile(rb"\r?\n\r?\n")
+"""With the end of the line before."""
 TRAILING: Final = 64
 """Some cameras fill up a picture after its end, by fewer bytes than this."""
 VIEW: Final = "X-Field-Of-View-Rad"
@@ -192,6 +197,9 @@ class Head:
     headers: dict[str, str]
 
 
+TOO_FAST: Final = f"it sends more than {MOST_PARTS} pictures a second: this is no camera"
+
+
 def is_picture(data: bytes) -> bool:
     """Whether it begins as a JPEG does and ends as one does."""
     return data.startswith(START) and END in data[-TRAILING:]
@@ -206,13 +214,14 @@ class Parser:
         head: Of the answer; `None` before.
         pictures: Number of pictures given.
         broken: Number of parts that are no pictures.
+        parts: Number of all parts, also of empty ones.
         view: Angle from the left edge of the newest picture to the right one [rad]; `None` where
             the camera does not tell it.
     """
 
     def __init__(self) -> None:
         self.head: Head | None = None
-        self.pictures = self.broken = 0
+        self.pictures = self.broken = self.parts = 0
         self.view: float | None = None
         self._buffer = bytearray()
         self._searched = 0
@@ -241,7 +250,11 @@ class Parser:
             self.head = _head(lines)
             self._ending = b"--" + _boundary(self.head).encode("latin-1")
         found = []
+        most = self.parts + MOST_PARTS
         while (body := self._body()) is not None:
+            self.parts += 1
+            if self.parts > most:
+                raise LinkError(TOO_FAST)
             if is_picture(body):
                 self.pictures += 1
                 found.append(body)
@@ -269,15 +282,17 @@ class Parser:
         Raises:
             LinkError: They are longer than any camera's.
         """
-        skipped = len(self._buffer) - len(self._buffer.lstrip(b"\r\n"))
-        del self._buffer[:skipped]
-        end, width = _empty_line(self._buffer)
-        if end > MOST_HEAD or (end < 0 and len(self._buffer) > MOST_HEAD):
+        first = NOT_LINE_END.search(self._buffer)
+        del self._buffer[: first.start() if first else len(self._buffer)]
+        most = MOST_HEAD + len(b"\r\n\r\n")
+        found = EMPTY_LINE.search(self._buffer, 0, most)
+        if found is None and len(self._buffer) >= most:
             raise LinkError(f"headers of more than {MOST_HEAD >> 10} kB: this is no camera")
-        if end < 0:
+        if found is None:
             return None
+        end, after = found.span()
         lines = bytes(self._buffer[:end]).decode("latin-1").splitlines()
-        del self._buffer[: end + width]
+        del self._buffer[:after]
         return lines
 
     def _counted(self) -> bytes | None:
@@ -304,12 +319,6 @@ class Parser:
         del self._buffer[:end]
         self._searched = 0
         return body
-
-
-def _empty_line(data: bytearray) -> tuple[int, int]:
-    """Return where the first empty line begins, with the end of the line before, and its width."""
-    places = [(data.find(mark), len(mark)) for mark in (b"\r\n\r\n", b"\n\n")]
-    return min((place for place in places if place[0] >= 0), default=(-1, 0))
 
 
 def _fields(lines: list[str]) -> dict[str, str]:

@@ -18,7 +18,7 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.state import Picture
 from pioneer3.tasks import running
 from tests.cameras import Script, fake_camera, films, jpeg_of, says
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, until
 
 pytestmark = pytest.mark.realtime
 
@@ -120,6 +120,7 @@ async def floods(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> 
         (says(HEAD + b"X: y\r\n" * 9000), "headers of more than"),
         (says(HEAD + mjpeg.part(b"no JPEG") * 3, then_waits=True), "no JPEG pictures: 3"),
         (says(HEAD + mjpeg.part(jpeg_of())[:200]), "closed the connection"),
+        (says(HEAD + (PART + b"Content-Length: 0\r\n\r\n") * 9000), "more than 200 pictures a s"),
         (drips, "no picture for"),
         (floods, "the most is 8 MB"),
     ],
@@ -131,6 +132,14 @@ async def test_a_bad_camera_is_told_from_a_good_one_and_costs_no_memory(
         with pytest.raises(DeviceError, match=said):
             await driver.picture(patience=1.5)
         assert len(camera.requests) < 100
+
+
+async def test_more_pictures_than_a_camera_sends_are_refused() -> None:
+    flood = says(HEAD + mjpeg.part(jpeg_of()) * 5000, then_waits=True)
+    async with fake_camera(flood) as camera, driven(camera.url) as driver:
+        with driver.wanted():
+            await until(lambda: "more than 200" in driver.presence.reason)
+        assert driver.pictures < 1000
 
 
 async def test_a_camera_that_is_not_there_is_named() -> None:

@@ -99,6 +99,27 @@ def test_what_is_no_camera_is_refused_with_the_reason(answer: bytes, said: str) 
         taken(answer)
 
 
+def test_a_flood_of_tiny_parts_is_refused_in_its_first_read() -> None:
+    parser = Parser()
+    parser.receive(HEAD)
+    tiny = b"--frame\nContent-Length:4\n\n" + mjpeg.START + mjpeg.END
+    assert len(parser.receive(tiny * mjpeg.MOST_PARTS)) == mjpeg.MOST_PARTS
+    with pytest.raises(LinkError, match="more than 200 pictures a second"):
+        parser.receive(tiny * 2000)
+    assert parser.parts == 2 * mjpeg.MOST_PARTS + 1
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
+def test_headers_may_be_as_long_as_the_most_in_any_chunks(end: bytes) -> None:
+    part = b"--frame" + end + b"X: " + bytes(mjpeg.MOST_HEAD - 10 - len(end)) + 2 * end
+    sent = part + JPEG + end + b"--frame"
+    for cuts in ([], [mjpeg.MOST_HEAD + cut for cut in range(5)]):
+        parser = Parser()
+        parser.receive(HEAD)
+        found = [picture for piece in pieces(sent, cuts) for picture in parser.receive(piece)]
+        assert found == [JPEG + end]
+
+
 def test_a_picture_without_end_is_refused_before_it_fills_the_memory() -> None:
     parser = Parser()
     parser.receive(HEAD + b"--frame\r\n\r\n" + mjpeg.START)

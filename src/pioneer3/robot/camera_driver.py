@@ -13,7 +13,16 @@ from secrets import token_hex
 from typing import Final
 
 from pioneer3.errors import DeviceError, LinkError
-from pioneer3.mjpeg import CameraUrl, Login, Parser, authorization, parse_url, request
+from pioneer3.mjpeg import (
+    MOST_PARTS,
+    TOO_FAST,
+    CameraUrl,
+    Login,
+    Parser,
+    authorization,
+    parse_url,
+    request,
+)
 from pioneer3.robot.devices.presence import Presence
 from pioneer3.robot.supervisor import Connection, Feed, Status
 from pioneer3.state import Picture
@@ -195,7 +204,8 @@ class CameraDriver:
         Raises:
             LinkError: They end, or are none.
         """
-        last = self._clock()
+        last = since = self._clock()
+        before = 0
         while self._wanted or self._clock() < self._last_wanted + LINGER:
             try:
                 async with asyncio.timeout_at(last + SILENCE):
@@ -207,6 +217,11 @@ class CameraDriver:
             for jpeg in parser.receive(data):
                 last = self._clock()
                 self._take(jpeg, last, parser.view)
+            if parser.parts - before > MOST_PARTS:
+                raise LinkError(TOO_FAST)
+            if self._clock() - since >= RATE_WINDOW:
+                since, before = self._clock(), parser.parts
+            await asyncio.sleep(0)  # a full buffer is read without a pause
 
     def _take(self, jpeg: bytes, now: float, view: float | None) -> None:
         self.pictures += 1
