@@ -54,8 +54,8 @@ def _shape(shape: Shape) -> MapShape:
         case Column(radius=radius, height=height):
             return MapShape("column", at, (2 * radius, 2 * radius, height))
         case Terrain(size=size):
-            step = -(-max(shape.heights.shape) // MOST_ROWS)
-            heights = (shape.heights[::step, ::step] * size[2]).round(3)
+            kept = np.ix_(*map(_spread, shape.heights.shape))
+            heights = (shape.heights[kept] * size[2]).round(3)
             numbers = tuple(heights.ravel().tolist())
             return MapShape("terrain", at, size, numbers, columns=heights.shape[1])
         case Hull():
@@ -64,6 +64,11 @@ def _shape(shape: Shape) -> MapShape:
                 points, corners = _prism(points)
             numbers = tuple(points.round(3).ravel().tolist())
             return MapShape("mesh", at, numbers=numbers, corners=tuple(corners.ravel().tolist()))
+
+
+def _spread(count: int) -> NDArray[np.int64]:
+    """Return at most `MOST_ROWS` of `count` rows, from the first to the last."""
+    return np.linspace(0, count - 1, min(count, MOST_ROWS)).round().astype(np.int64)
 
 
 def _prism(points: Float) -> tuple[Float, NDArray[np.int64]]:
