@@ -262,7 +262,9 @@ class RobotOptions:
         """The URL of the camera that the fleet file gives the robot."""
         if self.robot is None:
             return None
-        return fleet_of(self.fleet).robot(self.robot).camera or None
+        from pioneer3.fleet.reach import camera_of
+
+        return camera_of(fleet_of(self.fleet).robot(self.robot))
 
 
 WHICH = RobotOptions()

@@ -2,12 +2,14 @@
 
 import socket
 from collections.abc import Sequence
+from dataclasses import replace
 from ipaddress import ip_address
 from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.spec import ALL, Fleet, Robot
 from pioneer3.links.urls import split_url
+from pioneer3.mjpeg import parse_url
 from pioneer3.models import find_model
 from pioneer3.sim.worldfile.toml import MODEL_FILES
 
@@ -65,6 +67,26 @@ def laser_of(robot: Robot) -> str:
     if not url or is_here(robot):
         return robot.laser
     return robot.laser if url != "auto" and split_url(url)[0] == "tcp" else ""
+
+
+def camera_of(robot: Robot) -> str | None:
+    """Return the camera of a robot, for `--camera`; `None` if it has none.
+
+    One at the loopback address of another computer is looked for at that computer's address.
+    """
+    if not robot.camera:
+        return None
+    url = parse_url(robot.camera)
+    if not _is_loopback(url.host) or is_here(robot):
+        return robot.camera
+    return str(replace(url, host=robot.address))
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def reached_at(fleet: Fleet, endpoint: tuple[str, int]) -> tuple[str, int]:

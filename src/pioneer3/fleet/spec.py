@@ -30,7 +30,8 @@ class Robot:
         user: The account on its computer.
         model: Name of a robot model, or the path of its file.
         laser: Its laser, as `--laser` takes it; empty for none.
-        camera: Its camera, as `--camera` takes it; empty for none.
+        camera: Its camera, as `--camera` takes it; empty for none. One at `127.0.0.1` or
+            `localhost` is on its computer: from elsewhere it is looked for at `address`.
         ros: Version of ROS on its computer, `1` or `2`; empty for none.
         node: Name of the ROS node that drives it, under which its topics are.
         note: For people.

@@ -6,7 +6,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.inventory import parse_fleet
-from pioneer3.fleet.reach import laser_of, named, port_of
+from pioneer3.fleet.reach import camera_of, laser_of, named, port_of
 from pioneer3.fleet.simulated import simulated
 
 FLEET = parse_fleet(
@@ -15,21 +15,25 @@ FLEET = parse_fleet(
 [[robot]]
 name = "near"
 address = "127.0.0.1"
+camera = "http://localhost:8181/"
 laser = "/dev/ttyACM0"
 [[robot]]
 name = "far"
 address = "192.0.2.7"
+camera = "http://localhost:8080/?action=stream"
 laser = "/dev/ttyACM0"
 [[robot]]
 name = "served"
 address = "192.0.2.8"
 port = "tcp://Served:8102"
+camera = "http://192.0.2.9/video"
 model = "p3dx-sh"
 laser = "lms-111@tcp:192.0.2.9"
 [[robot]]
 name = "six"
 address = "fd00::7"
 port = "tcp://six"
+camera = "https://127.0.0.1/a"
 laser = "auto"
 [[robot]]
 name = "elsewhere"
@@ -63,7 +67,7 @@ def test_a_device_of_another_computer_is_refused_with_what_to_do() -> None:
     with pytest.raises(ConfigError) as caught:
         port_of(FLEET, "far")
     message = str(caught.value)
-    assert message.startswith("fleet.toml:5: far is at /dev/ttyUSB0, a device of far (192.0.2.7)")
+    assert message.startswith("fleet.toml:6: far is at /dev/ttyUSB0, a device of far (192.0.2.7)")
     assert "after ssh pioneer@192.0.2.7" in message
     assert "say bridge = 8101" in message
 
@@ -77,6 +81,18 @@ def test_a_laser_is_taken_where_it_is_reached_from_here() -> None:
         "six": "",
         "elsewhere": "",
         "bridged": "",
+    }
+
+
+def test_a_camera_on_loopback_is_looked_for_on_the_robots_computer() -> None:
+    cameras = {robot.name: camera_of(robot) for robot in FLEET.robots}
+    assert cameras == {
+        "near": "http://localhost:8181/",
+        "far": "http://192.0.2.7:8080/?action=stream",
+        "served": "http://192.0.2.9/video",
+        "six": "https://[fd00::7]/a",
+        "elsewhere": None,
+        "bridged": None,
     }
 
 
