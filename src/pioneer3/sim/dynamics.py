@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from pioneer3.maps import LineMap
 from pioneer3.sim.body import Body, Speeds
+from pioneer3.sim.imu import GRAVITY, ImuReading
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import ANGULAR, LINEAR, VELOCITY
 from pioneer3.sim.obstacles import Obstacle
@@ -19,23 +19,6 @@ from pioneer3.sim.sensing import PlanarSensing, Sensing
 from pioneer3.sim.worldfile.spec import PHYSICS_STEP, Physics
 
 Float = NDArray[np.float64]
-
-
-GRAVITY = 9.81
-"""[m/s2]."""
-
-
-@dataclass(frozen=True, slots=True)
-class ImuReading:
-    """What a gyro and an accelerometer at the origin of a robot feel, about its own axes.
-
-    Attributes:
-        rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].
-        acceleration: Along the same [m/s2]. At rest on a level floor it is 9.81 upwards.
-    """
-
-    rates: tuple[float, float, float]
-    acceleration: tuple[float, float, float]
 
 
 class Dynamics(Protocol):

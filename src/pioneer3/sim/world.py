@@ -17,7 +17,8 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.maps.materials import Codes
 from pioneer3.sim.body import Body, Bumpers, outline_of
-from pioneer3.sim.dynamics import Dynamics, ImuReading, PlanarDynamics
+from pioneer3.sim.dynamics import Dynamics, PlanarDynamics
+from pioneer3.sim.imu import ImuReading
 from pioneer3.sim.kernels import (
     Drives,
     Fan,

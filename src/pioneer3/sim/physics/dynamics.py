@@ -18,7 +18,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, empty_map
 from pioneer3.models.description.mjcf import CAMERA
 from pioneer3.sim.body import Body, Speeds
-from pioneer3.sim.dynamics import GRAVITY, ImuReading
+from pioneer3.sim.imu import GRAVITY, ImuReading
 from pioneer3.sim.kernels import Drives, Grid, Kernels, Robots
 from pioneer3.sim.kernels.drives import (
     TOUCHED,

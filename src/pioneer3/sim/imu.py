@@ -1,0 +1,19 @@
+"""What a gyro and an accelerometer feel."""
+
+from dataclasses import dataclass
+
+GRAVITY = 9.81
+"""[m/s2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImuReading:
+    """What a gyro and an accelerometer at the origin of a robot feel, about its own axes.
+
+    Attributes:
+        rates: Turn rates about x (ahead), y (left) and z (up) [rad/s].
+        acceleration: Along the same [m/s2]. At rest on a level floor it is 9.81 upwards.
+    """
+
+    rates: tuple[float, float, float]
+    acceleration: tuple[float, float, float]
