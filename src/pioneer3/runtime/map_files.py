@@ -16,7 +16,7 @@ from pioneer3.nav.mapper import Mapper
 from pioneer3.sim.relief import FLAT, Relief
 from pioneer3.sim.worldfile import write_world
 from pioneer3.sim.worldfile.flattened import solids_in_words
-from pioneer3.sim.worldfile.on_map import split
+from pioneer3.sim.worldfile.on_map import not_on_map, split
 
 FORMATS = (".map", ".yaml", ".toml")
 """ARIA's map; map_server's YAML with a picture; a world on a map."""
@@ -56,11 +56,14 @@ def free_path(path: Path) -> Path:
 
 
 def left_out(line_map: LineMap, path: Path, relief: Relief = FLAT) -> str:
-    """Return the parts of a map that its format has no room for, in words, or nothing."""
-    counts = {"materials of walls": int(np.count_nonzero(line_map.materials))}
+    """Return the parts of a map and its world that a file does not have, in words, or nothing."""
+    counts: dict[str, int] = {}
+    if path.suffix.lower() != ".toml":
+        counts["materials of walls"] = int(np.count_nonzero(line_map.materials))
     if path.suffix.lower() in (".yaml", ".yml"):
         counts["places and areas"] = len(line_map.objects)
     said = [f"{count} {what}" for what, count in counts.items() if count]
+    said += not_on_map(relief)
     if path.suffix.lower() != ".toml":
         said += solids_in_words(solid for solid in relief.solids.values() if solid.table != "box")
     return ", ".join(said)
@@ -69,7 +72,8 @@ def left_out(line_map: LineMap, path: Path, relief: Relief = FLAT) -> str:
 def save_map(line_map: LineMap, path: Path, relief: Relief = FLAT) -> None:
     """Write a map in the format that the ending of its name tells.
 
-    A file that is there stays whole until the new one is. Only a world holds the heights.
+    A file that is there stays whole until the new one is. Only a world holds heights,
+    materials and physics.
 
     Raises:
         ConfigError: A file cannot be written, or the ending is none of :data:`FORMATS`.

@@ -148,7 +148,7 @@ class MapEditor:
         await self.in_thread(save_map, draft, path, relief)
         news = f"Saved {path.name}, in the folder of this program."
         if lost := left_out(draft, path, relief):
-            news += f" A {path.suffix} has no room for {lost}."
+            news += f" Not in it: {lost}."
         answer(messages.Told(news))
         if self._map_in_use() is not used:
             raise CommandError(f"{path.name} is saved, but robots use another map meanwhile")

@@ -112,7 +112,7 @@ async def test_a_saved_map_is_used_from_then_on(tmp_path: Path) -> None:
         assert the.simulation.world.map.objects[1].name == "Kitchen"
         await edit(ann, "name_place", role="goal", name="Hall", x=-3, y=0)
         await edit(ann, "save_map", name="lab", format=".yaml")
-        assert "A .yaml has no room for 3 places and areas" in ann.latest("told")["message"]
+        assert "Not in it: 3 places and areas." in ann.latest("told")["message"]
     assert [item.name for item in read_map(tmp_path / "lab.map").objects] == ["Lab", "Kitchen"]
     assert (tmp_path / "lab.yaml").exists()
 
@@ -227,7 +227,7 @@ async def test_a_world_keeps_its_heights_when_it_is_edited_and_saved(tmp_path: P
         assert list(relief.solids) == ["box_0", "ramp_0", "table_0"]
         await edit(ann, "name_place", role="goal", name="Door", x=0, y=2)
         await edit(ann, "save_map", name="lab", format=".map")
-        assert "A .map has no room for 1 ramp, 1 table" in ann.latest("told")["message"]
+        assert "Not in it: 1 ramp, 1 table." in ann.latest("told")["message"]
     saved = load_world(tmp_path / "lab.toml")
     assert saved.solids == (RAMP, CHAIR)
     assert saved.boxes == HALL.boxes

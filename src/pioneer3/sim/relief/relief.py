@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,15 @@ WALL_HEIGHT = 1.0
 """Of walls of which nothing is said [m]."""
 
 
+class Origin(Protocol):
+    """The world that a relief is made of."""
+
+    @property
+    def source(self) -> str:
+        """Its file, for messages; empty without."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relief:
     """The heights of a map; compares by identity.
@@ -29,13 +39,19 @@ class Relief:
         heights: Of each wall of the map [m], shape (W,); 0 for the outline of a solid, which is
             there by itself. If not given, all walls are `wall_height` high.
         solids: By name: the table in the world file and the number there, such as `ramp_0`.
-        source: The world file, for messages; empty without.
+        origin: The world that it is made of, in which a file that is saved finds what is neither
+            wall nor solid; `None` without.
     """
 
     wall_height: float = WALL_HEIGHT
     heights: Float = field(default_factory=lambda: np.empty(0))
     solids: Mapping[str, Solid] = field(default_factory=lambda: MappingProxyType({}))
-    source: str = ""
+    origin: Origin | None = None
+
+    @property
+    def source(self) -> str:
+        """The world file, for messages; empty without."""
+        return self.origin.source if self.origin else ""
 
     def heights_of(self, line_map: LineMap) -> Float:
         """Return the height of each wall of the map that this belongs to [m], shape (W,)."""

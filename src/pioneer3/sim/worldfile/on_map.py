@@ -1,4 +1,7 @@
-"""Makes a world file of a map and its relief: what a map file cannot hold comes on top of it."""
+"""Makes a world file of a map and its relief: what a map file cannot hold comes on top of it.
+
+Robots, people and movable boxes are where a simulation has them, and are left out.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,13 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from pioneer3.maps import LineMap
+from pioneer3.maps.materials import MATERIALS
 from pioneer3.sim.relief import Relief
 from pioneer3.sim.relief.relief import sides_in, sides_of
-from pioneer3.sim.worldfile.spec import Box, Wall, WorldFile
+from pioneer3.sim.worldfile.spec import Box, RobotSpec, Wall, WorldFile
 
 
 def split(line_map: LineMap, relief: Relief, file: Path) -> tuple[LineMap, WorldFile]:
-    """Return a map of all that has the usual height, and the world that adds the others to it.
+    """Return a map of all plain walls of the usual height, and the world that adds the others.
 
     Args:
         line_map: Walls, places, grids.
@@ -22,11 +26,13 @@ def split(line_map: LineMap, relief: Relief, file: Path) -> tuple[LineMap, World
     boxes = tuple(solid for solid in relief.solids.values() if isinstance(solid, Box))
     of_solids = {side for solid in relief.solids.values() for side in sides_of(solid.walls)}
     heights = dict(zip(sides_in(line_map.walls), relief.heights_of(line_map).tolist(), strict=True))
+    materials = dict(zip(sides_in(line_map.walls), line_map.materials.tolist(), strict=True))
     usual = (0.0, relief.wall_height)
     special = [
         side
         for side in sides_in(line_map.lines)
-        if side not in of_solids and heights.get(side, 0.0) not in usual
+        if side not in of_solids
+        and (heights.get(side, 0.0) not in usual or materials.get(side, 0) != 0)
     ]
     taken, corners = of_solids | set(special), {box.corners for box in boxes}
     kept, plain = (
@@ -40,15 +46,41 @@ def split(line_map: LineMap, relief: Relief, file: Path) -> tuple[LineMap, World
         lines=line_map.lines[plain],
         objects=tuple(item for item in line_map.objects if item.outline not in corners),
     )
+    before = _world_of(relief)
     world = WorldFile(
         name=line_map.name,
         map=file,
+        physics=before.physics,
+        physics_step=before.physics_step,
         wall_height=relief.wall_height,
         boxes=boxes,
         walls=tuple(
-            Wall(points=((x0, y0), (x1, y1)), height=heights[x0, y0, x1, y1])
-            for x0, y0, x1, y1 in special
+            Wall(
+                points=(side[:2], side[2:]),
+                material=MATERIALS[materials[side]],
+                height=None if heights[side] in usual else heights[side],
+            )
+            for side in special
         ),
         solids=tuple(solid for solid in relief.solids.values() if not isinstance(solid, Box)),
     )
     return base, world
+
+
+def not_on_map(relief: Relief) -> list[str]:
+    """Return the robots, people and movable boxes of the world of a relief, such as `1 robot`.
+
+    Robots of a command line do not count, nor one that is like that of a world without any.
+    """
+    world = _world_of(relief)
+    robots = world.robots if world.source and world.robots != (RobotSpec(),) else ()
+    kinds = (
+        (len(robots), "robot", "robots"),
+        (len(world.people), "person", "people"),
+        (len(world.movable), "movable box", "movable boxes"),
+    )
+    return [f"{count} {one if count == 1 else more}" for count, one, more in kinds if count]
+
+
+def _world_of(relief: Relief) -> WorldFile:
+    return relief.origin if isinstance(relief.origin, WorldFile) else WorldFile(name="empty")

@@ -266,7 +266,7 @@ class WorldFile:
             wall_height=self.wall_height,
             heights=np.array(base + heights, dtype=np.float64),
             solids=MappingProxyType(solids),
-            source=self.source,
+            origin=self,
         )
 
     def _height(self, own: float | None) -> float:
