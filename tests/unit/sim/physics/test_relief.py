@@ -140,6 +140,17 @@ def test_robots_and_boxes_that_are_put_somewhere_stand_on_the_ground_there() -> 
         assert (pose.x, pose.y, pose.theta) == pytest.approx((place.x, 0.0, 1.0), abs=1e-3)
 
 
+def test_a_robot_is_put_upon_a_bridge_and_drives_below_it() -> None:
+    bridge = Step(pose=Pose2(2.0, 0.0), size=(1.5, 2.0), height=0.05, z=1.0)
+    upon, below = powered(pose=bridge.pose), powered()
+    world = physical(upon, below, solids=(bridge,))
+    below.drive.linear.travel(2.0)
+    run(world, 6.0)
+    assert height(world, 0) == pytest.approx(1.05, abs=1e-3)
+    assert height(world, 1) == pytest.approx(0.0, abs=1e-3)
+    assert below.robot_in_world.x > 1.8
+
+
 def test_a_robot_keeps_its_heading_on_any_slope() -> None:
     slope = Ramp(pose=Pose2(0.0, 0.0, 0.4), size=(4.0, 4.0), height=0.7)
     for theta in np.linspace(-3.0, 3.0, 7).tolist():
