@@ -54,7 +54,7 @@ def fleet_of(given: Path | None) -> "Fleet":
     return read_fleet(find_fleet(given, environment=os.environ, here=Path(), home=Path.home()))
 
 
-def robots_of(words: Sequence[str], given: Path | None) -> "tuple[NamedPort, ...]":
+def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]":
     """Return the robots of a fleet that the words of `--robot` name; empty if they are models.
 
     With `--fleet` they all are robots. Without it a fleet file need not be there.
@@ -64,7 +64,7 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[NamedPort, ...
     """
     from pioneer3.errors import ConfigError
     from pioneer3.fleet.inventory import VARIABLE, find_fleet, read_fleet
-    from pioneer3.fleet.reach import named, port_of
+    from pioneer3.fleet.reach import camera_of, named, port_of
 
     if not words:
         return ()
@@ -78,15 +78,18 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[NamedPort, ...
             return ()
         fleet = read_fleet(path)
         robots = named(words, fleet)
-    return tuple(NamedPort(robot.name, port_of(fleet, robot.name)) for robot in robots)
+    return tuple(
+        OfFleet(robot.name, port_of(fleet, robot.name), camera_of(robot)) for robot in robots
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class NamedPort:
-    """A robot of a fleet: its name, and its port."""
+class OfFleet:
+    """A robot of a fleet: its name, its port, and the URL of its camera if it has one."""
 
     name: str
     port: str
+    camera: str | None
 
 
 def reads(

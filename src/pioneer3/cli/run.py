@@ -92,9 +92,10 @@ def run(
         if port and port != (os.environ.get(PORT_VARIABLE),):
             raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
         port = tuple(one.port for one in of_fleet)
+        cameras = tuple(one.camera for one in of_fleet)
         robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
     else:
-        robots = tuple(map(parse_robot, robot))
+        robots, cameras = tuple(map(parse_robot, robot)), (None,) * len(port)
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
@@ -118,6 +119,7 @@ def run(
         record=record,
         lasers=lambda: lasers.specs(record, port),
         camera=camera,
+        cameras=cameras,
         announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, _tell))

@@ -59,7 +59,8 @@ class Options:
         record: New file for every byte on the wire; of several robots each has its own, with its
             name added.
         lasers: Looks for the laser range finders of the only robot.
-        camera: URL of the MJPEG stream of its camera.
+        camera: URL of the MJPEG stream of its camera, whatever else is known of that.
+        cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
     """
@@ -80,6 +81,7 @@ class Options:
     record: Path | None = None
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
     camera: str | None = None
+    cameras: tuple[str | None, ...] = ()
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
@@ -124,6 +126,7 @@ async def live(options: Options, tell: Callable[[str], None]) -> int:
 def _real(options: Options) -> list[Target]:
     known = load_world(options.map_name).line_map() if options.map_name else None
     specs = options.robots
+    cameras = options.cameras or (None,) * len(options.ports)
     if len(specs) <= 1:
         specs = (specs or (RobotSpec(model=""),)) * len(options.ports)
     return [
@@ -132,8 +135,9 @@ def _real(options: Options) -> list[Target]:
             scene=Scene(known),
             name=spec.name,
             model=load_model(spec.model) if spec.model else None,
+            camera=camera,
         )
-        for url, spec in zip(options.ports, specs, strict=True)
+        for url, spec, camera in zip(options.ports, specs, cameras, strict=True)
     ]
 
 

@@ -4,7 +4,8 @@ import asyncio
 import contextlib
 import re
 import socket
-from dataclasses import dataclass, field
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -292,6 +293,7 @@ port = "tcp://p3at-1:8101"
 name = "p3at-2"
 address = "192.0.2.2"
 port = "tcp://p3at-2:8101"
+camera = "http://127.0.0.1:8181/"
 [groups]
 front = ["p3at-1", "p3at-2"]
 """
@@ -312,6 +314,41 @@ def test_robots_of_the_fleet_are_shown_by_their_names(
         "tcp://192.0.2.2:8101",
     )
     assert given("run --robot p3at", monkeypatch).ports == ()
+
+
+def test_robots_of_the_fleet_have_their_cameras(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("fleet.toml").write_text(FLEET)
+    options = given("run --robot front", monkeypatch)
+    targets = asyncio.run(hosted_by(options, monkeypatch))
+    assert [target.camera for target in targets] == [
+        None,
+        "http://192.0.2.2:8181/",
+    ]
+
+
+async def hosted_by(options: Options, monkeypatch: pytest.MonkeyPatch) -> list[Target]:
+    """Return the robots that are connected to, but connect to none."""
+    seen: list[Target] = []
+
+    @contextlib.asynccontextmanager
+    async def note(page: Page, targets: list[Target], tell: object) -> AsyncIterator[None]:
+        seen.extend(targets)
+        yield
+
+    monkeypatch.setattr(live_module, "hosted", note)
+    task = asyncio.create_task(live(replace(options, web_port=0, sim_port=0), lambda _: None))
+    try:
+        await until(lambda: seen or task.done())
+        if task.done():
+            await task
+    finally:
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError, ConfigError):
+            await task
+    return seen
 
 
 @pytest.mark.parametrize(
