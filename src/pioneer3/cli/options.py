@@ -203,9 +203,10 @@ class LaserOptions:
 NO_LASERS = LaserOptions()
 AUTO = "auto"
 CAMERA = Group.create_ordered("Camera")
+CAMERA_VARIABLE = "PIONEER3_CAMERA"
 CameraUrl = Annotated[
     str | None,
-    Parameter(env_var="PIONEER3_CAMERA", metavar="URL", group=CAMERA, show_default=False),
+    Parameter(env_var=CAMERA_VARIABLE, metavar="URL", group=CAMERA, show_default=False),
 ]
 """URL of the MJPEG stream of a camera on the robot."""
 

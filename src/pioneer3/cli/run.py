@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from pioneer3.cli.options import (
+    CAMERA_VARIABLE,
     NO_LASERS,
     PORT,
     PORT_VARIABLE,
@@ -99,8 +100,6 @@ def run(
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
-    if (len(port) > 1 or len(robots) > 1) and camera is not None:
-        raise ConfigError("--camera: of one robot only; run one `pioneer3 run` for each robot")
     served_at = "0.0.0.0" if lan and host == "127.0.0.1" else host
     options = Options(
         ports=port,
@@ -119,6 +118,7 @@ def run(
         record=record,
         lasers=lambda: lasers.specs(record, port),
         camera=camera,
+        camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
         cameras=cameras,
         announced=None if no_announce else partial(_announced, served_at),
     )

@@ -9,7 +9,7 @@ from math import inf
 from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
-from pioneer3.errors import PortBusyError
+from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.models import load_model
 from pioneer3.names import free_name
 from pioneer3.robot.lasers.spec import LaserSpec
@@ -60,6 +60,7 @@ class Options:
             name added.
         lasers: Looks for the laser range finders of the only robot.
         camera: URL of the MJPEG stream of its camera, whatever else is known of that.
+        camera_if_one: Whether several robots leave `camera` out; else they refuse it.
         cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
@@ -81,6 +82,7 @@ class Options:
     record: Path | None = None
     lasers: Callable[[], Awaitable[Sequence[LaserSpec]]] = no_lasers
     camera: str | None = None
+    camera_if_one: bool = False
     cameras: tuple[str | None, ...] = ()
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
@@ -186,7 +188,16 @@ def _laser_of(laser: SimulatedLaser) -> LaserSpec:
 def _with_options(
     targets: Sequence[Target], options: Options, lasers: Sequence[LaserSpec]
 ) -> list[Target]:
-    """Return `targets` with the options that are the same for all, each with its own file."""
+    """Return `targets` with the options that are the same for all, each with its own file.
+
+    Raises:
+        ConfigError: There is one camera for several robots.
+    """
+    camera = options.camera
+    if camera is not None and len(targets) > 1:
+        if not options.camera_if_one:
+            raise ConfigError("--camera: of one robot only; run one `pioneer3 run` for each robot")
+        camera = None
     files: list[Path | None] = [options.record] * len(targets)
     if options.record is not None and len(targets) > 1:
         files = own_files(options.record, targets)
@@ -197,7 +208,7 @@ def _with_options(
             max_speed=options.max_speed,
             record=file,
             lasers=(*lasers, *target.lasers),
-            camera=options.camera or target.camera,
+            camera=camera or target.camera,
         )
         for target, file in zip(targets, files, strict=True)
     ]

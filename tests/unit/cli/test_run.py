@@ -293,7 +293,7 @@ port = "tcp://p3at-1:8101"
 name = "p3at-2"
 address = "192.0.2.2"
 port = "tcp://p3at-2:8101"
-camera = "http://127.0.0.1:8181/"
+camera = "http://192.0.2.3/video"
 [groups]
 front = ["p3at-1", "p3at-2"]
 """
@@ -325,8 +325,26 @@ def test_robots_of_the_fleet_have_their_cameras(
     targets = asyncio.run(hosted_by(options, monkeypatch))
     assert [target.camera for target in targets] == [
         None,
-        "http://192.0.2.2:8181/",
+        "http://192.0.2.3/video",
     ]
+
+
+@pytest.mark.parametrize("robots", ["-r p3at -r p3dx", "-p tcp://a:1 -p tcp://b:2", "-m {world}"])
+def test_a_camera_is_of_one_robot_and_one_in_the_environment_is_not_for_several(
+    robots: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "two.toml").write_text(
+        '[world]\nmap = "empty"\n[[robot]]\nmodel = "p3at"\n[[robot]]\nmodel = "p3dx"\n'
+    )
+    line = "run " + robots.format(world=tmp_path / "two.toml")
+    monkeypatch.delenv("PIONEER3_CAMERA", raising=False)
+    with pytest.raises(ConfigError, match="--camera: of one robot only"):
+        asyncio.run(hosted_by(given(f"{line} --camera http://cam/", monkeypatch), monkeypatch))
+    environment = {"PIONEER3_CAMERA": "http://cam/"}
+    for asked, cameras in ((line, [None, None]), ("run -r p3at", ["http://cam/"])):
+        options = given(asked, monkeypatch, environment)
+        targets = asyncio.run(hosted_by(options, monkeypatch))
+        assert [target.camera for target in targets] == cameras
 
 
 async def hosted_by(options: Options, monkeypatch: pytest.MonkeyPatch) -> list[Target]:
