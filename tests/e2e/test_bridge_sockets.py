@@ -26,6 +26,9 @@ from tests.support import SimulatedRobot, hold
 pytestmark = pytest.mark.realtime
 GO = (commands.Enable(on=True), commands.Vel(speed=0.3))
 
+STANDS = 0.02
+"""Wheels with mass end slowly [m/s]."""
+
 
 async def hear_out(client: PlainClient) -> None:
     while True:
@@ -114,7 +117,7 @@ async def test_a_fleet_stop_gets_in_while_another_program_drives() -> None:
                 [one], lambda each: connect_async(f"tcp://127.0.0.1:{each.bridge}")
             )
             assert (answer.ok, answer.taken) == (True, True)
-            assert robot.speed == 0
+            assert abs(robot.speed) < STANDS
             await until(lambda: not robot.powered)
             await driving
 
@@ -149,7 +152,8 @@ async def test_each_signal_to_leave_stops_the_robot(number: signal.Signals) -> N
         after = await PlainClient.connect(int(url.rpartition(":")[2]))
         await after.open()
         sip = await after.next(Sip)
-        assert (sip.left_speed_raw, sip.flags & 1) == (0, 0)
+        assert abs(sip.left_speed_raw) < 1000 * STANDS
+        assert sip.flags & 1 == 0
         await after.leave()
 
 

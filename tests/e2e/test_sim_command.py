@@ -55,7 +55,9 @@ async def robots(sim: Command, count: int) -> list[Told]:
         match = LINE.fullmatch(line)
         assert match, line
         found.append(Told(**match.groupdict()))
-    assert "pioneer3 drive --port " in await sim.line()
+    while (line := await sim.line()).startswith("CAMERA:"):  # of robots with mass
+        pass
+    assert "pioneer3 drive --port " in line
     return found
 
 
