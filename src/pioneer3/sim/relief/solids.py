@@ -81,8 +81,8 @@ class Solid(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
-    """A low block with a flat top: a door sill, a platform.
+class Ground:
+    """A rectangle that robots drive on: flat floor on a plane.
 
     Attributes:
         pose: Its middle [m, rad].
@@ -91,7 +91,6 @@ class Step:
         z: Height of its foot [m].
     """
 
-    table: ClassVar[str] = "step"
     is_ground: ClassVar[bool] = True
     pose: Pose2
     size: tuple[float, float]
@@ -99,9 +98,9 @@ class Step:
     z: float = 0.0
 
     @property
-    def parts(self) -> tuple[Part, ...]:
-        """One block."""
-        return (Part("", Block(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
+    def block(self) -> Block:
+        """A cuboid of its size [m]."""
+        return Block(pose=self.pose, z=self.z, size=(*self.size, self.height))
 
     @property
     def walls(self) -> Float:
@@ -115,73 +114,46 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ramp:
-    """A wedge that rises along its own x axis, from its foot to `height`.
+class Step(Ground):
+    """A low block with a flat top: a door sill, a platform."""
 
-    Attributes:
-        pose: Its middle [m, rad].
-        size: Along its x and y axes [m].
-        height: At its upper end [m].
-        z: Height of its foot [m].
-    """
+    table: ClassVar[str] = "step"
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """One block."""
+        return (Part("", self.block),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ramp(Ground):
+    """A wedge that rises along its own x axis, from its foot to `height`."""
 
     table: ClassVar[str] = "ramp"
-    is_ground: ClassVar[bool] = True
-    pose: Pose2
-    size: tuple[float, float]
-    height: float
-    z: float = 0.0
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """One wedge."""
         return (Part("", Wedge(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
 
-    @property
-    def walls(self) -> Float:
-        """None."""
-        return NONE
-
-    @property
-    def outline(self) -> Float:
-        """Four sides."""
-        return rectangle(self.pose, self.size)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Carpet:
+class Carpet(Ground):
     """A part of the floor with a friction of its own, which holds for all that touches it.
 
     Attributes:
-        pose: Its middle [m, rad].
-        size: Along its x and y axes [m].
         friction: Coulomb's coefficient.
         height: Its thickness [m].
-        z: Height of its foot [m].
     """
 
     table: ClassVar[str] = "carpet"
-    is_ground: ClassVar[bool] = True
-    pose: Pose2
-    size: tuple[float, float]
     friction: float = CARPET_FRICTION
     height: float = CARPET_HEIGHT
-    z: float = 0.0
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """One block."""
-        return (Part("", Block(pose=self.pose, z=self.z, size=(*self.size, self.height))),)
-
-    @property
-    def walls(self) -> Float:
-        """None."""
-        return NONE
-
-    @property
-    def outline(self) -> Float:
-        """Four sides."""
-        return rectangle(self.pose, self.size)
+        return (Part("", self.block),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -284,26 +256,17 @@ class Table:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeightField:
-    """A floor whose heights a picture tells.
+class HeightField(Ground):
+    """A floor whose heights a picture tells, from black at `z` to white above it.
 
     Its file is read once: a world that runs does not change with it.
 
     Attributes:
         file: A PNG or PGM picture, seen from above.
-        pose: Its middle [m, rad].
-        size: Along its x and y axes [m].
-        height: Of white above black [m].
-        z: Height of black [m].
     """
 
     table: ClassVar[str] = "heightfield"
-    is_ground: ClassVar[bool] = True
     file: Path
-    pose: Pose2
-    size: tuple[float, float]
-    height: float
-    z: float = 0.0
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -322,16 +285,6 @@ class HeightField:
         heights = shades[::-1].astype(np.float64) / 255
         size = (*self.size, self.height)
         return (Part("", Terrain(pose=self.pose, z=self.z, size=size, heights=heights)),)
-
-    @property
-    def walls(self) -> Float:
-        """None."""
-        return NONE
-
-    @property
-    def outline(self) -> Float:
-        """Four sides."""
-        return rectangle(self.pose, self.size)
 
 
 @dataclass(frozen=True, kw_only=True)
