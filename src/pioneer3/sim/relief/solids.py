@@ -23,7 +23,7 @@ from pioneer3.sim.relief.shapes import FARTHEST, Block, Column, Hull, Part, Terr
 Float = NDArray[np.float64]
 
 SENSOR_HEIGHT = 0.2
-"""Where the plane cuts solids [m]: sonars of a P3-DX are at 0.17 m, its laser at 0.28 m."""
+"""Where the plane cuts solids [m]: between the sonars of a P3-DX and of a P3-AT, below lasers."""
 CARPET_FRICTION = 0.8
 """Of rubber on a short pile; an assumption."""
 CARPET_HEIGHT = 0.008
