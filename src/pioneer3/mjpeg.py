@@ -200,6 +200,19 @@ class Head:
 TOO_FAST: Final = f"it sends more than {MOST_PARTS} pictures a second: this is no camera"
 
 
+class Frame(NamedTuple):
+    """A picture of a stream.
+
+    Attributes:
+        jpeg: Its file.
+        view: Angle from its left edge to its right one [rad]; `None` where the camera does not
+            tell it.
+    """
+
+    jpeg: bytes
+    view: float | None
+
+
 def is_picture(data: bytes) -> bool:
     """Whether it begins as a JPEG does and ends as one does."""
     return data.startswith(START) and END in data[-TRAILING:]
@@ -215,14 +228,12 @@ class Parser:
         pictures: Number of pictures given.
         broken: Number of parts that are no pictures.
         parts: Number of all parts, also of empty ones.
-        view: Angle from the left edge of the newest picture to the right one [rad]; `None` where
-            the camera does not tell it.
     """
 
     def __init__(self) -> None:
         self.head: Head | None = None
         self.pictures = self.broken = self.parts = 0
-        self.view: float | None = None
+        self._view: float | None = None
         self._buffer = bytearray()
         self._searched = 0
         self._ending = b""
@@ -236,8 +247,8 @@ class Parser:
             return ""
         return self.head.headers.get("www-authenticate", "")
 
-    def receive(self, data: bytes) -> list[bytes]:
-        """Return the pictures that `data` completes, as JPEG.
+    def receive(self, data: bytes) -> list[Frame]:
+        """Return the pictures that `data` completes.
 
         Raises:
             LinkError: This is no stream of pictures; the message says what it is.
@@ -257,7 +268,7 @@ class Parser:
                 raise LinkError(TOO_FAST)
             if is_picture(body):
                 self.pictures += 1
-                found.append(body)
+                found.append(Frame(body, self._view))
             elif body.strip():
                 self.broken += 1
         return found
@@ -269,7 +280,7 @@ class Parser:
             if lines is None:
                 return None
             fields = _fields(lines)
-            self._length, self.view = _length(fields), _view(fields)
+            self._length, self._view = _length(fields), _view(fields)
             self._in_part = True
         body = self._counted() if self._length is not None else self._delimited()
         if body is not None:

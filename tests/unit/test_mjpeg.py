@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pioneer3 import mjpeg
 from pioneer3.errors import ConfigError, LinkError
-from pioneer3.mjpeg import CameraUrl, Parser, parse_url
+from pioneer3.mjpeg import CameraUrl, Frame, Parser, parse_url
 from tests.cameras import jpeg_of
 
 HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"
@@ -24,15 +24,21 @@ def pieces(data: bytes, cuts: list[int]) -> list[bytes]:
 
 def taken(data: bytes, cuts: list[int] | None = None) -> list[bytes]:
     parser = Parser()
-    return [picture for piece in pieces(data, cuts or []) for picture in parser.receive(piece)]
+    return [frame.jpeg for piece in pieces(data, cuts or []) for frame in parser.receive(piece)]
 
 
-@given(st.lists(PICTURES, max_size=5), st.lists(st.integers(0, 5000), max_size=20))
-def test_any_chunks_give_the_pictures_that_were_sent(
-    pictures: list[bytes], cuts: list[int]
+VIEWS = st.none() | st.integers(1, 3_000_000).map(lambda millionths: millionths / 1e6)
+FRAMES = st.builds(Frame, PICTURES, VIEWS)
+
+
+@given(st.lists(FRAMES, max_size=5), st.lists(st.integers(0, 5000), max_size=20))
+def test_any_chunks_give_the_pictures_that_were_sent_each_with_its_view(
+    frames: list[Frame], cuts: list[int]
 ) -> None:
-    sent = mjpeg.stream_head() + b"".join(map(mjpeg.part, pictures))
-    assert taken(sent, cuts) == pictures
+    parser = Parser()
+    sent = mjpeg.stream_head() + b"".join(mjpeg.part(*frame) for frame in frames)
+    found = [frame for piece in pieces(sent, cuts) for frame in parser.receive(piece)]
+    assert found == frames
 
 
 @given(st.lists(st.integers(0, 5000), max_size=20))
@@ -62,7 +68,7 @@ def test_a_part_that_is_no_picture_is_counted_and_left_out() -> None:
     parser = Parser()
     parts = [b"no picture", JPEG[:-2], JPEG]
     found = parser.receive(mjpeg.stream_head() + b"".join(map(mjpeg.part, parts)))
-    assert found == [JPEG]
+    assert found == [Frame(JPEG, None)]
     assert (parser.pictures, parser.broken) == (1, 2)
 
 
@@ -116,8 +122,8 @@ def test_headers_may_be_as_long_as_the_most_in_any_chunks(end: bytes) -> None:
     for cuts in ([], [mjpeg.MOST_HEAD + cut for cut in range(5)]):
         parser = Parser()
         parser.receive(HEAD)
-        found = [picture for piece in pieces(sent, cuts) for picture in parser.receive(piece)]
-        assert found == [JPEG + end]
+        found = [frame for piece in pieces(sent, cuts) for frame in parser.receive(piece)]
+        assert found == [Frame(JPEG + end, None)]
 
 
 def test_a_picture_without_end_is_refused_before_it_fills_the_memory() -> None:
@@ -172,11 +178,4 @@ def test_a_camera_may_tell_its_field_of_view(told: str | None, view: float | Non
     parser = Parser()
     line = "" if told is None else f"{mjpeg.VIEW}: {told}\r\n"
     head = f"--pioneer3picture\r\n{line}Content-Length: {len(JPEG)}\r\n\r\n"
-    assert parser.receive(mjpeg.stream_head() + head.encode() + JPEG) == [JPEG]
-    assert parser.view == view
-
-
-def test_our_own_stream_tells_the_field_of_view() -> None:
-    parser = Parser()
-    parser.receive(mjpeg.stream_head() + mjpeg.part(JPEG, 0.837758))
-    assert parser.view == 0.837758
+    assert parser.receive(mjpeg.stream_head() + head.encode() + JPEG) == [Frame(JPEG, view)]

@@ -17,6 +17,7 @@ from pioneer3.mjpeg import (
     MOST_PARTS,
     TOO_FAST,
     CameraUrl,
+    Frame,
     Login,
     Parser,
     authorization,
@@ -214,21 +215,21 @@ class CameraDriver:
                 raise LinkError(_silent(parser)) from None
             if not data:
                 raise LinkError("the camera closed the connection")
-            for jpeg in parser.receive(data):
+            for frame in parser.receive(data):
                 last = self._clock()
-                self._take(jpeg, last, parser.view)
+                self._take(frame, last)
             if parser.parts - before > MOST_PARTS:
                 raise LinkError(TOO_FAST)
             if self._clock() - since >= RATE_WINDOW:
                 since, before = self._clock(), parser.parts
             await asyncio.sleep(0)  # a full buffer is read without a pause
 
-    def _take(self, jpeg: bytes, now: float, view: float | None) -> None:
+    def _take(self, frame: Frame, now: float) -> None:
         self.pictures += 1
         if not self.connected:
             self._failure, self._failures = "", 0
             self._publish(Connection.CONNECTED, "pictures come")
-        self.latest = Picture(stamp=now, sequence=self.pictures, jpeg=jpeg, view=view)
+        self.latest = Picture(stamp=now, sequence=self.pictures, jpeg=frame.jpeg, view=frame.view)
         self._stamps.append(now)
         self._forget(now)
         self._feed.publish(self.latest)

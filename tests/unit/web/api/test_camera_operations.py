@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 import numpy as np
 import pytest
 
-from pioneer3.mjpeg import END, Parser, part, stream_head
+from pioneer3.mjpeg import END, Frame, Parser, part, stream_head
 from pioneer3.runtime.connect import connect_async
 from pioneer3.tasks import running
 from pioneer3.web import connections
@@ -79,7 +79,7 @@ async def test_a_stream_ends_with_its_session() -> None:
         answer = await asked
         parser = Parser()
         head = f"HTTP/1.1 200 OK\r\ncontent-type: {answer.headers['content-type']}\r\n\r\n"
-        assert parser.receive(head.encode() + answer.body) == [JPEG] * parser.pictures
+        assert parser.receive(head.encode() + answer.body) == [Frame(JPEG, None)] * parser.pictures
         assert 8 <= parser.pictures <= 10
         await asyncio.sleep(0.1)
         assert camera.viewers == 0
@@ -130,7 +130,7 @@ async def test_a_slow_viewer_gets_fewer_pictures_and_none_that_has_waited_for_lo
     ):
         parser, newest = Parser(), b""
         while parser.pictures < 20:
-            for jpeg in parser.receive(await quick.read(1 << 16)):
+            for jpeg, _ in parser.receive(await quick.read(1 << 16)):
                 newest = jpeg
         late = Parser()
         sent = int.from_bytes(newest[-6:-2], "big")
@@ -156,7 +156,7 @@ async def test_viewers_share_one_connection_and_a_stream_outlasts_other_answers(
             end, parsers = clock() + 1.5, (Parser(), Parser())
             while clock() < end:
                 for reader, parser in zip((one, two), parsers, strict=True):
-                    for jpeg in parser.receive(await reader.read(1 << 16)):
+                    for jpeg, _ in parser.receive(await reader.read(1 << 16)):
                         assert decoded(jpeg).shape == (24, 32, 3)
         assert min(parser.pictures for parser in parsers) > 10
         assert len(camera.requests) == 1
