@@ -24,6 +24,9 @@ MOST_HEAD: Final = 16 << 10
 """So are more bytes of headers in one place."""
 START, END = b"\xff\xd8", b"\xff\xd9"
 """Of every JPEG (ITU T.81, table B.1)."""
+SCHEME: Final = re.compile(r"([^\s=]+)(?:\s+([^\s=].*))?", re.DOTALL)
+"""Begins a question for a user: its scheme, and the first parameter."""
+HASHES: Final = {"MD5": md5, "SHA-256": sha256}
 MOST_PARTS: Final = 200
 """In one read, and in a second: a stream of more is refused."""
 NOT_LINE_END: Final = re.compile(rb"[^\r\n]")
@@ -31,6 +34,7 @@ EMPTY_LINE: Final = re.compile(rb"\r?\n\r?\n")
 """With the end of the line before."""
 TRAILING: Final = 64
 """Some cameras fill up a picture after its end, by fewer bytes than this."""
+CHALLENGE: Final = "www-authenticate"
 VIEW: Final = "X-Field-Of-View-Rad"
 """Header of a part: the angle from the left edge of the picture to the right one [rad], which
 changes with the zoom. Ours; other cameras do not tell it."""
@@ -73,8 +77,9 @@ def parse_url(text: str) -> CameraUrl:
     try:
         parts = urlsplit(text)
         port = parts.port
-    except ValueError as error:
-        raise _wrong(text, str(error)) from None
+        (parts.hostname or "").encode("idna")  # as the resolver does
+    except ValueError:  # its words may show a part of a login
+        raise _wrong(text, "no URL of a camera") from None
     if parts.scheme not in PORTS or not parts.hostname or not text.isascii():
         raise _wrong(text, "no URL of a camera")
     if any(character <= " " or character == "\x7f" for character in text):
@@ -116,27 +121,32 @@ class Login(NamedTuple):
 
 
 def authorization(url: CameraUrl, login: Login, challenge: str, nonce: str) -> str:
-    """Return the answer to the question for a user (RFC 7617, RFC 7616).
+    """Return the answer to the question for a user (RFC 7617, RFC 7616); empty if none is known.
+
+    Digest is preferred, as it does not tell the password.
 
     Args:
         url: Of the stream.
         login: Of the user.
-        challenge: The header WWW-Authenticate.
+        challenge: All headers WWW-Authenticate, with commas between them.
         nonce: Random hexadecimal digits of ours.
     """
-    scheme, _, parameters = challenge.strip().partition(" ")
-    if scheme.lower() != "digest":
+    asked = _challenges(challenge)
+    for scheme, parameters in asked:
+        if scheme == "digest" and parameters.get("algorithm", "MD5").upper() in HASHES:
+            return _digest(url, login, parameters, nonce)
+    if any(scheme == "basic" for scheme, _ in asked):
         return f"Basic {b64encode(f'{login.user}:{login.password}'.encode()).decode()}"
-    given = {
-        name.lower(): value.strip('"')
-        for name, _, value in (word.strip().partition("=") for word in _words(parameters))
-    }
+    return ""
+
+
+def _digest(url: CameraUrl, login: Login, given: Mapping[str, str], nonce: str) -> str:
+    """Return the answer to a question by Digest with the parameters `given`."""
     realm, theirs = given.get("realm", ""), given.get("nonce", "")
     algorithm = given.get("algorithm", "MD5")
 
     def hashed(text: str) -> str:
-        secure = algorithm.upper().startswith("SHA-256")
-        return (sha256 if secure else md5)(text.encode(), usedforsecurity=False).hexdigest()
+        return HASHES[algorithm.upper()](text.encode(), usedforsecurity=False).hexdigest()
 
     secret, asked = hashed(f"{login.user}:{realm}:{login.password}"), hashed(f"GET:{url.path}")
     fields = {"username": login.user, "realm": realm, "nonce": theirs, "uri": url.path}
@@ -155,9 +165,17 @@ def authorization(url: CameraUrl, login: Login, challenge: str, nonce: str) -> s
     return f"Digest {quoted}, {plain}"
 
 
-def _words(parameters: str) -> list[str]:
-    """Return what commas part that are not in quotes."""
-    return re.findall(r'(?:[^,"]|"[^"]*")+', parameters)
+def _challenges(text: str) -> list[tuple[str, dict[str, str]]]:
+    """Return the schemes, in lower case, that a server knows, each with its parameters."""
+    found: list[tuple[str, dict[str, str]]] = []
+    for word in re.findall(r'(?:[^,"]|"[^"]*")+', text):
+        begun = SCHEME.fullmatch(word.strip())
+        if begun:
+            found.append((begun[1].lower(), {}))
+        name, _, value = ((begun[2] or "") if begun else word).partition("=")
+        if found and name.strip():
+            found[-1][1][name.strip().lower()] = value.strip().strip('"')
+    return found
 
 
 def stream_head() -> bytes:
@@ -189,7 +207,8 @@ class Head:
     Attributes:
         status: Of HTTP, such as 200.
         reason: The words after it.
-        headers: Lower-case names; of several with one name the first.
+        headers: Lower-case names; of several with one name the first, but of WWW-Authenticate
+            all, with commas between them.
     """
 
     status: int
@@ -243,9 +262,12 @@ class Parser:
     @property
     def challenge(self) -> str:
         """The question for a user and a password; empty without one."""
-        if self.head is None or self.head.status != 401:
-            return ""
-        return self.head.headers.get("www-authenticate", "")
+        return self.head.headers.get(CHALLENGE, "") if self.wants_login else ""
+
+    @property
+    def wants_login(self) -> bool:
+        """Whether the answer is that a login is missing, or wrong."""
+        return self.head is not None and self.head.status == 401
 
     def receive(self, data: bytes) -> list[Frame]:
         """Return the pictures that `data` completes.
@@ -335,13 +357,17 @@ class Parser:
 def _fields(lines: list[str]) -> dict[str, str]:
     pairs = (line.partition(":") for line in lines)
     found: dict[str, str] = {}
-    for name, colon, value in pairs:
-        if colon:
-            found.setdefault(name.strip().lower(), value.strip())
+    for told, colon, value in pairs:
+        name = told.strip().lower()
+        if colon and name == CHALLENGE and name in found:
+            found[name] += f", {value.strip()}"
+        elif colon:
+            found.setdefault(name, value.strip())
     return found
 
 
 def _head(lines: list[str]) -> Head:
+    lines = ["".join(sign if sign.isprintable() else " " for sign in line) for line in lines]
     words = lines[0].split(None, 2)
     if len(words) < 2 or not words[0].startswith("HTTP/") or not words[1].isdigit():
         raise LinkError("what answers there does not speak HTTP: is this the camera's port?")

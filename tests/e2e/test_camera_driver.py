@@ -170,6 +170,22 @@ async def test_a_password_is_sent_when_the_camera_asks_for_it(
         assert "pass" not in f"{driver.url} {driver.presence}"
 
 
+@pytest.mark.parametrize(
+    ("challenge", "said"), [("Basic realm=x", "refuses the user or the pass"), ("NTLM", "'NTLM'")]
+)
+async def test_a_wrong_login_and_one_of_another_kind_are_told(
+    challenge: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    logins = tmp_path / "netrc"
+    logins.write_text("machine 127.0.0.1 login root password pass\n")
+    logins.chmod(0o600)
+    monkeypatch.setenv("NETRC", str(logins))
+    asks = f"HTTP/1.0 401 Unauthorized\r\nWWW-Authenticate: {challenge}\r\n\r\n".encode()
+    async with fake_camera(says(asks)) as camera, driven(camera.url) as driver:
+        with pytest.raises(DeviceError, match=said):
+            await driver.picture(patience=0.3)
+
+
 async def test_a_login_that_others_may_read_is_told_and_a_missing_one_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,6 +64,43 @@ def test_boundaries_are_written_in_several_ways(kind: str) -> None:
     assert taken(head + b"--frame\n\n" + JPEG + b"\n--frame\n") == [JPEG + b"\n"]
 
 
+@pytest.mark.parametrize(
+    ("headers", "scheme"),
+    [
+        (['Basic realm="a, Digest b"'], "Basic"),
+        (["basic"], "Basic"),
+        (['Basic realm="a"', 'Digest realm="b", nonce="1"'], 'Digest username="u", realm="b"'),
+        (['Basic realm="a", digest realm="b", nonce="1"'], 'Digest username="u", realm="b"'),
+        (["Digest realm=b, nonce=1, algorithm=SHA-512-256", "Basic realm=a"], "Basic"),
+        (
+            ['Digest realm="s", nonce="1", algorithm=MD5-sess', 'Digest realm = "m", nonce="1"'],
+            'Digest username="u", realm="m"',
+        ),
+        (["Negotiate", "NTLM TlRMTQ=="], ""),
+        (["Bearer realm=x"], ""),
+        (["", ",=,", "="], ""),
+    ],
+)
+def test_a_login_is_answered_by_the_best_scheme_that_is_known(
+    headers: list[str], scheme: str
+) -> None:
+    parser = Parser()
+    lines = "".join(f"WWW-Authenticate: {header}\r\n" for header in headers)
+    with pytest.raises(LinkError, match="user and a password"):
+        parser.receive(f"HTTP/1.1 401 Unauthorized\r\n{lines}\r\n".encode())
+    answer = mjpeg.authorization(
+        parse_url("http://cam/"), mjpeg.Login("u", "p"), parser.challenge, "0"
+    )
+    assert answer.startswith(scheme)
+    assert bool(answer) == bool(scheme)
+
+
+@given(st.text(max_size=60))
+def test_any_question_for_a_login_is_answered_or_not(challenge: str) -> None:
+    answer = mjpeg.authorization(parse_url("http://cam/"), mjpeg.Login("u", "p"), challenge, "0")
+    assert answer == "" or answer.startswith(("Basic ", "Digest "))
+
+
 def test_a_part_that_is_no_picture_is_counted_and_left_out() -> None:
     parser = Parser()
     parts = [b"no picture", JPEG[:-2], JPEG]
@@ -126,6 +163,19 @@ def test_headers_may_be_as_long_as_the_most_in_any_chunks(end: bytes) -> None:
         assert found == [Frame(JPEG + end, None)]
 
 
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"HTTP/1.1 500 \x1b[2J\x9bred\r\n\r\n",
+        b"HTTP/1.1 302 Found\r\nLocation: http://\x1b]0;x\x07there/\r\n\r\n",
+    ],
+)
+def test_control_characters_of_a_camera_are_not_shown(answer: bytes) -> None:
+    with pytest.raises(LinkError) as caught:
+        taken(answer)
+    assert str(caught.value).isprintable()
+
+
 def test_a_picture_without_end_is_refused_before_it_fills_the_memory() -> None:
     parser = Parser()
     parser.receive(HEAD + b"--frame\r\n\r\n" + mjpeg.START)
@@ -155,7 +205,18 @@ def test_urls_are_read(text: str, url: CameraUrl) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "cam", "ftp://cam/", "http://", "http://cam:99999/", "http://cam/a b", "http://é/"]
+    "text",
+    [
+        "",
+        "cam",
+        "ftp://cam/",
+        "http://",
+        "http://cam:99999/",
+        "http://a..b/",
+        f"http://{64 * 'a'}/",
+        "http://cam/a b",
+        "http://é/",
+    ],
 )
 def test_wrong_urls_are_refused_with_an_example(text: str) -> None:
     with pytest.raises(ConfigError, match="axis-cgi"):

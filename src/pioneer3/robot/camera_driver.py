@@ -170,11 +170,17 @@ class CameraDriver:
             try:
                 await self._take_stream(parser, login)
             except LinkError as error:
+                if login and parser.wants_login:
+                    problem = f"it refuses the user or the password of {_logins()}"
+                    raise LinkError(f"{self.url}: {problem}") from None
                 challenge = parser.challenge
-                user = login_of(self._at.host) if challenge and not login else None
+                user = login_of(self._at.host) if challenge else None
                 if user is None:
                     raise LinkError(f"{self.url}: {error}") from None
                 login = authorization(self._at, user, challenge, token_hex(8))
+                if not login:
+                    problem = f"it wants a login by {challenge[:40]!r}: let it take Digest or Basic"
+                    raise LinkError(f"{self.url}: {problem}") from None
             else:
                 return
             finally:
@@ -265,13 +271,18 @@ def login_of(host: str) -> Login | None:
     except FileNotFoundError:
         return None
     except (OSError, NetrcParseError) as error:
-        raise LinkError(f"{path or '~/.netrc'}: {error}") from None
+        raise LinkError(f"{_logins()}: {error}") from None
     if found is None:
         return None
     login = Login(found[0], found[2])
     if not (login.user + login.password).isprintable() or {":", '"'} & {*login.user}:
-        raise LinkError(f"{path or '~/.netrc'}: a login for {host} that cannot be sent")
+        raise LinkError(f"{_logins()}: a login for {host} that cannot be sent")
     return login
+
+
+def _logins() -> str:
+    """Return the name of the file with the logins."""
+    return os.environ.get("NETRC") or "~/.netrc"
 
 
 def _silent(parser: Parser) -> str:

@@ -138,7 +138,7 @@ async def test_a_slow_viewer_gets_fewer_pictures_and_none_that_has_waited_for_lo
         while not seen or seen[-1] < sent:
             seen += [
                 int.from_bytes(jpeg[-6:-2], "big")
-                for jpeg in late.receive(await slow.read(1 << 16))
+                for jpeg, _ in late.receive(await slow.read(1 << 16))
             ]
         assert len(seen) < 10
         assert seen == sorted(set(seen))
