@@ -53,7 +53,6 @@ async def test_pictures_come_with_their_time_and_number() -> None:
         assert second.sequence > first.sequence
         assert color_of(second) == pytest.approx(RED, abs=4)
         assert driver.connected
-        assert driver.lost is None
 
 
 async def test_a_young_picture_is_used_again_and_an_old_one_is_not() -> None:
@@ -75,6 +74,8 @@ async def test_it_connects_only_while_pictures_are_wanted() -> None:
         assert not camera.left.is_set()
         async with asyncio.timeout(5):
             await camera.left.wait()
+        await until(lambda: not driver.connected)
+        assert "is asked when" in driver.presence.reason
         await driver.picture(max_age=0.0)
         assert len(camera.requests) == 2
 
@@ -85,7 +86,7 @@ async def test_a_lost_camera_is_found_again() -> None:
         async for picture in driver.values():
             if color_of(picture) == pytest.approx(BLUE, abs=4):
                 break
-        assert driver.losses == 1
+        assert len(camera.requests) == 4
 
 
 HEAD = mjpeg.stream_head()

@@ -59,7 +59,6 @@ class CameraDriver:
         latest: The last picture, or `None`; look at its stamp.
         pictures: Number of pictures received.
         broken: Number of parts of the stream that were no pictures.
-        losses: How often the camera was lost.
 
     Raises:
         ConfigError: The URL is wrong.
@@ -70,7 +69,7 @@ class CameraDriver:
         self.url = str(self._at)
         self.status: Feed[Status] = Feed()
         self.latest: Picture | None = None
-        self.pictures = self.broken = self.losses = 0
+        self.pictures = self.broken = 0
         self._feed: Feed[Picture] = Feed()
         self._clock = asyncio.get_running_loop().time
         self._stamps: deque[float] = deque()
@@ -93,11 +92,6 @@ class CameraDriver:
         if self.connected:
             return Presence(True, f"The camera at {self.url} sends {self.rate:.0f} pictures/s.")
         return Presence(True, f"The camera at {self.url} is asked when its pictures are wanted.")
-
-    @property
-    def lost(self) -> str | None:
-        """While pictures are wanted and do not come, the reason; else `None`."""
-        return self._failure or None
 
     @property
     def rate(self) -> float:
@@ -148,6 +142,8 @@ class CameraDriver:
                 self._publish(Connection.CONNECTING, "connecting")
                 try:
                     await self._serve_once()
+                    self._failure, self._failures = "", 0
+                    self._publish(Connection.CLOSED, "nobody looks")
                 except LinkError as error:
                     await self._lose(str(error))
                 except Exception as error:  # it must not end the robot beside it
@@ -241,7 +237,6 @@ class CameraDriver:
         self._feed.publish(self.latest)
 
     async def _lose(self, reason: str) -> None:
-        self.losses += self.connected
         self._failure = reason
         self._publish(Connection.LOST, reason)
         pause = BACK_OFF[min(self._failures, len(BACK_OFF) - 1)]
