@@ -104,7 +104,15 @@ export class Panels {
 
   /** Shows the camera's pictures while its view is open; the module comes with the first time. */
   async #look() {
-    if (this.view === "camera") this.#camera ??= import("./camera.js").then(({ CameraView }) => new CameraView(byId("view-camera")));
+    if (this.view === "camera") {
+      this.#camera ??= import("./camera.js").then(
+        ({ CameraView }) => new CameraView(byId("view-camera")),
+        (error) => {
+          this.#camera = undefined; // it is asked for again when the view is opened again
+          throw error;
+        },
+      );
+    }
     (await this.#camera)?.show(this.view === "camera" ? this.#selected.id : null);
   }
 
