@@ -262,7 +262,9 @@ class Parser:
     @property
     def challenge(self) -> str:
         """The question for a user and a password; empty without one."""
-        return self.head.headers.get(CHALLENGE, "") if self.wants_login else ""
+        if self.head is None or not self.wants_login:
+            return ""
+        return self.head.headers.get(CHALLENGE, "")
 
     @property
     def wants_login(self) -> bool:

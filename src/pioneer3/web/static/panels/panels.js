@@ -108,7 +108,7 @@ export class Panels {
       this.#camera ??= import("./camera.js").then(
         ({ CameraView }) => new CameraView(byId("view-camera")),
         (error) => {
-          this.#camera = undefined; // it is asked for again when the view is opened again
+          this.#camera = null; // it is asked for again when the view is opened again
           throw error;
         },
       );
