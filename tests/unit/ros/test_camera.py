@@ -71,6 +71,21 @@ async def test_pictures_are_published_with_the_geometry_of_their_field_of_view(
         assert info.P[:3] == info.K[:3]
 
 
+async def test_a_camera_that_sends_nothing_is_left_with_the_last_subscriber() -> None:
+    class Silent(TenASecond):
+        async def run(self) -> None:
+            await asyncio.sleep(1000.0)
+
+    camera = Silent()
+    async with a_node(camera) as middleware:
+        middleware.publishers[IMAGE].subscribed = True
+        await asyncio.sleep(1.0)
+        assert camera.viewers == 1
+        middleware.publishers[IMAGE].subscribed = False
+        await asyncio.sleep(1.0)
+        assert camera.viewers == 0
+
+
 async def test_without_subscribers_nobody_asks_the_camera() -> None:
     camera = TenASecond(jpeg=JPEG)
     async with a_node(camera) as middleware:

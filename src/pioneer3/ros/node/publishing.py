@@ -121,13 +121,24 @@ class Publishing:
             if not self.has_subscribers(source, sensor):
                 await asyncio.sleep(LOOK)
                 continue
-            try:
+
+            async def read() -> bool:
                 async with aclosing(values()) as found:
                     async for value in found:
                         if not self.has_subscribers(source, sensor):
-                            break
+                            return False
                         self.publish(update_of(value), sensor)
-                    else:
-                        return
+                return True
+
+            reading = asyncio.ensure_future(read())
+            try:
+                # a device that gives nothing is left, too, when nobody subscribes any more
+                while not reading.done() and self.has_subscribers(source, sensor):
+                    await asyncio.wait({reading}, timeout=LOOK)
+                if reading.done() and await reading:
+                    return
             except DeviceError:  # another robot is at the other end now
                 await asyncio.sleep(PAUSE)
+            finally:
+                reading.cancel()
+                await asyncio.wait({reading})
