@@ -15,7 +15,7 @@ PAGE = (Path(__file__).parents[3] / "docs/how-to/simulate.md").read_text()
 SHELL = "".join(re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL))
 LINES = [line.partition("#")[0].strip() for line in SHELL.splitlines()]
 SIMS = [line for line in LINES if line.startswith("pioneer3 sim")]
-(WORLD,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+WORLDS = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 
 
 def test_there_is_something_to_try() -> None:
@@ -38,6 +38,7 @@ def test_every_command_is_taken(line: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert len(seen) == 1
 
 
-def test_the_world_is_one(tmp_path: Path) -> None:
-    world = parse_world(tmp_path / "class.toml", WORLD)
-    assert [(robot.name, robot.port) for robot in world.robots] == [("anna", 8101), ("ben", 8102)]
+def test_the_worlds_are_some(tmp_path: Path) -> None:
+    class_, *others = [parse_world(tmp_path / "class.toml", world) for world in WORLDS]
+    assert [(robot.name, robot.port) for robot in class_.robots] == [("anna", 8101), ("ben", 8102)]
+    assert all(world.solids for world in others)

@@ -155,7 +155,7 @@ def test_no_corner_turns_faster_than_the_creep_where_it_stalled() -> None:
 @pytest.mark.parametrize(("words", "x"), [("back and turn", -0.4), ("forward and turn", 0.4)])
 def test_it_does_not_drive_at_what_is_seen_right_in_the_way(words: str, x: float) -> None:
     """It drove backwards into somebody who stood behind it, as it only looked later."""
-    action, there = recovery(), (hypot(x, 0.1), atan2(0.1, x))
+    action, there = StallRecover(clear=0.0, gap=0.1), (hypot(x, 0.1), atan2(0.1, x))
     action.decide(at(0.0, BOTH))
     began = 0.0
     if x > 0:
@@ -167,3 +167,5 @@ def test_it_does_not_drive_at_what_is_seen_right_in_the_way(words: str, x: float
     assert value(blocked, "v") == 0.0
     assert blocked is not None
     assert blocked.reason == f"stalled: {words}"
+    both = (there, (hypot(x, 0.1), atan2(0.1, -x)))
+    assert value(action.decide(at(began + 0.3, FREE, 0.0, *both)), "v") != 0.0
