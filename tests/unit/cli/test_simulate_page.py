@@ -38,7 +38,11 @@ def test_every_command_is_taken(line: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert len(seen) == 1
 
 
-def test_the_worlds_are_some(tmp_path: Path) -> None:
-    class_, *others = [parse_world(tmp_path / "class.toml", world) for world in WORLDS]
-    assert [(robot.name, robot.port) for robot in class_.robots] == [("anna", 8101), ("ben", 8102)]
-    assert all(world.solids for world in others)
+def test_the_world_of_a_class_is_one(tmp_path: Path) -> None:
+    world = parse_world(tmp_path / "class.toml", WORLDS[0])
+    assert [(robot.name, robot.port) for robot in world.robots] == [("anna", 8101), ("ben", 8102)]
+
+
+def test_a_part_of_a_world_is_one(tmp_path: Path) -> None:
+    world = parse_world(tmp_path / "ramp.toml", f"[world]\n{WORLDS[1]}")
+    assert [solid.table for solid in world.solids] == ["ramp"]
