@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from tests.e2e.processes import PHYSICS
+from tests.support import PHYSICS
 
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")

@@ -1,6 +1,7 @@
 """A robot to test with: world and firmware at the far end of a cable in memory."""
 
 import asyncio
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from math import hypot
@@ -28,6 +29,8 @@ from pioneer3.sim.realism import Realism
 from pioneer3.sim.world import World
 from pioneer3.sim.worldfile.spec import Physics
 
+PHYSICS = "PYTEST_PHYSICS"
+"""Set in the environment by pytest's option `--physics`: commands simulate with MuJoCo, too."""
 TICK = 0.02
 SYNCS = (0, 1, 2)
 STAYED = 2e-3
@@ -36,6 +39,11 @@ SLOW = 0.02
 """What is slower stands, as people see it [m/s, rad/s]."""
 OUTLINE = 0.07
 """A robot's body ends at most so far within the outline that ARIA gives it [m]."""
+
+
+def bound(planar: float, physical: float) -> float:
+    """Return the bound of a figure: that of the plane, or with `--physics` that of mass."""
+    return physical if PHYSICS in os.environ else planar
 
 
 def frame(command: Command) -> bytes:

@@ -11,12 +11,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from tests.support import PHYSICS
+
 PATIENCE = 30.0
 """Longest wait for anything on a busy machine [s]."""
 KILLED = -1000
 COMMAND = (sys.executable, "-m", "pioneer3")
-PHYSICS = "PYTEST_PHYSICS"
-"""Set in the environment by pytest's option `--physics`: commands simulate with MuJoCo, too."""
 
 
 def words_of(*arguments: str) -> tuple[str, ...]:
