@@ -21,8 +21,6 @@ from pioneer3.runtime.lining_up import LiningUp
 
 Float = NDArray[np.float64]
 
-GAP = 0.1
-"""After a stall the robot does not drive at what it sees so near to its front or rear [m]."""
 PATIENCE, AMONG_PEOPLE = 40.0, 120.0
 """A robot that comes no nearer for so long gives up [s]; people go on sooner or later."""
 DETOUR, DETOURS = 1.0, 8
@@ -247,7 +245,7 @@ def follow_way(
 ) -> Stack:
     """Return the mode that drives along a way, kept clear of what is not seen in time."""
     actions = [
-        Ranked(110, StallRecover(gap=GAP)),
+        Ranked(110, StallRecover()),
         Ranked(100, LimiterTableSensor()),
         Ranked(50, action),
     ]

@@ -60,8 +60,6 @@ class StallRecover:
         turn_rate: Highest [rad/s].
         creep: Speed at which any point of the robot may touch something [m/s].
         clear: So far from where it stalled nothing unseen touches it [m].
-        gap: The robot does not drive at what it sees nearer than this to its front or rear [m]; 0
-            if sensors are not good enough for that.
         enabled: Whether it does anything.
     """
 
@@ -72,7 +70,6 @@ class StallRecover:
     turn_rate: float = radians(10)
     creep: float = CREEP
     clear: float = 0.1
-    gap: float = 0.0
     enabled: bool = True
     name: str = "stall recover"
     _way: Way | None = field(default=None, init=False)
@@ -141,26 +138,9 @@ class StallRecover:
             else around.nearest(AHEAD, -AHEAD, Buffer.WINDOW)
         )
         room = echo.distance - situation.model.radius
-        if self._is_blocked(drive, situation):
-            return 0.0
         if left <= self.seconds / 2 and 0 < room < self.obstacle_distance:
             return 0.0
         return drive * self.speed
-
-    def _is_blocked(self, drive: int, situation: Situation) -> bool:
-        """Whether something is seen right in the way, and nothing right in the other way."""
-        if not self.gap:
-            return False
-        return self._sees(drive, situation) and not self._sees(-drive, situation)
-
-    def _sees(self, drive: int, situation: Situation) -> bool:
-        """Whether something is seen right in front of the robot, or right behind it."""
-        model, beside = situation.model, situation.model.width / 2
-        edge = model.length_front if drive > 0 else -model.length_rear
-        echo = situation.around.nearest_in_box(
-            edge, -beside, edge + drive * self.gap, beside, Buffer.WINDOW
-        )
-        return bool(echo)
 
 
 def _away(situation: Situation) -> int:

@@ -1,6 +1,6 @@
 """Ten ways out of a stall. R = 0.5 m of a P3-AT."""
 
-from math import atan2, hypot, pi, radians
+from math import pi, radians
 
 import pytest
 
@@ -150,22 +150,3 @@ def test_no_corner_turns_faster_than_the_creep_where_it_stalled() -> None:
         turn = trouble(action, 9.0 * number)
     assert turn.reason == "stalled: turn left"
     assert value(turn, "left_max") == pytest.approx(0.035 / seen().model.corner)
-
-
-@pytest.mark.parametrize(("words", "x"), [("back and turn", -0.4), ("forward and turn", 0.4)])
-def test_it_does_not_drive_at_what_is_seen_right_in_the_way(words: str, x: float) -> None:
-    """It drove backwards into somebody who stood behind it, as it only looked later."""
-    action, there = StallRecover(clear=0.0, gap=0.1), (hypot(x, 0.1), atan2(0.1, x))
-    action.decide(at(0.0, BOTH))
-    began = 0.0
-    if x > 0:
-        action.decide(at(5.0))
-        began = 6.0
-        action.decide(at(began, BOTH))
-    free, blocked = action.decide(at(began + 0.1)), action.decide(at(began + 0.2, FREE, 0.0, there))
-    assert value(free, "v") == (0.15 if x > 0 else -0.15)
-    assert value(blocked, "v") == 0.0
-    assert blocked is not None
-    assert blocked.reason == f"stalled: {words}"
-    both = (there, (hypot(x, 0.1), atan2(0.1, -x)))
-    assert value(action.decide(at(began + 0.3, FREE, 0.0, *both)), "v") != 0.0
