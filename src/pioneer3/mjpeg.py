@@ -339,7 +339,7 @@ class Parser:
         return body
 
     def _delimited(self) -> bytes | None:
-        """Take what is before the next boundary.
+        """Take the bytes before the next boundary; `None` if it has not come.
 
         Raises:
             LinkError: None comes for too long.

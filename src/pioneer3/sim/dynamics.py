@@ -91,7 +91,7 @@ class Dynamics(Protocol):
         ...
 
     def imu(self, number: int) -> ImuReading:
-        """Return what robot `number` feels, on average over the last step, without errors."""
+        """Return the exact rates and accelerations of robot `number`, averaged over the last step."""
         ...
 
 

@@ -209,7 +209,7 @@ class World:
         return self._sensing.look(self.kernels, fan, limit, body.number)
 
     def imu(self, body: Body) -> ImuReading:
-        """Return what a gyro and an accelerometer on `body` feel, without errors."""
+        """Return the reading of an exact gyro and accelerometer on `body`."""
         self._place()
         return self._dynamics.imu(body.number)
 

@@ -142,7 +142,7 @@ class RobotCamera:
         return self._motors[name, port]
 
     def __call__(self, name: CameraName, port: int = 1) -> Camera:
-        """Return what :meth:`ptz` returns."""
+        """Do the same as :meth:`ptz`."""
         return self.ptz(name, port)
 
     def _known(self) -> PictureSource:

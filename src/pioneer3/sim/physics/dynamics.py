@@ -229,7 +229,7 @@ class MujocoDynamics:
         return velocity
 
     def instant(self, body: Body) -> Instant:
-        """Return what the camera of a robot may see now."""
+        """Return the present state of the world for the camera of a robot."""
         if self._work is not None:
             self._work.result()  # positions do not change while they are copied
         hidden = np.flatnonzero(self._outlines.hidden[: len(self._robots)])

@@ -82,7 +82,7 @@ def places_of(scene: Scene, outlines: Float, people: Float) -> Places:
 def cast(
     scene: Scene, origin: Float, ways: Float, limit: float, *, groups: Sequence[int], but: int
 ) -> Hits:
-    """Return what rays from one point meet.
+    """Return the first hits of rays from one point.
 
     Args:
         scene: The world, whose kinematics are up to date.
@@ -110,7 +110,7 @@ def cast(
 def cast_light(
     scene: Scene, origin: Float, ways: Float, limit: float, *, groups: Sequence[int], but: int
 ) -> Hits:
-    """Return what beams of light meet, which go through glass unless they meet it in front.
+    """Return the first hits of light, which goes through glass that it does not meet in front.
 
     Arguments are those of :func:`cast`.
     """

@@ -81,7 +81,7 @@ class Solid(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ground:
+class GroundSolid:
     """A rectangle that robots drive on: flat floor on a plane.
 
     Attributes:
@@ -114,7 +114,7 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step(Ground):
+class Step(GroundSolid):
     """A low block with a flat top: a door sill, a platform."""
 
     table: ClassVar[str] = "step"
@@ -126,7 +126,7 @@ class Step(Ground):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ramp(Ground):
+class Ramp(GroundSolid):
     """A wedge that rises along its own x axis, from its foot to `height`."""
 
     table: ClassVar[str] = "ramp"
@@ -138,7 +138,7 @@ class Ramp(Ground):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Carpet(Ground):
+class Carpet(GroundSolid):
     """A part of the floor with a friction of its own, which holds for all that touches it.
 
     Attributes:
@@ -256,7 +256,7 @@ class Table:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeightField(Ground):
+class HeightField(GroundSolid):
     """A floor whose heights a picture tells, from black at `z` to white above it.
 
     Its file is read once: a world that runs does not change with it.
