@@ -91,7 +91,7 @@ class Dynamics(Protocol):
         ...
 
     def imu(self, number: int) -> ImuReading:
-        """Return the exact rates and accelerations of robot `number`, averaged over the last step."""
+        """Return exact rates and accelerations of robot `number`, averaged over a step."""
         ...
 
 

@@ -1,7 +1,7 @@
 """What the sensors of robots measure, without errors: on a plane, or in three dimensions."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -12,7 +12,7 @@ from pioneer3.maps import LineMap
 from pioneer3.maps.materials import Codes, Material, codes_of
 from pioneer3.sim.body import Body, Bumpers
 from pioneer3.sim.collision import REACH, pressed_segments
-from pioneer3.sim.kernels import Fan, Grid, Kernels, Mounts, Robots, build_grid
+from pioneer3.sim.kernels import Echoes, Fan, Grid, Kernels, Mounts, Robots, build_grid
 from pioneer3.sim.kernels.drives import TOUCHED
 from pioneer3.sim.obstacles import Obstacle, at_laser_height
 from pioneer3.sim.realism import SonarErrors
@@ -26,6 +26,31 @@ Int32 = NDArray[np.int32]
 
 People = Literal["legs", "bodies"]
 """The part of people that light meets: at the height of a laser, or of an eye."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensedWalls:
+    """Walls as the kernels sense them.
+
+    Attributes:
+        grid: All of them.
+        opaque: Those that are not of glass.
+        surfaces: Those that are not plain.
+        echoes: Those that send sound back, and the edges that always do.
+    """
+
+    grid: Grid
+    opaque: Grid
+    surfaces: Surfaces
+    echoes: Echoes
+
+    @classmethod
+    def of(cls, walls: Float, codes: Codes, grid: Grid, sonar: SonarErrors) -> "SensedWalls":
+        """Return those of `walls` (W, 4) with the materials `codes` (W,), which `grid` is of."""
+        surfaces, clear = Surfaces.among(walls, codes), grid
+        if surfaces.has_glass:
+            clear = build_grid(opaque(walls, codes))
+        return cls(grid=grid, opaque=clear, surfaces=surfaces, echoes=sonar.echoes(grid))
 
 
 class Sensing(Protocol):
@@ -87,11 +112,7 @@ class PlanarSensing:
         self._met: Robots | None = None
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
-        self._grid = self._clear = grid
-        self._surfaces = Surfaces.among(line_map.walls, line_map.materials)
-        if self._surfaces.has_glass:
-            self._clear = build_grid(opaque(line_map.walls, line_map.materials))
-        self._echoes = self._errors.echoes(grid)
+        self._walls = SensedWalls.of(line_map.walls, line_map.materials, grid, self._errors)
         self.forget()
 
     def change_bodies(
@@ -105,16 +126,17 @@ class PlanarSensing:
         self._met = None
 
     def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
+        walls = self._walls
         return kernels.sonar(
-            self._grid, self._outlines, mounts, SONAR_RANGE, echoes=self._echoes, owners=owners
+            walls.grid, self._outlines, mounts, SONAR_RANGE, echoes=walls.echoes, owners=owners
         )
 
     def fans(
         self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"
     ) -> Float:
         met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
-        ranges = kernels.cast_fans(self._clear, met, fan, limit, owners=owners)
-        if self._surfaces.has_glass:
+        ranges = kernels.cast_fans(self._walls.opaque, met, fan, limit, owners=owners)
+        if self._walls.surfaces.has_glass:
             for row, number in enumerate(owners.tolist()):
                 ranges[row] = self._through_glass(number, fan, ranges[row])[0]
         return ranges
@@ -124,7 +146,7 @@ class PlanarSensing:
     ) -> tuple[Float, Codes]:
         met = self._outlines if people == "bodies" else self._met_by_lasers(kernels)
         owner = np.array([number], dtype=np.int32)
-        ranges: Float = kernels.cast_fans(self._clear, met, fan, limit, owners=owner)[0]
+        ranges: Float = kernels.cast_fans(self._walls.opaque, met, fan, limit, owners=owner)[0]
         return self._through_glass(number, fan, ranges)
 
     def bumpers(self, number: int) -> Bumpers:
@@ -148,13 +170,13 @@ class PlanarSensing:
         corners = np.stack([outlines[:, ::2], outlines[:, 1::2]], axis=2)
         sides = np.concatenate([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 4)
         if hit:
-            _, walls = self._grid.near(np.array([[x, y]]), reach)
-            sides = np.concatenate([self._grid.walls[walls], sides])
+            _, walls = self._walls.grid.near(np.array([[x, y]]), reach)
+            sides = np.concatenate([self._walls.grid.walls[walls], sides])
         return pressed_segments(model, Pose2(x, y, theta), sides)
 
     def _through_glass(self, number: int, fan: Fan, ranges: Float) -> tuple[Float, Codes]:
         """Return ranges and materials for the `ranges` of what is not glass, shape (B,)."""
-        surfaces = self._surfaces.joined(_movable_surfaces(self._obstacles))
+        surfaces = self._walls.surfaces.joined(_movable_surfaces(self._obstacles))
         at, angles = beams_of(self._robots[number], fan)
         return surfaces.seen(np.array([at.x, at.y]), angles, ranges)
 

@@ -158,7 +158,7 @@ def _angles(scene: Scene) -> Float:
 
 
 def _inertia(model: RobotModel) -> float:
-    """Return the inertia that the motors of a side turn, at the wheels of a straight drive [kg m2]."""
+    """Return the inertia that one side moves on a straight drive, at its wheels [kg m2]."""
     physics = physics_of(model)
     motors = physics.armature * len(shape_of(model).axles)
     return motors + total_mass(model) * physics.rolling_radius**2 / 2

@@ -22,9 +22,8 @@ from pioneer3.sim.physics.rays import Places, cast, cast_light, places_of, refre
 from pioneer3.sim.physics.scene import TALL, Scene
 from pioneer3.sim.realism import SonarErrors
 from pioneer3.sim.relief import Relief
-from pioneer3.sim.sensing import People, beams_of
+from pioneer3.sim.sensing import People, SensedWalls, beams_of
 from pioneer3.sim.sensors import SONAR_RANGE
-from pioneer3.sim.surfaces import Surfaces, opaque
 from pioneer3.sim.worldfile import Person
 
 Float = NDArray[np.float64]
@@ -49,12 +48,9 @@ class MujocoSensing:
 
     def change_map(self, line_map: LineMap, grid: Grid, relief: Relief) -> None:
         tall = relief.heights_of(line_map) >= TALL
-        walls, materials = line_map.walls[tall], line_map.materials[tall]
-        self._grid = self._clear = grid if tall.all() else build_grid(walls)
-        self._surfaces = Surfaces.among(walls, materials)
-        if self._surfaces.has_glass:
-            self._clear = build_grid(opaque(walls, materials))
-        self._echoes = self._errors.echoes(self._grid)
+        walls, codes = line_map.walls[tall], line_map.materials[tall]
+        own = grid if tall.all() else build_grid(walls)
+        self._walls = SensedWalls.of(walls, codes, own, self._errors)
         self.forget()
 
     def change_bodies(
@@ -75,8 +71,9 @@ class MujocoSensing:
 
     def sonar(self, kernels: Kernels, mounts: Mounts, owners: Int32 | None) -> Float:
         places = self._refreshed(kernels)
+        walls = self._walls
         heard = kernels.sonar(
-            self._grid, self._alone, mounts, SONAR_RANGE, echoes=self._echoes, owners=owners
+            walls.grid, self._alone, mounts, SONAR_RANGE, echoes=walls.echoes, owners=owners
         )
         numbers = np.arange(len(mounts.kinds)) if owners is None else owners
         for row, number in enumerate(numbers.tolist()):
@@ -92,7 +89,7 @@ class MujocoSensing:
         self, kernels: Kernels, fan: Fan, limit: float, owners: Int32, people: People = "legs"
     ) -> Float:
         self._refreshed(kernels)
-        ranges = kernels.cast_fans(self._clear, self._alone, fan, limit, owners=owners)
+        ranges = kernels.cast_fans(self._walls.opaque, self._alone, fan, limit, owners=owners)
         for row, number in enumerate(owners.tolist()):
             ranges[row], _ = self._lit(number, fan, limit, ranges[row], people)
         return ranges
@@ -102,7 +99,9 @@ class MujocoSensing:
     ) -> tuple[Float, Codes]:
         self._refreshed(kernels)
         owner = np.array([number], dtype=np.int32)
-        ranges: Float = kernels.cast_fans(self._clear, self._alone, fan, limit, owners=owner)[0]
+        ranges: Float = kernels.cast_fans(
+            self._walls.opaque, self._alone, fan, limit, owners=owner
+        )[0]
         return self._lit(number, fan, limit, ranges, people)
 
     def bumpers(self, number: int) -> Bumpers:
@@ -177,7 +176,7 @@ class MujocoSensing:
             groups=(WALLS, THINGS, BODIES),
             but=scene.bodies[number],
         )
-        sends_back = scene.moving[hits.geoms] | (hits.facing >= self._echoes.steep)
+        sends_back = scene.moving[hits.geoms] | (hits.facing >= self._walls.echoes.steep)
         if not places.level[number]:
             return float(hits.ranges[sends_back].min(initial=SONAR_RANGE))
         is_wall = scene.groups[hits.geoms] == WALLS
@@ -202,9 +201,9 @@ class MujocoSensing:
         level, reach = bool(places.level[number]), limit
         codes, groups = np.full(len(ranges), PLAIN, dtype=np.uint8), [THINGS, MET[people]]
         if level:
-            if len(self._surfaces.walls):
+            if len(self._walls.surfaces.walls):
                 at, angles = beams_of(self._robots[number], fan)
-                ranges, codes = self._surfaces.seen(np.array([at.x, at.y]), angles, ranges)
+                ranges, codes = self._walls.surfaces.seen(np.array([at.x, at.y]), angles, ranges)
             reach = float(ranges.max(initial=0.0))
             if not places.near(number, reach + 1.0):
                 return ranges, codes
