@@ -145,3 +145,11 @@ def test_effective_tracks_are_those_of_the_theory() -> None:
     shape = shape_of(P3AT)
     corner = hypot(shape.track, shape.wheelbase)
     assert shape.effective_track > corner**2 / shape.track
+
+
+@every_type
+def test_the_camera_stands_on_something(model: RobotModel) -> None:
+    robot, shape = Drive(model, compiled(model)), shape_of(model)
+    height = float(robot.data.cam_xpos[0, 2])
+    carried = max(shape.height, shape.laser_height if model.laser else 0.0)
+    assert 0.0 < height - carried < 0.15

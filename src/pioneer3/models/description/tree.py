@@ -293,8 +293,9 @@ def _fixed(
 
 
 def _camera(model: RobotModel, frames: Frames) -> Iterator[Joint]:
-    """Yield the place of the camera: on the laser, or above the front of the top plate."""
-    if model.laser is not None:
+    """Yield the place of the camera: on a laser on the top plate, or above the plate's front."""
+    shape = shape_of(model)
+    if model.laser is not None and shape.laser_height > shape.height:
         at = (model.laser.x, model.laser.y, SCAN_HEIGHT + LASER_TOP + LENS_HEIGHT)
     else:
         front = max((mount.x for mount in model.sonars), default=model.length_front / 2)
