@@ -27,6 +27,7 @@ from benchmarks import (
     laser_recovery,
     nav,
     ros1,
+    ros2,
 )
 
 BENCHMARKS = {
@@ -45,6 +46,7 @@ BENCHMARKS = {
     "fleet_drive": fleet_drive,
     "gym": bench_gym,
     "ros1": ros1,
+    "ros2": ros2,
     "camera": camera,
     "web": bench_web,
     "hostile": hostile,

@@ -69,10 +69,10 @@ async def _commands(tap: Tap) -> list[Row]:
 async def _readings(tap: Tap, node: Command) -> list[Row]:
     client = asyncio.create_task(_client("listen", str(LISTENING + 2 * SETTLED)))
     await asyncio.sleep(SETTLED)
-    before = _processor_seconds(node.process.pid)
+    before = processor_seconds(node.process.pid)
     await asyncio.sleep(LISTENING)
-    share = (_processor_seconds(node.process.pid) - before) / LISTENING
-    memory = _memory(node.process.pid)
+    share = (processor_seconds(node.process.pid) - before) / LISTENING
+    memory = resident(node.process.pid)
     came: list[float] = (await client)[10:]
     delays = [1000 * (when - tap.answered[bisect_right(tap.answered, when) - 1]) for when in came]
     pauses = [after - before for before, after in pairwise(came)]
@@ -90,12 +90,13 @@ async def _client(*arguments: str) -> list[float]:
     return [float(number) for number in said.strip("[] ").split(",")]
 
 
-def _processor_seconds(pid: int) -> float:
+def processor_seconds(pid: int) -> float:
+    """Return the time that a process has had [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICKS
 
 
-def _memory(pid: int) -> float:
+def resident(pid: int) -> float:
     """Return the resident memory [MiB]."""
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     (resident,) = (line.split()[1] for line in lines if line.startswith("VmRSS"))

@@ -9,12 +9,18 @@ from pathlib import Path
 
 from docs.reference.protocol_tables import table
 from pioneer3.fleet.columns import CLOCK, COLUMNS, LIVE_COLUMNS
-from pioneer3.fleet.schema import DefaultsTable, OperatorTable, RobotTable
+from pioneer3.fleet.network import Network
+from pioneer3.fleet.schema import DefaultsTable, NetworkTable, OperatorTable, RobotTable
 from pioneer3.fleet.spec import Defaults, Operator, Robot
 
 PAGE = Path(__file__).parent / "fleet.md"
 BLOCK = re.compile(r"<!-- made: ([\w ]+) -->\n.*?<!-- end -->\n", re.DOTALL)
-USUAL = {"name": "", "address": "", "host": "`name`", "node": "`RosAria_` and `name`, `-` as `_`"}
+USUAL = {
+    "name": "",
+    "address": "",
+    "host": "`name`",
+    "node": "`RosAria_` and `name`, in ROS 2 `name` and `/pioneer3`, `-` as `_`",
+}
 """Defaults of robots' keys that are not in `[defaults]`."""
 
 
@@ -52,6 +58,17 @@ def operator() -> str:
     return table(("key", "meaning"), [(f"`{key}`", told[key]) for key in keys])
 
 
+def network() -> str:
+    """Return the keys of `[[network]]`."""
+    told, usual = meanings(Network), Network()
+    rows = []
+    for key in NetworkTable.__struct_encode_fields__:
+        default = getattr(usual, key)
+        shown = f"`{default}`" if isinstance(default, str) and default else ""
+        rows.append((f"`{key}`", told[key], "needed" if key == "name" else shown))
+    return table(("key", "meaning", "default"), rows)
+
+
 def defaults() -> str:
     """Return the keys of `[defaults]`."""
     return ", ".join(f"`{key}`" for key in DefaultsTable.__struct_encode_fields__)
@@ -63,7 +80,13 @@ def columns() -> str:
     return table(("column", "meaning"), rows)
 
 
-MAKERS = {"robot": robot, "operator": operator, "defaults": defaults, "columns": columns}
+MAKERS = {
+    "robot": robot,
+    "operator": operator,
+    "network": network,
+    "defaults": defaults,
+    "columns": columns,
+}
 
 if __name__ == "__main__":
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

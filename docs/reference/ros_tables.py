@@ -1,4 +1,4 @@
-"""Write the tables of docs/how-to/ros1.md and laser.md: topics, services, the laser's parameters.
+"""Write the tables of docs/how-to/ros1.md, ros2.md and laser.md: topics, services, parameters.
 
     uv run python -m docs.reference.ros_tables
 
@@ -6,26 +6,40 @@ A line `<!-- made: what -->` begins a table; whatever follows it up to `<!-- end
 """
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 from docs.reference.protocol_tables import BLOCK, table
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
 from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
 from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
-from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.messages.update import (
+    DescriptionUpdate,
+    PictureUpdate,
+    ScanUpdate,
+    SensorUpdate,
+    StateUpdate,
+)
 from pioneer3.ros.node.goals import STATUS_EVERY
 from pioneer3.ros.node.laser_parameters import IGNORED, PARAMETERS
+from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.navigation_topics import NAVIGATION_TOPICS
+from pioneer3.ros.node.parameter_table import PARAMETERS as NODE_PARAMETERS
+from pioneer3.ros.node.parameter_table import ROS1, ROS2, Value
 from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES
-from pioneer3.ros.node.topics import TOPICS, Direction, Topic, laser_topic, transducer_topic
+from pioneer3.ros.node.topic import Direction, Topic
+from pioneer3.ros.node.topics import TOPICS, laser_topic, transducer_topic
 
 PAGE = Path(__file__).parents[1] / "how-to" / "ros1.md"
 LASER_PAGE = PAGE.with_name("laser.md")
+ROS2_PAGE = PAGE.with_name("ros2.md")
+PAGES = (PAGE, LASER_PAGE, ROS2_PAGE)
 EVERY = {
     StateUpdate: "with every snapshot",
     ScanUpdate: "with every scan",
     SensorUpdate: "with every sample",
     PictureUpdate: "with every picture",
+    DescriptionUpdate: "once",
     DiagnosticsUpdate: "",
     MapUpdate: "once",
     NavigationUpdate: "with every snapshot",
@@ -50,8 +64,13 @@ def when(topic: Topic) -> str:
     return ", ".join(filter(None, (latched, period, each)))
 
 
+def rows_in(table_of: tuple[Topic, ...], *profiles: Profile) -> list[Topic]:
+    """Return the topics that have a name in one of `profiles`."""
+    return [each for each in table_of if any(each.names(profile) for profile in profiles)]
+
+
 def topics() -> str:
-    """Return the table of topics."""
+    """Return the table of topics in ROS 1."""
     first = transducer_topic(0)
     rows = [
         (
@@ -61,9 +80,59 @@ def topics() -> str:
             when(topic),
             topic.note,
         )
-        for topic in (*TOPICS, laser_topic("laser"), first)
+        for topic in (*rows_in(TOPICS, Profile.BOTH), laser_topic("laser"), first)
     ]
     return table(("`compatibility`", "`standard`", "type", "when", ""), rows)
+
+
+def topics_of_ros2() -> str:
+    """Return the table of topics in ROS 2."""
+    first = transducer_topic(0)
+    shown = (*TOPICS, laser_topic("laser"), first, *NAVIGATION_TOPICS)
+    rows = [
+        (
+            f"{code(name)} …" if topic is first else code(name),
+            topic.type_name.replace("/", "/msg/"),
+            when(topic),
+            topic.note,
+        )
+        for topic in rows_in(shown, Profile.ROS2)
+        for name in topic.names(Profile.ROS2)
+    ]
+    return table(("topic", "type", "when", ""), rows)
+
+
+def services_of_ros2() -> str:
+    """Return the table of services in ROS 2."""
+    rows = [
+        (
+            code(name),
+            each.type_in(Profile.ROS2).replace("/", "/srv/"),
+            (each.topic_type or "").replace("/", "/msg/"),
+            each.note,
+        )
+        for each in (*SERVICES, *NAVIGATION_SERVICES)
+        for name in each.names(Profile.ROS2)
+    ]
+    return table(("service", "type", "over DDS a topic of", ""), rows)
+
+
+def parameters(profiles: frozenset[Profile], mark: str) -> str:
+    """Return the table of parameters that are known in one of `profiles`."""
+    rows = [
+        (code(f"{mark}{each.name}"), each.otherwise or _default(each.default), each.note)
+        for each in NODE_PARAMETERS
+        if each.profiles & profiles
+    ]
+    return table(("name", "default", ""), rows)
+
+
+def _default(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(f'{each:g}' if isinstance(each, float) else each for each in value)}]"
+    return f"{value:g}" if isinstance(value, float | int) else code(value) or "none"
 
 
 def navigation_topics() -> str:
@@ -101,12 +170,16 @@ def laser_parameters() -> str:
 
 def filled(text: str) -> str:
     """Return the page with its tables made anew."""
-    makers = {
+    makers: dict[str, Callable[[], str]] = {
         "topics": topics,
         "services": services,
         "navigation topics": navigation_topics,
         "navigation services": navigation_services,
         "laser parameters": laser_parameters,
+        "parameters": lambda: parameters(ROS1, "~"),
+        "topics of ROS 2": topics_of_ros2,
+        "services of ROS 2": services_of_ros2,
+        "parameters of ROS 2": lambda: parameters(ROS2, ""),
     }
 
     def made(block: re.Match[str]) -> str:
@@ -116,5 +189,5 @@ def filled(text: str) -> str:
 
 
 if __name__ == "__main__":
-    for page in (PAGE, LASER_PAGE):
+    for page in PAGES:
         page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,11 +1,14 @@
-"""Background tasks that run for the duration of a block."""
+"""Background tasks that run for the duration of a block, and calls in threads of their own."""
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Coroutine
-from contextlib import asynccontextmanager
-from typing import Any
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager, suppress
+from functools import partial
+from threading import Thread
+from typing import Any, TypeVar
 
+T = TypeVar("T")
 log = logging.getLogger(__name__)
 
 
@@ -47,3 +50,30 @@ async def running(*coroutines: Coroutine[Any, Any, None]) -> AsyncIterator[None]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def in_own_thread(call: Callable[[], T]) -> T:
+    """Return the result of a call in a thread of its own.
+
+    Calls that hang take no thread from others, and do not hold up the end of the program, as those
+    of :func:`asyncio.to_thread` would. Cancelled, it does not wait for the call.
+    """
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def settle(setter: Callable[[], None]) -> None:
+        if not future.done():
+            setter()
+
+    def run() -> None:
+        try:
+            result = call()
+        except Exception as error:
+            setter = partial(future.set_exception, error)
+        else:
+            setter = partial(future.set_result, result)
+        with suppress(RuntimeError):  # the loop has ended
+            loop.call_soon_threadsafe(settle, setter)
+
+    Thread(target=run, name="pioneer3-call", daemon=True).start()
+    return await future

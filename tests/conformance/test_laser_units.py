@@ -291,7 +291,11 @@ async def test_cola_each_answer_is_one_segment_before_any_scan() -> None:
             ("sEN LMDscandata 1", "sEA LMDscandata 1"),
         ):
             assert await host.cola(request) == answer
-            assert host.pieces.pop() == f"\x02{answer}\x03".encode()
+            piece, told = host.pieces.pop(), f"\x02{answer}\x03".encode()
+            if "LMDscandata 1" in request:  # a busy computer reads the first scan with it
+                assert piece.startswith(told)
+            else:
+                assert piece == told
         assert len(await host.telegram()) < 12_000
         await host.close()
 

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from math import inf
 
 import pytest
 
@@ -10,9 +11,11 @@ from pioneer3.fleet.spec import Robot
 from pioneer3.fleet.stop import exit_code, stop_all
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.driven import Driven
+from pioneer3.runtime.robot import Robot as Driver
 from pioneer3.sim.server.start import simulator
 from pioneer3.sim.worldfile import RobotSpec
 from pioneer3.sim.worldfile.arguments import WorldOverrides
+from pioneer3.tasks import running
 from tests.fleets import robot, simulated
 from tests.support import hold
 
@@ -86,3 +89,22 @@ async def test_a_port_that_another_program_has_is_told_and_the_others_stop() -> 
     assert (busy.ok, busy.reached) == (False, False)
     assert "is another one connected to it?" in busy.why
     assert free.ok
+
+
+async def test_a_robot_that_another_program_drives_on_does_not_stand() -> None:
+    async with simulated(1) as here:
+
+        @asynccontextmanager
+        async def connect(each: Robot) -> AsyncIterator[Driven]:
+            async with connect_async(here.sims[each.name].open) as one:
+                await hold(one, 0.3, seconds=1)
+                async with running(_drives_on(one)):
+                    yield one
+
+        (moves,) = await stop_all(here.robots, connect, patience=2.5)
+    assert (moves.ok, moves.reached) == (False, True)
+    assert "does another program drive it?" in moves.why
+
+
+async def _drives_on(robot: Driver) -> None:
+    await hold(robot, 0.3, seconds=inf)

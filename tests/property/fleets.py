@@ -7,7 +7,8 @@ from types import MappingProxyType
 from hypothesis import strategies as st
 
 from pioneer3.fleet.inventory import Defaults, Fleet, Operator, Robot
-from pioneer3.fleet.spec import lab_node
+from pioneer3.fleet.network import Network
+from pioneer3.fleet.spec import usual_node
 
 PATH = Path("lab/fleet.toml")
 LABELS = st.from_regex(r"\A[a-z0-9]([a-z0-9-]{0,8}[a-z0-9])?\Z").filter(
@@ -22,6 +23,28 @@ MODELS = st.sampled_from(["p3at", "p3dx-sh", "peoplebot-sh"])
 LASERS = st.sampled_from(["", "auto", "/dev/ttyACM0", "lms-111@tcp:192.168.1.200"])
 ROS = st.sampled_from(["", "1", "2"])
 DEVICES = st.sampled_from(["/dev/ttyUSB0", "/dev/ttyS0", "serial:/dev/pioneer3/robot", "COM3"])
+NETWORKS = st.one_of(
+    st.builds(
+        Network,
+        name=LABELS,
+        backend=st.just("dds"),
+        distro=st.sampled_from(["", "humble", "jazzy", "kilted", "lyrical"]),
+        domain=st.none() | st.integers(0, 232),
+        interface=st.tuples(st.just("wlan0")) | st.just(()),
+        peer=st.tuples(ADDRESSES) | st.just(()),
+        dds_services=st.booleans(),
+    ),
+    st.builds(
+        Network,
+        name=LABELS,
+        backend=st.just("zenoh"),
+        connect=st.just(("tls/fleet.example.org:7447", "tcp/[::1]:7447")) | st.just(()),
+        ca=st.just("tls/ca.pem"),
+        certificate=st.just("tls/laptop.pem"),
+        key=st.just("~/laptop.key"),
+        credentials=st.sampled_from(["", "login"]),
+    ),
+)
 PRINTABLE = st.text(st.characters(exclude_categories=["C", "Z"], include_characters=" \"\\'#[]="))
 
 
@@ -32,12 +55,14 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
     labels = draw(st.lists(LABELS, min_size=2 * size + 3, max_size=2 * size + 3, unique=True))
     addresses = draw(st.lists(ADDRESSES, min_size=size + 1, max_size=size + 1, unique=True))
     names, hosts = labels[:size], labels[size : 2 * size]
+    networks = tuple(draw(st.lists(NETWORKS, unique_by=lambda each: each.name, max_size=2)))
     defaults = Defaults(
         user=draw(USERS),
         port=draw(DEVICES),
         model=draw(MODELS),
         laser=draw(LASERS),
         ros=draw(ROS),
+        network=draw(st.sampled_from(["", *(each.name for each in networks)])),
     )
     robots = []
     for name, host, address in zip(names, hosts, addresses, strict=False):
@@ -53,7 +78,8 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
             model=draw(MODELS),
             laser=draw(LASERS),
             ros=ros,
-            node=lab_node(name) if draw(st.booleans()) else f"Own_{name.replace('-', '_')}",
+            network=draw(st.sampled_from(["", *(each.name for each in networks)])),
+            node=usual_node(name, ros) if draw(st.booleans()) else f"Own_{name.replace('-', '_')}",
             note=draw(PRINTABLE),
         )
         robots.append(robot)
@@ -70,6 +96,7 @@ def fleets(draw: st.DrawFn, at_least: int = 0) -> Fleet:
         path=PATH,
         operator=operator,
         defaults=defaults,
+        networks=networks,
         robots=tuple(robots),
         groups=MappingProxyType(groups),
     )

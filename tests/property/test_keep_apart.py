@@ -54,9 +54,9 @@ robots = st.lists(
 )
 
 
-@given(robots, st.floats(0, 2 * LOOK))
+@given(robots, st.floats(LOOK / 100, 2 * LOOK))
 def test_the_robots_that_are_near_are_found(robots: list[tuple[Any, ...]], later: float) -> None:
-    """Also if all have moved since they were looked up; asking each one is the oracle."""
+    """Also if all have moved since, by later snapshots; asking each one is the oracle."""
     the, fakes = Traffic(), dict[str, Fake]()
     with ExitStack() as stack:
         for number, (x, y, _, _, frame, _) in enumerate(robots):

@@ -16,6 +16,8 @@ from tests.e2e.processes import PATIENCE, environment
 PYTHON = "/usr/bin/python3"
 """The one that Debian's ROS is installed for."""
 HERE = Path(__file__).parent
+ANSWER = 3.0
+"""After it, a program that was asked to end is asked again [s]."""
 
 
 def environment_of(port: int, home: Path) -> dict[str, str]:
@@ -80,18 +82,19 @@ async def ros(*command: str, patience: float = PATIENCE) -> str:
 async def ended(*command: str, patience: float = PATIENCE) -> tuple[int, str]:
     """Run a command to its end, or for `patience` [s]; return its exit code and what it says."""
     process, output = await _begin(command)
-    said = bytearray()
+    reading = asyncio.create_task(output.read())
     try:
-        async with asyncio.timeout(patience):
-            while data := await output.read(4096):
-                said += data
-            await process.wait()
-    except TimeoutError:
-        process.send_signal(signal.SIGINT)
-        said += await output.read()
-        await process.wait()
-    assert process.returncode is not None
-    return process.returncode, said.decode()
+        done, _ = await asyncio.wait({reading}, timeout=patience)
+        while not done:  # a program of rospy that is still starting may swallow a signal
+            if process.returncode is None:
+                process.send_signal(signal.SIGINT)
+            done, _ = await asyncio.wait({reading}, timeout=ANSWER)
+        said = await reading
+        return await process.wait(), said.decode()
+    finally:
+        reading.cancel()
+        if process.returncode is None:
+            process.kill()
 
 
 @asynccontextmanager

@@ -44,7 +44,7 @@ async def test_who_does_not_say_which_robot_is_told_the_choice(labs: list[Lab]) 
     assert f"say which with --robot; RosAria_{LEFT}, RosAria_{RIGHT}" in done.stderr
     done = await asyncio.to_thread(p3, "ros1", "follow", "--robot", "nobody")
     assert done.returncode == 3
-    assert f"no robot is called 'nobody' on this ROS master, but RosAria_{LEFT}" in done.stderr
+    assert f"no robot is called 'nobody' on this ROS graph, but RosAria_{LEFT}" in done.stderr
 
 
 async def test_a_demo_drives_only_its_robot_and_stops_it_on_ctrl_c(labs: list[Lab]) -> None:

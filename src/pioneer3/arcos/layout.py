@@ -9,13 +9,15 @@ The fields are annotated with the kinds of :mod:`pioneer3.arcos.wire`, in wire o
         right_counts: S32
         extra: Rest = b""
 
+A record of :class:`~pioneer3.arcos.lists.CountedStructs` is a `NamedTuple`, which is made faster.
+
 Fields with a default may be missing at the end of a packet: reading stops there and leaves the
 defaults, writing stops at the first `None`. `Rest` takes all bytes that are left.
 """
 
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from typing import TypeVar, get_args, get_type_hints
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from pioneer3.arcos.wire import AllThatIsLeft, Kind, Reader
 from pioneer3.errors import CommandError
@@ -48,11 +50,20 @@ def _compiled(cls: type) -> tuple[Slot, ...]:
     hints = get_type_hints(cls, include_extras=True)
     slots: list[Slot] = []
     optional = True
-    for field in reversed(fields(cls)):
-        has_default = field.default is not MISSING or field.default_factory is not MISSING
+    for name, has_default in reversed(_fields(cls)):
         optional = optional and has_default
-        slots.append(Slot(field.name, _kind(hints[field.name]), optional))
+        slots.append(Slot(name, _kind(hints[name]), optional))
     return tuple(reversed(slots))
+
+
+def _fields(cls: Any) -> list[tuple[str, bool]]:
+    """Return the names of the fields of a dataclass or `NamedTuple`, and which have a default."""
+    if not is_dataclass(cls):
+        return [(name, name in cls._field_defaults) for name in cls._fields]
+    return [
+        (each.name, each.default is not MISSING or each.default_factory is not MISSING)
+        for each in fields(cls)
+    ]
 
 
 def _kind(hint: object) -> Kind:

@@ -1,8 +1,10 @@
 """Kinds that hold several values: sequences and records."""
 
-from dataclasses import dataclass, fields
-from operator import attrgetter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain, starmap
 from struct import calcsize, error, iter_unpack, pack
+from typing import Any
 
 from pioneer3.arcos.layout import read_fields, write_fields
 from pioneer3.arcos.wire import Integer, IntegerKind, Kind, Reader, latin1
@@ -101,24 +103,31 @@ def sequence(value: object) -> tuple[object, ...] | list[object]:
 class CountedStructs:
     """A byte, and that many records of `cls`, whose fields have a fixed :mod:`struct` format.
 
-    The same bytes as `Counted(Integer(1), Record(cls))`, ten times faster.
+    The same bytes as `Counted(Integer(1), Record(cls))`, seven times faster.
+
+    Attributes:
+        cls: A `NamedTuple`.
+        format: Letters of a record's fields.
     """
 
-    cls: type
+    cls: type[tuple[object, ...]]
     format: str
 
     def read(self, reader: Reader) -> tuple[object, ...]:
-        data = reader.take(reader.take(1)[0] * calcsize(self.format))
-        return tuple(self.cls(*values) for values in iter_unpack(self.format, data))
+        record = f"<{self.format}"
+        data = reader.take(reader.take(1)[0] * calcsize(record))
+        return tuple(starmap(self.cls, iter_unpack(record, data)))
 
     def write(self, value: object, out: bytearray) -> None:
-        records = sequence(value)
-        values = attrgetter(*(field.name for field in fields(self.cls)))
+        records: Sequence[Any] = sequence(value)
         try:
-            out.append(len(records))
-            out += b"".join(pack(self.format, *values(record)) for record in records)
-        except (AttributeError, ValueError, error):
-            Counted(Integer(1), Record(self.cls)).write(value, out)
+            if set(map(type, records)) <= {self.cls}:
+                data = pack("<" + self.format * len(records), *chain.from_iterable(records))
+                out += bytes([len(records)]) + data
+                return
+        except (ValueError, error):
+            pass
+        Counted(Integer(1), Record(self.cls)).write(value, out)  # it says the reason
 
 
 @dataclass(frozen=True, slots=True)

@@ -285,6 +285,9 @@ class Bridge:
                 self._relay.link_opened(self._clock(), link.speeds, link.round_trip)
                 await self._exchange(link)
         except asyncio.CancelledError:
+            # else timeouts below would raise it again instead of TimeoutError, as in Python 3.11.2
+            if (task := asyncio.current_task()) is not None:
+                task.uncancel()
             self._relay.end(self._clock())
             with suppress(TimeoutError):
                 async with asyncio.timeout(BRAKING + LAST_WRITE):

@@ -1,13 +1,11 @@
 """`pioneer3 fleet drive` and `pioneer3 fleet stop`: all robots at one keyboard."""
 
-import os
 import sys
-from collections.abc import AsyncIterator
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from pioneer3.cli.fleet_ros import connecting
 from pioneer3.cli.options import (
     Flag,
     FleetFile,
@@ -22,11 +20,11 @@ from pioneer3.cli.process import run_until_told_to_leave, write_json
 
 if TYPE_CHECKING:
     from pioneer3.fleet.drive import Manner
-    from pioneer3.fleet.members import Connect
     from pioneer3.fleet.spec import Fleet, Robot
     from pioneer3.fleet.stop import Stopped
-    from pioneer3.runtime.driven import Driven
 
+TO_SAY = 0.2
+"""Of the time for a robot [s]: to say that its node is missing, before the time is over."""
 Names = Annotated[str, Parameter(negative=(), metavar="NAME")]
 
 
@@ -101,8 +99,9 @@ def stop(
     stops in all the same; the other program has to switch the motors on again. A
     node of ROS is reached, too, and goes on as soon as another program drives it.
     Its motors are off afterwards with --emergency, or if it was reached by its own
-    port. The exit code is 1 if a robot has not confirmed, and 3 if none was
-    reached.
+    port; a node of ROS 2 then keeps its emergency stop latched, until Ctrl-R in
+    fleet drive or its e_stop_reset. The exit code is 1 if a robot has not
+    confirmed, and 3 if none was reached.
 
     Example: pioneer3 fleet stop
     Example: pioneer3 fleet stop --emergency
@@ -124,12 +123,13 @@ async def _stop(
 ) -> int:
     from pioneer3.fleet.stop import exit_code, stop_all
 
-    async with connecting(fleet, "fleet_stop", None) as connect:
+    waits = patience - TO_SAY
+    async with connecting(fleet, "fleet_stop", None, patience=waits, at_once=True) as connect:
         answers = await stop_all(robots, connect, emergency=emergency, patience=patience)
-    if json:
-        write_json(answers)
-    else:
-        _print(answers)
+        if json:
+            write_json(answers)
+        else:
+            _print(answers)
     return exit_code(answers)
 
 
@@ -159,21 +159,3 @@ def _note(answer: "Stopped") -> str:
     if not answer.taken:
         return ""
     return "another program drove it, and has to switch the motors on before it drives on"
-
-
-@asynccontextmanager
-async def connecting(
-    fleet: "Fleet", name: str, max_speed: float | None
-) -> "AsyncIterator[Connect]":
-    """Yield the function that connects to a robot; over ROS this is the node `name`."""
-    from pioneer3.fleet.connecting import connects
-    from pioneer3.fleet.ros_variables import missing_variables
-    from pioneer3.ros.ros1.client import robots_by_node
-
-    os.environ.update(missing_variables(fleet, os.environ))  # rospy takes them from there
-    async with robots_by_node(name) as by_node:
-
-        def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
-            return by_node(robot.node, robot.model)
-
-        yield connects(fleet, ros1, max_speed=max_speed)

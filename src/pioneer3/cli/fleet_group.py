@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from pioneer3.behaviors.modes.group import GROUP_MODES, GroupMode
-from pioneer3.cli.fleet_drive import connecting
+from pioneer3.cli.fleet_ros import connecting
 from pioneer3.cli.motion import keyword, mode_options, positional, with_signature
 from pioneer3.cli.options import FleetFile, Length, Seconds, Speed, TurnRate, fleet_of
 from pioneer3.cli.process import run_until_told_to_leave
@@ -127,7 +127,7 @@ async def _drive(
     from pioneer3.fleet.screen import run_screen
 
     name = f"fleet_{together.mode.name().replace('-', '_')}"
-    async with connecting(fleet, name, manner.max_speed) as connect:
+    async with connecting(fleet, name, manner.max_speed, sonar=True) as connect:
         drive = FleetDrive(robots, connect, manner, together=together, lined_up=lined_up)
         return await run_screen(drive)
 

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -13,7 +14,7 @@ from pioneer3.errors import ConfigError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pioneer3.fleet.inventory import Robot
+    from pioneer3.fleet.inventory import Fleet, Robot
     from pioneer3.fleet.live import Live, Questions
 
 GOOD = {True: "green", False: "red", None: ""}
@@ -33,7 +34,8 @@ def list_(
 
     All are asked at once; one that is off delays nobody by more than the timeout.
     Nothing moves. A robot's own port is asked by a short session, so its motors are
-    off afterwards; a robot with ros = "1" is asked by its node, which goes on.
+    off afterwards; a robot with ros = "1" is asked by its node, which goes on, and
+    one with ros = "2" by its topics on its [[network]].
     ROS_MASTER_URI is asked first, then the master of the operator's computer, then
     the one on each robot. The exit code is 1 if a computer does not answer, and 3
     if none does.
@@ -69,9 +71,34 @@ def list_(
         clock=clocks(),
         addresses=given.addresses,
     )
-    if watch:
-        return run_until_told_to_leave(_watch(robots, questions, every, json=json))
-    return run_until_told_to_leave(_list(robots, questions, json=json))
+    return run_until_told_to_leave(
+        _ask(given, robots, questions, every=every if watch else None, json=json)
+    )
+
+
+async def _ask(
+    fleet: "Fleet",
+    robots: "tuple[Robot, ...]",
+    questions: "Questions",
+    *,
+    every: float | None,
+    json: bool,
+) -> int:
+    """Ask once, or again and again with pauses of `every` [s]."""
+    from pioneer3.cli.fleet_ros import asking
+
+    if not any(robot.ros == "2" for robot in robots):
+        return await _list_or_watch(robots, questions, every, json=json)
+    async with asking(fleet) as ask:
+        return await _list_or_watch(robots, replace(questions, ros2=ask), every, json=json)
+
+
+async def _list_or_watch(
+    robots: "tuple[Robot, ...]", questions: "Questions", every: float | None, *, json: bool
+) -> int:
+    if every is None:
+        return await _list(robots, questions, json=json)
+    return await _watch(robots, questions, every, json=json)
 
 
 async def _list(robots: "tuple[Robot, ...]", questions: "Questions", *, json: bool) -> int:

@@ -291,8 +291,9 @@ def deploy(
     """Install pioneer3 on the robots' computers, as it is here, with a service.
 
     The robots need no internet. A service drives the robot when its computer is
-    switched on: the ROS 1 node for ros = "1", else pioneer3 run; as the user of the
-    fleet file. A version that does not start gives way to the one before it.
+    switched on: the node of ROS for ros = "1" or "2", else pioneer3 run; as the
+    user of the fleet file. A version that does not start gives way to the one
+    before it.
 
     Example: pioneer3 fleet deploy
     Example: pioneer3 fleet deploy --on p3at-1 --with nav

@@ -24,6 +24,7 @@ from pioneer3.cli.motion import MODE_COMMANDS, move, turn
 from pioneer3.cli.options import UNITS
 from pioneer3.cli.patrol import patrol
 from pioneer3.cli.ros1 import ros1_app
+from pioneer3.cli.ros2 import gather_ros_arguments, ros2_app
 from pioneer3.cli.run import run
 from pioneer3.cli.setup import setup_app
 from pioneer3.cli.sim import sim
@@ -74,7 +75,13 @@ GROUPS: dict[str, tuple[Callable[..., object], ...]] = {
     "Look at the robot": (info, monitor, sonar, laser_app),
     "When something is wrong": (doctor, find_port, setup_app),
     "Many robots": (fleet_app, bridge, class_),
-    "Maps, models, ROS, and who may use the page": (map_app, model_app, ros1_app, access_app),
+    "Maps, models, ROS, and who may use the page": (
+        map_app,
+        model_app,
+        ros1_app,
+        ros2_app,
+        access_app,
+    ),
 }
 WITHOUT_UNITS = (sim, class_, info, find_port, setup_app, map_app, model_app, access_app)
 for number, (name, commands) in enumerate(GROUPS.items()):
@@ -107,7 +114,10 @@ def execute(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code, errors told in one line."""
     try:
         result = app(
-            arguments, exit_on_error=False, print_error=False, result_action="return_value"
+            gather_ros_arguments(list(arguments)),
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
         )
     except CycloptsError as error:
         return _tell(error, Exit.USAGE)

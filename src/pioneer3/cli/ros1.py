@@ -78,7 +78,8 @@ def ros1(
     """
     if install_package is not None:
         return _install(install_package)
-    from pioneer3.ros.ros1.start import Options, serve
+    from pioneer3.ros.node.start import Options
+    from pioneer3.ros.ros1.start import serve
 
     options = Options(
         port=which.url_or_none,

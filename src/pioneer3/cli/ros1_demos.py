@@ -11,12 +11,16 @@ from pioneer3.behaviors.modes import MODES, Mode
 from pioneer3.cli.motion import keyword, mode_options, with_signature
 from pioneer3.cli.options import Flag, Patience, Seconds, Speed, TurnRate
 from pioneer3.cli.process import run_until_told_to_leave
-from pioneer3.cli.ros1_program import ANY, Arguments, Which, drive_robot, run_mode
+from pioneer3.cli.ros1_program import ANY, Arguments, RobotNames, Which, drive_robot, run_mode
+from pioneer3.cli.topic_driving import (
+    KeyOptions,
+    drive_by_keys,
+    drive_by_phone,
+    drive_several_by_keys,
+)
 
 if TYPE_CHECKING:
     from pioneer3.ros.client.robot import TopicRobot
-
-RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
 
 
 def robots(*arguments: Arguments, json: Flag = False) -> int:
@@ -63,21 +67,10 @@ def rob_key(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    from pioneer3.cli.drive import KEYS
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import rewrite, tell_cuts
-        from pioneer3.cli.process import write_line
-        from pioneer3.teleop.keyboard import Keyboard
-        from pioneer3.teleop.keyboard_drive import KeyboardDriver
-        from pioneer3.teleop.terminal import keys, raw_terminal
-
-        with raw_terminal() as terminal:
-            write_line(KEYS)
-            limits = driven.info.limits
-            tell_cuts(limits, speed, turn_rate)
-            keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
-            await KeyboardDriver(driven, keyboard, rewrite).run(keys(terminal))
+        keys = KeyOptions(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
+        await drive_by_keys(driven, keys)
 
     return drive_robot("rob_key", arguments, which, drive, words="waits for keys")
 
@@ -106,28 +99,15 @@ def rob_key_multi(
         latch: One press keeps moving until another key; else a key acts for 0.6 s.
         patience: What a press keeps moving stops after so long without a key; 10 at most.
     """
-    from pioneer3.cli.live import announce, rewrite
-    from pioneer3.cli.process import write_line
     from pioneer3.ros.client.graph import chosen
     from pioneer3.ros.ros1.client import find_robots, run_program
-    from pioneer3.teleop.keyboard import Keyboard
-    from pioneer3.teleop.keyboard_drive import KeyboardDriver
-    from pioneer3.teleop.several import KEYS, KeyRouter, numbers
-    from pioneer3.teleop.terminal import raw_terminal, tokens
 
     known = find_robots()
     wanted = [chosen(known, name) for name in robot] or known or [chosen(known, None)]
+    keys = KeyOptions(speed=speed, turn_rate=turn_rate, latch=latch, patience=patience)
 
     async def drive(driven: "list[TopicRobot]") -> None:
-        board = KeyRouter(numbers([each.name for each in wanted]), rewrite)
-        for topics, each in zip(wanted, driven, strict=True):
-            announce(each, f"is number {board.selection.label(topics.name)}")
-            limits = each.info.limits
-            keyboard = Keyboard.within(limits, speed, turn_rate, latch=latch, patience=patience)
-            board.add(topics.name, KeyboardDriver(each, keyboard, board.shows(topics.name)))
-        with raw_terminal() as terminal:
-            write_line(KEYS)
-            await board.run(tokens(terminal))
+        await drive_several_by_keys(driven, keys)
 
     return run_until_told_to_leave(run_program("rob_key_multi", arguments, wanted, model, drive))
 
@@ -208,13 +188,8 @@ def android_teleop(
     """
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import rewrite
-        from pioneer3.ros.client.phone import flicks
         from pioneer3.ros.ros1.middleware import RospyTopics
-        from pioneer3.teleop.keyboard import Keyboard
-        from pioneer3.teleop.keyboard_drive import KeyboardDriver
 
-        keyboard = Keyboard.within(driven.info.limits, speed, turn_rate, latch=True)
-        await KeyboardDriver(driven, keyboard, rewrite).run(flicks(imu, RospyTopics()))
+        await drive_by_phone(driven, RospyTopics(), imu, speed, turn_rate)
 
     return drive_robot("android_teleop", arguments, which, drive, words=f"waits for {imu}")

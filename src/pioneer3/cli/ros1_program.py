@@ -2,17 +2,18 @@
 
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
-from math import inf
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from pioneer3.cli.process import run_until_told_to_leave
+from pioneer3.cli.topic_driving import drive_by_mode
 
 if TYPE_CHECKING:
     from pioneer3.behaviors.modes import Mode
     from pioneer3.ros.client.robot import TopicRobot
 
+RobotNames = Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"], negative=())]
 Arguments = Annotated[str, Parameter(show=False)]
 
 
@@ -45,12 +46,7 @@ def run_mode(
     """Let `mode` drive the robot for `seconds`, as the node of its name; `speed` was asked for."""
 
     async def drive(driven: "TopicRobot") -> None:
-        from pioneer3.cli.live import show_while, tell_cuts
-
-        limits = driven.info.limits
-        tell_cuts(limits, speed, None)
-        length = inf if seconds is None else seconds
-        await show_while(driven, driven.run(mode.stack(limits), length), json=json)
+        await drive_by_mode(driven, mode, seconds=seconds, json=json, speed=speed)
 
     from pioneer3.cli.live import how_to_stop
 

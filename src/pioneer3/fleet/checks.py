@@ -7,6 +7,7 @@ from ipaddress import ip_address
 from pathlib import Path
 
 from pioneer3.errors import ConfigError
+from pioneer3.fleet.network import Network
 from pioneer3.fleet.spec import ALL, Defaults, Operator, Robot
 from pioneer3.links.urls import split_host, split_url
 from pioneer3.maps.text import shown
@@ -42,6 +43,23 @@ def check_robots(source: Source, folder: Path, robots: Sequence[Robot]) -> None:
         _check_name(source, f"{place}.name", robot.name)
         _check_address(source, f"{place}.address", robot.address)
         check_hardware(source, place, folder, robot)
+
+
+def check_members(
+    source: Source, networks: Sequence[Network], defaults: Defaults, robots: Sequence[Robot]
+) -> None:
+    """Refuse robots on networks that the file does not have.
+
+    Raises:
+        ConfigError: There is one.
+    """
+    known = tuple(network.name for network in networks)
+    named = [("defaults", defaults.network)]
+    named += [(f"robot[{index}]", robot.network) for index, robot in enumerate(robots)]
+    for place, name in named:
+        if name and name not in known:
+            advice = nearest(name, known) if known else "the file has none; add it as [[network]]"
+            raise source.wrong(f"{place}.network", f"no network {name!r}, {advice}")
 
 
 def check_hardware(source: Source, place: str, folder: Path, given: Robot | Defaults) -> None:
@@ -178,7 +196,7 @@ def _refuse_shared(source: Source, robots: Sequence[Robot]) -> None:
         "host": lambda robot: robot.host.lower(),
         "address": lambda robot: robot.address,
         "port": lambda robot: _reached(robot, robots),
-        "node": lambda robot: robot.node.lstrip("/"),
+        "node": lambda robot: (robot.ros, robot.network, robot.node.lstrip("/")),
     }
     for key, value_of in keys.items():
         seen: dict[object, int] = {}

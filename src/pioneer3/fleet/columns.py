@@ -86,7 +86,21 @@ LIVE_COLUMNS: Final = (
         "whether they have power",
         lambda live: Cell(NOTHING if live.motors is None else "on" if live.motors else "off"),
     ),
-    LiveColumn("ROS graph", "the master that answers", lambda live: _answer(live.ros)),
+    LiveColumn(
+        "e-stop",
+        "whether the emergency stop is latched or the robot's button pressed, as ROS 2 tells it",
+        lambda live: _stopped(live.stopped),
+    ),
+    LiveColumn(
+        "age",
+        "of its newest odometry over ROS 2, by its clock and this computer's",
+        lambda live: _age(live.age),
+    ),
+    LiveColumn(
+        "ROS graph",
+        "the master that answers, or the network of ROS 2",
+        lambda live: _answer(live.ros),
+    ),
 )
 CLOCK: Final = LiveColumn(
     "clock",
@@ -97,6 +111,9 @@ WARN_VOLTAGE: Final = 11.5
 """Below it a 12 V battery wants its charger [V]."""
 WARN_CLOCK: Final = 0.1
 """Transforms of ROS are late or early beyond this [s]."""
+WARN_AGE: Final = 1.0
+"""Ten odometry messages come each second; one is old beyond this [s]."""
+OLDEST_SHOWN: Final = 1000.0
 
 
 def _answer(answer: Answer) -> Cell:
@@ -107,6 +124,17 @@ def _battery(voltage: float | None) -> Cell:
     if voltage is None:
         return Cell(NOTHING)
     return Cell(f"{voltage:.1f} V", voltage >= WARN_VOLTAGE)
+
+
+def _stopped(stopped: bool | None) -> Cell:
+    return Cell(NOTHING) if stopped is None else Cell("STOP" if stopped else "no", not stopped)
+
+
+def _age(seconds: float | None) -> Cell:
+    if seconds is None:
+        return Cell(NOTHING)
+    shown = f"{seconds:z.1f} s" if seconds < OLDEST_SHOWN else "very old"
+    return Cell(shown, abs(seconds) <= WARN_AGE)
 
 
 def _clock(ahead: float | None) -> Cell:

@@ -2,7 +2,6 @@
 
 from contextlib import AbstractAsyncContextManager
 
-from pioneer3.errors import ConfigError
 from pioneer3.fleet.members import Connect
 from pioneer3.fleet.reach import port_of
 from pioneer3.fleet.spec import Fleet, Robot
@@ -10,12 +9,15 @@ from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.driven import Driven
 
 
-def connects(fleet: Fleet, ros1: Connect, *, max_speed: float | None = None) -> Connect:
+def connects(
+    fleet: Fleet, ros1: Connect, ros2: Connect, *, max_speed: float | None = None
+) -> Connect:
     """Return the function that connects to a robot: over ROS if its node has it, or at its port.
 
     Args:
         fleet: Of the robots.
         ros1: Connects over ROS 1.
+        ros2: Connects over ROS 2.
         max_speed: Keep below this at ports [m/s].
     """
 
@@ -24,10 +26,7 @@ def connects(fleet: Fleet, ros1: Connect, *, max_speed: float | None = None) -> 
             case "1":
                 return ros1(robot)
             case "2":
-                raise ConfigError(
-                    f"{robot.name} has a node of ROS 2, which is not driven yet; without "
-                    f'ros = "2" in {fleet.path} its port is used'
-                )
+                return ros2(robot)
         return connect_async(port_of(fleet, robot.name), max_speed=max_speed)
 
     return connect

@@ -149,6 +149,8 @@ async def deploy(
             async with connect(robot, login) as connection:
                 target = await _ask(connection)
                 try:
+                    if service:
+                        Unit.check(robot, fleet)
                     bundle = await bundler.bundle(target.platform)
                 except ConfigError as error:
                     raise RemoteError(str(error)) from None

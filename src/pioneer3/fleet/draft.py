@@ -8,7 +8,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.fleet.inventory import parse_fleet, to_toml
 from pioneer3.fleet.reach import address_towards
 from pioneer3.fleet.schema import usual_bridge
-from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, lab_node
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, usual_node
 from pioneer3.maps.text import shown
 
 DOCUMENTATION_ADDRESS = "192.0.2.1"
@@ -35,7 +35,8 @@ def robot_of(word: str, defaults: Defaults) -> Robot:
         laser=defaults.laser,
         camera=defaults.camera,
         ros=defaults.ros,
-        node=lab_node(name),
+        network=defaults.network,
+        node=usual_node(name, defaults.ros),
     )
 
 

@@ -12,6 +12,8 @@ from pioneer3.teleop.several import Selection
 from pioneer3.units import degrees
 
 WIDEST_NAME: Final = 16
+OLD: Final = 0.5
+"""A robot's report is old after this [s]; ten come each second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,8 @@ def _keys(look: Look) -> Cell:
 
 def _state(look: Look) -> Cell:
     member = look.member
+    if member.told is not None and member.told.age > OLD:
+        return Cell(f"old {member.told.age:.1f} s", False)
     if member.reached is Reached.CONNECTED:
         return Cell(member.reached.value, True)
     return Cell(f"{member.reached.value} {_time(look.now - member.since)}", False)
@@ -101,7 +105,9 @@ COLUMNS: Final = (
     DriveColumn("keys", "drives with the keys, or is marked to do so next", 6, _keys),
     DriveColumn("nr", "its number", 3, lambda look: Cell(look.selection.label(look.member.name))),
     DriveColumn("robot", "its name", 0, lambda look: Cell(look.member.name)),
-    DriveColumn("state", "whether it is connected; else since when it is not", 12, _state),
+    DriveColumn(
+        "state", "whether it is connected, and its report is not old; else since when", 12, _state
+    ),
     DriveColumn(" m/s deg/s", "how it moves", 10, _motion),
     DriveColumn("motors", "whether they have power", 6, _motors),
     DriveColumn("volt", "of the battery", 8, _battery),

@@ -10,6 +10,7 @@ from typing import Final
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet import checks
+from pioneer3.fleet.network import check_networks
 from pioneer3.fleet.spec import ALL, Defaults, Fleet, Operator, Robot
 from pioneer3.maps.text import decoded, read_bytes
 from pioneer3.tables import Source, converted, load, written
@@ -87,12 +88,16 @@ def parse_fleet(path: Path, text: str) -> Fleet:
     )
     checks.check_operator(source, operator)
     checks.check_hardware(source, "defaults", path.parent, defaults)
+    networks = tuple(table.network() for table in file.network)
+    check_networks(source, networks)
+    checks.check_members(source, networks, defaults, robots)
     checks.check_robots(source, path.parent, robots)
     checks.refuse_doubles(source, operator, robots)
     return Fleet(
         path=path,
         operator=operator,
         defaults=defaults,
+        networks=networks,
         robots=robots,
         groups=MappingProxyType(checks.groups(source, file.groups, robots)),
     )

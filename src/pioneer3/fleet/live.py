@@ -1,6 +1,7 @@
 """The state of all robots now: asked side by side, and no host waited for longer than the rest."""
 
 import asyncio
+import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,9 +18,12 @@ from pioneer3.fleet.spec import Robot
 from pioneer3.links.stream import open_tcp
 from pioneer3.units import DECIVOLT
 
+log = logging.getLogger(__name__)
 SSH_PORT: Final = 22
 TIMEOUT: Final = 3.0
 """For each answer [s]."""
+LEEWAY: Final = 0.5
+"""To join a network of ROS 2, whose robots are then waited for [s]."""
 LONGEST_BANNER: Final = 255
 """Of ssh [bytes] (RFC 4253, 4.2)."""
 
@@ -46,9 +50,11 @@ class Live:
         up: Whether its computer answers at all.
         ssh: Whether it can be logged in to.
         driver: Whether the robot's own port answers, or its ROS node.
-        ros: The ROS master that knows the robot's node.
+        ros: The ROS master that knows the robot's node, or the network of ROS 2.
         battery: [V]; `None` if nobody told.
         motors: Whether they have power; `None` if nobody told.
+        stopped: Whether its emergency stop is latched or its button pressed; `None` if nobody told.
+        age: Of its newest odometry over ROS 2 [s]; `None` if nobody told.
         clock: How far its clock is ahead of this computer's [s]; `None` if nobody told.
         seconds: How long the answers took.
     """
@@ -60,8 +66,31 @@ class Live:
     ros: Answer
     battery: float | None = None
     motors: bool | None = None
+    stopped: bool | None = None
+    age: float | None = None
     clock: float | None = None
     seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OnTopics:
+    """The state of a robot by its topics of ROS 2; `None` for all that they have not told.
+
+    Attributes:
+        network: Its network, for people.
+        battery: [V].
+        motors: Whether they have power.
+        stopped: Whether its emergency stop is latched or its button pressed.
+        age: Of its newest odometry, by its clock and this computer's [s].
+        nodes: Number of nodes of its name.
+    """
+
+    network: str
+    battery: float | None = None
+    motors: bool | None = None
+    stopped: bool | None = None
+    age: float | None = None
+    nodes: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +101,7 @@ class Questions:
         timeout: For each answer [s].
         masters: ROS masters that are asked before the robot's own.
         addresses: Of hosts, by their names in lower case.
+        ros2: Asks a robot's topics of ROS 2; given the longest time for an answer [s], too.
         clock: Returns how far a robot's clock is ahead [s]; `None` to leave clocks alone.
         ssh_port: TCP port of ssh on all hosts.
         master_port: TCP port of a robot's own ROS master.
@@ -80,6 +110,7 @@ class Questions:
     timeout: float = TIMEOUT
     masters: tuple[Endpoint, ...] = ()
     addresses: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    ros2: Callable[[Robot, float], Awaitable[OnTopics]] | None = None
     clock: Callable[[Robot], Awaitable[float]] | None = None
     ssh_port: int = SSH_PORT
     master_port: int = MASTER_PORT
@@ -99,7 +130,7 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
     )
     if ahead is not None:
         up = ssh = Answer(True, "yes")  # at another port, or by way of another computer
-    if not up.ok and (told.driver.ok or told.ros.ok):
+    if not up.ok and (told.driver.ok or (told.ros.ok and robot.ros == "1")):
         up = Answer(True, "yes")  # a firewall that lets ssh go unanswered
     return Live(
         robot=robot.name,
@@ -109,6 +140,8 @@ async def look_at(robot: Robot, questions: Questions) -> Live:
         ros=told.ros,
         battery=told.battery,
         motors=told.motors,
+        stopped=told.stopped,
+        age=None if told.age is None else told.age + (ahead or 0.0),
         clock=ahead,
         seconds=clock() - began,
     )
@@ -122,6 +155,8 @@ class _Told:
     ros: Answer = Answer(None, "")
     battery: float | None = None
     motors: bool | None = None
+    stopped: bool | None = None
+    age: float | None = None
 
 
 async def _ssh(robot: Robot, questions: Questions) -> tuple[Answer, Answer]:
@@ -153,9 +188,41 @@ async def _driver(robot: Robot, questions: Questions) -> _Told:
     """Ask the ROS node of the robot, or else its own port; a node has the port to itself."""
     if robot.ros == "1":
         return await _node(robot, questions)
+    if robot.ros == "2":
+        return await _topics(robot, questions)
     if robot.endpoint is not None:
         return await _port(robot, robot.endpoint, questions)
-    return _Told(driver=Answer(None, ""))  # a device of its computer, or a node of ROS 2
+    return _Told(driver=Answer(None, ""))  # a device of its computer
+
+
+async def _topics(robot: Robot, questions: Questions) -> _Told:
+    """Ask the robot's topics of ROS 2."""
+    if questions.ros2 is None:
+        return _Told(driver=Answer(None, ""))
+    try:
+        async with asyncio.timeout(questions.timeout + LEEWAY):
+            told = await questions.ros2(robot, questions.timeout)
+    except NoRobotError as error:
+        return _Told(driver=Answer(False, "no node"), ros=Answer(False, str(error)))
+    except TimeoutError:
+        return _Told(driver=Answer(False, "no network"), ros=Answer(False, "silent"))
+    except PioneerError as error:
+        return _Told(driver=Answer(False, "no network"), ros=Answer(False, str(error)))
+    except Exception as error:  # the others are to be told of all the same
+        log.exception("%s: failed", robot.name)
+        return _Told(driver=Answer(False, "failed"), ros=Answer(False, type(error).__name__))
+    if told.nodes > 1:
+        driver = Answer(False, f"{told.nodes} nodes")
+    else:
+        driver = Answer(False, "silent") if told.age is None else Answer(True, robot.node)
+    return _Told(
+        driver=driver,
+        ros=Answer(True, told.network),
+        battery=told.battery,
+        motors=told.motors,
+        stopped=told.stopped,
+        age=told.age,
+    )
 
 
 async def _port(robot: Robot, endpoint: tuple[str, int], questions: Questions) -> _Told:

@@ -47,6 +47,7 @@ class Told:
         low: Whether that is too low.
         stands: Why it stands, or `None` while it moves.
         taken: Whether another program drives it, and only stops count here.
+        age: Of this report [s].
     """
 
     speed: float
@@ -56,6 +57,7 @@ class Told:
     low: bool
     stands: str | None
     taken: bool = False
+    age: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,4 +195,5 @@ def _told(driven: Driven) -> Told | None:
         low=now.battery.low,
         stands=driven.why_not_moving(),
         taken=driven.supervisor.taken,
+        age=asyncio.get_running_loop().time() - now.stamp,
     )

@@ -2,10 +2,12 @@
 
 from typing import Annotated, Literal, Self
 
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Struct, convert, field
+from msgspec.structs import asdict
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, is_device, lab_node
+from pioneer3.fleet.network import Network
+from pioneer3.fleet.spec import Defaults, Fleet, Operator, Robot, is_device, usual_node
 
 LABEL = r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?"
 """A host name without a domain (RFC 1123, 2.1)."""
@@ -37,11 +39,29 @@ Bridge = Annotated[
     Meta(ge=0, le=65535, extra={"expected": "a TCP port such as 8101, or 0 for no bridge"}),
 ]
 Ros = Annotated[Literal["", "1", "2"], Meta(extra={"expected": '"1" or "2", or "" for none'})]
+Backend = Annotated[
+    Literal["auto", "rclpy", "dds", "zenoh"],
+    Meta(extra={"expected": '"dds", "zenoh", "rclpy" or "auto"'}),
+]
+Distro = Annotated[
+    Literal["", "humble", "jazzy", "kilted", "lyrical"],
+    Meta(extra={"expected": '"humble", "jazzy", "kilted" or "lyrical"'}),
+]
+Domain = Annotated[
+    int, Meta(ge=0, le=232, extra={"expected": "the number of a domain, from 0 to 232"})
+]
+Endpoint = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[a-z]+/\S+:[0-9]+\S*\Z",
+        extra={"expected": "a Zenoh router such as tls/fleet.example.org:7447"},
+    ),
+]
 Node = Annotated[
     str,
     Meta(
         pattern=r"\A/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*\Z",
-        extra={"expected": "the name of a ROS node such as RosAria_p3at_1"},
+        extra={"expected": "the name of a ROS node such as RosAria_p3at_1 or p3at_1/pioneer3"},
     ),
 ]
 
@@ -79,6 +99,7 @@ class DefaultsTable(Table):
     laser: str = Defaults().laser
     camera: str = Defaults().camera
     ros: Ros = ""
+    network: str = ""
 
     def defaults(self) -> Defaults:
         """Return the defaults."""
@@ -90,6 +111,7 @@ class DefaultsTable(Table):
             laser=self.laser,
             camera=self.camera,
             ros=self.ros,
+            network=self.network,
         )
 
     @classmethod
@@ -103,7 +125,35 @@ class DefaultsTable(Table):
             laser=defaults.laser,
             camera=defaults.camera,
             ros=_ros(defaults.ros),
+            network=defaults.network,
         )
+
+
+class NetworkTable(Table):
+    """`[[network]]`."""
+
+    name: Name
+    backend: Backend = "auto"
+    distro: Distro = ""
+    domain: Domain | None = None
+    interface: tuple[str, ...] = ()
+    peer: tuple[str, ...] = ()
+    dds_services: bool = False
+    connect: tuple[Endpoint, ...] = ()
+    zenoh_config: str = ""
+    ca: str = ""
+    certificate: str = ""
+    key: str = ""
+    credentials: str = ""
+
+    def network(self) -> Network:
+        """Return the network."""
+        return Network(**asdict(self))
+
+    @classmethod
+    def of(cls, network: Network) -> Self:
+        """Return the table of a network."""
+        return convert(network, cls, from_attributes=True)
 
 
 class RobotTable(Table):
@@ -119,6 +169,7 @@ class RobotTable(Table):
     laser: str | None = None
     camera: str | None = None
     ros: Ros | None = None
+    network: str | None = None
     node: Node | None = None
     note: str = ""
 
@@ -138,7 +189,8 @@ class RobotTable(Table):
             laser=defaults.laser if self.laser is None else self.laser,
             camera=defaults.camera if self.camera is None else self.camera,
             ros=ros,
-            node=lab_node(self.name) if self.node is None else self.node,
+            network=defaults.network if self.network is None else self.network,
+            node=usual_node(self.name, ros) if self.node is None else self.node,
             note=self.note,
             line=line,
         )
@@ -146,7 +198,7 @@ class RobotTable(Table):
     @classmethod
     def of(cls, robot: Robot, defaults: Defaults) -> Self:
         """Return the table of a robot, without its defaults."""
-        usual = lab_node(robot.name)
+        usual = usual_node(robot.name, robot.ros)
         bridge = usual_bridge(defaults, robot.port, robot.ros)
         return cls(
             name=robot.name,
@@ -159,6 +211,7 @@ class RobotTable(Table):
             laser=None if robot.laser == defaults.laser else robot.laser,
             camera=None if robot.camera == defaults.camera else robot.camera,
             ros=None if robot.ros == defaults.ros else _ros(robot.ros),
+            network=None if robot.network == defaults.network else robot.network,
             node=None if robot.node == usual else robot.node,
             note=robot.note,
         )
@@ -169,6 +222,7 @@ class FileTable(Table):
 
     operator: OperatorTable | None = None
     defaults: DefaultsTable | None = None
+    network: tuple[NetworkTable, ...] = ()
     robot: tuple[RobotTable, ...] = ()
     groups: dict[str, object] = field(default_factory=dict)
 
@@ -178,6 +232,7 @@ class FileTable(Table):
         return cls(
             operator=None if fleet.operator == Operator() else OperatorTable.of(fleet.operator),
             defaults=None if fleet.defaults == Defaults() else DefaultsTable.of(fleet.defaults),
+            network=tuple(map(NetworkTable.of, fleet.networks)),
             robot=tuple(RobotTable.of(robot, fleet.defaults) for robot in fleet.robots),
             groups={name: list(members) for name, members in fleet.groups.items()},
         )

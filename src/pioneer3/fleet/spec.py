@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pioneer3.errors import ConfigError
+from pioneer3.fleet.network import Network, network_of
 from pioneer3.links.urls import split_host, split_url
 from pioneer3.tables import nearest
 
@@ -33,7 +34,8 @@ class Robot:
         camera: Its camera, as `--camera` takes it; empty for none. One at `127.0.0.1` or
             `localhost` is on its computer: from elsewhere it is looked for at `address`.
         ros: Version of ROS on its computer, `1` or `2`; empty for none.
-        node: Name of the ROS node that drives it, under which its topics are.
+        network: Name of its network of ROS 2; empty for the first `[[network]]`.
+        node: Name of the ROS node that drives it, in ROS 2 with its namespace.
         note: For people.
         line: In the file; 0 for a robot that is in none.
     """
@@ -48,6 +50,7 @@ class Robot:
     laser: str = ""
     camera: str = ""
     ros: str = ""
+    network: str = ""
     node: str
     note: str = ""
     line: int = field(default=0, compare=False)
@@ -91,6 +94,7 @@ class Defaults:
     laser: str = ""
     camera: str = ""
     ros: str = ""
+    network: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +105,7 @@ class Fleet:
         path: Of the file.
         operator: The computer from which the fleet is worked on.
         defaults: Of all robots.
+        networks: Of ROS 2, in the order of the file.
         robots: In the order of the file; each has the defaults already.
         groups: The names of robots in each group.
     """
@@ -108,6 +113,7 @@ class Fleet:
     path: Path
     operator: Operator = Operator()
     defaults: Defaults = Defaults()
+    networks: tuple[Network, ...] = ()
     robots: tuple[Robot, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
 
@@ -118,6 +124,10 @@ class Fleet:
         if self.operator.name and self.operator.address:
             known[self.operator.name.lower()] = self.operator.address
         return MappingProxyType(known)
+
+    def network(self, robot: Robot) -> Network:
+        """Return the network of ROS 2 that a robot is on."""
+        return network_of(self.networks, robot.network)
 
     def select(self, names: Iterable[str]) -> tuple[Robot, ...]:
         """Return robots by their names, those of groups, or `all`; each once, in the file's order.
@@ -161,6 +171,10 @@ def is_device(port: str) -> bool:
     return split_url(port)[0] != "tcp"
 
 
-def lab_node(name: str) -> str:
-    """Return the usual name of a robot's ROS node: `RosAria_p3at_1` of `p3at-1`."""
-    return f"RosAria_{name.replace('-', '_')}"
+def usual_node(name: str, ros: str) -> str:
+    """Return the usual name of a robot's ROS node.
+
+    In ROS 1 that of the lab: `RosAria_p3at_1` of `p3at-1`; in ROS 2 `p3at_1/pioneer3`.
+    """
+    part = name.replace("-", "_")
+    return f"{part}/pioneer3" if ros == "2" else f"RosAria_{part}"

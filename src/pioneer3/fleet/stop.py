@@ -1,18 +1,25 @@
 """Stops all robots of a fleet at once, and tells which have confirmed it."""
 
 import asyncio
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 
-from pioneer3.errors import PioneerError
+from pioneer3.errors import LinkError, PioneerError
 from pioneer3.fleet.members import Connect
 from pioneer3.fleet.spec import Robot
 from pioneer3.robot.pilot import STANDING
 from pioneer3.runtime.driven import Driven
 from pioneer3.state import Snapshot
+from pioneer3.tasks import running
 
-AGAIN = 0.5
-"""A robot that still moves is told to stop again after this [s]."""
+log = logging.getLogger(__name__)
+AGAIN = 0.25
+"""A robot is told to stop again after this [s], until it has confirmed."""
+HELD = 0.25
+"""A robot stands if all its reports say so for this time [s]: a program that drives it on sends
+velocities more often."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,18 +68,21 @@ async def _stop(robot: Robot, connect: Connect, *, emergency: bool, patience: fl
     try:
         async with asyncio.timeout(patience), connect(robot) as driven:
             taken = driven.supervisor.taken
-            stop = driven.emergency_stop if emergency else driven.stop
-            stop()
             reached = True
-            await _confirmed(driven, clock(), stop, emergency=emergency)
-            seconds = clock() - began
+            try:
+                await _confirmed(driven, emergency=emergency)
+                seconds = clock() - began
+            finally:
+                if seconds is None:
+                    why = f"it was told to stop, and has not confirmed it within {patience:g} s"
+                    trouble = _trouble(driven, emergency=emergency)
+                    why += f". {trouble}" if trouble else ""
     except (PioneerError, OSError) as error:
         if seconds is None:
-            why = str(error) or (
-                f"it was told to stop, and has not confirmed it within {patience:g} s"
-                if reached
-                else f"no answer within {patience:g} s"
-            )
+            why = why or str(error) or f"no answer within {patience:g} s"
+    except Exception as error:  # the others are to be told of all the same
+        log.exception("%s: failed", robot.name)
+        why = why or f"{type(error).__name__}: {error}"
     return Stopped(
         robot=robot.name,
         ok=seconds is not None,
@@ -83,23 +93,46 @@ async def _stop(robot: Robot, connect: Connect, *, emergency: bool, patience: fl
     )
 
 
-async def _confirmed(
-    driven: Driven, told: float, stop: Callable[[], None], *, emergency: bool
-) -> None:
-    """Wait until a report that came after `told` says that the robot stands; stop it again."""
-    again = told + AGAIN
-    async for snapshot in driven.snapshots():
-        if snapshot.stamp > told and _stands(snapshot, emergency=emergency):
-            return
-        if snapshot.stamp > again:
-            stop()
-            again = snapshot.stamp + AGAIN
+async def _confirmed(driven: Driven, *, emergency: bool) -> None:
+    """Tell the robot to stop until its reports say for :data:`HELD` that it stands.
+
+    Raises:
+        LinkError: there will be no more reports.
+    """
+    stop = driven.emergency_stop if emergency else driven.stop
+    stop()
+    told = asyncio.get_running_loop().time()
+    since = inf
+    async with running(_again(stop)):
+        async for snapshot in driven.snapshots(patience=inf):
+            if snapshot.stamp <= told:
+                continue
+            if not _stands(snapshot) or (emergency and not driven.supervisor.held):
+                since = inf
+            elif snapshot.stamp - (since := min(since, snapshot.stamp)) >= HELD:
+                return
+    raise LinkError("its reports have ended")
 
 
-def _stands(snapshot: Snapshot, *, emergency: bool) -> bool:
+async def _again(stop: Callable[[], None]) -> None:
+    while True:
+        await asyncio.sleep(AGAIN)
+        stop()
+
+
+def _trouble(driven: Driven, *, emergency: bool) -> str:
+    """Return the reason, if it is known, that a robot has not confirmed."""
+    snapshot = driven.snapshot
+    if snapshot is None:
+        return driven.why_not_moving() or ""
+    if not _stands(snapshot):
+        return "It moves: does another program drive it?"
+    return "" if driven.supervisor.held or not emergency else "Its emergency stop is not latched"
+
+
+def _stands(snapshot: Snapshot) -> bool:
     twist = snapshot.odometry.twist
-    still = abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w
-    return still and not (emergency and snapshot.motors.enabled)
+    return abs(twist.v) < STANDING.v and abs(twist.w) < STANDING.w
 
 
 def exit_code(answers: Sequence[Stopped]) -> int:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
+from pioneer3.errors import ConfigError
+from pioneer3.fleet.network import FILES
 from pioneer3.fleet.ros_variables import master_of
 from pioneer3.fleet.spec import Fleet, Robot
 
@@ -50,6 +52,21 @@ class Unit:
     python: str
     with_root: bool
 
+    @staticmethod
+    def check(robot: Robot, fleet: Fleet) -> None:
+        """Refuse a robot that no unit can drive.
+
+        Raises:
+            ConfigError: Its network of ROS 2 has files, of which the robot needs its own.
+        """
+        network = fleet.network(robot)
+        if robot.ros == "2" and any(getattr(network, key) for key in FILES):
+            raise ConfigError(
+                f"the network {network.name} has certificates or passwords in files, and"
+                f" {robot.name} needs its own: start pioneer3 ros2 there with them; see"
+                " how-to/ros2-fleet.md, A robot. --no-service installs the package alone"
+            )
+
     def text(self) -> str:
         """Return the text of the file."""
         wants = ["Wants=network-online.target", "After=network-online.target"]
@@ -85,12 +102,28 @@ class Unit:
             words = [self.python, "-m", "pioneer3", "bridge", "--port", robot.port]
             words += ["--bind", robot.address, "--listen", str(robot.bridge)]
             return " ".join(map(quoted, words))
-        words = [self.python, "-m", "pioneer3", "ros1" if robot.ros == "1" else "run"]
+        program = {"1": "ros1", "2": "ros2"}.get(robot.ros, "run")
+        words = [self.python, "-m", "pioneer3", program]
         words += ["--port", robot.port]
         words += ["--laser", robot.laser] if robot.laser else []
         words += ["--camera", robot.camera] if robot.camera else []
         words += [f"__name:={robot.node}"] if robot.ros == "1" else []
+        words += self._on_ros2() if robot.ros == "2" else []
         return " ".join(map(quoted, words))
+
+    def _on_ros2(self) -> list[str]:
+        """Return the options of the robot's node on ROS 2: it is at its own address."""
+        network = self.fleet.network(self.robot)
+        space, _, name = self.robot.node.strip("/").rpartition("/")
+        words = ["--namespace", space, "--name", name] if space else ["--name", name]
+        words += ["--backend", network.backend]
+        words += ["--distro", network.distro] if network.distro else []
+        words += [] if network.domain is None else ["--domain", str(network.domain)]
+        for place in network.connect:
+            words += ["--connect", place]
+        if not network.connect:
+            words += ["--interface", self.robot.address]
+        return [*words, *(["--dds-services"] if network.dds_services else [])]
 
     @property
     def _purpose(self) -> str:

@@ -163,6 +163,11 @@ class Supervisor:
         return self._snapshot
 
     @property
+    def held(self) -> bool:
+        """Whether its motors have no power, without which it does not drive."""
+        return self._snapshot is not None and not self._snapshot.motors.enabled
+
+    @property
     def taken(self) -> bool:
         """Whether another program drives the robot, and this one watches."""
         return self._session is not None and bool(self._session.taken)

@@ -57,6 +57,10 @@ class Drivable(Protocol):
         """The latest snapshot, or `None` without a connection."""
 
     @property
+    def held(self) -> bool:
+        """Whether the robot reports that an emergency stop holds it, and has no power."""
+
+    @property
     def taken(self) -> bool:
         """Whether another program drives the robot, and this one watches."""
 

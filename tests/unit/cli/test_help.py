@@ -15,6 +15,7 @@ from rich.console import Console
 
 from pioneer3.cli.main import GROUPS, app, execute
 from pioneer3.cli.options import UNITS
+from pioneer3.cli.ros2 import gather_ros_arguments
 from pioneer3.models import load_model
 from pioneer3.sim.map_convert import look
 
@@ -93,7 +94,7 @@ def test_a_help_fits_80_columns_as_it_is_written(words: str) -> None:
 def test_an_example_of_a_help_can_be_copied(
     example: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    tokens = shlex.split(example)
+    tokens = gather_ros_arguments(shlex.split(example))
     app.parse_args(tokens, exit_on_error=False, print_error=False)
     for token in tokens:
         if OPENED.fullmatch(token):
@@ -109,7 +110,7 @@ def test_an_example_of_a_help_can_be_copied(
     for flag, value in pairwise(tokens):
         if flag in {"-m", "--map"}:
             look(value)
-        if flag in {"-r", "--robot"} and tokens[0] != "ros1":
+        if flag in {"-r", "--robot"} and tokens[0] not in {"ros1", "ros2"}:
             load_model(value.partition(":")[0])
 
 
@@ -119,7 +120,7 @@ def test_there_are_examples_to_copy() -> None:
 
 @pytest.mark.parametrize(("page", "line"), in_pages())
 def test_a_command_in_the_docs_is_understood(page: str, line: str) -> None:
-    app.parse_args(shlex.split(line), exit_on_error=False, print_error=False)
+    app.parse_args(gather_ros_arguments(shlex.split(line)), exit_on_error=False, print_error=False)
 
 
 @pytest.mark.parametrize("option", ["--port", "--speed", "--turn-rate", "--seconds", "--max-speed"])

@@ -1,5 +1,6 @@
 """The table of `fleet drive`: words for every state, and what the page says about the columns."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,12 @@ def test_a_robot_that_moves() -> None:
     assert texts(look(told=MOVES)) == [
         "drives", "0", "p3at-1", "connected", " 0.20  -20", "on", "12.6", "",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("age", "state"), [(0.4, "connected"), (0.72, "old 0.7 s")])
+def test_an_old_report_is_told(age: float, state: str) -> None:
+    cell = cells(look(told=replace(MOVES, age=age)))[3]
+    assert (cell.text, cell.ok) == (state, state == "connected")
 
 
 @pytest.mark.parametrize("reached", [Reached.WAITS, Reached.LOST, Reached.REFUSED])

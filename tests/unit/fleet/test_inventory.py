@@ -14,6 +14,7 @@ from pioneer3.fleet.inventory import (
     read_fleet,
     to_toml,
 )
+from pioneer3.fleet.network import Network
 
 LAB = """\
 # The lab's robots.
@@ -44,6 +45,20 @@ node = "RosAria_p3at_2_114"
 front = ["p3at-2", "p3at-1"]
 hall = ["p3at-2"]
 """
+FAR = """\
+[[network]]
+name = "lab"
+backend = "dds"
+domain = 3
+
+[[network]]
+name = "far"
+backend = "zenoh"
+connect = ["tls/fleet.example.org:7447"]
+ca = "tls/ca.pem"
+certificate = "tls/laptop.pem"
+key = "tls/laptop.key"
+"""
 TWO = '[[robot]]\nname = "a"\naddress = "10.0.0.1"\n[[robot]]\nname = "b"\naddress = "10.0.0.2"\n'
 
 
@@ -65,6 +80,20 @@ def test_a_robot_has_its_own_fields_and_the_defaults() -> None:
     assert (first.line, second.line) == (10, 15)
     assert (first.endpoint, second.endpoint) == (None, ("p3at-2.local", 8101))
     assert (second.user, second.ros, second.node) == ("robot", "", "RosAria_p3at_2_114")
+
+
+def test_robots_of_ros_2_are_on_the_first_network_or_on_the_one_they_name() -> None:
+    text = FAR + TWO + 'ros = "2"\nnetwork = "far"\nnode = "/arm/base"\n'
+    fleet = parse_fleet(Path("lab/fleet.toml"), text.replace('"10.0.0.1"', '"10.0.0.1"\nros = "2"'))
+    near, far = fleet.robots
+    assert (near.node, far.node) == ("a/pioneer3", "/arm/base")
+    assert (fleet.network(near).name, fleet.network(near).domain) == ("lab", 3)
+    assert fleet.network(far).connect == ("tls/fleet.example.org:7447",)
+    assert fleet.network(far).file("key", fleet.path.parent) == Path("lab/tls/laptop.key")
+    assert fleet.network(far).file("credentials", fleet.path.parent) is None
+    alone = parse_fleet(Path("fleet.toml"), TWO)
+    assert alone.network(alone.robots[0]) == Network()
+    assert parse_fleet(fleet.path, to_toml(fleet)) == fleet
 
 
 def test_names_groups_and_all_select_robots() -> None:
@@ -109,6 +138,42 @@ def test_a_model_file_is_looked_for_beside_the_fleet_file(tmp_path: Path) -> Non
         (TWO + 'name = "c"', "f.toml:7: not valid TOML: Cannot overwrite a value"),
         (TWO + "ros = 1", 'f.toml:7: robot[1].ros: expected "1" or "2", or "" for none, got 1'),
         (TWO + "bridge = 70000", "f.toml:7: robot[1].bridge: expected a TCP port such as 8101"),
+        (
+            TWO + 'network = "lab"',
+            "f.toml:7: robot[1].network: no network 'lab', the file has none",
+        ),
+        (
+            FAR + TWO + 'network = "lob"',
+            "f.toml:19: robot[1].network: no network 'lob', did you mean lab?",
+        ),
+        (FAR + 'name = "b"', "f.toml:13: not valid TOML"),
+        (
+            FAR + '[[network]]\nname = "far"',
+            "f.toml:14: network[2].name: far is network[1]'s already",
+        ),
+        (
+            FAR + 'interface = ["wlan0"]',
+            "f.toml:13: network[1].interface: the backend zenoh has no use for it; leave it out",
+        ),
+        (
+            FAR.replace('backend = "zenoh"', 'backend = "zeno"'),
+            'f.toml:8: network[1].backend: expected "dds", "zenoh", "rclpy" or "auto"',
+        ),
+        (
+            FAR.replace("domain = 3", "domain = 300"),
+            "f.toml:4: network[0].domain: expected the num",
+        ),
+        (FAR.replace("domain = 3", 'distro = "foxy"'), "f.toml:4: network[0].distro: expected"),
+        (FAR.replace('key = "', '# "'), "f.toml:11: network[1].certificate: a certificate and its"),
+        (
+            FAR.replace("org:7447", "org"),
+            "f.toml:9: network[1].connect[0]: expected a Zenoh router such as tls/",
+        ),
+        (
+            FAR.replace("org:7447", "org:7447#connect_private_key_base64=c2VjcmV0"),
+            "f.toml:9: network[1].connect[0]: settings of an endpoint belong in files",
+        ),
+        (FAR + 'password = "secret"', "f.toml:13: network[1].password: unknown key"),
         (
             TWO + 'port = "tcp://b:8101"\nbridge = 8101',
             "f.toml:8: robot[1].bridge: tcp://b:8101 is reached by others as it is; leave bridge",

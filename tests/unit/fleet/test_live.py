@@ -11,11 +11,13 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from pioneer3.fleet.columns import shown
+from pioneer3.errors import ConfigError, NoRobotError
+from pioneer3.fleet.columns import Cell, shown
 from pioneer3.fleet.inventory import Fleet, Robot
 from pioneer3.fleet.live import (
     Answer,
     Live,
+    OnTopics,
     Questions,
     exit_code,
     look,
@@ -86,6 +88,49 @@ async def test_every_kind_of_host_is_told_apart_and_none_delays_the_others() -> 
     assert took < 3 * QUICK
     assert answers[0].seconds < QUICK
     assert [answer.driver for answer in answers] == [Answer(None, "")] * 5
+
+
+async def test_topics_of_ros_2_are_asked_and_a_robot_without_them_delays_nobody() -> None:
+    async def ask(robot: Robot, patience: float) -> OnTopics:
+        match robot.name:
+            case "r2":
+                return OnTopics(network="DDS", battery=12.0, motors=True, stopped=False, age=0.5)
+            case "r3":
+                return OnTopics(network="DDS", motors=False, stopped=True)
+            case "r4":
+                raise NoRobotError("no node /r4/pioneer3")
+            case "r5":
+                raise ConfigError("laptop.key holds a secret")
+        await asyncio.sleep(60)
+        raise AssertionError
+
+    async def clock(robot: Robot) -> float:
+        return -0.25
+
+    questions = Questions(timeout=QUICK, ssh_port=free_port(), ros2=ask, clock=clock)
+    robots = [robot(number, ros="2") for number in range(2, 7)]
+    well, silent, missing, refused, hung = await look(robots, questions)
+    assert (well.driver, well.ros) == (Answer(True, "RosAria_r2"), Answer(True, "DDS"))
+    assert (well.battery, well.motors, well.stopped, well.age) == (12.0, True, False, 0.25)
+    assert (silent.driver, silent.stopped) == (Answer(False, "silent"), True)
+    assert (missing.driver, missing.ros.said) == (Answer(False, "no node"), "no node /r4/pioneer3")
+    assert refused.driver == Answer(False, "no network")
+    assert refused.ros.said == "laptop.key holds a secret"
+    assert (hung.driver, hung.ros) == (Answer(False, "no network"), Answer(False, "silent"))
+    titles, rows = shown(robots[:2], [well, silent])
+    assert [rows[0][titles.index(title)].text for title in ("e-stop", "age")] == ["no", "0.2 s"]
+    assert [rows[1][titles.index(title)].text for title in ("e-stop", "age")] == ["STOP", "-"]
+
+
+@pytest.mark.parametrize(
+    ("age", "text", "good"),
+    [(-0.2, "-0.2 s", True), (0.9, "0.9 s", True), (5.0, "5.0 s", False), (1e9, "very old", False)],
+)
+def test_old_data_are_told(age: float, text: str, good: bool) -> None:
+    yes = Answer(True, "yes")
+    answer = Live(robot="r1", up=yes, ssh=yes, driver=yes, ros=yes, age=age)
+    titles, (row,) = shown([robot(1)], [answer])
+    assert row[titles.index("age")] == Cell(text, good)
 
 
 async def test_a_clock_that_nobody_tells_is_left_out() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from pioneer3.errors import ConfigError
 from pioneer3.fleet.bundle import Bundler, Platform, here, installed, suits, version_pair
+from pioneer3.fleet.network import Network
 from pioneer3.fleet.spec import Fleet, Operator, Robot
 from pioneer3.fleet.unit import Unit, quoted
 
@@ -50,6 +51,19 @@ def test_with_ros_it_is_the_node_at_the_operators_master() -> None:
     assert "pioneer3 ros1 --port /dev/ttyUSB0 __name:=RosAria_p3at_1\n" in text
     assert "Environment=ROS_MASTER_URI=http://192.168.1.10:11311\n" in text
     assert "Environment=ROS_IP=192.168.1.111\n" in text
+
+
+def test_with_ros_2_it_is_the_node_on_its_network_at_its_own_address() -> None:
+    lab = Network(name="lab", backend="dds", distro="jazzy", domain=3, interface=("wlan0",))
+    fleet = replace(FLEET, networks=(lab,))
+    robot = replace(ROBOT, ros="2", node="p3at_1/pioneer3")
+    text = replace(unit(robot), fleet=fleet).text()
+    node = "--namespace p3at_1 --name pioneer3 --backend dds --distro jazzy --domain 3"
+    command = f"pioneer3 ros2 --port /dev/ttyUSB0 {node} --interface 192.168.1.111\n"
+    assert command in text
+    far = Network(name="far", backend="zenoh", connect=("tls/a:7447",), ca="ca.pem")
+    with pytest.raises(ConfigError, match=r"network far has certificates .* p3at-1 needs its own"):
+        Unit.check(robot, replace(FLEET, networks=(far,)))
 
 
 def test_with_a_bridge_it_lets_others_reach_the_device_at_the_robots_address() -> None:

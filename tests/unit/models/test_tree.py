@@ -28,9 +28,9 @@ from pioneer3.models.description.tree import (
     wheel_joint_names,
 )
 from pioneer3.models.description.urdf import describe
+from pioneer3.ros.installation import MODELS
 from pioneer3.ros.messages import motion
 from pioneer3.ros.messages.update import MessageOptions
-from pioneer3.ros.ros1.package import MODELS
 from tests.unit.ros.support import P3AT, Blank, seen, update
 
 EVERY = [load_model(name) for name in model_names()]

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, field
 from threading import Thread
 from types import SimpleNamespace
@@ -32,7 +33,7 @@ class FakePublisher:
     messages: list[Any] = field(default_factory=list)
 
     def publish(self, message: Any) -> None:
-        self.messages.append(message)
+        self.messages.append(deepcopy(message))  # it is filled again
 
 
 class FakeSubscription:
@@ -46,8 +47,11 @@ class FakeMiddleware:
     """A middleware in which a test is everybody else."""
 
     name = "/RosAria"
+    serves = True
 
     def __init__(self) -> None:
+        self.leaving: dict[str, Callable[[Sender], None] | None] = {}
+        self.mismatched: list[str] = []
         self.publishers: dict[str, FakePublisher] = {}
         self.receivers: dict[str, Callable[[Any, Sender], None]] = {}
         self.services: dict[str, Callable[[Any], Response]] = {}
@@ -87,6 +91,12 @@ class FakeMiddleware:
     def stamp(self, age: float) -> Any:
         return Moment(-age)
 
+    def age(self, stamp: Any) -> float | None:
+        return -stamp if stamp else None
+
+    def mismatches(self) -> list[str]:
+        return self.mismatched
+
     def advertise(
         self, name: str, type_name: str, *, latched: bool = False, queue: int = QUEUE
     ) -> FakePublisher:
@@ -95,9 +105,15 @@ class FakeMiddleware:
         return self.publishers[name]
 
     def subscribe(
-        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+        self,
+        name: str,
+        type_name: str,
+        receive: Callable[[Any, Sender], None],
+        *,
+        queue: int,
+        left: Callable[[Sender], None] | None = None,
     ) -> FakeSubscription:
-        self.receivers[name] = receive
+        self.receivers[name], self.leaving[name] = receive, left
         return FakeSubscription()
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Response]) -> None:

@@ -1,6 +1,7 @@
 """Snapshots of a robot's topics and keys of a phone, over a middleware without ROS."""
 
 import asyncio
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -8,12 +9,14 @@ import pytest
 from pioneer3.models import load_model
 from pioneer3.ros.client.graph import RobotTopics
 from pioneer3.ros.client.phone import SILENT, flicks
-from pioneer3.ros.client.snapshots import TOGETHER, SnapshotSubscriber
+from pioneer3.ros.client.snapshots import KNOWN, TOGETHER, Delay, SnapshotSubscriber
+from pioneer3.ros.ros1.client import MotorSwitch
 from pioneer3.state import Snapshot
 from pioneer3.teleop.keyboard import Key
 from tests.unit.ros.fakes import SOMEBODY, FakeMiddleware
 from tests.unit.ros.support import Blank
 
+PATIENCE = 10.0
 TOPICS = RobotTopics(
     node="/RosAria",
     pose="/RosAria/pose",
@@ -27,9 +30,10 @@ TOPICS = RobotTopics(
 )
 
 
-def a_pose(x: float) -> Blank:
+def a_pose(x: float, stamp: float = 0.0) -> Blank:
     """Return a nav_msgs/Odometry."""
     message = Blank()
+    message.header.stamp = SimpleNamespace(sec=int(stamp), nanosec=round(stamp % 1 * 1e9))
     message.pose.pose.position.x, message.pose.pose.position.y = x, 0.0
     message.pose.pose.orientation.z, message.pose.pose.orientation.w = 0.0, 1.0
     message.twist.twist.linear.x = message.twist.twist.angular.z = 0.0
@@ -57,6 +61,47 @@ async def test_messages_that_come_together_make_one_snapshot() -> None:
     assert len(taken) == 1
 
 
+async def test_a_delayed_message_makes_an_old_snapshot_whatever_the_clocks_say() -> None:
+    middleware, taken = FakeMiddleware(), list[Snapshot]()
+    subscriber = SnapshotSubscriber(TOPICS, load_model("p3at-sh"), taken.append, middleware)
+    subscriber.open()
+    middleware.receivers["/RosAria/motors_state"](SimpleNamespace(data=True), SOMEBODY)
+    clock = asyncio.get_running_loop().time
+    for stamp, wait in ((2e9, 1.0), (2e9 + 1, 5.0), (2e9 + 2, 1.0), (2e9 + 7, 1.0)):
+        middleware.receivers["/RosAria/pose"](a_pose(1.0, stamp), SOMEBODY)
+        await asyncio.sleep(2 * TOGETHER)
+        ages = [clock() - snapshot.stamp for snapshot in taken[-1:]]
+        expected = 4.0 if stamp == 2e9 + 2 else 0.0
+        assert ages == [pytest.approx(expected + 2 * TOGETHER, abs=0.1)]
+        await asyncio.sleep(wait - 2 * TOGETHER)
+    subscriber.close()
+
+
+async def test_the_state_of_the_motors_is_waited_for_but_not_for_ever() -> None:
+    middleware, taken = FakeMiddleware(), list[Snapshot]()
+    subscriber = SnapshotSubscriber(TOPICS, load_model("p3at-sh"), taken.append, middleware)
+    subscriber.open()
+    for wait in (KNOWN / 2, KNOWN):
+        middleware.receivers["/RosAria/pose"](a_pose(1.0), SOMEBODY)
+        await asyncio.sleep(2 * TOGETHER)
+        assert not taken
+        await asyncio.sleep(wait)
+    middleware.receivers["/RosAria/pose"](a_pose(1.0), SOMEBODY)
+    await asyncio.sleep(2 * TOGETHER)
+    assert taken
+    subscriber.close()
+
+
+def test_the_delay_is_that_beyond_the_fastest_message_of_late() -> None:
+    delay = Delay()
+    assert [delay.of(t, t + 3) for t in (0.0, 1.0)] == [0, 0]
+    assert delay.of(2.0, 7.0) == 2
+    assert delay.of(3.0, 6.0) == 0
+    for t in range(4, 60):  # the sender's clock was set back by 10 s
+        late = delay.of(t - 10.0, t + 3.0)
+    assert late == 0
+
+
 async def test_a_phone_that_falls_silent_stops_the_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     middleware = FakeMiddleware()
     monkeypatch.setattr(asyncio, "to_thread", middleware.at_once)
@@ -74,3 +119,24 @@ async def test_a_phone_that_falls_silent_stops_the_robot(monkeypatch: pytest.Mon
     assert await anext(keys) is Key.STOP
     assert loop.time() - began == pytest.approx(SILENT)
     await keys.aclose()  # type: ignore[attr-defined]
+
+
+def test_a_node_that_hangs_takes_one_thread_and_the_last_request_waits() -> None:
+    begun, goes_on, called = threading.Event(), threading.Event(), list[bool]()
+
+    def call(on: bool) -> None:
+        called.append(on)
+        begun.set()
+        assert goes_on.wait(PATIENCE)
+
+    switch, before = MotorSwitch(call), threading.active_count()
+    switch(False)
+    assert begun.wait(PATIENCE)
+    for on in (True, False, True, False):
+        switch(on)
+    assert called == [False]
+    assert threading.active_count() == before + 1
+    goes_on.set()
+    switch.close()
+    assert threading.active_count() == before
+    assert called == [False, False]

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from math import inf
+from math import inf, nan
 from types import SimpleNamespace
 
 import pytest
@@ -13,6 +13,7 @@ from pioneer3 import Robot, connect_async
 from pioneer3.maps import LineMap
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.middleware import Sender
+from pioneer3.ros.node.names import CommandName
 from tests.support import SimulatedRobot, wall_at
 
 AHEAD = 0.3
@@ -37,7 +38,9 @@ class Drive:
         """Publish a Twist."""
         zero = SimpleNamespace(x=0.0, y=0.0, z=0.0)
         linear = SimpleNamespace(x=speed, y=0.0, z=0.0)
-        self.commands.receive(False, SimpleNamespace(linear=linear, angular=zero), sender)
+        self.commands.receive(
+            CommandName("cmd_vel"), SimpleNamespace(linear=linear, angular=zero), sender
+        )
 
     async def publish(
         self, seconds: float, speed: float = AHEAD, sender: Sender = SOMEBODY
@@ -84,7 +87,19 @@ async def test_a_command_that_expires_is_told_of_once_for_each_sender() -> None:
             "cmd_vel of /somebody_else has expired",
         ]
         assert "nothing came for 0.6 s" in the.warnings[0]
-        assert "_cmd_vel_timeout:=1.5" in the.warnings[0]
+        assert "a longer cmd_vel_timeout, such as 1.5" in the.warnings[0]
+
+
+async def test_good_and_bad_commands_in_turn_are_told_of_few_times() -> None:
+    async with driven(0.6) as the:
+        for _ in range(50):
+            await the.publish(0.1, nan)
+            await the.publish(0.1)
+        assert 1 <= len(the.warnings) <= 5
+        await asyncio.sleep(10.0)
+        before = len(the.warnings)
+        await the.publish(0.1, nan)
+        assert len(the.warnings) == before + 1
 
 
 @pytest.mark.parametrize("ends", ["zero", "emergency stop", "lost robot", "no timeout"])

@@ -5,7 +5,8 @@ import pytest
 from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.ros.client.graph import RobotTopics, chosen, robots_on
 
-ODOMETRY, TWIST, CLOUD = "nav_msgs/Odometry", "geometry_msgs/Twist", "sensor_msgs/PointCloud"
+ODOMETRY, CLOUD = "nav_msgs/Odometry", "sensor_msgs/PointCloud"
+TWIST, STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 
 
 def topics(nodes: dict[str, list[str]]) -> list[tuple[str, list[str]]]:
@@ -44,6 +45,17 @@ def test_its_own_name_comes_before_others() -> None:
     assert robot.commands == "/x/cmd_vel"
 
 
+def test_a_robot_that_takes_stamped_velocities_only_is_one_too() -> None:
+    heard = [("/x/cmd_vel", ["/x"]), ("/x/cmd_vel_unstamped", ["/x"]), ("/y/cmd_vel", ["/y"])]
+    types = {name: STAMPED for name, _ in heard} | {"/x/cmd_vel_unstamped": TWIST}
+    types |= {"/x/pose": ODOMETRY, "/y/pose": ODOMETRY}
+    found = robots_on([("/x/pose", ["/x"]), ("/y/pose", ["/y"])], heard, types)
+    assert [(robot.commands, robot.command_type) for robot in found] == [
+        ("/x/cmd_vel_unstamped", TWIST),
+        ("/y/cmd_vel", STAMPED),
+    ]
+
+
 def test_topics_are_found_by_type_and_the_end_of_their_names() -> None:
     published = {
         "/x/sonar": CLOUD,
@@ -77,12 +89,18 @@ def test_what_is_not_clear_is_told_with_what_there_is() -> None:
     two = lab("a", "b")
     with pytest.raises(ConfigError, match="--robot; RosAria_a, RosAria_b"):
         chosen(two, None)
-    with pytest.raises(NoRobotError, match="'c' on this ROS master, but RosAria_a, RosAria_b"):
+    with pytest.raises(NoRobotError, match="'c' on this ROS graph, but RosAria_a, RosAria_b"):
         chosen(two, "c")
-    with pytest.raises(NoRobotError, match="there is no robot on this ROS master"):
+    with pytest.raises(NoRobotError, match="there is no robot on this ROS graph"):
         chosen([], None)
     twins = [
         RobotTopics(node=f"/{place}/RosAria", pose="p", commands="c") for place in ("left", "right")
     ]
     with pytest.raises(ConfigError, match="several robots are called 'RosAria'"):
         chosen(twins, "RosAria")
+
+
+def test_nodes_of_one_name_are_not_driven_together() -> None:
+    twins = RobotTopics(node="/pioneer3", pose="/odom", commands="/cmd_vel", nodes=2)
+    with pytest.raises(ConfigError, match=r"2 nodes are called /pioneer3.*--namespace"):
+        chosen([twins], None)

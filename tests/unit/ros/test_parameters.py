@@ -10,10 +10,10 @@ from pioneer3.ros.messages.update import NoEcho
 from pioneer3.ros.node.driving_parameters import NAMES
 from pioneer3.ros.node.laser_parameters import BELOW
 from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameter_table import PARAMETERS, ROS1
 from pioneer3.ros.node.parameters import (
     FRAMES,
     MODEL,
-    OTHERS,
     SIMULATED,
     NodeParameters,
     read_parameters,
@@ -186,7 +186,7 @@ def test_every_parameter_is_in_the_docs() -> None:
     text = PAGE.read_text(encoding="utf-8")
     names = {
         f"{BELOW}/serial_port",
-        *(name for name in OTHERS if name != BELOW),
+        *(each.name for each in PARAMETERS if each.profiles & ROS1),
         *NAMES,
         MODEL,
         SIMULATED,

@@ -5,7 +5,8 @@ from dataclasses import replace
 from pioneer3.ros.messages.update import MessageOptions
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.publishing import Publishing
-from pioneer3.ros.node.topics import Topic, published
+from pioneer3.ros.node.topic import Topic
+from pioneer3.ros.node.topics import published
 from pioneer3.state import Battery, Charging, Motors
 from tests.unit.ros.fakes import FakeMiddleware
 from tests.unit.ros.support import P3AT, seen, update
@@ -69,14 +70,16 @@ def test_a_topic_with_a_period_comes_after_it_and_on_change() -> None:
     assert len(middleware.publishers["battery_state"].messages) == 3
 
 
-def test_a_lost_robot_is_said_once_on_latched_topics_and_taken_back() -> None:
+def test_a_lost_robot_is_said_on_latched_topics_and_taken_back() -> None:
+    """Again and again where every snapshot has the topic, for locks that expire; else once."""
     made, middleware = publishing()
     made.publish(update(seen()))
     made.lose_robot()
     made.lose_robot()
     made.publish(update(seen()))
     stops = middleware.publishers["emergency_stop"].messages
-    assert [getattr(each, "data", each) for each in stops] == [False, True, False]
+    assert [getattr(each, "data", each) for each in stops] == [False, True, True, False]
+    assert len(middleware.publishers["motors_state"].messages) == 3
     assert len(middleware.publishers["/tf_static"].messages) == 1  # it stays true
 
 

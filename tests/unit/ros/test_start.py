@@ -5,8 +5,9 @@ import pytest
 from pioneer3.doctor.ports import SerialPort
 from pioneer3.doctor.probe import SIMULATOR_URL, Probed, Verdict
 from pioneer3.errors import ConfigError, NoRobotError
-from pioneer3.ros.ros1 import start
-from pioneer3.ros.ros1.start import Options, serve, simulator_or_robot
+from pioneer3.ros.node import start
+from pioneer3.ros.node.start import Options, simulator_or_robot
+from pioneer3.ros.ros1.start import serve
 
 SERIAL = SerialPort(path="/dev/ttyS9", device="/dev/ttyS9")
 

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 
 import pytest
 
@@ -11,18 +12,20 @@ from pioneer3.behaviors.modes import wander
 from pioneer3.errors import MotionError
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.maps import LineMap
-from pioneer3.ros.client.robot import SILENT, STUCK, TopicRobot, TopicSupervisor
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.client.robot import HELD, SILENT, STUCK, TopicRobot, TopicSupervisor
 from pioneer3.ros.client.snapshots import SnapshotBuilder
 from pioneer3.ros.messages import motion, sensors
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
-from pioneer3.state import Snapshot
+from pioneer3.state import Identity, Motors, Snapshot
 from pioneer3.tasks import running
 from pioneer3.teleop.keyboard import Key, Keyboard
 from pioneer3.teleop.keyboard_drive import KeyboardDriver
 from tests.support import SimulatedRobot, until, wall_at
-from tests.unit.ros.support import Blank, update
+from tests.unit.ros.support import P3AT, Blank, seen, update
 
 NODE_TIMEOUT = 0.6
 
@@ -38,15 +41,17 @@ class Bench:
         talks: Whether its topics say anything.
     """
 
-    def __init__(self, sim: SimulatedRobot, near: Robot) -> None:
+    def __init__(self, sim: SimulatedRobot, near: Robot, *, latches: bool) -> None:
         self.sim, self.near = sim, near
+        latch = self._latch if latches else None
         self.sent: list[Twist2] = []
         self.switched: list[bool] = []
+        self.latched: list[bool] = []
         self.talks = True
         self._hold = Hold("cmd_vel")
         near.arbiter.add(self._hold, PROGRAM)
         self._gatherer = SnapshotBuilder(near.info.model, motors_on=False)
-        self.supervisor = TopicSupervisor(near.info, self._publish, self._switch)
+        self.supervisor = TopicSupervisor(near.info, self._publish, self._switch, latch)
         self.far = TopicRobot(self.supervisor)
 
     async def tell(self) -> None:
@@ -58,8 +63,10 @@ class Bench:
     def say(self, snapshot: Snapshot) -> None:
         """Pass a reading on."""
         told, now = update(snapshot), asyncio.get_running_loop().time()
-        pose, cloud, bumpers, motors = Blank(), Blank(), Blank(), Blank()
+        pose, cloud, bumpers, motors, stop = Blank(), Blank(), Blank(), Blank(), Blank()
         motion.odometry(pose, told)
+        stop.data = self.near.supervisor.pilot.emergency
+        self._gatherer.emergency_stop(stop)
         sensors.sonar_cloud(cloud, told)
         sensors.bumpers(bumpers, told)
         sensors.motors(motors, told)
@@ -79,16 +86,66 @@ class Bench:
         self.switched.append(on)
         self.near.arbiter.set_motors(on=on)
 
+    def _latch(self, on: bool) -> None:
+        self.latched.append(on)
+        if on:
+            self.near.emergency_stop()
+        else:
+            self.near.reset_emergency_stop()
+
 
 @asynccontextmanager
-async def bench(line_map: LineMap | None = None) -> AsyncIterator[Bench]:
+async def bench(line_map: LineMap | None = None, *, latches: bool = False) -> AsyncIterator[Bench]:
     """Join both ends while the block lasts."""
     async with SimulatedRobot(line_map) as sim, connect_async(sim.open) as near:
-        the = Bench(sim, near)
+        the = Bench(sim, near, latches=latches)
         async with running(the.tell(), the.supervisor.run()):
             await until(lambda: the.far.snapshot)
             yield the
         assert the.sent == [] or the.sent[-1].is_zero
+
+
+async def test_a_node_that_latches_its_emergency_stop_is_released_by_whoever_asks() -> None:
+    async with bench(latches=True) as the:
+        the.far.emergency_stop()
+        await asyncio.sleep(1)
+        assert (the.latched, the.switched) == ([True], [])
+        assert "is latched" in str(the.far.why_not_moving())
+        other = TopicSupervisor(the.near.info, lambda twist: None, the._switch, the._latch)
+        snapshot = the.far.snapshot
+        assert snapshot is not None
+        other.take(snapshot)
+        assert other.why_not_moving() == HELD
+        other.reset_emergency_stop()
+        the.supervisor.reset_emergency_stop()
+        await asyncio.sleep(1)
+        assert the.latched == [True, False, False]
+        assert not the.near.supervisor.pilot.emergency
+
+
+async def test_an_emergency_stop_is_asked_for_again_when_the_robot_is_back() -> None:
+    async with bench(latches=True) as the:
+        the.talks = False
+        await asyncio.sleep(SILENT + 0.2)
+        the.far.emergency_stop()
+        the.near.reset_emergency_stop()  # as if that had not reached it
+        the.latched.clear()
+        the.talks = True
+        await until(lambda: the.far.snapshot)
+        assert the.latched == [True]
+        the.supervisor.reset_emergency_stop()
+
+
+async def test_an_old_reading_counts_as_silence() -> None:
+    async with bench() as the:
+        the.talks = False
+        await asyncio.sleep(SILENT + 0.2)
+        reading = the.near.snapshot
+        assert reading is not None
+        the.supervisor.take(replace(reading, stamp=reading.stamp - 2 * SILENT))
+        assert the.far.snapshot is None
+        the.supervisor.take(reading)
+        assert the.far.snapshot is not None
 
 
 async def test_who_only_looks_sends_nothing() -> None:
@@ -192,3 +249,26 @@ async def test_who_leaves_while_it_moves_stops_it() -> None:
         the.far.arbiter.hold(held, Twist2(0.3), 10.0)
         await until(lambda: the.sim.speed > 0.1)
     assert the.sent[-1] == STILL
+
+
+@pytest.mark.parametrize("tells_stops", [False, True])
+async def test_an_emergency_stop_holds_once_the_node_says_so(tells_stops: bool) -> None:
+    info = RobotInfo(
+        identity=Identity(name="r1", family="Pioneer", model=P3AT.name),
+        model=P3AT,
+        limits=limits_for(P3AT, None),
+        config=None,
+        url="/r1/pioneer3",
+        speed=None,
+    )
+    robot = TopicSupervisor(info, lambda _: None, lambda _: None, tells_stops=tells_stops)
+    clock = asyncio.get_running_loop().time
+    assert not robot.held
+    for motors, held in (
+        (Motors(enabled=True), False),
+        (Motors(enabled=False), not tells_stops),
+        (Motors(enabled=True, stop_button=True), False),
+        (Motors(enabled=False, stop_button=True), True),
+    ):
+        robot.take(replace(seen(motors=motors), stamp=clock()))
+        assert robot.held == held

@@ -1,19 +1,27 @@
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from docs.reference.ros_tables import LASER_PAGE, PAGE, filled
-from pioneer3.geometry import Pose2
+from docs.reference.ros_tables import PAGES, filled
+from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import load_model
 from pioneer3.models.description.tree import Frames
 from pioneer3.robot.devices.gyro import GyroReading
 from pioneer3.robot.devices.pictures import Image
 from pioneer3.ros.messages import sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate
-from pioneer3.ros.messages.update import MessageOptions, PictureUpdate, ScanUpdate, SensorUpdate
+from pioneer3.ros.messages.update import (
+    DescriptionUpdate,
+    MessageOptions,
+    PictureUpdate,
+    ScanUpdate,
+    SensorUpdate,
+)
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.topics import COMMANDS, TOPICS, Topic, Update, published, topics_of
+from pioneer3.ros.node.topic import Topic, Update
+from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS, TOPICS, published, topics_of
 from pioneer3.state import Battery, Bumpers, Charging, Inputs, Motors, Scan, Sonar
 from tests.unit.ros.support import P3AT, Blank, seen, update
 
@@ -125,17 +133,84 @@ def update_of(source: type[Update]) -> Update:
         return PictureUpdate(image=image, view=1.0, frame="camera_optical_frame", stamp="now")
     if source is DiagnosticsUpdate:
         return DiagnosticsUpdate(found=(), node="/n", hardware="h", stamp="now", make=make)
+    if source is DescriptionUpdate:
+        return DescriptionUpdate(urdf="<robot/>")
     return update(seen(sonar=Sonar(ranges=(1.0,) * 16), inputs=Inputs(compass=0.5)))
 
 
 def test_every_row_fills_a_message_or_parses_one() -> None:
     for topic in topics_of(P3AT):
-        assert (topic.fill is None) is (topic is COMMANDS)
-        assert (topic.parse is None) is (topic is not COMMANDS)
+        commands = topic in (COMMANDS, STAMPED_COMMANDS)
+        assert ((topic.fill is None), (topic.parse is None)) == (commands, not commands)
         if topic.fill:
             message = Blank()
             topic.fill(message, update_of(topic.source))
             assert vars(message)
+
+
+FULL = seen(
+    Pose2(1.0, 2.0, 3.0),
+    Twist2(0.5, 0.2),
+    left=0.4,
+    right=0.6,
+    battery=Battery(voltage=12.0, charge=0.5, charging=Charging.BULK),
+    motors=Motors(enabled=True, moving=True),
+    sonar=Sonar(ranges=(1.0,) * 16, fresh=tuple(range(16)), enabled=True),
+    bumpers=Bumpers(front=(True,) * 5, rear=(False, True) * 3),
+    inputs=Inputs(compass=0.5, digital_in=3, analog=1.0),
+)
+STANDS = seen(sonar=Sonar(ranges=(math.inf,) * 16))
+WITH_WHEELS = MessageOptions(wheels_tf=True)
+
+
+def scan_of(*ranges: float, reflectances: tuple[int, ...] = ()) -> ScanUpdate:
+    scan = Scan(
+        stamp=5.0,
+        sequence=1,
+        sensor_in_robot=Pose2(),
+        robot_in_odom=Pose2(),
+        angles=tuple(map(float, range(len(ranges)))),
+        ranges=ranges,
+        reflectances=reflectances,
+    )
+    return ScanUpdate(scan=scan, frame="laser", stamp="now")
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (update(FULL, WITH_WHEELS, turned=(1.0, 2.0)), update(STANDS, WITH_WHEELS)),
+        (update(STANDS, WITH_WHEELS), update(FULL, WITH_WHEELS, turned=(1.0, 2.0))),
+        (scan_of(1.0, 2.0, 3.0, reflectances=(0, 1, 2)), scan_of(4.0, 5.0)),
+        (scan_of(4.0, 5.0), scan_of(1.0, 2.0, 3.0, reflectances=(0, 1, 2))),
+    ],
+)
+def test_a_message_that_is_filled_again_keeps_nothing(before: Update, after: Update) -> None:
+    rows = [topic for topic in topics_of(P3AT) if topic.fill and topic.source is type(after)]
+    assert rows
+    for topic in rows:
+        assert topic.fill is not None
+        again, fresh = Blank(), Blank()
+        for given in (before, after):
+            topic.fill(again, given)
+        topic.fill(fresh, after)
+        assert again == fresh, topic.standard
+
+
+def test_a_picture_that_is_filled_again_keeps_nothing() -> None:
+    rows = [topic for topic in topics_of(P3AT) if topic.source is PictureUpdate]
+    assert rows
+    large = Image(np.ones((48, 64, 3), np.uint8), stamp=4.0)
+    before = PictureUpdate(image=large, view=1.0, frame="f", stamp="before")
+    small = Image(np.zeros((24, 32, 3), np.uint8), stamp=5.0)
+    after = PictureUpdate(image=small, view=None, frame="f", stamp="now")
+    for topic in rows:
+        assert topic.fill is not None
+        again, fresh = Blank(), Blank()
+        topic.fill(again, before)
+        topic.fill(again, after)
+        topic.fill(fresh, after)
+        assert again == fresh, topic.standard
 
 
 def test_a_robot_without_sonars_has_no_topics_for_them() -> None:
@@ -207,7 +282,7 @@ def test_topics_that_the_options_do_not_want_are_not_published() -> None:
     assert "cmd_vel" not in names
 
 
-@pytest.mark.parametrize("page", [PAGE, LASER_PAGE], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_the_tables_in_the_docs_are_up_to_date(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert text == filled(text), "run: uv run python -m docs.reference.ros_tables"

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, NamedTuple
 
 from pioneer3.arcos.lists import Counted, CountedStructs, Record
 from pioneer3.arcos.wire import S8, S16, S32, U8, U16, U32, Enumerated, Flag, Integer, Rest, Text
@@ -47,8 +47,7 @@ class SimLaser:
     extra: Rest = b""
 
 
-@dataclass(frozen=True, slots=True)
-class LaserReading:
+class LaserReading(NamedTuple):
     """One reading with its brightness; `reserved` is 0."""
 
     range_mm: U16
@@ -72,7 +71,7 @@ class SimLaserExtended:
     ID: ClassVar[int] = 0x61
     total: U16
     first: U16
-    readings: Annotated[tuple[LaserReading, ...], CountedStructs(LaserReading, "<HBH")]
+    readings: Annotated[tuple[LaserReading, ...], CountedStructs(LaserReading, "HBH")]
     laser: U8 | None = None
     flags: U8 | None = None
     extra: Rest = b""

@@ -1,7 +1,8 @@
 """Finds the robots in a ROS graph by the topics that nodes publish and subscribe to. Pure."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
@@ -11,10 +12,20 @@ from pioneer3.ros.node.names import NODE
 
 ODOMETRY: Final = "nav_msgs/Odometry"
 TWIST: Final = "geometry_msgs/Twist"
+STAMPED: Final = "geometry_msgs/TwistStamped"
 LAB_PREFIX: Final = f"{NODE}_"
 
 State = Iterable[tuple[str, Iterable[str]]]
 """Topics with the nodes that publish or subscribe to them, as in a master's system state."""
+
+
+@dataclass(slots=True)
+class NodeTopics:
+    """The topics of a node with their types; `nodes` is the number of nodes of its name."""
+
+    published: dict[str, str] = field(default_factory=dict)
+    heard: dict[str, str] = field(default_factory=dict)
+    nodes: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,14 +35,28 @@ class RobotTopics:
     Attributes:
         node: Its full name, such as `/RosAria_p3at_1_113`.
         pose: Topic of nav_msgs/Odometry.
-        commands: Topic of geometry_msgs/Twist that this robot alone subscribes to, if there is one.
+        commands: Topic of velocities that this robot alone subscribes to, if there is one.
+        command_type: Of that topic: :data:`TWIST`, or :data:`STAMPED` where there is none of Twist.
         published: Types of all topics that it publishes, by topic.
+        nodes: Number of nodes of this name; several would all be driven.
     """
 
     node: str
     pose: str
     commands: str
+    command_type: str = TWIST
     published: Mapping[str, str] = field(default_factory=dict)
+    nodes: int = 1
+
+    @property
+    def unclear(self) -> str:
+        """Why reports and commands of this name are not those of one robot; or nothing."""
+        if self.nodes == 1:
+            return ""
+        return (
+            f"{self.nodes} nodes are called {self.node}: what is for one of them drives all. Give"
+            " each robot a --namespace; a node that was killed is gone after 10 s"
+        )
 
     @property
     def name(self) -> str:
@@ -50,6 +75,11 @@ class RobotTopics:
         return {self.node, self.name, last, last.removeprefix(LAB_PREFIX)} | {
             space for space in [self.name.rpartition("/")[0]] if space
         }
+
+    @property
+    def emergency_stop(self) -> str | None:
+        """Topic on which it tells whether an emergency stop holds it, or `None`."""
+        return self.topic("std_msgs/Bool", "emergency_stop")
 
     def topic(self, kind: str, ending: str = "") -> str | None:
         """Return its topic of this type whose name ends so, or `None`."""
@@ -70,17 +100,36 @@ class RobotTopics:
 
 
 def robots_on(publishers: State, subscribers: State, types: Mapping[str, str]) -> list[RobotTopics]:
-    """Return the robots, sorted by name."""
-    published, heard = _by_node(publishers), _by_node(subscribers)
-    listeners = {topic: len(list(nodes)) for topic, nodes in subscribers}
+    """Return the robots on a master, where each topic has one type, sorted by name."""
+    nodes: dict[str, NodeTopics] = defaultdict(NodeTopics)
+    for state, kind in ((publishers, "published"), (subscribers, "heard")):
+        for topic, names in state:
+            for name in names:
+                getattr(nodes[name], kind)[topic] = types.get(topic, "")
+    return robots_among(nodes)
+
+
+def robots_among(nodes: Mapping[str, NodeTopics]) -> list[RobotTopics]:
+    """Return the robots among nodes, which are given by their full names, sorted by name."""
+    listeners = Counter(topic for node in nodes.values() for topic in node.heard)
     robots = []
-    for node in sorted(published.keys() & heard.keys()):
-        poses = sorted(name for name in published[node] if types.get(name) == ODOMETRY)
-        commands = [name for name in heard[node] if types.get(name) == TWIST]
+    for name, node in sorted(nodes.items()):
+        poses = sorted(topic for topic, kind in node.published.items() if kind == ODOMETRY)
+        kind = TWIST if TWIST in node.heard.values() else STAMPED
+        commands = [topic for topic, its_kind in node.heard.items() if its_kind == kind]
         if poses and commands:
-            own = min(commands, key=partial(_preference, node, listeners))
-            kinds = {name: types[name] for name in sorted(published[node]) if name in types}
-            robots.append(RobotTopics(node=node, pose=poses[0], commands=own, published=kinds))
+            own = min(commands, key=partial(_preference, name, listeners))
+            published = {topic: kind for topic, kind in sorted(node.published.items()) if kind}
+            robots.append(
+                RobotTopics(
+                    node=name,
+                    pose=poses[0],
+                    commands=own,
+                    command_type=kind,
+                    published=published,
+                    nodes=node.nodes,
+                )
+            )
     return robots
 
 
@@ -91,10 +140,17 @@ def chosen(robots: Iterable[RobotTopics], wanted: str | None) -> RobotTopics:
         NoRobotError: there is none, or none called so; the message says which there are.
         ConfigError: it is not clear which one is meant.
     """
-    known = list(robots)
+    robot = _called(list(robots), wanted)
+    if robot.unclear:
+        raise ConfigError(robot.unclear)
+    return robot
+
+
+def _called(known: Sequence[RobotTopics], wanted: str | None) -> RobotTopics:
     if not known:
         raise NoRobotError(
-            "there is no robot on this ROS master: start a node, as with `pioneer3 ros1 --port URL`"
+            "there is no robot on this ROS graph: start its node, as with"
+            " `pioneer3 ros1 --port URL` or `pioneer3 ros2 --port URL`"
         )
     there_are = ", ".join(robot.name for robot in known)
     if wanted is None:
@@ -104,7 +160,7 @@ def chosen(robots: Iterable[RobotTopics], wanted: str | None) -> RobotTopics:
     exact = [robot for robot in known if wanted in {robot.node, robot.name}]
     called = exact or [robot for robot in known if wanted in robot.names]
     if not called:
-        raise NoRobotError(f"no robot is called {wanted!r} on this ROS master, but {there_are}")
+        raise NoRobotError(f"no robot is called {wanted!r} on this ROS graph, but {there_are}")
     if len(called) > 1:
         names = ", ".join(robot.name for robot in called)
         raise ConfigError(f"several robots are called {wanted!r}: {names}")
@@ -114,11 +170,3 @@ def chosen(robots: Iterable[RobotTopics], wanted: str | None) -> RobotTopics:
 def _preference(node: str, listeners: Mapping[str, int], topic: str) -> tuple[int, bool, str]:
     """Return a key that is least for the topic with the fewest other subscribers."""
     return listeners[topic], not topic.startswith(f"{node}/"), topic
-
-
-def _by_node(state: State) -> dict[str, set[str]]:
-    nodes: dict[str, set[str]] = {}
-    for topic, names in state:
-        for name in names:
-            nodes.setdefault(name, set()).add(topic)
-    return nodes

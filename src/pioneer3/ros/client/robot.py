@@ -15,7 +15,7 @@ from pioneer3.robot.supervisor import Connection, Feed, RobotInfo, Status
 from pioneer3.runtime.arbiter import Arbiter
 from pioneer3.runtime.driven import LOST_AFTER, snapshots_of
 from pioneer3.runtime.motions import run_mode
-from pioneer3.state import Motors, Snapshot
+from pioneer3.state import Snapshot
 
 LOOK: Final = 0.05
 """Pause between two looks for expired requests [s]."""
@@ -23,6 +23,10 @@ SILENT: Final = 1.0
 """Without a snapshot for this long [s], nobody drives."""
 STUCK: Final = 1.5
 """A robot that stands for this long [s] though it should move is stalled: no topic says so."""
+HELD: Final = (
+    "Its emergency stop is latched, or its stop button pressed: reset it, or pull the button out,"
+    " then ask again."
+)
 
 
 class TopicSupervisor:
@@ -35,6 +39,10 @@ class TopicSupervisor:
         info: Of the robot.
         publish: Sends a velocity.
         switch: Asks for power on the motors, or none.
+        latch: Asks the node for its emergency stop, or to release it; without it the motors
+            lose their power.
+        unclear: Why the snapshots are not those of one robot, if so; none is taken then.
+        tells_stops: Whether the node publishes the state of its emergency stop.
     """
 
     def __init__(
@@ -42,6 +50,10 @@ class TopicSupervisor:
         info: RobotInfo,
         publish: Callable[[Twist2], None],
         switch: Callable[[bool], None],
+        latch: Callable[[bool], None] | None = None,
+        *,
+        unclear: str = "",
+        tells_stops: bool = False,
     ) -> None:
         self.pilot = Pilot()
         self.snapshots: Feed[Snapshot] = Feed()
@@ -50,10 +62,20 @@ class TopicSupervisor:
         self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._publish = publish
         self._switch = switch
+        self._latch = latch
+        self._unclear, self._tells_stops = unclear, tells_stops
         self._fresh: Snapshot | None = None
         self._sent = STILL
         self._moved_at = -inf
         self._clock = asyncio.get_running_loop().time
+
+    @property
+    def held(self) -> bool:
+        """Whether its motors have no power, and its node says that an emergency stop holds it."""
+        if self._fresh is None:
+            return False
+        motors = self._fresh.motors
+        return not motors.enabled and (motors.stop_button or not self._tells_stops)
 
     @property
     def taken(self) -> bool:
@@ -82,10 +104,14 @@ class TopicSupervisor:
                 feed.close()
 
     def take(self, snapshot: Snapshot) -> None:
-        """Take a snapshot made from the topics, and act on it."""
+        """Take a snapshot made from the topics, and act on it; an old one counts as silence."""
         assert self.info is not None
         now = self._clock()
+        if self._unclear or now - snapshot.stamp > SILENT:
+            return
         if self._fresh is None:
+            if self.pilot.emergency:
+                self._stop_hard()  # it may have been out of reach when that was asked for
             self.pilot.session_opened(
                 self.info.limits, now, settable_speed=False, settable_acceleration=False
             )
@@ -109,15 +135,17 @@ class TopicSupervisor:
         self._flush()
 
     def emergency_stop(self) -> None:
-        """Stop, motors off, latched in this program."""
+        """Stop, motors off, latched in this program, and in the node if it can."""
         self.pilot.emergency_stop(self._clock())
         self._send(STILL)
-        self._switch(False)
+        self._stop_hard()
         self._flush()
 
     def reset_emergency_stop(self) -> None:
-        """Release the latch; the motors stay off."""
+        """Release the latches; the motors stay off."""
         self.pilot.reset_emergency_stop()
+        if self._latch is not None:
+            self._latch(False)
 
     def set_motors(self, *, on: bool) -> str | None:
         """Ask for power on the motors, or none; return why not, or `None`."""
@@ -130,7 +158,20 @@ class TopicSupervisor:
 
     def why_not_moving(self, decided: str | None = None) -> str | None:
         """Return the reason why the robot stands still, or `None` while it moves."""
-        return why_not_moving(self.pilot, self._fresh, self._clock(), decided)
+        if self._unclear:
+            return self._unclear
+        if self._fresh is None and self.pilot.limits is None and self.info is not None:
+            return f"{self.info.url} has not reported: has it lost its robot?"
+        why = why_not_moving(self.pilot, self._fresh, self._clock(), decided)
+        held = self._fresh is not None and self._fresh.motors.stop_button
+        return HELD if held and why and not self.pilot.emergency else why
+
+    def _stop_hard(self) -> None:
+        """Ask the node for its emergency stop, or for no power on the motors."""
+        if self._latch is not None:
+            self._latch(True)
+        else:
+            self._switch(False)
 
     def _with_stall(self, snapshot: Snapshot, now: float) -> Snapshot:
         """Return `snapshot`, its wheels stalled if they have not moved as commanded."""
@@ -141,7 +182,7 @@ class TopicSupervisor:
         if now - self._moved_at < STUCK:
             return snapshot
         self._moved_at = now
-        stalled = Motors(enabled=True, left_stalled=True, right_stalled=True)
+        stalled = replace(snapshot.motors, left_stalled=True, right_stalled=True)
         return replace(snapshot, motors=stalled)
 
     def _lose(self, now: float) -> None:

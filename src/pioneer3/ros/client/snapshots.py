@@ -1,10 +1,13 @@
 """From the topics of one robot back to snapshots of it."""
 
 import asyncio
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from math import atan2, hypot, inf, isfinite, nan, pi
+from threading import Lock
 from typing import Any, Final
 
 from pioneer3.geometry import Pose2, Twist2
@@ -14,12 +17,46 @@ from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
 from pioneer3.ros.node.middleware import Sender, Subscription, Topics
 from pioneer3.state import Battery, Bumpers, Motors, Odometry, Snapshot, Sonar
 
+RANGE: Final = "sensor_msgs/Range"
 TOGETHER: Final = 0.01
 """Messages of one snapshot come over several connections, all within this time [s]."""
 ROUNDED: Final = 1e-3
 """Points are in 32 bits: an echo this near to the farthest there is [m] is none."""
 RING: Final = 0.32
 """Each transducer fires once in this time [s]: the same distance again is a new one then."""
+KNOWN: Final = 1.0
+"""The state of the motors, which is latched, comes within this time [s] of the first pose."""
+WINDOW: Final = 30.0
+"""Over this time [s] the fastest message is the measure of the others."""
+OF_CLOCK: Final = 1e9
+"""Stamps before 2001 [s] are of a simulator, whose time may pass at any rate, or are none."""
+
+
+class Delay:
+    """How much longer messages take than the fastest of late; clocks may differ. Pure."""
+
+    def __init__(self) -> None:
+        self._least: deque[tuple[float, float]] = deque()
+
+    def of(self, measured: float, received: float) -> float:
+        """Return the delay [s] of a message.
+
+        Args:
+            measured: By the sender's clock [s].
+            received: By the own clock [s].
+        """
+        offset = received - measured
+        while self._least and self._least[-1][1] >= offset:
+            self._least.pop()
+        self._least.append((received, offset))
+        while self._least[0][0] < received - WINDOW:
+            self._least.popleft()
+        return offset - self._least[0][1]
+
+
+def seconds_of(stamp: Any) -> float:
+    """Return a stamp of ROS 1 or 2 [s]."""
+    return float(stamp.sec + stamp.nanosec / 1e9 if hasattr(stamp, "sec") else stamp.to_sec())
 
 
 class SnapshotBuilder:
@@ -76,9 +113,19 @@ class SnapshotBuilder:
         front, rear = map(bool, message.front_bumpers), map(bool, message.rear_bumpers)
         self._bumpers = Bumpers(front=tuple(front), rear=tuple(rear)[::-1])
 
+    def bumper_array(self, message: Any) -> None:
+        """Take a std_msgs/UInt8MultiArray of two rows: front and rear, from left to right."""
+        pressed = [bool(each) for each in message.data]
+        half = len(pressed) // 2
+        self._bumpers = Bumpers(front=tuple(pressed[:half]), rear=tuple(pressed[half:])[::-1])
+
     def motors(self, message: Any) -> None:
         """Take a std_msgs/Bool."""
-        self._motors = Motors(enabled=bool(message.data))
+        self._motors = replace(self._motors, enabled=bool(message.data))
+
+    def emergency_stop(self, message: Any) -> None:
+        """Take a std_msgs/Bool: whether the latch or the button of the robot holds it."""
+        self._motors = replace(self._motors, stop_button=bool(message.data))
 
     def voltage(self, volts: float) -> None:
         """Take the battery's voltage [V]."""
@@ -109,6 +156,7 @@ class SnapshotSubscriber:
         model: Of the robot.
         take: Given each snapshot, in the loop.
         middleware: Where the topics are.
+        sonar: Whether to subscribe to the distances of each transducer.
     """
 
     def __init__(
@@ -117,14 +165,21 @@ class SnapshotSubscriber:
         model: RobotModel,
         take: Callable[[Snapshot], None],
         middleware: Topics,
+        *,
+        sonar: bool = True,
     ) -> None:
         self._topics = topics
+        self._ranges = topics.numbered(RANGE) if sonar else {}
         self._motors = topics.topic("std_msgs/Bool", "motors_state")
         self._builder = SnapshotBuilder(model, motors_on=self._motors is None)
         self._take = take
         self._middleware = middleware
         self._loop = asyncio.get_running_loop()
         self._subscriptions: list[Subscription] = []
+        self._delay = Delay()
+        self._motors_known = self._motors is None
+        self._began_at = inf
+        self._lock = Lock()
         self._open = True
 
     def open(self) -> None:
@@ -134,18 +189,21 @@ class SnapshotSubscriber:
         for type_name, ending, receive in (
             ("sensor_msgs/PointCloud", "sonar", lambda m: build.sonar_cloud(m, clock())),
             ("rosaria/BumperState", "", build.bumpers),
-            ("std_msgs/Bool", "motors_state", build.motors),
+            ("std_msgs/UInt8MultiArray", "bumper_state", build.bumper_array),
+            ("std_msgs/Bool", "motors_state", self._take_motors),
+            ("std_msgs/Bool", "emergency_stop", build.emergency_stop),
             ("std_msgs/Float64", "battery_voltage", lambda m: build.voltage(m.data)),
             ("sensor_msgs/BatteryState", "", lambda m: build.voltage(m.voltage)),
         ):
             if name := self._topics.topic(type_name, ending):
                 self._subscribe(name, type_name, receive)
-        for number, name in self._topics.numbered("sensor_msgs/Range").items():
-            self._subscribe(name, "sensor_msgs/Range", partial(self._range, number))
+        for number, name in self._ranges.items():
+            self._subscribe(name, RANGE, partial(self._range, number))
 
     def close(self) -> None:
-        """Subscribe no more, in a thread."""
-        self._open = False
+        """Subscribe no more, in a thread; also while :meth:`open` is at work in another one."""
+        with self._lock:
+            self._open = False
         for subscription in self._subscriptions:
             subscription.unregister()
 
@@ -154,19 +212,33 @@ class SnapshotSubscriber:
             with suppress(RuntimeError):  # the loop has ended
                 self._loop.call_soon_threadsafe(take, message)
 
-        self._subscriptions.append(self._middleware.subscribe(name, type_name, receive, queue=1))
+        with self._lock:
+            if self._open:
+                subscription = self._middleware.subscribe(name, type_name, receive, queue=1)
+                self._subscriptions.append(subscription)
 
     def _range(self, number: int, message: Any) -> None:
         metres = inf if message.range >= message.max_range else message.range
         self._builder.sonar_range(number, metres, self._loop.time())
 
-    def _begin(self, message: Any) -> None:
-        self._builder.pose(message)
-        self._loop.call_later(TOGETHER, self._end)
+    def _take_motors(self, message: Any) -> None:
+        self._motors_known = True
+        self._builder.motors(message)
 
-    def _end(self) -> None:
-        snapshot = self._builder.snapshot(self._loop.time())
-        if snapshot is not None and self._open:
+    def _begin(self, message: Any) -> None:
+        now = self._loop.time()
+        self._began_at = min(self._began_at, now)
+        self._builder.pose(message)
+        stamp = seconds_of(message.header.stamp)
+        measured = now - (self._delay.of(stamp, now) if stamp > OF_CLOCK else 0.0)
+        self._loop.call_later(TOGETHER, self._end, measured)
+
+    def _end(self, measured: float) -> None:
+        late = self._loop.time() - self._began_at > KNOWN
+        if not (self._open and (self._motors_known or late)):
+            return
+        snapshot = self._builder.snapshot(measured)
+        if snapshot is not None:
             self._take(snapshot)
 
 

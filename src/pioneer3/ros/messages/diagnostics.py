@@ -86,6 +86,7 @@ class Health:
         refused: Why commands are ignored, or `None`.
         lasers: State of each laser range finder at the computer.
         navigation: State of localization and of the goal, if there is a map.
+        unheard: A sentence for each endpoint of other nodes that cannot talk to this one.
     """
 
     info: RobotInfo
@@ -97,6 +98,7 @@ class Health:
     refused: str | None = None
     lasers: tuple[DiagnosticStatus, ...] = ()
     navigation: tuple[DiagnosticStatus, ...] = ()
+    unheard: tuple[str, ...] = ()
 
 
 def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
@@ -111,9 +113,10 @@ def diagnose(health: Health) -> tuple[DiagnosticStatus, ...]:
             DiagnosticStatus(part=part, level=STALE, message="no robot is connected")
             for part in PARTS
         )
-        return link, *stale, *health.lasers, *health.navigation
+        return link, *stale, *health.lasers, *health.navigation, *_topics(health)
     parts = (check(health, snapshot) for check in PARTS.values())
-    return _link(health, snapshot), *parts, *health.lasers, *health.navigation
+    others = (*health.lasers, *health.navigation, *_topics(health))
+    return _link(health, snapshot), *parts, *others
 
 
 def hardware_id(info: RobotInfo) -> str:
@@ -285,6 +288,15 @@ def _command(health: Health, _: Snapshot) -> DiagnosticStatus:
             ("ignored_because", health.refused or ""),
         ),
     )
+
+
+def _topics(health: Health) -> Iterator[DiagnosticStatus]:
+    """Yield a warning while endpoints of other nodes cannot talk to this one."""
+    if health.unheard:
+        numbered = ((f"endpoint_{number}", each) for number, each in enumerate(health.unheard))
+        yield DiagnosticStatus(
+            part="Topics", level=WARN, message="; ".join(health.unheard), values=tuple(numbered)
+        )
 
 
 PARTS: Final[dict[str, Callable[[Health, Snapshot], DiagnosticStatus]]] = {

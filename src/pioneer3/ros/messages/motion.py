@@ -8,7 +8,14 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, shape_of
 from pioneer3.models.description.tree import Joint
 from pioneer3.robot.limits import checked
-from pioneer3.ros.messages.update import DRIVING, STANDING, StateUpdate, fill_header, fill_pose
+from pioneer3.ros.messages.update import (
+    DRIVING,
+    STANDING,
+    DescriptionUpdate,
+    StateUpdate,
+    fill_header,
+    fill_pose,
+)
 from pioneer3.state import Odometry
 
 STRAIGHT: Final = 1e-6
@@ -90,6 +97,11 @@ def _transform(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Any:
     at.x, at.y, at.z = joint.x, joint.y, joint.z
     rotation.x, rotation.y, rotation.z, rotation.w = joint.rotation(turned)
     return transform
+
+
+def description(message: Any, update: DescriptionUpdate) -> None:
+    """Fill a std_msgs/String with the description of the robot."""
+    message.data = update.urdf
 
 
 class WheelAngles:

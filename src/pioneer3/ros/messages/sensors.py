@@ -67,6 +67,21 @@ def bumpers(message: Any, update: StateUpdate) -> None:
     message.front_bumpers, message.rear_bumpers = bumper_rows(update.snapshot.bumpers)
 
 
+def bumper_array(message: Any, update: StateUpdate) -> None:
+    """Fill a std_msgs/UInt8MultiArray: a row for the front and one for the rear, 1 for pressed.
+
+    Both are from left to right, and as long as the longer one.
+    """
+    front, rear = bumper_rows(update.snapshot.bumpers)
+    length = max(len(front), len(rear))
+    message.layout.dim = []
+    for label, size, stride in (("front, rear", 2, 2 * length), ("segment", length, length)):
+        dimension = update.make("std_msgs/MultiArrayDimension")
+        dimension.label, dimension.size, dimension.stride = label, size, stride
+        message.layout.dim.append(dimension)
+    message.data = b"".join(bytes(row).ljust(length, b"\0") for row in (front, rear))
+
+
 def bumper_rows(state: Bumpers) -> tuple[list[bool], list[bool]]:
     """Return front and rear, each from left to right."""
     return list(state.front), list(reversed(state.rear))

@@ -165,6 +165,13 @@ class PictureUpdate:
     stamp: Any
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DescriptionUpdate:
+    """The description of the robot that is connected; `urdf` is XML."""
+
+    urdf: str
+
+
 def fill_header(message: Any, stamp: Any, frame: str) -> None:
     """Fill the std_msgs/Header of a message."""
     message.header.stamp, message.header.frame_id = stamp, frame

@@ -11,11 +11,11 @@ from typing import Any, Final, NamedTuple
 
 from pioneer3.behaviors.actions import Hold
 from pioneer3.errors import CommandError
-from pioneer3.geometry import Twist2
+from pioneer3.geometry import STILL, Twist2
 from pioneer3.ros.node.command_order import CommandStream, NewestCommand
 from pioneer3.ros.node.middleware import Middleware, Sender
 from pioneer3.ros.node.names import CommandName
-from pioneer3.ros.node.topics import COMMANDS
+from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS
 from pioneer3.runtime.arbiter import PROGRAM
 from pioneer3.runtime.robot import Robot
 from pioneer3.stops import Stop
@@ -24,15 +24,17 @@ QUEUE: Final = 10
 """Messages that wait in a connection: to drop one would part a zero from its command."""
 PENDING: Final = 100
 """Commands that wait for the loop."""
+WARNINGS, WARNED_WITHIN = 5, 10.0
+"""At most so many warnings of refused commands within that time [s]."""
 REMEMBERED: Final = 64
 """Publishers that are remembered."""
 
 
 class Received(NamedTuple):
-    """A message: whether it is to all robots, its sender, when it came [s]."""
+    """A message: the topic that it came on, its sender, when it came [s]."""
 
     message: Any
-    shared: bool
+    topic: CommandName
     sender: Sender
     at: float
 
@@ -53,8 +55,11 @@ class Commands:
         self._hold = Hold("cmd_vel")
         self._newest = NewestCommand()
         self._streams: OrderedDict[int, tuple[Sender, CommandStream]] = OrderedDict()
+        self._age: Callable[[Any], float | None] = lambda stamp: None
+        self._driver: object = None
         self._refusal: str | None = None
         self._told: str | None = None
+        self._warned_at = deque([-inf] * WARNINGS, maxlen=WARNINGS)
         self._pending: deque[Received] = deque(maxlen=PENDING)
         self._lock = threading.Lock()
         self._loop = asyncio.get_running_loop()
@@ -69,8 +74,11 @@ class Commands:
             name = middleware.resolve(topic.name)
             if name not in known:
                 known.add(name)
-                receive = partial(self.receive, topic.shared)
-                middleware.subscribe(name, COMMANDS.type_name, receive, queue=QUEUE)
+                self._age = middleware.age
+                row = STAMPED_COMMANDS if topic.stamped else COMMANDS
+                middleware.subscribe(
+                    name, row.type_name, partial(self.receive, topic), queue=QUEUE, left=self.left
+                )
 
     def begin(self) -> None:
         """Take part in driving."""
@@ -83,32 +91,48 @@ class Commands:
                 timer.cancel()
         self._robot.arbiter.remove(self._hold)
 
-    def receive(self, shared: bool, message: Any, sender: Sender) -> None:
+    def receive(self, topic: CommandName, message: Any, sender: Sender) -> None:
         """Take a message, in any thread; those that come together wake the loop once."""
         with self._lock:
             waiting = bool(self._pending)
-            self._pending.append(Received(message, shared, sender, self._loop.time()))
+            self._pending.append(Received(message, topic, sender, self._loop.time()))
         if not waiting:
             with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
                 self._loop.call_soon_threadsafe(self._drive)
+
+    def left(self, sender: Sender) -> None:
+        """Stop if this publisher, which is gone, drives; in any thread."""
+        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+            self._loop.call_soon_threadsafe(self._leave, sender)
+
+    def _leave(self, sender: Sender) -> None:
+        self._drive()  # its last messages come first
+        self._streams.pop(id(sender.connection), None)
+        if self._driver is not sender.connection:
+            return
+        self._driver = None
+        self._robot.arbiter.hold(self._hold, STILL, self._timeout)
+        self._expect_more(sender.node, STILL)
+        self._warn(f"{sender.node}, which drove the robot by cmd_vel, is gone: the robot stops")
 
     def _drive(self) -> None:
         with self._lock:
             received = list(self._pending)
             self._pending.clear()
         self._refusal, now = None, self._loop.time()
-        decided: list[tuple[str, Twist2 | None]] = []
+        decided: list[tuple[Sender | None, Twist2 | None]] = []
         for each in received:
-            decided.append(("", self._newest.due(each.at)))
-            decided.append((each.sender.node, self._understand(each)))
-        decided.append(("", self._newest.due(now)))
-        for _, stream in self._streams.values():
-            decided.append((stream.name, stream.due(now, self._last_stop)))
-        wanted = [(name, twist) for name, twist in decided if twist is not None][-1:]
-        for name, twist in wanted:
+            decided.append((None, self._newest.due(each.at)))
+            decided.append((each.sender, self._understand(each)))
+        decided.append((None, self._newest.due(now)))
+        for sender, stream in self._streams.values():
+            decided.append((sender, stream.due(now, self._last_stop)))
+        wanted = [(sender, twist) for sender, twist in decided if twist is not None][-1:]
+        for by, twist in wanted:
             self._hold.release()  # its stream has decided that this counts
             self._refusal = self._robot.arbiter.hold(self._hold, twist, self._timeout)
-            self._expect_more(name, twist)
+            self._driver = by.connection if by is not None and not twist.is_zero else None
+            self._expect_more(by.node if by is not None else "", twist)
         if received:
             self._tell()
         self._wait()
@@ -119,10 +143,13 @@ class Commands:
 
     def _understand(self, received: Received) -> Twist2 | None:
         """Return the motion that one message asks for, or `None` for none yet."""
-        assert COMMANDS.parse is not None
-        sender, at = received.sender, received.at
+        topic, sender, at = received.topic, received.sender, received.at
+        row = STAMPED_COMMANDS if topic.stamped else COMMANDS
+        assert row.parse is not None
         try:
-            twist = COMMANDS.parse(received.message)
+            if topic.stamped:
+                self._check_age(self._age(received.message.header.stamp))
+            twist = row.parse(received.message)
         except CommandError as error:
             self._refusal = str(error)
             return None
@@ -130,7 +157,27 @@ class Commands:
         self._refusal = stream.take(twist, at, self._last_stop)
         if self._refusal is not None or stream.waits:
             return None
-        return self._newest.take(twist, at, sender=sender.node, shared=received.shared)
+        return self._newest.take(twist, at, sender=sender.node, shared=topic.shared)
+
+    def _check_age(self, age: float | None) -> None:
+        """Refuse a command that was stamped longer ago [s], or later, than it would last.
+
+        One from a clock that is ahead may be old, which its stamp cannot tell.
+
+        Raises:
+            CommandError: it was.
+        """
+        if age is None or abs(age) <= self._timeout:
+            return
+        if age > 0:
+            raise CommandError(
+                f"its stamp is {age:.1f} s old, more than cmd_vel_timeout: the network is slow, or"
+                " the clocks of the computers differ (set both by NTP)"
+            )
+        raise CommandError(
+            f"its stamp is {-age:.1f} s in the future: the clocks of the computers differ (set both"
+            " by NTP)"
+        )
 
     def _stream(self, sender: Sender) -> CommandStream:
         """Return the stream of the publisher at the other end of a connection."""
@@ -168,12 +215,16 @@ class Commands:
         self._expired_of.append(sender)
         self._warn(
             f"cmd_vel of {sender} has expired: nothing came for {self._timeout:g} s, so the robot"
-            " stops. A program that sends more rarely needs a longer ~cmd_vel_timeout, such as"
-            " _cmd_vel_timeout:=1.5; with 0, which is unsafe, its last command lasts for ever"
+            " stops. A program that sends more rarely needs a longer cmd_vel_timeout, such as 1.5;"
+            " with 0, which is unsafe, its last command lasts for ever"
         )
 
     def _tell(self) -> None:
-        """Log the reason to ignore commands, once."""
+        """Log the reason to ignore commands, once, and few of them where they change quickly."""
+        now = self._loop.time()
         if self._refusal is not None and self._refusal != self._told:
+            if now - self._warned_at[0] < WARNED_WITHIN:
+                return
+            self._warned_at.append(now)
             self._warn(f"cmd_vel is ignored: {self._refusal} (a zero lets go)")
         self._told = self._refusal

@@ -82,7 +82,7 @@ class LaserNode:
             await asyncio.sleep(SLOWLY)
 
     async def _follow_link(self) -> None:
-        """Log what becomes of the laser."""
+        """Log changes of the connection to the laser."""
         logged = None
         async for status in self._laser.status.values(latest_first=True):
             news = status.connection in {Connection.LOST, Connection.CONNECTED}

@@ -1,10 +1,10 @@
-"""The part of a ROS middleware that nodes and clients need; `ros1` has it for rospy.
+"""The part of a ROS middleware that nodes and clients need; `ros1` has it for rospy, `ros2` too.
 
 Calls that set something up or take it away talk to others and may take their time: they are made in
 a thread, never in the event loop.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
@@ -45,7 +45,10 @@ class Publisher(Protocol):
         """Whether anybody subscribes."""
 
     def publish(self, message: Any) -> None:
-        """Send a message, or the content of one that has a single field."""
+        """Send a message, or the content of one that has a single field.
+
+        A message may be filled again afterwards, unless the topic is latched.
+        """
 
 
 class Subscription(Protocol):
@@ -70,9 +73,18 @@ class Topics(Protocol):
         """Return a publisher; of `queue` messages that wait for a subscriber the newest stay."""
 
     def subscribe(
-        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+        self,
+        name: str,
+        type_name: str,
+        receive: Callable[[Any, Sender], None],
+        *,
+        queue: int,
+        left: Callable[[Sender], None] | None = None,
     ) -> Subscription:
-        """Call `receive` with each message, in any thread; of `queue` that wait the newest stay."""
+        """Call `receive` with each message, in any thread; of `queue` that wait the newest stay.
+
+        `left` is called with each sender that is known to be gone, in any thread; ROS 1 tells none.
+        """
 
 
 class Middleware(Topics, Protocol):
@@ -82,8 +94,15 @@ class Middleware(Topics, Protocol):
     def name(self) -> str:
         """Full name of the node."""
 
+    @property
+    def serves(self) -> bool:
+        """Whether others can call services of this node."""
+
     def stamp(self, age: float) -> Any:
         """Return the ROS time of the moment `age` seconds ago."""
+
+    def age(self, stamp: Any) -> float | None:
+        """Return the time since a stamp [s]; `None` for a stamp of 0, which says nothing."""
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
         """Offer a service; `handle` is called with requests, in any thread.
@@ -105,3 +124,6 @@ class Middleware(Topics, Protocol):
 
     def warn(self, sentence: str) -> None:
         """Log a warning."""
+
+    def mismatches(self) -> Sequence[str]:
+        """Return a sentence for each endpoint of others that cannot talk to one of ours."""

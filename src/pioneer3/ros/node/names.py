@@ -10,39 +10,47 @@ from pioneer3.errors import ConfigError
 NODE: Final = "RosAria"
 ALL_ROBOTS: Final = f"/{NODE}/cmd_vel"
 """Every robot of the lab listens to it."""
+AS_STANDARD: Final = ""
+"""The name in ROS 2 of most things: that of today's packages."""
 SHAPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 NUMBERED: Final = re.compile(r"p3[a-z]+_(\d.*)")
 """Such as p3at_1_113, which the lab's topics call p1_113."""
 
 
 class Profile(StrEnum):
-    """The names in use: those of RosAria, those of today's ROS packages, or both at once."""
+    """The names in use: in ROS 1 RosAria's, those of today's packages, or both at once; ROS 2's."""
 
     COMPATIBILITY = "compatibility"
     STANDARD = "standard"
     BOTH = "both"
+    ROS2 = "ros2"
 
-    def choose(self, compatibility: str | None, standard: str | None) -> tuple[str, ...]:
-        """Return the names that count of one in RosAria and one of today, without repetition."""
+    def choose(
+        self, compatibility: str | None, standard: str | None, ros2: str | None = AS_STANDARD
+    ) -> tuple[str, ...]:
+        """Return the names that count of one in RosAria, of today and in ROS 2, each once."""
         by_profile = {
             Profile.COMPATIBILITY: [compatibility],
             Profile.STANDARD: [standard],
             Profile.BOTH: [compatibility, standard],
+            Profile.ROS2: [standard if ros2 == AS_STANDARD else ros2],
         }
         return tuple(dict.fromkeys(name for name in by_profile[self] if name is not None))
 
 
 @dataclass(frozen=True, slots=True)
 class CommandName:
-    """Name of a topic of geometry_msgs/Twist.
+    """Name of a topic of velocity commands.
 
     Attributes:
         name: `~` for below the node's own.
         shared: Whether all robots listen to it.
+        stamped: Whether its type is geometry_msgs/TwistStamped, else Twist.
     """
 
     name: str
     shared: bool = False
+    stamped: bool = False
 
 
 def checked_lab_name(value: object) -> str:

@@ -37,7 +37,7 @@ from pioneer3.ros.node.navigation_topics import (
     SIMPLE_GOAL,
 )
 from pioneer3.ros.node.publishing import Publishing
-from pioneer3.ros.node.topics import Direction, Topic
+from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Snapshot
 
@@ -80,7 +80,7 @@ class NodeNavigation:
         self._robot, self._navigator = robot, navigator
         self._options, self._profile, self._middleware = options, profile, middleware
         self._frames = options.frames.with_prefix(options.prefix)
-        published = [t for t in NAVIGATION_TOPICS if t.direction is Direction.PUBLISHED]
+        published = [topic for topic in NAVIGATION_TOPICS if topic.direction is Direction.PUBLISHED]
         self._publishing = Publishing(published, profile, middleware)
         self._goals = Goals(robot, navigator, speed, self._publishing, middleware)
         self._grid: OccupancyGrid | None = None

@@ -5,12 +5,12 @@ from typing import Any, Final
 from pioneer3.ros.messages import goals, navigation
 from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
 from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
-from pioneer3.ros.node.topics import Topic
+from pioneer3.ros.node.topic import Topic
 
 
 def _named(name: str, type_name: str, **parts: Any) -> Topic:
-    """Return a row; RosAria has none of them, and the names are the same in all profiles."""
-    return Topic(compatibility=name, standard=name, type_name=type_name, **parts)
+    """Return a row; RosAria has none of them, and the names are the same in its profiles."""
+    return Topic(compatibility=name, standard=name, type_name=type_name, optional="a map", **parts)
 
 
 INITIAL_POSE: Final = _named(
@@ -22,8 +22,9 @@ INITIAL_POSE: Final = _named(
 SIMPLE_GOAL: Final = _named(
     "move_base_simple/goal",
     "geometry_msgs/PoseStamped",
+    ros2="goal_pose",
     parse=navigation.placed,
-    note="RViz's 2D Nav Goal; in `map`, `odom` or `base_link`",
+    note="RViz's 2D Nav Goal, in RViz 2 2D Goal Pose; in `map`, `odom` or `base_link`",
 )
 GOAL_NAME: Final = _named(
     "goal_name",
@@ -34,12 +35,14 @@ GOAL_NAME: Final = _named(
 ACTION_GOAL: Final = _named(
     "move_base/goal",
     "move_base_msgs/MoveBaseActionGoal",
+    ros2=None,
     parse=lambda message: navigation.placed(message.goal.target_pose),
     note="a new goal takes the place of the one before",
 )
 ACTION_CANCEL: Final = _named(
     "move_base/cancel",
     "actionlib_msgs/GoalID",
+    ros2=None,
     parse=lambda message: (str(message.id), message.stamp),
     note="without id and stamp all goals",
 )
@@ -78,6 +81,7 @@ NAVIGATION_TOPICS: Final = (
     _named(
         "move_base/status",
         "actionlib_msgs/GoalStatusArray",
+        ros2=None,
         source=GoalsUpdate,
         fill=goals.statuses,
         latched=True,
@@ -86,6 +90,7 @@ NAVIGATION_TOPICS: Final = (
     _named(
         "move_base/feedback",
         "move_base_msgs/MoveBaseActionFeedback",
+        ros2=None,
         source=FeedbackUpdate,
         fill=goals.feedback,
         note="the robot's pose in `map`",
@@ -93,6 +98,7 @@ NAVIGATION_TOPICS: Final = (
     _named(
         "move_base/result",
         "move_base_msgs/MoveBaseActionResult",
+        ros2=None,
         source=ResultUpdate,
         fill=goals.result,
         note="SUCCEEDED, ABORTED or PREEMPTED, and the reason",
@@ -100,6 +106,7 @@ NAVIGATION_TOPICS: Final = (
     _named(
         "move_base/current_goal",
         "geometry_msgs/PoseStamped",
+        ros2="current_goal",
         source=NavigationUpdate,
         fill=navigation.goal,
         changes=lambda update: (update.way[-1:], update.heading),
@@ -110,6 +117,7 @@ NAVIGATION_TOPICS: Final = (
     _named(
         "move_base/NavfnROS/plan",
         "nav_msgs/Path",
+        ros2="plan",
         source=NavigationUpdate,
         fill=navigation.way,
         changes=lambda update: update.way,

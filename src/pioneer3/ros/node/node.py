@@ -26,7 +26,13 @@ from pioneer3.ros.messages.diagnostics import (
 )
 from pioneer3.ros.messages.laser_diagnostics import laser_status
 from pioneer3.ros.messages.motion import WheelAngles
-from pioneer3.ros.messages.update import PictureUpdate, ScanUpdate, SensorUpdate, StateUpdate
+from pioneer3.ros.messages.update import (
+    DescriptionUpdate,
+    PictureUpdate,
+    ScanUpdate,
+    SensorUpdate,
+    StateUpdate,
+)
 from pioneer3.ros.node.commands import Commands
 from pioneer3.ros.node.driving_parameters import DrivingParameters, Values, changed, to_send
 from pioneer3.ros.node.middleware import Middleware
@@ -34,7 +40,8 @@ from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.parameters import NodeParameters
 from pioneer3.ros.node.publishing import Publishing
 from pioneer3.ros.node.services import Services
-from pioneer3.ros.node.topics import SLOWLY, Topic, command_topics, published
+from pioneer3.ros.node.topic import Topic
+from pioneer3.ros.node.topics import SLOWLY, command_topics, published
 from pioneer3.runtime.robot import Robot
 from pioneer3.state import Bumpers, Scan, Snapshot
 from pioneer3.tasks import running
@@ -42,6 +49,8 @@ from pioneer3.tasks import running
 if TYPE_CHECKING:
     from pioneer3.ros.node.navigation import NodeNavigation
 
+REPEAT: Final = 0.1
+"""Between two messages that say that the robot is lost [s]: as snapshots would come."""
 LONGEST_PERIOD: Final = 1.0
 """Scans that are farther apart [s] have no period."""
 
@@ -91,6 +100,7 @@ class RobotNode:
             moved=self._wheels.jumped,
             warn=middleware.warn,
         )
+        self._unheard: tuple[str, ...] = ()
         self._ended = asyncio.Event()
 
     async def run(self, ready: Callable[[], None]) -> None:
@@ -99,6 +109,7 @@ class RobotNode:
         `ready` is called when everything is advertised.
         """
         self._middleware.on_shutdown(lambda: self._hand_over(self._ended.set))
+        self._robot.arbiter.remembers = self._navigation is not None
         self._commands.begin()
         await asyncio.to_thread(self._advertise)
         self._services.session_began()
@@ -122,6 +133,8 @@ class RobotNode:
                 ),
                 self._publishing.publish_device(PictureUpdate, self._images, self._picture_update),
                 self._follow_link(),
+                self._repeat_loss(),
+                self._watch_others(),
             ):
                 await self._ended.wait()
         finally:
@@ -144,6 +157,7 @@ class RobotNode:
             laser=bool(self._robot.laser.presence.there),
         )
         self._middleware.describe(urdf)
+        self._publishing.publish(DescriptionUpdate(urdf=urdf))
 
     def _advertise(self) -> None:
         """Tell the others, in a thread: that may take its time, and the robot must not wait."""
@@ -153,7 +167,9 @@ class RobotNode:
             self._navigation.advertise()
         self._services.advertise(profile, self._middleware)
         self.describe_robot()
-        topics = command_topics(profile, self._parameters.lab_name)
+        topics = command_topics(
+            profile, self._parameters.lab_name, stamped=bool(self._parameters.stamped)
+        )
         self._commands.subscribe(topics, self._middleware)
         self._middleware.reconfigure(
             DrivingParameters(info.limits, info.config, self._raw, self._reconfigured)
@@ -241,6 +257,17 @@ class RobotNode:
                 self._publishing.publish(update)
             await asyncio.sleep(SLOWLY)
 
+    async def _watch_others(self) -> None:
+        """Log endpoints of other nodes that cannot talk to this one, once each."""
+        told: set[str] = set()
+        while True:
+            self._unheard = tuple(await asyncio.to_thread(self._middleware.mismatches))
+            for sentence in self._unheard:
+                if sentence not in told:
+                    told.add(sentence)
+                    self._middleware.warn(sentence)
+            await asyncio.sleep(SLOWLY)
+
     def _diagnose(self) -> tuple[DiagnosticStatus, ...]:
         """Return the state of each part of the robot now."""
         robot, status = self._robot, self._robot.supervisor.status.latest
@@ -258,6 +285,7 @@ class RobotNode:
                     laser_status(laser) for laser in robot.lasers if isinstance(laser, LaserDriver)
                 ),
                 navigation=self._navigation.diagnose() if self._navigation else (),
+                unheard=self._unheard,
             )
         )
 
@@ -274,6 +302,14 @@ class RobotNode:
                 warn(f"connected again: {status.message}")
                 self._send(self._sent)  # it may have been switched off and on
                 self._services.session_began()
+
+    async def _repeat_loss(self) -> None:
+        """Say again and again that the robot is lost, for subscribers that get nothing latched."""
+        statuses = self._robot.supervisor.status
+        async for status in statuses.values(latest_first=True):
+            while status.connection is Connection.LOST and status is statuses.latest:
+                self._publishing.lose_robot()
+                await asyncio.sleep(REPEAT)
 
     def _reconfigured(self, values: Values) -> None:
         """Take new values of the driving parameters, in any thread."""

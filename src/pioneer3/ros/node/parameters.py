@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from math import inf, isfinite, pi, radians
+from math import inf, isfinite, radians
 from typing import Final
 
 from pioneer3.errors import ConfigError
@@ -13,6 +13,7 @@ from pioneer3.models.description.tree import Frames
 from pioneer3.ros.messages.update import DRIVING, Beam, MessageOptions, NoEcho
 from pioneer3.ros.node.laser_parameters import BELOW, LaserParameters, read_laser_parameters
 from pioneer3.ros.node.names import Profile, checked_lab_name
+from pioneer3.ros.node.parameter_table import BY_NAME, GOAL_SPEED, SHORTEST, names_in
 from pioneer3.ros.node.values import (
     RawParameters,
     choice,
@@ -25,63 +26,30 @@ from pioneer3.ros.node.values import (
     words,
 )
 
-TIMEOUT: Final = {Profile.COMPATIBILITY: 0.6, Profile.STANDARD: 0.5, Profile.BOTH: 0.6}
+TIMEOUT: Final = {
+    Profile.COMPATIBILITY: 0.6,
+    Profile.STANDARD: 0.5,
+    Profile.BOTH: 0.6,
+    Profile.ROS2: 0.5,
+}
 """Silence of cmd_vel after which the robot stops [s]."""
-SHORTEST: Final = 0.1
-"""No publisher keeps pace with a shorter timeout [s]."""
 LONG: Final = 2.0
 """With a longer timeout [s] a robot drives on for metres when its publisher has crashed."""
-GOAL_SPEED: Final = 0.3
-"""On the way to goals [m/s], as on the page and in the API."""
 FRAMES: Final = {
     Profile.COMPATIBILITY: ("odom_frame", "base_link_frame"),
     Profile.STANDARD: ("odom_frame_id", "base_frame_id"),
     Profile.BOTH: ("odom_frame_id", "base_frame_id"),
+    Profile.ROS2: ("odom_frame_id", "base_frame_id"),
 }
 """Parameters for the names of the two frames."""
 LASER_FRAME: Final = {
     Profile.COMPATIBILITY: "laser_frame",
     Profile.STANDARD: "laser",
     Profile.BOTH: "laser",
+    Profile.ROS2: "laser",
 }
 """RosAria's name, and today's."""
-OTHERS: Final = (
-    "profile",
-    "port",
-    "baud",
-    "cmd_vel_timeout",
-    "lab_name",
-    "bumpers_frame",
-    "sonar_frame",
-    "laser_frame_id",
-    "frame_prefix",
-    "publish_tf",
-    "publish_description",
-    "pose_covariance_diagonal",
-    "twist_covariance_diagonal",
-    "use_sonar",
-    "sonar_publish_ranges",
-    "sonar_publish_cloud",
-    "sonar_frame_prefix",
-    "sonar_fov_rad",
-    "sonar_min_range_m",
-    "sonar_max_range_m",
-    "sonar_z_offset_m",
-    "sonar_no_echo",
-    "wheel_joint_names",
-    "auto_enable_motors",
-    "max_linear_velocity",
-    "max_angular_velocity",
-    "map",
-    "start",
-    "goal_speed",
-    "global_frame_id",
-    "transform_tolerance",
-    "tf_broadcast",
-    "camera_url",
-    "camera_view_deg",
-    BELOW,
-)
+OF_FRAMES: Final = frozenset(name for pair in FRAMES.values() for name in pair)
 MODEL: Final = "robot_model"
 SIMULATED: Final = "simulated"
 """Parameters that the node writes itself while it runs: the robot's model, and whether it is a
@@ -107,6 +75,9 @@ class NodeParameters:
         laser: Of the laser range finder at the computer.
         line_map: To navigate on: a file, or the name of a map that ships; `None` for none.
         start: Where the robot is on it, as :func:`place` reads it; `None` for the map's home.
+        stamped: Whether `cmd_vel` is of TwistStamped; `None` for the custom of the distribution.
+        sim_time: Whether stamps are those of `/clock`.
+        autostart: Whether the node begins by itself.
         map_tf: Whether `/tf` has the odom frame in the map, if there is one.
         goal_speed: On the way to goals at most [m/s].
         camera: URL of the MJPEG stream of the camera; `None` for none.
@@ -127,6 +98,9 @@ class NodeParameters:
     laser: LaserParameters = field(default_factory=LaserParameters)
     line_map: str | None = None
     start: Pose2 | str | None = None
+    stamped: bool | None = None
+    sim_time: bool = False
+    autostart: bool = True
     map_tf: bool = True
     goal_speed: float = GOAL_SPEED
     camera: str | None = None
@@ -136,13 +110,17 @@ class NodeParameters:
     )
 
 
-def read_parameters(raw: RawParameters) -> NodeParameters:
+def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeParameters:
     """Return the parameters of a node.
+
+    Args:
+        raw: As somebody has written them.
+        profile: Which names count; `None` where a parameter says so.
 
     Raises:
         ConfigError: a value is of the wrong kind or out of range.
     """
-    profile = choice(raw, "profile", Profile.COMPATIBILITY)
+    profile = _profile(raw) if profile is None else profile
     return NodeParameters(
         profile=profile,
         port=_port(raw.get("port")),
@@ -157,9 +135,14 @@ def read_parameters(raw: RawParameters) -> NodeParameters:
         line_map=text(raw, "map"),
         start=place(told) if (told := text(raw, "start")) else None,
         map_tf=flag(raw, "tf_broadcast", default=True),
-        goal_speed=number(raw, "goal_speed", GOAL_SPEED, 0.01, 5.0),
+        stamped=flag(raw, "enable_stamped_cmd_vel", default=False)
+        if "enable_stamped_cmd_vel" in raw
+        else None,
+        sim_time=flag(raw, "use_sim_time", default=False),
+        autostart=flag(raw, "autostart", default=True),
+        goal_speed=_number(raw, "goal_speed"),
         camera=text(raw, "camera_url"),
-        camera_view=radians(number(raw, "camera_view_deg", 0.0, 0.0, 179.0)) or None,
+        camera_view=radians(_number(raw, "camera_view_deg")) or None,
         options=_options(raw, profile),
     )
 
@@ -171,7 +154,7 @@ def unused_parameters(
 
     `others` are known elsewhere.
     """
-    known = {*OTHERS, MODEL, SIMULATED, *FRAMES[profile], *others}
+    known = {*names_in(profile) - OF_FRAMES, MODEL, SIMULATED, *FRAMES[profile], *others}
     sentences = []
     for name in sorted(set(raw) - known):
         if name in IGNORED:
@@ -201,9 +184,9 @@ def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
         raise ConfigError(f"~frame_prefix must be text such as robot1/, not {prefix!r}")
     description = flag(raw, "publish_description", default=True)
     beam = Beam(
-        field_of_view=number(raw, "sonar_fov_rad", Beam().field_of_view, 0.01, pi),
-        nearest=number(raw, "sonar_min_range_m", Beam().nearest, 0.0, Beam().farthest),
-        farthest=number(raw, "sonar_max_range_m", Beam().farthest, 0.1, Beam().farthest),
+        field_of_view=_number(raw, "sonar_fov_rad"),
+        nearest=_number(raw, "sonar_min_range_m"),
+        farthest=_number(raw, "sonar_max_range_m"),
         no_echo=choice(raw, "sonar_no_echo", NoEcho.MAX_RANGE),
     )
     if beam.nearest >= beam.farthest:
@@ -220,10 +203,10 @@ def _options(raw: RawParameters, profile: Profile) -> MessageOptions:
         pose_variances=numbers(raw, "pose_covariance_diagonal", DRIVING),
         twist_variances=numbers(raw, "twist_covariance_diagonal", DRIVING),
         beam=beam,
-        sonar_height=None if high is None else number(raw, "sonar_z_offset_m", 0, -1, 3),
+        sonar_height=None if high is None else _number(raw, "sonar_z_offset_m"),
         wheel_joints=words(raw, "wheel_joint_names"),
         map_frame=frame(raw, "global_frame_id", MessageOptions().map_frame),
-        tolerance=number(raw, "transform_tolerance", MessageOptions().tolerance, 0.0, 10.0),
+        tolerance=_number(raw, "transform_tolerance"),
     )
 
 
@@ -236,7 +219,9 @@ def _frames(raw: RawParameters, profile: Profile) -> Frames:
         odom=frame(raw, odom, default.odom),
         base=base,
         bumpers=frame(
-            raw, "bumpers_frame", base if profile is Profile.STANDARD else default.bumpers
+            raw,
+            "bumpers_frame",
+            base if profile in {Profile.STANDARD, Profile.ROS2} else default.bumpers,
         ),
         sonar=frame(raw, "sonar_frame", default.sonar),
         sonar_prefix=frame(raw, "sonar_frame_prefix", default.sonar_prefix),
@@ -244,8 +229,25 @@ def _frames(raw: RawParameters, profile: Profile) -> Frames:
     )
 
 
+def _profile(raw: RawParameters) -> Profile:
+    choices = BY_NAME["profile"].choices
+    value = raw.get("profile", Profile.COMPATIBILITY)
+    if value not in choices:
+        raise ConfigError(f"~profile must be {' or '.join(choices)}, not {value!r}")
+    return Profile(str(value))
+
+
 def _maximum(raw: RawParameters, name: str) -> float | None:
-    return number(raw, name, 0.0, 0.001, 10.0) if name in raw else None
+    return _number(raw, name) if name in raw else None
+
+
+def _number(raw: RawParameters, name: str) -> float:
+    """Return a number within the bounds that the table has."""
+    row = BY_NAME[name]
+    assert row.low is not None
+    assert row.high is not None
+    default = row.default if isinstance(row.default, int | float) else 0.0
+    return number(raw, name, default, row.low, row.high)
 
 
 def _port(value: object) -> str | None:

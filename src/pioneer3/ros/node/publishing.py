@@ -1,6 +1,7 @@
 """Publishes the topics of the table: each one when it is due, and has subscribers."""
 
 import asyncio
+from collections import defaultdict
 from collections.abc import AsyncGenerator, Callable, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from pioneer3.ros.messages.navigation import NavigationUpdate
 from pioneer3.ros.messages.update import StateUpdate
 from pioneer3.ros.node.middleware import Middleware, Publisher
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.topics import Topic, Update
+from pioneer3.ros.node.topic import Topic, Update
 
 V = TypeVar("V")
 
@@ -28,12 +29,17 @@ PAUSE: Final = 0.5
 
 @dataclass(slots=True)
 class _Row:
-    """A topic, the publishers of its names, its last content, and when that was sent [s]."""
+    """A topic, the publishers of its names, its last content, and when that was sent [s].
+
+    Attributes:
+        message: The last one, to be filled again: to make one takes as long as to fill it.
+    """
 
     topic: Topic
     publishers: list[Publisher] = field(default_factory=list)
     content: object = None
     at: float = -inf
+    message: Any = None
 
     @property
     def subscribed(self) -> bool:
@@ -64,6 +70,9 @@ class Publishing:
 
     def __init__(self, topics: Sequence[Topic], profile: Profile, middleware: Middleware) -> None:
         self._rows = [_Row(topic) for topic in topics]
+        self._rows_of: dict[tuple[type[Update], str], list[_Row]] = defaultdict(list)
+        for row in self._rows:
+            self._rows_of[row.topic.source, row.topic.sensor].append(row)
         self._profile = profile
         self._middleware = middleware
 
@@ -79,26 +88,27 @@ class Publishing:
 
     def publish(self, update: Update, sensor: str = "") -> None:
         """Publish the topics of this kind of update, and of this sensor, that are due."""
-        for row in self._of(type(update), sensor):
-            if row.is_due(update):
+        for row in self._rows_of[type(update), sensor]:
+            if row.publishers and row.is_due(update):
                 assert row.topic.fill is not None
-                message = self._middleware.make(row.topic.type_name)
-                row.topic.fill(message, update)
-                row.publish(message)
+                if row.message is None or row.topic.latched:  # rospy keeps a latched one
+                    row.message = self._middleware.make(row.topic.type_name)
+                row.topic.fill(row.message, update)
+                row.publish(row.message)
 
     def has_subscribers(self, source: type[Update], sensor: str = "") -> bool:
         """Return whether anybody subscribes to a topic of this kind of update and sensor."""
-        return any(row.subscribed for row in self._of(source, sensor))
-
-    def _of(self, source: type[Update], sensor: str) -> list[_Row]:
-        topics = ((row, row.topic) for row in self._rows)
-        return [row for row, topic in topics if topic.source is source and topic.sensor == sensor]
+        return any(row.subscribed for row in self._rows_of[source, sensor])
 
     def lose_robot(self) -> None:
-        """Publish on latched topics, once, that nothing is known: they must not outlive it."""
+        """Publish on latched topics that nothing is known: they must not outlive it.
+
+        Topics that every snapshot has say so at each call, the others at the first one.
+        """
         for row in self._rows:
             topic = row.topic
-            if topic.latched and topic.when_lost is not None and row.content is not LOST:
+            again = topic.changes is None or row.content is not LOST
+            if topic.latched and topic.when_lost is not None and again:
                 row.content = LOST
                 row.publish(topic.when_lost)
 
@@ -117,7 +127,7 @@ class Publishing:
             update_of: Makes an update of a value.
             sensor: Name of the sensor, if it is one.
         """
-        while any(row.publishers for row in self._of(source, sensor)):
+        while any(row.publishers for row in self._rows_of[source, sensor]):
             if not self.has_subscribers(source, sensor):
                 await asyncio.sleep(LOOK)
                 continue

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import TimeoutError as NoAnswerError
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -11,8 +12,8 @@ from pioneer3.arcos import commands
 from pioneer3.errors import CommandError
 from pioneer3.geometry import ORIGIN
 from pioneer3.ros.messages.diagnostics import DiagnosticLevel, DiagnosticStatus
-from pioneer3.ros.node.middleware import Middleware, Response
-from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.middleware import QUEUE, Middleware, Response, Sender
+from pioneer3.ros.node.names import AS_STANDARD, Profile
 from pioneer3.runtime.robot import Robot
 
 if TYPE_CHECKING:
@@ -79,7 +80,12 @@ class Services:
         """Offer the services of `profile`, in a thread."""
         for service in (*SERVICES, *(NAVIGATION_SERVICES if self._navigation else ())):
             for name in service.names(profile):
-                middleware.serve(name, service.type_name, partial(self._serve, service))
+                if middleware.serves:
+                    respond = partial(self._serve, service)
+                    middleware.serve(name, service.type_in(profile), respond)
+                elif service.topic_type is not None:
+                    take = partial(self._take, service)
+                    middleware.subscribe(name, service.topic_type, take, queue=QUEUE)
 
     def session_began(self) -> None:
         """Switch the sonars off where the parameters say so: every session begins with them on."""
@@ -150,26 +156,57 @@ class Services:
         self._navigation.lose()
         return Response(True, "looks for the robot on the whole map")
 
+    def _take(self, service: "Service", message: Any, _: Sender) -> None:
+        """Act in the loop as a message on the topic of a service asks; in any thread."""
+
+        def act() -> None:
+            done = service.act(self, message)
+            if isinstance(done, Response):
+                outcome = "done" if done.success else "REFUSED"
+                self._warn(f"{service.standard}: {outcome}: {done.message}")
+
+        with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
+            self._loop.call_soon_threadsafe(act)
+
     def _serve(self, service: "Service", request: Any) -> AnyResponse:
         """Act in the loop; return the response. In a thread of the middleware."""
         if service is MAP:
             return self.get_map()  # which takes long for large maps
 
+        given_up = False
+
         async def acting() -> AnyResponse:
+            if given_up:
+                raise asyncio.CancelledError
             done = service.act(self, request)
             return await done if isinstance(done, Awaitable) else done
 
         response: AnyResponse
+        work = acting()
         try:
-            call = asyncio.run_coroutine_threadsafe(acting(), self._loop)
+            call = asyncio.run_coroutine_threadsafe(work, self._loop)
+        except RuntimeError:
+            work.close()
+            return self._not_served(service, "the node is ending")
+        try:
             response = call.result(service.patience)
-        except (RuntimeError, NoAnswerError, asyncio.CancelledError):
-            if service is PLAN and self._navigation is not None:
-                return PlanResponse(self._navigation.no_plan())
-            response = Response(False, "the node is ending")
+        except NoAnswerError:
+            if not service.stops:
+                given_up = True
+                call.cancel()
+            response = self._not_served(
+                service, f"the node has not come to it within {service.patience:g} s"
+            )
+        except asyncio.CancelledError:
+            response = self._not_served(service, "the node is ending")
         if isinstance(response, Response) and service.type_name == EMPTY and not response.success:
             self._warn(f"{service.standard} is refused: {response.message}")
         return response
+
+    def _not_served(self, service: "Service", reason: str) -> AnyResponse:
+        if service is PLAN and self._navigation is not None:
+            return PlanResponse(self._navigation.no_plan())
+        return Response(False, reason)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,22 +216,39 @@ class Service:
     Attributes:
         compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
         standard: Name in the other profiles.
-        type_name: Type of the service.
+        ros2: Name in ROS 2; empty where it is the same, `None` if it has none.
+        type_name: Type of the service in ROS 1; in ROS 2 a Trigger tells more than an Empty.
         act: Does the work in the loop, given the request.
+        optional: Part of a robot that it takes, where robots may be without; empty for all others.
         note: For the docs.
         patience: Longest wait for the response [s].
+        stops: Whether it stops the robot: done even if that is too late for the response.
     """
 
     compatibility: str | None = None
     standard: str
+    ros2: str | None = AS_STANDARD
     type_name: str
     act: Callable[[Services, Any], AnyResponse | Awaitable[AnyResponse]]
+    optional: str = ""
     note: str = ""
     patience: float = PATIENCE
+    stops: bool = False
 
     def names(self, profile: Profile) -> tuple[str, ...]:
         """Return its names in `profile`."""
-        return profile.choose(self.compatibility, self.standard)
+        return profile.choose(self.compatibility, self.standard, self.ros2)
+
+    def type_in(self, profile: Profile) -> str:
+        """Return its type in `profile`."""
+        return TRIGGER if profile is Profile.ROS2 and self.type_name == EMPTY else self.type_name
+
+    @property
+    def topic_type(self) -> str | None:
+        """Type of the topic that stands in for it where no services are; `None` if none can."""
+        return {EMPTY: "std_msgs/Empty", TRIGGER: "std_msgs/Empty", SET_BOOL: "std_msgs/Bool"}.get(
+            self.type_name
+        )
 
 
 SERVICES: Final = (
@@ -209,12 +263,14 @@ SERVICES: Final = (
         standard="disable_motors",
         type_name=EMPTY,
         act=lambda services, _: services.switch_motors(on=False),
+        stops=True,
         note="the robot stops first",
     ),
     Service(
         standard="e_stop_trigger",
         type_name=TRIGGER,
         act=lambda services, _: services.emergency_stop(),
+        stops=True,
         note="latched",
     ),
     Service(
@@ -233,26 +289,32 @@ SERVICES: Final = (
         standard="sonar/enable",
         type_name=SET_BOOL,
         act=lambda services, request: services.switch_sonar(on=bool(request.data)),
+        optional="sonars",
     ),
     Service(
         standard="self_test",
         type_name=TRIGGER,
         act=lambda services, _: services.self_test(),
+        optional="a test of its own",
         note="the faults in `/diagnostics`, in a sentence",
     ),
 )
 MAP: Final = Service(
     compatibility="static_map",
     standard="static_map",
+    ros2="map_server/map",
     type_name="nav_msgs/GetMap",
     act=lambda services, _: services.get_map(),
+    optional="a map",
     note="as on `map`",
 )
 PLAN: Final = Service(
     compatibility="move_base/make_plan",
     standard="move_base/make_plan",
+    ros2="make_plan",
     type_name="nav_msgs/GetPlan",
     act=lambda services, request: services.make_plan(request),
+    optional="a map",
     note="nothing drives; a start without a frame is the robot's place, the tolerance counts as 0;"
     " empty without a way, and the log says why",
     patience=PLANNING,
@@ -263,15 +325,19 @@ NAVIGATION_SERVICES: Final = (
     Service(
         compatibility="move_base/clear_costmaps",
         standard="move_base/clear_costmaps",
+        ros2="clear_costmaps",
         type_name=EMPTY,
         act=lambda services, _: services.clear_costmaps(),
+        optional="a map",
         note="forgets all things that the map does not show; the robot sees them again",
     ),
     Service(
         compatibility="global_localization",
         standard="global_localization",
+        ros2="reinitialize_global_localization",
         type_name=EMPTY,
         act=lambda services, _: services.localize_globally(),
+        optional="a map",
         note="searches the whole map for the robot, which must then be driven a metre",
     ),
 )

@@ -1,97 +1,28 @@
 """The table of topics, from which a node publishes and subscribes and the docs are made."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Final
 
 from pioneer3.models import RobotModel
 from pioneer3.ros.messages import camera, motion, sensors
 from pioneer3.ros.messages.diagnostics import DiagnosticsUpdate, diagnostics
-from pioneer3.ros.messages.goals import FeedbackUpdate, GoalsUpdate, ResultUpdate
-from pioneer3.ros.messages.navigation import MapUpdate, NavigationUpdate
 from pioneer3.ros.messages.update import (
+    DescriptionUpdate,
     MessageOptions,
     PictureUpdate,
     ScanUpdate,
     SensorUpdate,
-    StateUpdate,
 )
 from pioneer3.ros.node.names import CommandName, Profile, lab_commands
+from pioneer3.ros.node.topic import Direction, Topic
 from pioneer3.state import Charging
 
 SLOWLY: Final = 1.0
 """Between two messages of a topic that hardly changes [s]; of diagnostics too (REP 107)."""
-Update = (
-    StateUpdate
-    | ScanUpdate
-    | SensorUpdate
-    | PictureUpdate
-    | DiagnosticsUpdate
-    | MapUpdate
-    | NavigationUpdate
-    | GoalsUpdate
-    | FeedbackUpdate
-    | ResultUpdate
-)
-"""Anything that topics are published from."""
-
-
-class Direction(StrEnum):
-    """Whether the node sends the messages of a topic or receives them."""
-
-    PUBLISHED = "published"
-    SUBSCRIBED = "subscribed"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Topic:
-    """One row of the table: a topic that a node publishes or subscribes to.
-
-    A topic that is not latched is published only while it has subscribers.
-
-    Attributes:
-        compatibility: Name in RosAria, `~` for below the node's own; `None` if it has none.
-        standard: Name after the conventions of ROS packages, relative; `None` if it has none.
-        type_name: Type of its messages.
-        source: Kind of update that it is published from.
-        sensor: Name of the sensor whose readings are published; empty for all other topics.
-        fill: Puts such an update into an empty message; `None` for a topic that is subscribed to.
-        parse: Returns the content of a message that is received, or raises a CommandError; `None`
-            for a topic that is published.
-        changes: Returns the content that matters, where a message is sent only when that is new;
-            `None` for a topic that is sent with every update. Updates then have a `moment`.
-        latched: Whether a late subscriber gets the last message.
-        period: Longest pause between two messages [s]; `None` where only changes are sent.
-        when_lost: Content of a latched topic while there is no robot; `None` if it stays true.
-        has_data: Whether an update has data for it.
-        enabled: Whether the options want it.
-        note: For the docs.
-    """
-
-    compatibility: str | None = None
-    standard: str | None = None
-    type_name: str
-    source: type[Update] = StateUpdate
-    sensor: str = ""
-    fill: Callable[[Any, Any], None] | None = None
-    parse: Callable[[Any], Any] | None = None
-    changes: Callable[[Any], object] | None = None
-    latched: bool = False
-    period: float | None = None
-    when_lost: object = None
-    has_data: Callable[[Any], bool] = lambda update: True
-    enabled: Callable[[MessageOptions], bool] = lambda options: True
-    note: str = ""
-
-    @property
-    def direction(self) -> Direction:
-        """Whether the node publishes it or subscribes to it."""
-        return Direction.PUBLISHED if self.fill else Direction.SUBSCRIBED
-
-    def names(self, profile: Profile) -> tuple[str, ...]:
-        """Return its names in `profile`."""
-        return profile.choose(self.compatibility, self.standard)
+SNAPSHOTS: Final = 10.0
+"""Snapshots that a robot sends in a second, unless it is told otherwise [Hz]."""
+PINGS: Final = 3.0
+"""Readings of one transducer [Hz]: the eight of an array take turns, 40 ms each."""
 
 
 def transducer_topic(number: int) -> Topic:
@@ -102,6 +33,9 @@ def transducer_topic(number: int) -> Topic:
         fill=sensors.range_of(number),
         has_data=lambda update: number in update.snapshot.sonar.fresh,
         enabled=lambda options: options.ranges,
+        rate=PINGS,
+        optional="sonars",
+        frame=lambda frames: frames.transducer(number),
         note=f"of one transducer, when it was read; its frame `sonar_{number}` looks along x",
     )
 
@@ -115,6 +49,8 @@ def laser_topic(name: str) -> Topic:
         source=ScanUpdate,
         sensor=name,
         fill=sensors.scan,
+        optional="a laser range finder",
+        frame=lambda frames: f"{frames.laser}{name.removeprefix('laser')}",
         note="without `--laser` that of simulators, and in `standard` only; `inf` without an echo"
         " (REP 117); of a second laser `scan2`",
     )
@@ -136,30 +72,46 @@ COMMANDS: Final = Topic(
     parse=motion.wanted_twist,
     note="numbers that are not finite are refused, and the log says so",
 )
+STAMPED_COMMANDS: Final = Topic(
+    ros2="cmd_vel_stamped",
+    type_name="geometry_msgs/TwistStamped",
+    parse=lambda message: motion.wanted_twist(message.twist),
+    optional="commands of both types",
+    note="with `enable_stamped_cmd_vel`, as since Kilted, it is `cmd_vel`, and Twist is"
+    " `cmd_vel_unstamped`; refused if older than `cmd_vel_timeout`; a stamp of 0 is now",
+)
+UNSTAMPED_NAME: Final = "cmd_vel_unstamped"
+"""Name of the topic of Twist where `cmd_vel` is of TwistStamped."""
 TOPICS: Final = (
     COMMANDS,
+    STAMPED_COMMANDS,
     Topic(
         compatibility="~pose",
         standard="odom",
         type_name="nav_msgs/Odometry",
         fill=motion.odometry,
+        rate=SNAPSHOTS,
+        frame=lambda frames: frames.odom,
         note="10 Hz; stamped when the snapshot arrived",
     ),
     Topic(
         compatibility="/tf",
         standard="/tf",
+        ros2="tf",
         type_name="tf2_msgs/TFMessage",
         fill=motion.moving_transforms,
         has_data=lambda update: (
             update.options.odometry_tf or update.options.wheels_tf or bool(update.odom_in_map)
         ),
         enabled=lambda options: options.odometry_tf or options.wheels_tf or options.map_tf,
+        rate=SNAPSHOTS,
         note="`odom` to `base_link`, same stamp as the pose; in `standard` the turning wheels too;"
         " with a map `map` to `odom`",
     ),
     Topic(
         compatibility="/tf_static",
         standard="/tf_static",
+        ros2="tf_static",
         type_name="tf2_msgs/TFMessage",
         fill=motion.fixed_transforms,
         changes=lambda update: update.tree,
@@ -168,9 +120,19 @@ TOPICS: Final = (
         note="where sonars, bumpers, laser and all else sit on the robot",
     ),
     Topic(
+        ros2="robot_description",
+        type_name="std_msgs/String",
+        source=DescriptionUpdate,
+        fill=motion.description,
+        latched=True,
+        enabled=lambda options: options.description,
+        note="URDF of the robot that is connected",
+    ),
+    Topic(
         standard="joint_states",
         type_name="sensor_msgs/JointState",
         fill=motion.joint_states,
+        rate=SNAPSHOTS,
         note="wheels, from odometry: Pioneers report no more by themselves",
     ),
     Topic(
@@ -191,6 +153,9 @@ TOPICS: Final = (
         fill=sensors.echoes,
         has_data=lambda update: bool(update.snapshot.sonar.fresh),
         enabled=lambda options: options.cloud,
+        rate=SNAPSHOTS,
+        optional="sonars",
+        frame=lambda frames: frames.base,
         note="echoes since the last snapshot, in `base_link`",
     ),
     Topic(
@@ -202,15 +167,26 @@ TOPICS: Final = (
     ),
     Topic(
         standard="bumper_state",
+        ros2=None,
         type_name="rosaria/BumperState",
         fill=sensors.bumpers,
         note="from left to right; empty where the robot has none",
+    ),
+    Topic(
+        ros2="bumper_state",
+        type_name="std_msgs/UInt8MultiArray",
+        fill=sensors.bumper_array,
+        rate=SNAPSHOTS,
+        optional="bumpers",
+        note="two rows, front and rear, from left to right; 1 for each pressed segment",
     ),
     Topic(
         standard="bumpers/points",
         type_name="sensor_msgs/PointCloud2",
         fill=sensors.touches,
         has_data=lambda update: bool(update.snapshot.bumpers.front or update.snapshot.bumpers.rear),
+        optional="bumpers",
+        frame=lambda frames: frames.base,
         note="a point for each pressed segment; only from robots with bumpers",
     ),
     Topic(
@@ -260,7 +236,9 @@ TOPICS: Final = (
         fill=sensors.emergency_stop,
         latched=True,
         when_lost=True,  # a program that asks whether it is safe to drive must not hear yes
-        note="true while the latch or the robot's own button holds it, or no robot is connected",
+        rate=SNAPSHOTS,
+        note="true while the latch or the robot's own button holds it, or no robot is connected:"
+        " 10 Hz then, too",
     ),
     Topic(
         standard="imu/data_raw",
@@ -268,6 +246,8 @@ TOPICS: Final = (
         source=SensorUpdate,
         sensor="gyro",
         fill=sensors.imu,
+        optional="a gyro",
+        frame=lambda frames: frames.imu,
         note="turn rate, where the robot sends its gyro's samples (GyroType 1)",
     ),
     Topic(
@@ -275,18 +255,23 @@ TOPICS: Final = (
         type_name="std_msgs/Float32",
         fill=sensors.compass,
         has_data=lambda update: update.snapshot.inputs.compass is not None,
+        optional="a compass",
         note="heading as the robot states it [rad]",
     ),
     Topic(
         standard="dio",
         type_name="std_msgs/UInt16",
         fill=sensors.digital,
+        rate=SNAPSHOTS,
+        optional="digital lines",
         note="inputs in the low byte, outputs in the high one",
     ),
     Topic(
         standard="aio",
         type_name="std_msgs/Float32MultiArray",
         fill=sensors.analog,
+        rate=SNAPSHOTS,
+        optional="an analog line",
         note="selected port and its voltage",
     ),
     Topic(
@@ -295,6 +280,8 @@ TOPICS: Final = (
         type_name="sensor_msgs/Image",
         source=PictureUpdate,
         fill=camera.image,
+        optional="a camera",
+        frame=lambda frames: frames.camera_optical,
         note="`rgb8`, with `--camera` or `~camera_url`; its frame is `camera_optical_frame`",
     ),
     Topic(
@@ -303,6 +290,8 @@ TOPICS: Final = (
         type_name="sensor_msgs/CameraInfo",
         source=PictureUpdate,
         fill=camera.camera_info,
+        optional="a camera",
+        frame=lambda frames: frames.camera_optical,
         note="matrices of 0 unless the camera tells its field of view, as"
         " simulated ones do, or `~camera_view_deg` does",
     ),
@@ -333,7 +322,24 @@ def published(
     ]
 
 
-def command_topics(profile: Profile, lab_name: str | None = None) -> tuple[CommandName, ...]:
-    """Return the topics to take commands from."""
-    own = tuple(CommandName(name) for name in COMMANDS.names(profile))
-    return own if lab_name is None else (*lab_commands(lab_name), *own)
+def command_topics(
+    profile: Profile, lab_name: str | None = None, *, stamped: bool = False
+) -> tuple[CommandName, ...]:
+    """Return the topics to take commands from.
+
+    Args:
+        profile: Which names count.
+        lab_name: Of the robot in the lab.
+        stamped: Whether `cmd_vel` is of TwistStamped, in ROS 2.
+    """
+    (*first,) = COMMANDS.names(profile)
+    (*other,) = STAMPED_COMMANDS.names(profile)
+    if stamped:
+        first, other = [UNSTAMPED_NAME], first
+    own = (
+        *(CommandName(name) for name in first),
+        *(CommandName(name, stamped=True) for name in other),
+    )
+    if lab_name is None or profile is Profile.ROS2:
+        return own
+    return (*lab_commands(lab_name), *own)

@@ -1,6 +1,7 @@
 """Programs on ROS 1 that find robots and drive them by their topics, from any computer."""
 
 import asyncio
+import logging
 import threading
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Sequence
 from contextlib import (
@@ -16,32 +17,32 @@ from typing import Any, Final
 from urllib.parse import urlsplit
 
 from pioneer3.arcos.reports import Config
-from pioneer3.errors import ConfigError, LinkError, NoRobotError
-from pioneer3.geometry import Twist2
+from pioneer3.errors import ConfigError, NoRobotError
 from pioneer3.models import find_model, load_model
 from pioneer3.robot.identity import SIMULATOR_SERIAL
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.supervisor import RobotInfo
-from pioneer3.ros.client.graph import TWIST, RobotTopics, robots_on
-from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
-from pioneer3.ros.client.snapshots import SnapshotSubscriber
+from pioneer3.ros.client.graph import RobotTopics, robots_on
+from pioneer3.ros.client.joining import FIRST, joined
+from pioneer3.ros.client.robot import TopicRobot
 from pioneer3.ros.node.parameters import MODEL, SIMULATED
-from pioneer3.ros.ros1.middleware import Publisher, RospyTopics, find_rospy
+from pioneer3.ros.ros1.middleware import RospyTopics, find_rospy
 from pioneer3.ros.ros1.rosout import log_in_background
 from pioneer3.ros.ros1.start import stay_on_this_computer
 from pioneer3.state import Identity
-from pioneer3.tasks import running
+from pioneer3.tasks import in_own_thread, running
 
 ALIVE: Final = 0.5
 """A node that takes no connection within this time [s] has gone."""
 MASTER_PATIENCE: Final = 2.0
 """A master that takes no connection within this time [s] is not there."""
-FIRST: Final = 5.0
-"""Longest wait for the first snapshot [s]."""
 FAREWELL: Final = 0.1
 """rospy sends in threads of its own; a stop needs this long to be on its way [s]."""
 SERVED: Final = 0.5
 """A service that does not respond within this time [s] is not there."""
+SWITCHED: Final = 2.0
+"""Longest wait for a request that is under way when the program leaves the robot [s]."""
+log = logging.getLogger(__name__)
 UNKNOWN_MODEL: Final = "p3at-sh"
 """The model of a robot whose node does not name one: the largest."""
 
@@ -97,12 +98,16 @@ async def run_program(
 
 @asynccontextmanager
 async def robots_by_node(
-    name: str,
+    name: str, *, at_once: bool = False
 ) -> AsyncIterator[Callable[[str, str | None], AbstractAsyncContextManager[TopicRobot]]]:
     """Yield a function that connects to the robot of a node, given its name and a model or `None`.
 
     This program becomes the node `name` with the first robot, and is one until the block ends: who
     has no robot on ROS needs no ROS.
+
+    Args:
+        name: Of the node.
+        at_once: Whether to go on before robots report, to stop them.
 
     Raises:
         ConfigError: by that function: ROS 1 is not installed.
@@ -120,7 +125,7 @@ async def robots_by_node(
                 if not is_node:
                     await stack.enter_async_context(_program(name, ()))
                     is_node = True
-            async with _joined(topics, model) as robot:
+            async with _joined(topics, model, at_once=at_once) as robot:
                 yield robot
 
         yield connect
@@ -195,27 +200,16 @@ async def _joined_all(
 
 
 @asynccontextmanager
-async def _joined(topics: RobotTopics, model: str | None) -> AsyncIterator[TopicRobot]:
+async def _joined(
+    topics: RobotTopics, model: str | None, *, at_once: bool = False
+) -> AsyncIterator[TopicRobot]:
     info = await asyncio.to_thread(_info, topics, model)
-    middleware = RospyTopics()
-    publisher = middleware.advertise(topics.commands, TWIST, queue=1)
-    supervisor = TopicSupervisor(
-        info, partial(_publish, middleware, publisher), partial(_switch_motors, topics.node)
-    )
-    robot = TopicRobot(supervisor)
-    subscriber = SnapshotSubscriber(topics, info.model, supervisor.take, middleware)
-    await asyncio.to_thread(subscriber.open)
+    switch = MotorSwitch(partial(_switch_motors, topics.node))
     try:
-        async with running(supervisor.run()):
-            try:
-                await anext(robot.snapshots(FIRST, patience=FIRST))
-            except LinkError:
-                raise NoRobotError(
-                    f"{topics.node} publishes nothing on {topics.pose}: has it lost its robot?"
-                ) from None
+        async with joined(topics, info, RospyTopics(), switch, at_once=at_once) as robot:
             yield robot
     finally:
-        await asyncio.to_thread(subscriber.close)
+        await in_own_thread(switch.close)
 
 
 def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
@@ -235,28 +229,62 @@ def _info(topics: RobotTopics, model: str | None) -> RobotInfo:
     )
 
 
-def _publish(middleware: RospyTopics, publisher: Publisher, wanted: Twist2) -> None:
-    message = middleware.make(TWIST)
-    message.linear.x, message.angular.z = wanted.v, wanted.w
-    publisher.publish(message)
+class MotorSwitch:
+    """Asks a node to switch motors, one call at a time, in a thread: a node may hang for ever.
+
+    Args:
+        call: Makes the call.
+    """
+
+    def __init__(self, call: Callable[[bool], None]) -> None:
+        self._call = call
+        self._wanted: bool | None = None
+        self._is_busy = False
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+
+    def __call__(self, on: bool) -> None:
+        """Ask for power, or none; of the requests that wait only the last one is made."""
+        with self._lock:
+            self._wanted = on
+            if self._is_busy:
+                return
+            self._is_busy = True
+            self._thread = threading.Thread(target=self._run, name="motor switch", daemon=True)
+            self._thread.start()
+
+    def close(self) -> None:
+        """Wait for the last request, but not for a node that hangs; in a thread."""
+        with self._lock:
+            thread = self._thread
+        if thread is not None:
+            thread.join(SWITCHED)
+
+    def _run(self) -> None:
+        while True:
+            with self._lock:
+                wanted, self._wanted = self._wanted, None
+                if wanted is None:
+                    self._is_busy = False
+                    return
+            try:
+                self._call(wanted)
+            except Exception:
+                log.exception("the motors are not switched")
 
 
 def _switch_motors(node: str, on: bool) -> None:
-    """Call the service of the robot's node; nobody waits for it."""
+    """Call the service of the robot's node."""
     import rospy
     from std_srvs.srv import Empty
 
     name = "enable_motors" if on else "disable_motors"
-
-    def call() -> None:
-        for full in (f"{node}/{name}", f"{node.rpartition('/')[0]}/{name}"):
-            with suppress(rospy.ROSException, rospy.ServiceException):
-                rospy.wait_for_service(full, SERVED)
-                rospy.ServiceProxy(full, Empty)()
-                return
-        rospy.logwarn(f"{node} has no service {name}")
-
-    asyncio.get_running_loop().run_in_executor(None, call)
+    for full in (f"{node}/{name}", f"{node.rpartition('/')[0]}/{name}"):
+        with suppress(rospy.ROSException, rospy.ServiceException):
+            rospy.wait_for_service(full, SERVED)
+            rospy.ServiceProxy(full, Empty)()
+            return
+    rospy.logwarn(f"{node} has no service {name}")
 
 
 def _is_alive(uri: str, patience: float = ALIVE) -> bool:

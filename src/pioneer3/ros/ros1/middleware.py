@@ -143,7 +143,13 @@ class RospyTopics:
         return Publisher(name, type_name, latched=latched, queue=queue)
 
     def subscribe(
-        self, name: str, type_name: str, receive: Callable[[Any, Sender], None], *, queue: int
+        self,
+        name: str,
+        type_name: str,
+        receive: Callable[[Any, Sender], None],
+        *,
+        queue: int,
+        left: Callable[[Sender], None] | None = None,  # rospy tells nobody
     ) -> Any:
         """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
         import rospy
@@ -161,6 +167,8 @@ class RospyTopics:
 class RospyMiddleware(RospyTopics):
     """All that a node needs; `rospy.init_node` comes first."""
 
+    serves = True
+
     def __init__(self) -> None:
         self._described: str | None = None
         self._reconfigure: Reconfigure | None = None
@@ -177,6 +185,12 @@ class RospyMiddleware(RospyTopics):
         import rospy
 
         return rospy.Time.from_sec(max(0.0, rospy.get_rostime().to_sec() - age))
+
+    def age(self, stamp: Any) -> float | None:
+        """Return the time since a stamp [s]; `None` for a stamp of 0."""
+        import rospy
+
+        return float((rospy.get_rostime() - stamp).to_sec()) if stamp else None
 
     def serve(self, name: str, type_name: str, handle: Callable[[Any], Any]) -> None:
         """Offer a service."""
@@ -232,3 +246,7 @@ class RospyMiddleware(RospyTopics):
         import rospy
 
         rospy.logwarn(sentence)
+
+    def mismatches(self) -> Sequence[str]:
+        """Return nothing: rospy itself logs publishers of other types."""
+        return ()

@@ -1,6 +1,5 @@
 """A ROS 1 package that `rosrun` and `roslaunch` find, without catkin and without a build."""
 
-import shlex
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -8,13 +7,9 @@ from textwrap import indent
 from typing import Final
 
 from pioneer3 import __version__
-from pioneer3.errors import ConfigError
-from pioneer3.models import load_model
-from pioneer3.models.description.tree import Frames, tree_of
-from pioneer3.models.description.urdf import describe
+from pioneer3.ros.installation import NAME, TRANSDUCERS, launcher, urdf_files, write_files
 from pioneer3.ros.ros1.middleware import BUMPER_STATE, BUMPER_TYPE
 
-NAME: Final = "pioneer3"
 MANIFEST: Final = """<?xml version="1.0"?>
 <package format="2">
   <name>{name}</name>
@@ -31,9 +26,6 @@ DRY_MANIFEST: Final = """<package>
 </package>
 """
 """Of the kind before catkin: ROS's tools look for Python code in `src` of such packages only."""
-LAUNCHER: Final = """#!/bin/sh
-exec {python} -m pioneer3 ros1 {command} "$@"
-"""
 PROGRAMS: Final = {
     "RosAria": "",
     "robots": "robots",
@@ -71,10 +63,6 @@ LAUNCH: Final = """<launch>
 """
 DisplayProperties = Mapping[str, str | int | float]
 """Properties of a display, by their names in rviz."""
-MODELS: Final = ("p3at", "p3at-sh", "p3dx", "p3dx-sh")
-"""Those that the package has a description of; a node describes whatever robot it has."""
-TRANSDUCERS: Final = 16
-"""Of a Pioneer with both rows of sonars."""
 RVIZ_LAUNCH: Final = """<launch>
   <!-- a model's name, such as p3at, to see a recording: no node describes the robot then -->
   <arg name="model" default="" />
@@ -131,7 +119,7 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
     """
     package, rosaria = folder.expanduser() / NAME, folder.expanduser() / "rosaria"
     launchers = {
-        package / "scripts" / name: LAUNCHER.format(python=shlex.quote(python), command=command)
+        package / "scripts" / name: launcher(python, "ros1", command)
         for name, command in PROGRAMS.items()
     }
     node = package / "scripts" / "RosAria"
@@ -147,14 +135,7 @@ def install_package(folder: Path, python: str = sys.executable) -> Path:
         module / "__init__.py": "",
         module / "msg" / "__init__.py": MESSAGES.format(kind=BUMPER_TYPE, definition=BUMPER_STATE),
     }
-    try:
-        for path, text in files.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
-        for launcher in launchers:
-            launcher.chmod(0o755)
-    except OSError as error:
-        raise ConfigError(f"cannot write the package to {folder}: {error}") from error
+    write_files(files, launchers, folder)
     return package
 
 
@@ -163,13 +144,8 @@ def _rviz_files(package: Path) -> dict[Path, str]:
     return {
         package / "launch" / "rviz.launch": RVIZ_LAUNCH,
         package / "rviz" / "pioneer3.rviz": RVIZ_CONFIG.format(displays="".join(_displays())),
-        **{package / "urdf" / f"{name}.urdf": _urdf(name) for name in MODELS},
+        **urdf_files(package / "urdf"),
     }
-
-
-def _urdf(name: str) -> str:
-    model, frames = load_model(name), Frames()
-    return describe(model, tree_of(model, frames), frames, laser=False)
 
 
 def _displays() -> Iterator[str]:

@@ -1,0 +1,114 @@
+"""How commands for a fleet reach robots over ROS 1 and ROS 2."""
+
+import os
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pioneer3.fleet.live import OnTopics
+    from pioneer3.fleet.members import Connect
+    from pioneer3.fleet.spec import Fleet, Robot
+    from pioneer3.ros.ros2.network import Network
+    from pioneer3.runtime.driven import Driven
+
+PATIENCE = 5.0
+"""Longest wait for a node of ROS 2 [s], unless somebody says otherwise."""
+
+
+@asynccontextmanager
+async def connecting(
+    fleet: "Fleet",
+    name: str,
+    max_speed: float | None,
+    *,
+    patience: float = PATIENCE,
+    sonar: bool = False,
+    at_once: bool = False,
+) -> "AsyncIterator[Connect]":
+    """Yield the function that connects to a robot; over ROS this is the node `name`.
+
+    Args:
+        fleet: Of the robots.
+        name: Of the node.
+        max_speed: Keep below this at ports [m/s].
+        patience: Longest wait for a node on a network of ROS 2 [s].
+        sonar: Whether to listen to sonars on ROS 2, which modes need and keys do not.
+        at_once: Whether to go on before robots on ROS report, to stop them, whatever their model.
+    """
+    from pioneer3.fleet.connecting import connects
+    from pioneer3.fleet.ros_variables import missing_variables
+    from pioneer3.ros.ros1.client import robots_by_node
+    from pioneer3.ros.ros2.sessions import sessions
+
+    os.environ.update(missing_variables(fleet, os.environ))  # rospy takes them from there
+    async with (
+        robots_by_node(name, at_once=at_once) as by_node,
+        sessions(name, patience, sonar=sonar, at_once=at_once) as networks,
+    ):
+
+        def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
+            return by_node(robot.node, None if at_once else robot.model)
+
+        def ros2(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
+            model = None if at_once else model_of(fleet, robot)
+            return networks.robot(network_of(fleet, robot), robot.node, model)
+
+        yield connects(fleet, ros1, ros2, max_speed=max_speed)
+
+
+@asynccontextmanager
+async def asking(
+    fleet: "Fleet",
+) -> "AsyncIterator[Callable[[Robot, float], Awaitable[OnTopics]]]":
+    """Yield the function that asks a robot's topics of ROS 2."""
+    import asyncio
+
+    from pioneer3.fleet.live import OnTopics
+    from pioneer3.ros.ros2.sessions import sessions
+
+    async with sessions("fleet_list") as networks:
+
+        async def ask(robot: "Robot", patience: float) -> "OnTopics":
+            until = asyncio.get_running_loop().time() + patience
+            session = await networks.on(network_of(fleet, robot))
+            told = await session.state(robot.node, until)
+            return OnTopics(
+                network=session.backend.title,
+                battery=told.battery,
+                motors=told.motors,
+                stopped=told.emergency_stop,
+                age=told.age,
+                nodes=told.nodes,
+            )
+
+        yield ask
+
+
+def network_of(fleet: "Fleet", robot: "Robot") -> "Network":
+    """Return the network of ROS 2 that a robot is on; its files are beside the fleet file."""
+    from pioneer3.ros.ros2.network import BackendName, Network
+
+    given, folder = fleet.network(robot), fleet.path.parent
+    return Network(
+        backend=BackendName(given.backend),
+        distro=given.distro or None,
+        domain=given.domain,
+        interfaces=given.interface,
+        dds_peers=given.peer,
+        dds_services=given.dds_services,
+        connect=given.connect,
+        zenoh_config=given.file("zenoh_config", folder),
+        ca=given.file("ca", folder),
+        certificate=given.file("certificate", folder),
+        key=given.file("key", folder),
+        credentials=given.file("credentials", folder),
+    )
+
+
+def model_of(fleet: "Fleet", robot: "Robot") -> str:
+    """Return the model of a robot; the path of a file is one beside the fleet file."""
+    from pioneer3.sim.worldfile.toml import MODEL_FILES
+
+    is_file = robot.model.lower().endswith(MODEL_FILES)
+    return str(fleet.path.parent / robot.model) if is_file else robot.model

@@ -1,0 +1,134 @@
+"""`pioneer3 ros2`."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+from cyclopts import App
+
+from pioneer3.cli.options import NO_LASERS, WHICH, Baud, CameraUrl, LaserOptions, RobotOptions
+from pioneer3.cli.places import MapName, StartPlace, pose_of
+from pioneer3.cli.process import run_until_told_to_leave, write_line
+from pioneer3.cli.ros2_bridge import bridge
+from pioneer3.cli.ros2_check import check
+from pioneer3.cli.ros2_demos import DEMOS
+from pioneer3.cli.ros2_network import ANYWHERE, NetworkOptions
+
+ros2_app = App(
+    name="ros2",
+    help="""Be the robot's ROS 2 node, with or without ROS 2 on this computer.
+
+    Ctrl-C stops the robot. Without a port the node takes the simulator at
+    localhost:8101, else the robot at a serial port.
+
+    Example: pioneer3 ros2 --port /dev/ttyUSB0 --namespace robot1
+    Example: pioneer3 ros2 --backend zenoh --ros-args -p cmd_vel_timeout:=0.3
+    """,
+    help_format="plaintext",
+)
+
+
+COMMANDS: tuple[Callable[..., int], ...] = (check, *DEMOS, bridge)
+for command in COMMANDS:
+    ros2_app.command(command, name=command.__name__)
+
+
+@ros2_app.default
+def ros2(
+    *,
+    which: RobotOptions = WHICH,
+    namespace: str = "",
+    name: str = "pioneer3",
+    network: NetworkOptions = ANYWHERE,
+    baud: Baud = None,
+    lasers: LaserOptions = NO_LASERS,
+    camera: CameraUrl = None,
+    map_: MapName = None,
+    start: StartPlace = None,
+    install_package: Path | None = None,
+) -> int:
+    """Be the robot's ROS 2 node, with or without ROS 2 on this computer.
+
+    Ctrl-C stops the robot. Without a port the node takes the simulator at
+    localhost:8101, else the robot at a serial port.
+
+    Example: pioneer3 ros2 --port /dev/ttyUSB0 --namespace robot1
+    Example: pioneer3 ros2 --backend zenoh --ros-args -p cmd_vel_timeout:=0.3
+
+    Args:
+        which: The robot.
+        namespace: Of the node, such as robot1; its topics are below it.
+        name: Of the node.
+        network: Where the others are.
+        baud: Serial speed to try first.
+        lasers: Of the robot.
+        camera: Of the robot: http://HOST[:PORT]/PATH of an MJPEG stream.
+        map_: To navigate on: a file, or the name of one that ships.
+        start: Where the robot is: a name, x,y,heading, or unknown; without it at the map's home.
+        install_package: Only write a ROS 2 package to this folder, for ros2 run and ros2 launch.
+    """
+    from pioneer3.ros.node.start import Options
+    from pioneer3.ros.ros2.start import serve
+
+    node = network.node(name, namespace or "/")
+    if install_package is not None:
+        return _install(install_package, node.network.distro_here().name)
+    options = Options(
+        port=which.url_or_none,
+        baud=baud,
+        laser_ports=lasers.laser or which.fleet_lasers,
+        lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),
+        camera=camera or which.fleet_camera,
+        line_map=map_,
+        start=None if start is None else pose_of(start, "ros2"),
+    )
+    return run_until_told_to_leave(serve(node, options, write_line))
+
+
+@ros2_app.command
+def router(*, network: NetworkOptions = ANYWHERE) -> int:
+    """Run a Zenoh router, for computers that have none of ROS 2's own.
+
+    Programs of this computer find it by themselves; --listen lets others in, and
+    --connect joins it to another router. TLS and login are by files.
+
+    Example: pioneer3 ros2 router
+    Example: pioneer3 ros2 router --listen tcp/0.0.0.0:7447
+
+    Args:
+        network: Endpoints and files.
+    """
+    return run_until_told_to_leave(_route(network))
+
+
+async def _route(network: NetworkOptions) -> int:
+    from pioneer3.ros.zenoh.router import serve_router
+
+    await serve_router(network.network.router_options(), write_line)
+    return 0
+
+
+def gather_ros_arguments(words: list[str]) -> list[str]:
+    """Return the words of a command line with those of ROS 2 as one, after `--ros-args`.
+
+    They begin at `--ros-args` and end at `--`, or at the end; there may be several such parts.
+    """
+    kept: list[str] = []
+    own: list[str] = []
+    inside = False
+    for word in words:
+        if word == "--ros-args":
+            inside = True
+        elif inside and word == "--":
+            inside = False
+        else:
+            (own if inside else kept).append(word)
+    return [*kept, "--ros-args", msgspec.json.encode(own).decode()] if own else kept
+
+
+def _install(folder: Path, distro: str) -> int:
+    from pioneer3.ros.ament.install import install_package
+
+    package = install_package(folder, distro)
+    write_line(f"wrote {package}; now: source {folder.resolve()}/setup.bash")
+    return 0

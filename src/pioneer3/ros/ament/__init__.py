@@ -1,0 +1,1 @@
+"""The ROS 2 package that `ros2 run` and `ros2 launch` find, without a build."""

@@ -1,0 +1,211 @@
+"""Writes a ROS 2 package that `ros2 run` and `ros2 launch` find, without colcon and a build."""
+
+import re
+import shlex
+import sys
+from collections.abc import Mapping
+from functools import partial
+from importlib.resources import files
+from math import ceil, hypot
+from pathlib import Path
+from textwrap import wrap
+from typing import Final
+
+from pioneer3 import __version__
+from pioneer3.models import RobotModel, load_model
+from pioneer3.ros.installation import NAME, TRANSDUCERS, launcher, urdf_files, write_files
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameter_table import Parameter, ParameterKind, parameters_in
+from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of
+
+PROGRAMS: Final = {
+    "node": "",
+    "robots": "robots",
+    "wander": "wander",
+    "follow": "follow",
+    "rob_key": "rob_key",
+    "rob_key_multi": "rob_key_multi",
+    "android_teleop": "android_teleop",
+    "bridge": "bridge",
+    "p3_sonar": "p3_sonar",
+}
+"""The programs that `ros2 run pioneer3` finds, and their commands of `pioneer3 ros2`."""
+LAUNCH_FILES: Final = ("robot", "robots", "rviz", "nav2", "slam", "twist_mux")
+DRIVEN: Final = ("p3at", "p3dx")
+"""Models that Nav2 has parameters for."""
+SETUPS: Final = ("setup.sh", "setup.bash", "setup.zsh")
+PLACEHOLDER: Final = re.compile(r"@([a-z_]+)@")
+SPEED: Final = 0.5
+"""Of Nav2 at most [m/s]: among people, with the deceleration of the models."""
+TURN_RATE: Final = 1.0
+"""Of Nav2 at most [rad/s]."""
+BACK_SPEED: Final = 0.2
+"""Of Nav2 backwards at most [m/s]: a laser does not see there."""
+CLEARANCE: Final = 0.3
+"""From the corners of the robot to where costs end [m]."""
+WIDTH: Final = 96
+"""Of comments."""
+
+
+def install_package(folder: Path, distro: str = DEFAULT, python: str = sys.executable) -> Path:
+    """Write a ROS 2 install space into `folder` and return its absolute path.
+
+    After `source folder/setup.bash` ROS 2 finds the package `pioneer3`, whose programs run with
+    `python`. The files of an earlier version are replaced.
+
+    Args:
+        folder: A prefix for AMENT_PREFIX_PATH.
+        distro: The configuration files are for it.
+        python: Interpreter that has `pioneer3`.
+
+    Raises:
+        ConfigError: it cannot be written there, or there is no such distribution.
+    """
+    prefix = folder.expanduser().absolute()
+    share, programs = prefix / "share" / NAME, prefix / "lib" / NAME
+    launchers = {
+        programs / name: launcher(python, "ros2", command) for name, command in PROGRAMS.items()
+    }
+    index = prefix / "share" / "ament_index" / "resource_index" / "packages" / NAME
+    shell = {"prefix": shlex.quote(str(prefix))}
+    contents = {
+        index: "",
+        **launchers,
+        **{prefix / name: rendered(name, shell) for name in SETUPS},
+        share / "package.xml": rendered("package.xml", {"version": __version__}),
+        **_launch_files(share / "launch"),
+        **_configuration(share / "config", distro_of(distro)),
+        share / "rviz" / f"{NAME}.rviz": _rviz(),
+        **urdf_files(share / "urdf"),
+    }
+    write_files(contents, launchers, prefix)
+    return prefix
+
+
+def rendered(name: str, values: Mapping[str, str]) -> str:
+    """Return the template `name` with a value in the place of each `@key@`.
+
+    Raises:
+        KeyError: a value is missing.
+    """
+    path = files("pioneer3.ros.ament").joinpath("templates", f"{name}.in")
+    return PLACEHOLDER.sub(lambda found: values[found[1]], path.read_text(encoding="utf-8"))
+
+
+def _launch_files(folder: Path) -> dict[Path, str]:
+    names = (f"{name}.launch.py" for name in LAUNCH_FILES)
+    return {folder / name: rendered(f"launch/{name}", {}) for name in names}
+
+
+def _configuration(folder: Path, distro: Distro) -> dict[Path, str]:
+    """Return the files of parameters, by path."""
+    values = {"distro": distro.name.title(), "stamped": _yaml(distro.stamped_commands)}
+    slam = rendered("config/slam_toolbox.yaml", {})
+    values["slam"] = slam.partition("/**:\n")[2].rstrip()
+    fill = partial(rendered, values=values)
+    nav2 = {
+        folder / f"nav2_{name}.yaml": rendered(
+            "config/nav2.yaml", {**values, **_nav2_values(load_model(name), distro)}
+        )
+        for name in DRIVEN
+    }
+    return {
+        **nav2,
+        folder / "slam_toolbox.yaml": slam,
+        folder / "twist_mux.yaml": fill("config/twist_mux.yaml"),
+        folder / "teleop_joy.yaml": fill("config/teleop_joy.yaml"),
+        folder / f"{NAME}.yaml": _parameters(distro),
+    }
+
+
+def _nav2_values(model: RobotModel, distro: Distro) -> dict[str, str]:
+    """Return the values of Nav2's parameters that depend on the robot and the distribution."""
+    speed = min(SPEED, model.max_speed)
+    corners = [
+        (model.length_front, model.width / 2),
+        (model.length_front, -model.width / 2),
+        (-model.length_rear, -model.width / 2),
+        (-model.length_rear, model.width / 2),
+    ]
+    numbers = {
+        "max_speed": model.max_speed,
+        "max_turn_rate": model.max_turn_rate,
+        "speed": speed,
+        "turn_rate": min(TURN_RATE, model.max_turn_rate),
+        "back_speed": min(BACK_SPEED, speed),
+        "acceleration": model.acceleration,
+        "deceleration": model.deceleration,
+        "turn_acceleration": model.turn_acceleration,
+        "turn_deceleration": model.turn_deceleration,
+        "stopping_time": ceil(10 * speed / model.deceleration) / 10,
+        "inflation": max(hypot(*corner) for corner in corners) + CLEARANCE,
+        "turn_noise": 0.4 if model.drive == "skid" else 0.2,
+    }
+    # https://docs.nav2.org/configuration/packages/configuring-navfn.html: "In Iron and older
+    # versions, "/" was used instead of "::""
+    humble = distro.name == "humble"
+    return {
+        **{name: _yaml(round(number, 3)) for name, number in numbers.items()},
+        "title": model.title,
+        "footprint": str([list(corner) for corner in corners]),
+        "sonars": ", ".join(f"/sonar/range_{number}" for number in range(len(model.sonars))),
+        "separator": "/" if humble else "::",
+        "behavior_frame": "odom" if humble else "map",
+    }
+
+
+def _parameters(distro: Distro) -> str:
+    """Return a file of the node's own parameters, with their meanings as comments."""
+    lines = [
+        f"# Parameters of the node pioneer3 in {distro.name.title()}. What the robot, its model or",
+        "# a search tells is commented out.",
+        "/**:",
+        "  ros__parameters:",
+    ]
+    for parameter in parameters_in(Profile.ROS2):
+        note = _in_ros2(parameter.note)
+        lines += (f"    # {line}" for line in wrap(note, WIDTH - 6, break_on_hyphens=False))
+        lines.append(f"    {_entry(parameter, distro)}")
+    return "\n".join((*lines, ""))
+
+
+def _entry(parameter: Parameter, distro: Distro) -> str:
+    if parameter.name == "enable_stamped_cmd_vel":
+        return f"{parameter.name}: {_yaml(distro.stamped_commands)}"
+    if parameter.default is None or parameter.default == ():
+        (otherwise, *_) = sorted(_in_ros2(parameter.otherwise).split("; "), key=_not_of_ros2)
+        return f"# {parameter.name}:{f'  # {otherwise}' if otherwise else ''}"
+    value = parameter.default
+    if parameter.kind is ParameterKind.DOUBLE:
+        value = float(str(value))
+    return f"{parameter.name}: {_yaml(value)}"
+
+
+def _not_of_ros2(clause: str) -> bool:
+    return "ROS 2" not in clause
+
+
+def _in_ros2(text: str) -> str:
+    """Return a sentence of the table without its clauses about RosAria's names."""
+    return "; ".join(part for part in text.split("; ") if "`compatibility`" not in part)
+
+
+def _yaml(value: object) -> str:
+    """Return a value as ROS 2 reads it: a float has a point, and so has each of an array."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case tuple():
+            return f"[{', '.join(map(_yaml, value))}]"
+        case float():
+            return f"{value:.9f}".rstrip("0") + ("0" if value == int(value) else "")
+        case str():
+            return f'"{value}"'
+    return str(value)
+
+
+def _rviz() -> str:
+    ranges = "".join(
+        rendered("rviz/range.rviz", {"number": str(number)}) for number in range(TRANSDUCERS)
+    )
+    return rendered(f"rviz/{NAME}.rviz", {"ranges": ranges.rstrip()})

@@ -1,0 +1,127 @@
+"""Further rows of a bridge, from a file or the command line.
+
+::
+
+    [[topic]]
+    ros1 = "/joy"
+    ros2 = "/robot1/joy"          # without it as in ROS 1
+    type = "sensor_msgs/Joy"
+    way = "to_ros2"               # or to_ros1, both
+    latched = false
+    reliable = true               # false: best effort, which suits every publisher in ROS 2
+"""
+
+import re
+from collections.abc import Callable
+from functools import partial
+from itertools import permutations
+from pathlib import Path
+from typing import Final, Literal
+
+import msgspec
+
+from pioneer3.errors import ConfigError
+from pioneer3.maps.text import decoded, read_bytes
+from pioneer3.ros.bridge.conversion import Converter
+from pioneer3.ros.bridge.rows import Row, Way
+from pioneer3.ros.ros2.names import checked_topic
+from pioneer3.tables import Source, converted, load
+
+LARGEST: Final = 1 << 20
+"""Larger files are not read [bytes]."""
+ARGUMENT: Final = re.compile(r"(/[^:]+):([^:/]+(?:/msg)?/[^:/]+)")
+
+
+class TopicTable(msgspec.Struct, frozen=True, kw_only=True):
+    """A row as it is written; see this module."""
+
+    ros1: str
+    type: str
+    way: Literal["to_ros1", "to_ros2", "both"]
+    ros2: str = ""
+    latched: bool = False
+    reliable: bool = True
+
+
+class FileTable(msgspec.Struct, frozen=True, kw_only=True):
+    """A file of rows."""
+
+    topic: tuple[TopicTable, ...] = ()
+
+
+def read_topics(path: Path, converter: Converter) -> tuple[Row, ...]:
+    """Return the rows of a file.
+
+    Raises:
+        ConfigError: it cannot be read, or is wrong; names file, line and key.
+    """
+    text = decoded(read_bytes(path, LARGEST, kind="topics"))
+    source = Source.of(path, text)
+    tables = converted(source, load(path, text), FileTable).topic
+    rows = []
+    for index, table in enumerate(tables):
+        ros2 = table.ros2 or table.ros1
+        checks: dict[str, Callable[[], object]] = {
+            "ros1": partial(checked_topic, table.ros1),
+            "ros2": partial(checked_topic, ros2),
+            "type": partial(checked_type, table.type, converter),
+        }
+        for key, check in checks.items():
+            try:
+                check()
+            except ConfigError as error:
+                raise source.wrong(f"topic[{index}].{key}", str(error)) from None
+        rows.append(
+            Row(
+                ros1=table.ros1,
+                ros2=ros2,
+                ros1_type=table.type,
+                ros2_type=table.type,
+                way=Way(table.way),
+                latched=table.latched,
+                reliable=table.reliable,
+            )
+        )
+    return tuple(rows)
+
+
+def parse_topic(text: str, way: Way, converter: Converter) -> Row:
+    """Return the row of an option such as `/joy:sensor_msgs/Joy`.
+
+    Raises:
+        ConfigError: it is none.
+    """
+    match = ARGUMENT.fullmatch(text)
+    if match is None:
+        raise ConfigError(f"a topic to bridge is such as /joy:sensor_msgs/Joy, not {text!r}")
+    name, type_name = checked_topic(match[1]), checked_type(match[2], converter)
+    return Row(ros1=name, ros2=name, ros1_type=type_name, ros2_type=type_name, way=way)
+
+
+def checked_type(name: str, converter: Converter) -> str:
+    """Return the short name of a type that both sides have.
+
+    Raises:
+        ConfigError: one has not, or they differ.
+    """
+    short = name.replace("/msg/", "/")
+    if short.count("/") != 1 or not all(short.split("/")):
+        raise ConfigError(f"a type is such as sensor_msgs/Joy, not {name!r}")
+    converter.to_ros2(short, short)
+    converter.to_ros1(short, short)
+    return short
+
+
+def refuse_circles(rows: tuple[Row, ...]) -> None:
+    """Make sure that no topic has two rows, and none is passed on to one that is passed on back.
+
+    Raises:
+        ConfigError: one is.
+    """
+    for row, other in permutations(rows, 2):
+        if (row.ros1, row.ros2) == (other.ros1, other.ros2):
+            raise ConfigError(f"two rows for the same topics: {row}, and {other}")
+        for source in row.way.sources:
+            target = source.other
+            if target in other.way.sources and row.name(target) == other.name(target):
+                raise ConfigError(f"messages would go in a circle: {row}, and {other}")

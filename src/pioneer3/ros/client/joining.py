@@ -1,0 +1,116 @@
+"""Joins a robot by its topics, on any middleware."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import Any, Final
+
+from pioneer3.errors import ConfigError, LinkError, NoRobotError
+from pioneer3.geometry import Twist2
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.client.graph import STAMPED, RobotTopics
+from pioneer3.ros.client.robot import TopicRobot, TopicSupervisor
+from pioneer3.ros.client.snapshots import SnapshotSubscriber
+from pioneer3.ros.node.middleware import Publisher, Topics
+from pioneer3.tasks import in_own_thread, running
+
+FIRST: Final = 5.0
+"""Longest wait for the first snapshot [s]."""
+MATCHED: Final = 0.15
+"""A subscriber that is there is found within this time [s], commonly."""
+LOOK: Final = 0.01
+"""Pause between two looks for it [s]."""
+
+log = logging.getLogger(__name__)
+
+
+@asynccontextmanager
+async def joined(
+    topics: RobotTopics,
+    info: RobotInfo,
+    middleware: Topics,
+    switch: Callable[[bool], None],
+    *,
+    latch: Callable[[bool], None] | None = None,
+    sonar: bool = True,
+    at_once: bool = False,
+) -> AsyncIterator[TopicRobot]:
+    """Listen to a robot and be ready to drive it while the block lasts; then it stands.
+
+    Args:
+        topics: Of the robot.
+        info: Of the robot.
+        middleware: Where the topics are.
+        switch: Asks for power on the motors, or none.
+        latch: Asks the robot's node for its emergency stop, or to release it.
+        sonar: Whether to listen to the sonar, which modes need and keys do not.
+        at_once: Whether to go on before it reports: a silent robot can be told to stop, and so can
+            several of one name.
+
+    Raises:
+        ConfigError: several nodes have its name.
+        NoRobotError: it is silent.
+    """
+    if topics.unclear and not at_once:
+        raise ConfigError(topics.unclear)
+    publisher = middleware.advertise(topics.commands, topics.command_type, queue=1)
+
+    def publish(wanted: Twist2) -> None:
+        message: Any = middleware.make(topics.command_type)
+        # a stamp of 0 is now, whether the robot's time is a simulator's or not
+        twist = message.twist if topics.command_type == STAMPED else message
+        twist.linear.x, twist.angular.z = wanted.v, wanted.w
+        publisher.publish(message)
+
+    supervisor = TopicSupervisor(
+        info,
+        publish,
+        switch,
+        latch,
+        unclear=topics.unclear,
+        tells_stops=latch is not None and topics.emergency_stop is not None,
+    )
+    robot = TopicRobot(supervisor)
+    subscriber = SnapshotSubscriber(topics, info.model, supervisor.take, middleware, sonar=sonar)
+    try:
+        async with running(supervisor.run(), _opened(subscriber, goes_on=at_once)):
+            if at_once:
+                await _subscribed(publisher)
+            else:
+                await _reports(robot, topics)
+            yield robot
+    finally:
+        await in_own_thread(subscriber.close)
+
+
+async def _opened(subscriber: SnapshotSubscriber, *, goes_on: bool) -> None:
+    """Subscribe; with `goes_on` a failure is logged, and stops are sent all the same."""
+    try:
+        await in_own_thread(subscriber.open)
+    except Exception:
+        if not goes_on:
+            raise
+        log.exception("the robot's topics cannot be subscribed to")
+
+
+async def _subscribed(publisher: Publisher) -> None:
+    """Wait until somebody takes the commands, or for :data:`MATCHED`."""
+    with suppress(TimeoutError):
+        async with asyncio.timeout(MATCHED):
+            while not publisher.subscribed:  # noqa: ASYNC110  no middleware tells
+                await asyncio.sleep(LOOK)
+
+
+async def _reports(robot: TopicRobot, topics: RobotTopics) -> None:
+    """Wait for the first snapshot.
+
+    Raises:
+        NoRobotError: there is none.
+    """
+    try:
+        await anext(robot.snapshots(FIRST, patience=FIRST))
+    except LinkError:
+        raise NoRobotError(
+            f"{topics.node} publishes nothing on {topics.pose}: has it lost its robot?"
+        ) from None

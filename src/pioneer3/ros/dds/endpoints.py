@@ -1,0 +1,170 @@
+"""Publishers and subscribers of a participant, as ROS 2 has them."""
+
+import logging
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf
+from time import monotonic
+from typing import Any, Final
+
+from pioneer3.ros.ros2.backend import Closable, Left, Received
+
+SAMPLES: Final = 64
+"""Taken at a time: then it is the turn of others."""
+MATCHED: Final = 1.0
+"""So long a subscriber that was there is believed to be there still [s]."""
+REMEMBERED: Final = 256
+"""Publishers that are gone and are remembered."""
+GONE: Final = b""
+"""Identity of a publisher that is gone, or that nothing is known of."""
+log = logging.getLogger(__name__)
+
+
+class DdsWriter:
+    """A publisher; a message that finds its history full is dropped, and counted.
+
+    Args:
+        writer: Of the library.
+        sample: Class of its samples.
+        release: Called when it is closed.
+    """
+
+    def __init__(self, writer: Any, sample: Any, release: Callable[[], None]) -> None:
+        from cyclonedds.core import DDSException
+
+        self._writer, self._sample, self._release = writer, sample, release
+        self._error: type[Exception] = DDSException
+        self._open = True
+        self._matched_until = -inf
+        self.dropped = 0
+
+    @property
+    def matched(self) -> bool:
+        """Whether anybody subscribes, or did within the last second: to ask costs time."""
+        if not self._open:
+            return False
+        if (now := monotonic()) >= self._matched_until:
+            if not self._writer.get_matched_subscriptions():
+                return False
+            self._matched_until = now + MATCHED
+        return True
+
+    def write(self, cdr: bytes) -> None:
+        """Send a serialized message."""
+        if not self._open:
+            return
+        try:
+            self._writer.write(self._sample(cdr))
+        except self._error:  # a timeout of 0: somebody is slow
+            self.dropped += 1
+
+    def close(self) -> None:
+        """Publish no more."""
+        if self._open:
+            self._open = False
+            self._release()
+
+
+class DdsReader:
+    """A subscriber.
+
+    Args:
+        reader: Of the library.
+        topic: Its name.
+        received: Given each message and its publisher.
+        left: Given each publisher that is gone; also if messages of it come later still.
+        release: Called when it is closed, with the subscriber.
+    """
+
+    def __init__(
+        self,
+        reader: Any,
+        topic: str,
+        received: Received,
+        left: Left,
+        release: "Callable[[DdsReader], None]",
+    ) -> None:
+        self._reader, self.topic = reader, topic
+        self._received, self._left, self._release = received, left, release
+        self._gids: dict[int, bytes] = {}
+        self._gone: deque[bytes] = deque(maxlen=REMEMBERED)
+        self._open = True
+
+    def take(self) -> None:
+        """Hand over some of the messages that have come; in the backend's thread.
+
+        Raises:
+            DDSException: the library has failed.
+        """
+        from cyclonedds.core import DDSException
+
+        try:
+            samples = self._reader.take(SAMPLES)
+        except DDSException:
+            if self._open:
+                raise
+            return
+        late = False
+        for sample in samples:
+            if sample.sample_info.valid_data and self._open:
+                gid = self._publisher(sample.sample_info.publication_handle)
+                late |= gid == GONE
+                self._call(self._received, sample.cdr, gid)
+        if late:  # an emergency stop counts nevertheless, a velocity does not
+            self.lose(GONE)
+
+    def lose(self, gid: bytes) -> None:
+        """Tell that a publisher is gone; in the backend's thread."""
+        if gid != GONE:
+            self._gone.append(gid)
+            self._gids = {handle: each for handle, each in self._gids.items() if each != gid}
+        if self._open:
+            self._call(self._left, gid)
+
+    def lose_all(self) -> None:
+        """Tell that all publishers of messages are gone; in the backend's thread."""
+        for gid in {*self._gids.values(), GONE}:
+            self.lose(gid)
+
+    @property
+    def matched(self) -> bool:
+        """Whether anybody publishes."""
+        return bool(self._reader.get_matched_publications())
+
+    def close(self) -> None:
+        """Receive no more."""
+        if self._open:
+            self._open = False
+            self._release(self)
+
+    def _call(self, callback: Callable[..., None], *given: bytes) -> None:
+        """Call somebody; an error of theirs must not end the thread, which hears for all."""
+        try:
+            callback(*given)
+        except Exception:
+            log.exception("a message on %s could not be taken", self.topic)
+
+    def _publisher(self, handle: int) -> bytes:
+        """Return the identity of a publisher; `GONE` if it is not there any more."""
+        if handle not in self._gids:
+            found = None
+            with suppress(Exception):  # its description cannot be read; the library has no class
+                found = self._reader.get_matched_publication_data(handle)
+            if found is None or found.key.bytes in self._gone:
+                return GONE
+            self._gids[handle] = found.key.bytes
+        return self._gids[handle]
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """Several endpoints that are closed together."""
+
+    parts: tuple[Closable, ...]
+
+    def close(self) -> None:
+        """Close them."""
+        for part in self.parts:
+            part.close()

@@ -1,0 +1,174 @@
+"""The objects of Cyclone DDS that belong to one participant; none of them outlives its use."""
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isinf
+from typing import Any, Final, NamedTuple
+
+from pioneer3.ros.dds.samples import SampleTypes
+from pioneer3.ros.ros2.backend import MessageType, Qos
+from pioneer3.ros.ros2.types import MessageTypes
+
+FOREVER: Final = 10 * 1_000_000_000
+"""Longest wait for anything [ns]."""
+Key = tuple[str, Any]
+"""Name of a topic, and the class of its samples."""
+
+
+@dataclass(slots=True)
+class SharedTopic:
+    """A topic, and the number of endpoints on it."""
+
+    topic: Any
+    users: int = 0
+
+
+class Part(NamedTuple):
+    """The objects that end with an endpoint: its topic, and the condition of a reader."""
+
+    key: Key
+    condition: Any = None
+
+
+class Entities:
+    """Makes and deletes endpoints, and waits for samples; of use in any thread.
+
+    The library itself keeps what it has made until the program ends.
+
+    Args:
+        domain: Number of the domain.
+        types: Of the distribution of the peers.
+    """
+
+    def __init__(self, domain: int, types: MessageTypes) -> None:
+        from cyclonedds.core import GuardCondition, WaitSet
+        from cyclonedds.domain import DomainParticipant
+        from cyclonedds.qos import Policy
+        from cyclonedds.qos import Qos as DdsQos
+
+        self._samples = SampleTypes(types)
+        self._participant = DomainParticipant(domain, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+        self._waitset, self._woken = WaitSet(self._participant), GuardCondition(self._participant)
+        self._waitset.attach(self._woken)
+        self._topics: dict[Key, SharedTopic] = {}
+        self._parts: dict[Any, Part] = {}
+        self._lock = threading.RLock()  # two threads would register a type twice
+
+    @property
+    def guid(self) -> bytes:
+        """Identity of the participant."""
+        found: bytes = self._participant.guid.bytes
+        return found
+
+    def writer(
+        self, topic: str, type_: MessageType, head: Mapping[str, str], qos: Qos
+    ) -> tuple[Any, Any]:
+        """Return a new writer, and the class of its samples."""
+        from cyclonedds.pub import DataWriter
+
+        with self._lock:
+            key = topic, self._samples.of(type_, head)
+            made = DataWriter(self._participant, self._topic(key), _dds_qos(qos, type_))
+            self._keep(made, Part(key))
+        return made, key[1]
+
+    def reader(self, topic: str, type_: MessageType, head: Mapping[str, str], qos: Qos) -> Any:
+        """Return a new reader, whose samples end a :meth:`wait`."""
+        from cyclonedds.sub import DataReader
+
+        with self._lock:
+            key = topic, self._samples.of(type_, head)
+            made = DataReader(self._participant, self._topic(key), _dds_qos(qos, type_))
+            self._keep(made, Part(key, self._attach(made)))
+        self.wake()  # for messages that came before it was attached
+        return made
+
+    def news(self) -> tuple[Any, Any, Any]:
+        """Return readers of the news of participants, of writers, and of readers."""
+        from cyclonedds import builtin
+
+        participants, writers, readers = (
+            builtin.BuiltinDataReader(self._participant, topic)
+            for topic in (
+                builtin.BuiltinTopicDcpsParticipant,
+                builtin.BuiltinTopicDcpsPublication,
+                builtin.BuiltinTopicDcpsSubscription,
+            )
+        )
+        for each in (participants, writers, readers):
+            self._attach(each)
+        return participants, writers, readers
+
+    def wait(self) -> None:
+        """Wait for samples, or for :meth:`wake`."""
+        self._waitset.wait(FOREVER)
+        self._woken.set(False)
+
+    def wake(self) -> None:
+        """End the wait."""
+        self._woken.set(True)
+
+    def delete(self, endpoint: Any) -> None:
+        """Delete an endpoint with all that it alone needs."""
+        with self._lock:
+            part = self._parts.pop(endpoint, None)
+            if part is None:
+                return
+            if part.condition is not None:
+                self._waitset.detach(part.condition)
+                _delete(part.condition)
+            _delete(endpoint)
+            shared = self._topics[part.key]
+            shared.users -= 1
+            if not shared.users:
+                _delete(self._topics.pop(part.key).topic)
+
+    def close(self) -> None:
+        """Delete everything; nobody may wait any more."""
+        with self._lock:
+            for each in list(self._parts):
+                self.delete(each)
+            _delete(self._participant)
+
+    def _topic(self, key: Key) -> Any:
+        from cyclonedds.topic import Topic
+
+        if key not in self._topics:
+            self._topics[key] = SharedTopic(Topic(self._participant, *key))
+        return self._topics[key].topic
+
+    def _keep(self, endpoint: Any, part: Part) -> None:
+        self._parts[endpoint] = part
+        self._topics[part.key].users += 1
+
+    def _attach(self, reader: Any) -> Any:
+        from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
+
+        condition = ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.NotRead)
+        self._waitset.attach(condition)
+        return condition
+
+
+def _delete(entity: Any) -> None:
+    if entity._entities.pop(entity._ref, None) is not None:
+        entity._delete(entity._ref)
+
+
+def _dds_qos(qos: Qos, type_: MessageType) -> Any:
+    from cyclonedds.qos import Policy
+    from cyclonedds.qos import Qos as DdsQos
+
+    policies = [
+        Policy.Reliability.Reliable(0) if qos.reliable else Policy.Reliability.BestEffort,
+        Policy.Durability.TransientLocal if qos.transient_local else Policy.Durability.Volatile,
+        Policy.History.KeepLast(qos.depth),
+        Policy.WriterDataLifecycle(autodispose=False),
+    ]
+    if qos.transient_local:
+        policies.append(Policy.DurabilityService(0, Policy.History.KeepLast(qos.depth), -1, -1, -1))
+    if not isinf(qos.lifespan):
+        policies.append(Policy.Lifespan(round(qos.lifespan * 1e9)))
+    if type_.hash:
+        policies.append(Policy.Userdata(f"typehash={type_.hash};".encode()))
+    return DdsQos(*policies)

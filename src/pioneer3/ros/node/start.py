@@ -1,0 +1,141 @@
+"""The part of a node's start that is the same on every middleware: its options and its robot."""
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from math import isinf
+
+from pioneer3.doctor.ports import list_ports
+from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
+from pioneer3.errors import NoRobotError
+from pioneer3.geometry import Pose2
+from pioneer3.robot.identity import kind
+from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
+from pioneer3.ros.node.driving_parameters import NAMES
+from pioneer3.ros.node.laser_parameters import (
+    BELOW,
+    overridden_laser_parameters,
+    unused_laser_parameters,
+)
+from pioneer3.ros.node.names import Profile
+from pioneer3.ros.node.parameters import (
+    LONG,
+    NodeParameters,
+    laser_part,
+    read_parameters,
+    unused_parameters,
+)
+from pioneer3.runtime.connect import connect_async
+from pioneer3.runtime.robot import Robot
+
+FindLasers = Callable[[str, Sequence[str]], Awaitable[Sequence[LaserSpec]]]
+"""Given the robot's port, and those of lasers if the command line has none, looks for lasers."""
+
+
+async def _of_parameters(robot: str, otherwise: Sequence[str]) -> Sequence[LaserSpec]:
+    return parse_lasers(otherwise)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """Options of the command line; they come before the ROS parameters of the same name.
+
+    Attributes:
+        port: URL of the robot.
+        baud: Serial speed to try first.
+        laser_ports: Of the robot's laser range finders.
+        lasers: Looks for them.
+        camera: URL of the MJPEG stream of the robot's camera.
+        line_map: To navigate on: a file, or the name of a map that ships.
+        start: Where the robot is on it: a pose, the name of a place, or `unknown`.
+        arguments: ROS's own, such as `_port:=/dev/ttyS0`, `__name:=front`, `odom:=odometry`.
+    """
+
+    port: str | None = None
+    baud: int | None = None
+    laser_ports: Sequence[str] = ()
+    lasers: FindLasers = _of_parameters
+    camera: str | None = None
+    line_map: str | None = None
+    start: Pose2 | str | None = None
+    arguments: Sequence[str] = ()
+
+
+def checked_parameters(
+    raw: Mapping[str, object],
+    laser_ports: Sequence[str],
+    warn: Callable[[str], None],
+    profile: Profile | None = None,
+) -> NodeParameters:
+    """Return the parameters of a node, and warn of those that are unused or unsafe.
+
+    Args:
+        raw: As somebody has written them.
+        laser_ports: Those of the command line.
+        warn: Given a sentence.
+        profile: Which names count; `None` where a parameter says so.
+
+    Raises:
+        ConfigError: a value is of the wrong kind or out of range.
+    """
+    parameters = read_parameters(raw, profile)
+    of_laser = laser_part(raw)
+    for sentence in (
+        *unused_parameters(raw, parameters.profile, NAMES),
+        *unused_laser_parameters(of_laser, BELOW),
+        *overridden_laser_parameters(of_laser, laser_ports, BELOW),
+    ):
+        warn(sentence)
+    if parameters.timeout > LONG:
+        length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
+        warn(
+            f"~cmd_vel_timeout is {length}, which is UNSAFE: the robot goes on as the last message"
+            " said, also when its publisher has gone"
+        )
+    return parameters
+
+
+@asynccontextmanager
+async def connected_robot(
+    options: Options, parameters: NodeParameters, tell: Callable[[str], None]
+) -> AsyncIterator[Robot]:
+    """Find the robot and drive it during the block; `tell` is given lines for a person.
+
+    Raises:
+        PioneerError: it cannot be reached; the message says what to do.
+    """
+    port = options.port or parameters.port or await simulator_or_robot(tell)
+    lasers = await options.lasers(port, parameters.laser.ports)
+    async with connect_async(
+        port,
+        baud=options.baud or parameters.baud,
+        max_speed=parameters.max_speed,
+        max_turn_rate=parameters.max_turn_rate,
+        auto_enable=parameters.auto_enable,
+        lasers=parameters.laser.applied_to(lasers),
+        camera=options.camera or parameters.camera,
+        line_map=options.line_map or parameters.line_map,
+        start=options.start or parameters.start,
+    ) as robot:
+        tell(f"{kind(robot.info)}: {robot.info.model.title} on {robot.info.url}")
+        yield robot
+
+
+async def simulator_or_robot(tell: Callable[[str], None]) -> str:
+    """Return the URL of the usual simulator, or of the robot at a serial port.
+
+    Raises:
+        NoRobotError: there is neither.
+    """
+    simulated = await probe(SIMULATOR_URL)
+    found = choose([simulated])
+    if found is None:
+        tell(f"no simulator at {SIMULATOR_URL} ({simulated.detail}); asks the serial ports")
+        found = choose(await probe_all(list_ports()))
+    if found is None:
+        raise NoRobotError(
+            f"neither a simulator at {SIMULATOR_URL} nor a robot at a serial port: start `pioneer3"
+            " sim`, or say where the robot is with --port or the parameter port; `pioneer3"
+            " find-port` tells more"
+        )
+    return found.url

@@ -1,0 +1,1 @@
+"""ROS 2 by the installation of ROS on this computer: any middleware, by rclpy."""

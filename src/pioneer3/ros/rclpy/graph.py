@@ -1,0 +1,83 @@
+"""The graph of nodes, by the graph functions of a node of rclpy."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from pioneer3.ros.ros2.backend import DEPTH, Endpoint, Graph, Kind, NodeName, Qos
+from pioneer3.ros.ros2.names import printable
+
+UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
+"""Name of the node of an endpoint whose participant has told no node."""
+HASH: Final = "RIHS"
+
+
+def identities(found: Iterable[Any]) -> frozenset[bytes]:
+    """Return the identities of endpoints that `get_publishers_info_by_topic` has found."""
+    return frozenset(bytes(each.endpoint_gid) for each in found)
+
+
+def graph_of(node: Any) -> Graph:
+    """Return the nodes and endpoints that a node of rclpy knows."""
+    known = [NodeName(name, space) for name, space in node.get_node_names_and_namespaces()]
+    endpoints = [*_of_topics(node), *_of_services(node, dict.fromkeys(known))]
+    return Graph(
+        tuple(sorted(printable(each.full) for each in known)),
+        tuple(_printable(each) for each in endpoints),
+    )
+
+
+def _printable(endpoint: Endpoint) -> Endpoint:
+    return replace(
+        endpoint,
+        node=printable(endpoint.node),
+        name=printable(endpoint.name),
+        type_name=printable(endpoint.type_name),
+        type_hash=printable(endpoint.type_hash),
+    )
+
+
+def _of_topics(node: Any) -> Iterator[Endpoint]:
+    for name, _ in node.get_topic_names_and_types():
+        for each in node.get_publishers_info_by_topic(name):
+            yield _endpoint(Kind.PUBLISHER, name, each)
+        for each in node.get_subscriptions_info_by_topic(name):
+            yield _endpoint(Kind.SUBSCRIBER, name, each)
+
+
+def _of_services(node: Any, known: Iterable[NodeName]) -> Iterator[Endpoint]:
+    from rclpy.node import NodeNameNonExistentError
+
+    for each in known:
+        for kind, names_and_types in (
+            (Kind.SERVER, node.get_service_names_and_types_by_node),
+            (Kind.CLIENT, node.get_client_names_and_types_by_node),
+        ):
+            try:
+                found = names_and_types(each.name, each.namespace)
+            except NodeNameNonExistentError:  # it has just left
+                continue
+            for name, type_names in found:
+                for type_name in type_names:
+                    yield Endpoint(kind=kind, node=each.full, name=name, type_name=type_name)
+
+
+def _endpoint(kind: Kind, name: str, found: Any) -> Endpoint:
+    from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+    profile = found.qos_profile
+    hash_ = str(getattr(found, "topic_type_hash", ""))  # Humble has none
+    is_known = found.node_name != UNKNOWN
+    return Endpoint(
+        kind=kind,
+        node=NodeName(found.node_name, found.node_namespace).full if is_known else "",
+        name=name,
+        type_name=found.topic_type,
+        type_hash=hash_ if hash_.startswith(HASH) else "",
+        qos=Qos(
+            reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
+            transient_local=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+            depth=profile.depth or DEPTH,  # not every middleware tells it
+        ),
+        gid=bytes(found.endpoint_gid),
+    )

@@ -1,0 +1,218 @@
+"""The seam between ROS 2 and the wire: serialized messages, services, and the graph of nodes.
+
+A backend is one node on one network. All of its calls may take their time, so they are made in
+threads, but for :meth:`Writer.write`. Callbacks come in threads of the backend.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import inf
+from typing import Final, Protocol
+
+DEPTH: Final = 10
+"""Messages that wait for a slow subscriber."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Qos:
+    """Quality of service of a publisher or a subscriber.
+
+    Attributes:
+        reliable: Whether lost messages are sent again; else best effort.
+        transient_local: Whether late subscribers get the last messages; else volatile.
+        depth: Length of the history; the newest stay.
+        lifespan: Age from which on a message reaches nobody any more [s]; `inf` for none.
+        deadline: Longest time between two messages [s]; `inf` promises and asks for nothing.
+        lease: Longest time between two signs of life of the publisher [s]; `inf` as above.
+        manual: Whether the publisher itself gives the signs of life, not its middleware.
+    """
+
+    reliable: bool = True
+    transient_local: bool = False
+    depth: int = DEPTH
+    lifespan: float = inf
+    deadline: float = inf
+    lease: float = inf
+    manual: bool = False
+
+
+LATCHED: Final = Qos(transient_local=True, depth=1)
+
+
+@dataclass(frozen=True, slots=True)
+class MessageType:
+    """A type of messages.
+
+    Attributes:
+        name: Such as `nav_msgs/msg/Odometry`.
+        hash: Such as `RIHS01_3cc9...`; empty before Iron, which has none.
+    """
+
+    name: str
+    hash: str = ""
+
+    @property
+    def dds_name(self) -> str:
+        """Its name on the wire: `nav_msgs::msg::dds_::Odometry_`."""
+        package, kind, name = self.name.split("/")
+        return f"{package}::{kind}::dds_::{name}_"
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceType:
+    """A type of services.
+
+    Attributes:
+        name: Such as `std_srvs/srv/SetBool`.
+        hash: Of the service as a whole; empty before Iron.
+        request: Such as `std_srvs/srv/SetBool_Request`.
+        response: Such as `std_srvs/srv/SetBool_Response`.
+    """
+
+    name: str
+    hash: str
+    request: MessageType
+    response: MessageType
+
+    @property
+    def dds_name(self) -> str:
+        """Its name in Zenoh's keys: `std_srvs::srv::dds_::SetBool_`."""
+        return MessageType(self.name).dds_name
+
+
+class Kind(StrEnum):
+    """The kinds of endpoints of a node."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIBER = "subscriber"
+    SERVER = "server"
+    CLIENT = "client"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endpoint:
+    """An endpoint that was found on the network.
+
+    Attributes:
+        kind: Publisher, subscriber, server or client.
+        node: Full name of its node, such as `/robot1/pioneer3`; empty if it is not known.
+        name: Full name of its topic or service, such as `/robot1/odom`.
+        type_name: Such as `nav_msgs/msg/Odometry`.
+        type_hash: Empty if it is not known.
+        qos: Its quality of service.
+        gid: Its identity; that of a publisher comes with each message, too.
+    """
+
+    kind: Kind
+    node: str
+    name: str
+    type_name: str
+    type_hash: str = ""
+    qos: Qos = field(default_factory=Qos)
+    gid: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """All nodes and endpoints that are known, our own among them.
+
+    Attributes:
+        nodes: Full names, sorted; two nodes of one name are there twice.
+        endpoints: Of all nodes.
+    """
+
+    nodes: tuple[str, ...] = ()
+    endpoints: tuple[Endpoint, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class NodeName:
+    """Name of a node: `name` in `namespace`, which is `/` or such as `/robot1`."""
+
+    name: str
+    namespace: str = "/"
+
+    @property
+    def full(self) -> str:
+        """Such as `/robot1/pioneer3`."""
+        return f"{self.namespace.rstrip('/')}/{self.name}"
+
+
+class Writer(Protocol):
+    """A publisher."""
+
+    @property
+    def matched(self) -> bool:
+        """Whether anybody subscribes; cheap, for it is asked before each message."""
+
+    def write(self, cdr: bytes) -> None:
+        """Send a serialized message with its header of 4 bytes; never waits for a subscriber."""
+
+    def close(self) -> None:
+        """Publish no more."""
+
+
+class Closable(Protocol):
+    """A subscriber, or a service that is offered."""
+
+    def close(self) -> None:
+        """Receive no more."""
+
+
+Received = Callable[[bytes, bytes], None]
+"""Given a serialized message, and the identity of its publisher."""
+Left = Callable[[bytes], None]
+"""Given the identity of a publisher that is no longer there."""
+
+Respond = Callable[[bytes], bytes]
+"""Given a serialized request, returns the serialized response."""
+
+Failed = Callable[[str], None]
+"""Given a sentence for a person on a network that is lost for good."""
+
+
+class Backend(Protocol):
+    """A node on a network.
+
+    Attributes:
+        title: For people, such as `DDS (Cyclone DDS 11.0.1), domain 0`.
+        serves: Whether it can offer services that the peers can call.
+        strict: Whether publishers and subscribers with incompatible QoS do not match.
+        lacks: Sentence about the parts of ROS 2 that it does not have; empty for none.
+    """
+
+    title: str
+    serves: bool
+    strict: bool
+    lacks: str
+
+    def advertise(self, name: str, type_: MessageType, qos: Qos) -> Writer:
+        """Publish on the topic with this full name, such as `/robot1/odom`."""
+
+    def subscribe(
+        self, name: str, type_: MessageType, qos: Qos, received: Received, left: Left
+    ) -> Closable:
+        """Subscribe to the topic with this full name."""
+
+    def serve(self, name: str, type_: ServiceType, respond: Respond) -> Closable:
+        """Offer a service; `respond` is given a serialized request and returns the response.
+
+        Requests come in threads that may wait; one that waits does not hold up messages.
+        """
+
+    def call(self, name: str, type_: ServiceType, request: bytes, timeout: float) -> bytes:
+        """Call a service; return the serialized response.
+
+        Raises:
+            TimeoutError: nobody has responded within `timeout` [s].
+        """
+
+    def graph(self) -> Graph:
+        """Return the nodes and endpoints that are known now."""
+
+    def on_failure(self, call: Failed) -> None:
+        """Call `call`, in any thread, if nothing is received any more; publishers leave before."""
+
+    def close(self) -> None:
+        """Leave the network; nothing is received afterwards."""

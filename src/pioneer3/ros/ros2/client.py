@@ -1,0 +1,165 @@
+"""Programs on ROS 2 that find robots and drive them by their topics, from any computer."""
+
+import asyncio
+from collections import Counter, defaultdict
+from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from typing import Any, Final
+
+from pioneer3.models import load_model
+from pioneer3.robot.limits import limits_for
+from pioneer3.robot.supervisor import RobotInfo
+from pioneer3.ros.client.graph import NodeTopics, RobotTopics, chosen, robots_among
+from pioneer3.ros.client.joining import joined
+from pioneer3.ros.client.robot import TopicRobot
+from pioneer3.ros.node.middleware import Topics
+from pioneer3.ros.ros2.backend import Backend, Graph, Kind
+from pioneer3.ros.ros2.middleware import ClientTopics
+from pioneer3.ros.ros2.requests import NodeRequests
+from pioneer3.ros.ros2.start import NodeOptions, on_ros2
+from pioneer3.ros.ros2.types import MessageTypes
+from pioneer3.state import Identity
+from pioneer3.tasks import in_own_thread
+
+DISCOVERY: Final = 2.0
+"""Nodes find each other within this time [s], commonly."""
+LOOK: Final = 0.1
+"""Pause between two looks at the graph [s]."""
+LARGEST: Final = "p3at-sh"
+"""The model of a robot unless somebody names one: the largest."""
+
+
+def robots_of(graph: Graph) -> list[RobotTopics]:
+    """Return the robots in a graph: nodes that publish odometry and take velocity commands."""
+    nodes: dict[str, NodeTopics] = defaultdict(NodeTopics)
+    for each in graph.endpoints:
+        kind = each.type_name.replace("/msg/", "/")
+        if each.node and each.kind is Kind.PUBLISHER:
+            nodes[each.node].published[each.name] = kind
+        elif each.node and each.kind is Kind.SUBSCRIBER:
+            nodes[each.node].heard[each.name] = kind
+    for name, number in Counter(graph.nodes).items():
+        nodes[name].nodes = number
+    return robots_among(nodes)
+
+
+async def find_robots(options: NodeOptions) -> list[RobotTopics]:
+    """Return the robots on the network, once nodes had time to find each other.
+
+    Raises:
+        ConfigError: a library is missing, or an option is wrong.
+    """
+    async with on_ros2(options, lambda line: None) as (backend, _, _, _):
+        await asyncio.sleep(DISCOVERY)
+        return robots_of(backend.graph())
+
+
+async def run_program(
+    options: NodeOptions,
+    names: Sequence[str],
+    model: str | None,
+    work: Callable[[list[TopicRobot], Topics], Coroutine[Any, Any, None]],
+    *,
+    several: bool = False,
+) -> int:
+    """Be a node and do `work` with robots; then they stand.
+
+    Args:
+        options: Of the node.
+        names: Of the robots; without any the only one, or with `several` all there are.
+        model: Their model; `None` for the largest.
+        work: Drives them, given the topics of the node, too.
+        several: Whether there may be several robots.
+
+    Raises:
+        ConfigError: an option is wrong, there are several robots, or no such model.
+        NoRobotError: there is no such robot, or it is silent.
+    """
+    async with on_ros2(options, lambda line: None) as (backend, node, types, arguments):
+        found = await _found(backend, names, several=several)
+        middleware = ClientTopics(backend, node, types, arguments)
+        async with AsyncExitStack() as stack:
+            driven = [
+                await stack.enter_async_context(
+                    driven_robot(topics, model, backend, types, middleware)
+                )
+                for topics in found
+            ]
+            await work(driven, middleware)
+    return 0
+
+
+@asynccontextmanager
+async def driven_robot(
+    topics: RobotTopics,
+    model: str | None,
+    backend: Backend,
+    types: MessageTypes,
+    middleware: ClientTopics,
+    *,
+    sonar: bool = True,
+    at_once: bool = False,
+) -> AsyncIterator[TopicRobot]:
+    """Be ready to drive a robot while the block lasts; then it stands.
+
+    Args:
+        topics: Of the robot.
+        model: Of the robot; `None` for the largest.
+        backend: Of this program.
+        types: Of its distribution.
+        middleware: Of this program.
+        sonar: Whether to listen to the sonar, which modes need and keys do not.
+        at_once: Whether to go on before it reports, to stop it.
+
+    Raises:
+        ConfigError: there is no such model, or several nodes have its name.
+        NoRobotError: it is silent.
+    """
+    requests = NodeRequests(backend, types, middleware, topics.node)
+    try:
+        requests.open()
+        async with joined(
+            topics,
+            info_of(topics, model),
+            middleware,
+            requests.switch_motors,
+            latch=requests.latch,
+            sonar=sonar,
+            at_once=at_once,
+        ) as driven:
+            yield driven
+    finally:
+        await in_own_thread(requests.close)
+
+
+async def _found(backend: Backend, names: Sequence[str], *, several: bool) -> list[RobotTopics]:
+    """Return the robots, as soon as those of these names are there, or nodes had time to appear."""
+    loop = asyncio.get_running_loop()
+    until = loop.time() + DISCOVERY
+    while loop.time() < until:
+        await asyncio.sleep(LOOK)
+        known = robots_of(backend.graph())
+        if names and all(any(name in each.names for each in known) for name in names):
+            await asyncio.sleep(LOOK)  # for the rest of their topics
+            break
+    known = robots_of(backend.graph())
+    if names:
+        return [chosen(known, name) for name in names]
+    return known if several and known else [chosen(known, None)]
+
+
+def info_of(topics: RobotTopics, model: str | None) -> RobotInfo:
+    """Return the identity of a robot; its model is the largest one if `None`.
+
+    Raises:
+        ConfigError: there is no such model.
+    """
+    found = load_model(model or LARGEST)
+    return RobotInfo(
+        identity=Identity(name=topics.name, family="Pioneer", model=found.name),
+        model=found,
+        limits=limits_for(found, None),
+        config=None,
+        url=topics.node,
+        speed=None,
+    )

@@ -1,0 +1,253 @@
+"""The life cycle of a managed node: its states, transitions and services; no network.
+
+States and transitions are those of the design page "Managed nodes"
+(https://design.ros2.org/articles/node_lifecycle.html), their numbers those of `lifecycle_msgs`,
+their labels those of rcl_lifecycle since Humble.
+"""
+
+import logging
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+from types import MappingProxyType
+from typing import Any, Final
+
+from pioneer3.ros.ros2.parameter_services import Service
+from pioneer3.ros.ros2.types import MessageTypes
+
+log = logging.getLogger(__name__)
+
+
+class State(IntEnum):
+    """The states; those from 10 on last as long as a callback does."""
+
+    UNKNOWN = 0
+    UNCONFIGURED = 1
+    INACTIVE = 2
+    ACTIVE = 3
+    FINALIZED = 4
+    CONFIGURING = 10
+    CLEANINGUP = 11
+    SHUTTINGDOWN = 12
+    ACTIVATING = 13
+    DEACTIVATING = 14
+    ERRORPROCESSING = 15
+
+    @property
+    def label(self) -> str:
+        """Such as `unconfigured`."""
+        return self.name.lower()
+
+
+class Outcome(Enum):
+    """The outcomes of a callback; the values are labels of transitions."""
+
+    SUCCESS = "transition_success"
+    FAILURE = "transition_failure"
+    ERROR = "transition_error"
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """A transition: its number, its label, and the states before and after it."""
+
+    id: int
+    label: str
+    start: State
+    goal: State
+
+
+def _attempt(
+    number: int, label: str, start: State, during: State, goal: State
+) -> tuple[Transition, ...]:
+    """Return the transition to the state `during`, and those out of it, by the outcome."""
+    outcome = 10 * number
+    return (
+        Transition(number, label, start, during),
+        Transition(outcome, Outcome.SUCCESS.value, during, goal),
+        Transition(outcome + 1, Outcome.FAILURE.value, during, start),
+        Transition(outcome + 2, Outcome.ERROR.value, during, State.ERRORPROCESSING),
+    )
+
+
+UNCONFIGURED, INACTIVE, ACTIVE = State.UNCONFIGURED, State.INACTIVE, State.ACTIVE
+SHUTTINGDOWN, ERRORPROCESSING = State.SHUTTINGDOWN, State.ERRORPROCESSING
+TRANSITIONS: Final = (
+    *_attempt(1, "configure", UNCONFIGURED, State.CONFIGURING, INACTIVE),
+    *_attempt(2, "cleanup", INACTIVE, State.CLEANINGUP, UNCONFIGURED),
+    *_attempt(3, "activate", INACTIVE, State.ACTIVATING, ACTIVE),
+    *_attempt(4, "deactivate", ACTIVE, State.DEACTIVATING, INACTIVE),
+    Transition(5, "shutdown", UNCONFIGURED, SHUTTINGDOWN),
+    Transition(6, "shutdown", INACTIVE, SHUTTINGDOWN),
+    Transition(7, "shutdown", ACTIVE, SHUTTINGDOWN),
+    Transition(50, Outcome.SUCCESS.value, SHUTTINGDOWN, State.FINALIZED),
+    Transition(51, Outcome.FAILURE.value, SHUTTINGDOWN, State.FINALIZED),
+    Transition(52, Outcome.ERROR.value, SHUTTINGDOWN, ERRORPROCESSING),
+    Transition(60, Outcome.SUCCESS.value, ERRORPROCESSING, UNCONFIGURED),
+    Transition(61, Outcome.FAILURE.value, ERRORPROCESSING, State.FINALIZED),
+    Transition(62, Outcome.ERROR.value, ERRORPROCESSING, State.FINALIZED),
+)
+
+
+def _nothing() -> bool:
+    return True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Callbacks:
+    """The work of the transitions: each returns whether it succeeded; an exception is an error.
+
+    Attributes:
+        configure: Prepare all that the node needs.
+        activate: Begin to work.
+        deactivate: Cease to work, still prepared.
+        cleanup: Undo the work of `configure`.
+        shutdown: End, from any of the primary states.
+        error: After an exception: clean up, so that the node is as new; else it is finalized.
+    """
+
+    configure: Callable[[], bool] = _nothing
+    activate: Callable[[], bool] = _nothing
+    deactivate: Callable[[], bool] = _nothing
+    cleanup: Callable[[], bool] = _nothing
+    shutdown: Callable[[], bool] = _nothing
+    error: Callable[[], bool] = _nothing
+
+    def in_state(self, state: State) -> Callable[[], bool]:
+        """Return the callback that works during a state."""
+        return {
+            State.CONFIGURING: self.configure,
+            State.ACTIVATING: self.activate,
+            State.DEACTIVATING: self.deactivate,
+            State.CLEANINGUP: self.cleanup,
+            SHUTTINGDOWN: self.shutdown,
+            ERRORPROCESSING: self.error,
+        }[state]
+
+
+class Lifecycle:
+    """The state of a managed node, and its services; any thread may use them.
+
+    Args:
+        types: Of the node's distribution.
+        callbacks: The work; called one at a time, by the thread that asks for the transition. They
+            must not ask for another one.
+        changed: Given `lifecycle_msgs/msg/TransitionEvent` after each change of the state; without
+            time stamp, which the caller fills in.
+
+    Attributes:
+        state: It has now.
+        services: Type and function of each service, by names such as `~/get_state`.
+    """
+
+    def __init__(
+        self, types: MessageTypes, callbacks: Callbacks, changed: Callable[[Any], None]
+    ) -> None:
+        self.state = UNCONFIGURED
+        self._types, self._callbacks, self._changed = types, callbacks, changed
+        self._lock = threading.Lock()
+        self.services: Mapping[str, Service] = MappingProxyType(
+            {
+                "~/change_state": ("lifecycle_msgs/srv/ChangeState", self._change_state),
+                "~/get_state": ("lifecycle_msgs/srv/GetState", self._get_state),
+                "~/get_available_states": (
+                    "lifecycle_msgs/srv/GetAvailableStates",
+                    self._get_available_states,
+                ),
+                "~/get_available_transitions": (
+                    "lifecycle_msgs/srv/GetAvailableTransitions",
+                    self._get_available_transitions,
+                ),
+                "~/get_transition_graph": (
+                    "lifecycle_msgs/srv/GetAvailableTransitions",
+                    self._get_transition_graph,
+                ),
+            }
+        )
+
+    def trigger(self, wanted: str | int) -> bool:
+        """Make a transition, by label or number; return whether it succeeded.
+
+        It waits for one that is on the way. One that does not begin in the present state, or that
+        callbacks alone can bring about, does not succeed and changes nothing.
+        """
+        with self._lock:
+            asked = self._step(wanted)
+            if asked is None or asked.label in {each.value for each in Outcome}:
+                return False
+            self._go(asked)
+            outcome = self._work()
+            if outcome is Outcome.ERROR:
+                self._work()
+            return outcome is Outcome.SUCCESS
+
+    def available(self) -> tuple[Transition, ...]:
+        """Return the transitions that begin in the present state."""
+        return tuple(each for each in TRANSITIONS if each.start is self.state)
+
+    def _step(self, wanted: str | int) -> Transition | None:
+        """Return the transition from the present state; by label, or by number."""
+        return next((each for each in self.available() if wanted in {each.id, each.label}), None)
+
+    def _work(self) -> Outcome:
+        """Call the callback of the present state, and leave the state; return the outcome."""
+        try:
+            succeeded = self._callbacks.in_state(self.state)()
+        except Exception:  # it must not leave the node between two states
+            log.exception("the node fails while it is %s", self.state.label)
+            outcome = Outcome.ERROR
+        else:
+            outcome = Outcome.SUCCESS if succeeded else Outcome.FAILURE
+        step = self._step(outcome.value)
+        assert step is not None
+        self._go(step)
+        return outcome
+
+    def _go(self, transition: Transition) -> None:
+        self.state = transition.goal
+        event = self._types.make("lifecycle_msgs/TransitionEvent")
+        self._fill(event, transition)
+        self._changed(event)
+
+    def _change_state(self, request: Any) -> Any:
+        """Change the state: the label counts, or the number where there is none."""
+        response = self._types.make("lifecycle_msgs/srv/ChangeState_Response")
+        response.success = self.trigger(request.transition.label or int(request.transition.id))
+        return response
+
+    def _get_state(self, _: Any) -> Any:
+        response = self._types.make("lifecycle_msgs/srv/GetState_Response")
+        _fill_state(response.current_state, self.state)
+        return response
+
+    def _get_available_states(self, _: Any) -> Any:
+        response = self._types.make("lifecycle_msgs/srv/GetAvailableStates_Response")
+        for state in State:
+            message = self._types.make("lifecycle_msgs/State")
+            _fill_state(message, state)
+            response.available_states.append(message)
+        return response
+
+    def _get_available_transitions(self, _: Any) -> Any:
+        return self._described(self.available())
+
+    def _get_transition_graph(self, _: Any) -> Any:
+        return self._described(TRANSITIONS)
+
+    def _described(self, transitions: Iterable[Transition]) -> Any:
+        response = self._types.make("lifecycle_msgs/srv/GetAvailableTransitions_Response")
+        for each in transitions:
+            message = self._types.make("lifecycle_msgs/TransitionDescription")
+            self._fill(message, each)
+            response.available_transitions.append(message)
+        return response
+
+    def _fill(self, message: Any, transition: Transition) -> None:
+        message.transition.id, message.transition.label = transition.id, transition.label
+        _fill_state(message.start_state, transition.start)
+        _fill_state(message.goal_state, transition.goal)
+
+
+def _fill_state(message: Any, state: State) -> None:
+    message.id, message.label = int(state), state.label

@@ -1,0 +1,177 @@
+"""The choice of a backend, and its options, from the command line and ROS 2's own variables."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.ros2.backend import Backend, NodeName
+from pioneer3.ros.ros2.distros import DEFAULT, Distro, distro_of, distros
+from pioneer3.ros.ros2.types import MessageTypes
+
+if TYPE_CHECKING:
+    from pioneer3.ros.zenoh.settings import ZenohOptions
+
+HIGHEST_DOMAIN: Final = 232
+
+
+class BackendName(StrEnum):
+    """The backends; `auto` takes the one that has most of ROS 2 on this computer."""
+
+    AUTO = "auto"
+    RCLPY = "rclpy"
+    DDS = "dds"
+    ZENOH = "zenoh"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Network:
+    """Where a node is: its backend, and the options of each.
+
+    Attributes:
+        backend: Or `auto`.
+        distro: Distribution of the peers; `None` for that of `ROS_DISTRO`, else Jazzy.
+        domain: Number of the domain; `None` for that of `ROS_DOMAIN_ID`, else 0.
+        interfaces: Names or addresses of network interfaces for DDS; without any, and without
+            peers, nothing leaves this computer.
+        dds_peers: Addresses of other computers for DDS, where multicast does not get through.
+        dds_services: Whether the peers run rmw_cyclonedds_cpp, so that services work over DDS.
+        connect: Endpoints of Zenoh routers, such as `tls/fleet.example.org:7447`.
+        listen: Endpoints where Zenoh listens.
+        zenoh_config: File with further settings of Zenoh (JSON 5).
+        ca: File with the certificates that Zenoh trusts for TLS.
+        certificate: File with this program's certificate.
+        key: File with its private key.
+        credentials: File with a line `user:password` for Zenoh, for its owner only.
+    """
+
+    backend: BackendName = BackendName.AUTO
+    distro: str | None = None
+    domain: int | None = None
+    interfaces: tuple[str, ...] = ()
+    dds_peers: tuple[str, ...] = ()
+    dds_services: bool = False
+    connect: tuple[str, ...] = ()
+    listen: tuple[str, ...] = ()
+    zenoh_config: Path | None = None
+    ca: Path | None = None
+    certificate: Path | None = None
+    key: Path | None = None
+    credentials: Path | None = None
+
+    def distro_here(self, environment: Mapping[str, str] = os.environ) -> Distro:
+        """Return the distribution.
+
+        Raises:
+            ConfigError: there is none of that name.
+        """
+        if self.distro is not None:
+            return distro_of(self.distro)
+        installed = environment.get("ROS_DISTRO", "")
+        return distros().get(installed) or distro_of(DEFAULT)
+
+    def domain_here(self, environment: Mapping[str, str] = os.environ) -> int:
+        """Return the number of the domain.
+
+        Raises:
+            ConfigError: `ROS_DOMAIN_ID` is no number, or the number is out of range.
+        """
+        text = environment.get("ROS_DOMAIN_ID", "") or "0"
+        try:
+            number = int(text) if self.domain is None else self.domain
+        except ValueError:
+            raise ConfigError(f"ROS_DOMAIN_ID must be a number, not {text!r}") from None
+        if not 0 <= number <= HIGHEST_DOMAIN:
+            raise ConfigError(f"domains have numbers from 0 to {HIGHEST_DOMAIN}, not {number}")
+        return number
+
+    def zenoh_options(self, domain: int) -> "ZenohOptions":
+        """Return the options of Zenoh."""
+        from pioneer3.ros.zenoh.settings import ZenohOptions
+
+        default = ZenohOptions()
+        return ZenohOptions(
+            domain=domain,
+            connect=self.connect or default.connect,
+            listen=self.listen or default.listen,
+            config=self.zenoh_config,
+            ca=self.ca,
+            certificate=self.certificate,
+            key=self.key,
+            credentials=self.credentials,
+        )
+
+    def router_options(self) -> "ZenohOptions":
+        """Return the options of a Zenoh router."""
+        from pioneer3.ros.zenoh.router import DEFAULT as ROUTER
+
+        return replace(
+            self.zenoh_options(ROUTER.domain),
+            mode=ROUTER.mode,
+            connect=self.connect,
+            listen=self.listen or ROUTER.listen,
+        )
+
+    def obstacle(self) -> str:
+        """Return the reason why the ROS 2 installed here does not serve; empty for none."""
+        if self.backend is not BackendName.AUTO or find_spec("rclpy") is None:
+            return ""
+        from pioneer3.ros.rclpy.backend import obstacle
+
+        return obstacle(self.distro_here().name)
+
+    def chosen(self, environment: Mapping[str, str] = os.environ) -> BackendName:
+        """Return the backend to take.
+
+        Raises:
+            ConfigError: none is installed.
+        """
+        if self.backend is not BackendName.AUTO:
+            return self.backend
+        if find_spec("rclpy") is not None and not self.obstacle():
+            return BackendName.RCLPY
+        asks_zenoh = self.connect or environment.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp"
+        order = [("cyclonedds", BackendName.DDS), ("zenoh", BackendName.ZENOH)]
+        for library, backend in reversed(order) if asks_zenoh else order:
+            if find_spec(library) is not None:
+                return backend
+        raise ConfigError(
+            "neither ROS 2 nor a library that speaks it is here: pip install 'pioneer3[zenoh]',"
+            " or 'pioneer3[dds]'"
+        )
+
+
+def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backend:
+    """Join the network as `node`.
+
+    Raises:
+        ConfigError: a library is missing, or an option is wrong.
+    """
+    domain = network.domain_here()
+    match network.chosen():
+        case BackendName.RCLPY:
+            from pioneer3.ros.rclpy.backend import RclpyBackend
+
+            return RclpyBackend(node, types, domain)
+        case BackendName.ZENOH:
+            from pioneer3.ros.zenoh.backend import ZenohBackend
+
+            return ZenohBackend(node, types, network.zenoh_options(domain))
+        case _:
+            from pioneer3.ros.dds.backend import DdsBackend
+            from pioneer3.ros.dds.settings import DdsOptions
+
+            return DdsBackend(
+                node,
+                types,
+                DdsOptions(
+                    domain=domain,
+                    interfaces=network.interfaces,
+                    peers=network.dds_peers,
+                    services=network.dds_services,
+                ),
+            )

@@ -1,0 +1,99 @@
+"""The state of a robot from a few of its topics, for those who only look."""
+
+import asyncio
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+from pioneer3.ros.client.graph import ODOMETRY, RobotTopics
+from pioneer3.ros.client.snapshots import OF_CLOCK, seconds_of
+from pioneer3.ros.node.middleware import Sender, Topics
+
+BATTERY: Final = "sensor_msgs/BatteryState"
+BOOL: Final = "std_msgs/Bool"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotState:
+    """The state of a robot; `None` for all that its topics have not told.
+
+    Attributes:
+        battery: [V].
+        motors: Whether they have power.
+        emergency_stop: Whether it is latched, or the robot's button pressed.
+        age: Of the newest odometry, by its stamp and this computer's clock [s]; since it came where
+            a simulator's time is in its stamp.
+        nodes: Number of nodes of its name; several have told nothing of one robot.
+    """
+
+    battery: float | None = None
+    motors: bool | None = None
+    emergency_stop: bool | None = None
+    age: float | None = None
+    nodes: int = 1
+
+
+class StateReader:
+    """Subscribes to the topics that tell the state of a robot; the newest messages count.
+
+    Args:
+        topics: Of the robot.
+        middleware: Where they are.
+    """
+
+    def __init__(self, topics: RobotTopics, middleware: Topics) -> None:
+        self._topics, self._middleware = topics, middleware
+        self._loop, self._all_told = asyncio.get_running_loop(), asyncio.Event()
+        self._silent: set[str] = set()
+        self._state = RobotState()
+        self._measured_at: float | None = None
+
+    def open(self) -> None:
+        """Subscribe, in a thread."""
+        topics = self._topics
+        parts: tuple[tuple[str, str | None, Callable[[Any], None]], ...] = (
+            (ODOMETRY, topics.pose, self._take_odometry),
+            (BATTERY, topics.topic(BATTERY), self._take_battery),
+            (BOOL, topics.topic(BOOL, "motors_state"), self._take_motors),
+            (BOOL, topics.emergency_stop, self._take_emergency_stop),
+        )
+        self._silent = {name for _, name, _ in parts if name}
+        for type_name, name, take in parts:
+            if name:
+                receive = partial(self._receive, name, take)
+                self._middleware.subscribe(name, type_name, receive, queue=1)
+
+    async def state(self, patience: float) -> RobotState:
+        """Return the state, once every topic has told something or `patience` [s] is over."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(patience):
+                await self._all_told.wait()
+        measured_at = self._measured_at
+        age = None if measured_at is None else time.time() - measured_at
+        return replace(self._state, age=age)
+
+    def _receive(self, name: str, take: Callable[[Any], None], message: Any, _: Sender) -> None:
+        def act() -> None:
+            take(message)
+            self._silent.discard(name)
+            if not self._silent:
+                self._all_told.set()
+
+        with suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(act)
+
+    def _take_odometry(self, message: Any) -> None:
+        stamp = seconds_of(message.header.stamp)
+        self._measured_at = stamp if stamp > OF_CLOCK else time.time()
+
+    def _take_battery(self, message: Any) -> None:
+        self._state = replace(self._state, battery=float(message.voltage))
+
+    def _take_motors(self, message: Any) -> None:
+        self._state = replace(self._state, motors=bool(message.data))
+
+    def _take_emergency_stop(self, message: Any) -> None:
+        self._state = replace(self._state, emergency_stop=bool(message.data))

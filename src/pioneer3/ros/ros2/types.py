@@ -1,0 +1,244 @@
+"""Messages of one distribution: empty ones to fill, and their serialized form.
+
+Definitions of messages and the codec are those of rosbags, definitions of services those of
+`services.toml`.
+"""
+
+import json
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from hashlib import sha256
+from importlib.resources import files
+from typing import Any, Final
+
+import numpy as np
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.ros2.backend import MessageType, ServiceType
+from pioneer3.ros.ros2.distros import Distro
+from pioneer3.ros.typestore import ARRAY, BASE, DTYPES, NAME, MessageStore, full_name
+
+TYPE_IDS: Final[Mapping[str, int]] = {
+    "int8": 2,
+    "uint8": 3,
+    "int16": 4,
+    "uint16": 5,
+    "int32": 6,
+    "uint32": 7,
+    "int64": 8,
+    "uint64": 9,
+    "float32": 10,
+    "float64": 11,
+    "char": 3,  # rosidl turns it into uint8 before it counts
+    "bool": 15,
+    "byte": 16,
+    "string": 17,
+    "bounded_string": 21,
+}
+"""`type_description_interfaces/msg/FieldType`."""
+ARRAY_OFFSET, BOUNDED_OFFSET, UNBOUNDED_OFFSET, NESTED = 48, 96, 144, 1
+EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
+NO_FIELD: Final = "structure_needs_at_least_one_member"
+Fill = Callable[[Any], None]
+
+
+class MessageTypes(MessageStore):
+    """The types of one distribution.
+
+    Args:
+        distro: Whose definitions count.
+
+    Raises:
+        ConfigError: rosbags is not installed.
+    """
+
+    def __init__(self, distro: Distro) -> None:
+        try:
+            from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+        except ImportError as error:
+            raise ConfigError(
+                "ROS 2 without ROS needs rosbags: pip install 'pioneer3[dds]' or 'pioneer3[zenoh]'"
+            ) from error
+        self.distro = distro
+        super().__init__(get_typestore(Stores(f"ros2_{distro.name}")))
+        self._services = set()
+        for name, parts in _service_definitions().items():
+            self._services.add(name)
+            for part, text in parts.items():
+                part_name = f"{name}_{part.title()}"
+                (fields,) = get_types_from_msg(text, part_name).values()
+                self._store.register({part_name: fields})
+        self._fixers: dict[str, Fill | None] = {}
+
+    def message_type(self, name: str) -> MessageType:
+        """Return the type called `nav_msgs/msg/Odometry`, or `nav_msgs/Odometry` for short.
+
+        Raises:
+            ConfigError: this distribution has none.
+        """
+        full = full_name(name)
+        if full not in self._store.fielddefs:
+            raise ConfigError(f"ROS 2 {self.distro.name} has no message type {full}")
+        return MessageType(full, self._hash(full))
+
+    def service_type(self, name: str) -> ServiceType:
+        """Return the type of services called `std_srvs/srv/SetBool`, or `std_srvs/SetBool`.
+
+        Raises:
+            ConfigError: there is none here.
+        """
+        full = full_name(name, "srv")
+        if full not in self._services:
+            raise ConfigError(f"no definition of the service type {full} is here")
+        return ServiceType(
+            full,
+            self._hash(full),
+            MessageType(f"{full}_Request", self._hash(f"{full}_Request")),
+            MessageType(f"{full}_Response", self._hash(f"{full}_Response")),
+        )
+
+    def encode(self, message: Any) -> bytes:
+        """Return the serialized form: little-endian CDR with its header of 4 bytes.
+
+        Lists of numbers and `bytes` may stand for arrays.
+        """
+        name = message.__msgtype__
+        if (fix := self._fixer(name)) is not None:
+            fix(message)
+        return bytes(self._store.serialize_cdr(message, name, little_endian=True))
+
+    def decode(self, cdr: bytes, name: str) -> Any:
+        """Return the message of a type such as `nav_msgs/msg/Odometry` in `cdr`.
+
+        Raises:
+            ValueError: `cdr` is none of this type.
+        """
+        from rosbags.serde import SerdeError
+
+        try:
+            return self._store.deserialize_cdr(cdr, full_name(name))
+        except (SerdeError, AssertionError, IndexError) as error:
+            raise ValueError(str(error)) from error
+
+    def _fixer(self, name: str) -> Fill | None:
+        """Return the function that makes arrays of lists in a message; `None` if it has none."""
+        if name not in self._fixers:
+            steps = list(self._fixing(name))
+
+            def fix(message: Any) -> None:
+                for step in steps:
+                    step(message)
+
+            self._fixers[name] = fix if steps else None
+        return self._fixers[name]
+
+    def _fixing(self, name: str) -> Iterator[Fill]:
+        for field, (kind, what) in self._store.fielddefs[name][1]:
+            if kind == NAME and (inner := self._fixer(str(what))) is not None:
+                yield _within(field, inner)
+            elif kind not in {BASE, NAME}:
+                (sub, base), _ = what
+                if sub == BASE and base[0] != "string":
+                    yield _array(field, np.dtype(DTYPES.get(base[0], base[0])))
+                elif sub == NAME and (inner := self._fixer(str(base))) is not None:
+                    yield _within_each(field, inner)
+
+    def _hash(self, name: str) -> str:
+        return type_hash(name, self._store.fielddefs) if self.distro.type_hashes else ""
+
+
+def type_hash(name: str, fields: Mapping[str, Any]) -> str:
+    """Return the hash of a type of messages, or of services, as REP 2016 defines it.
+
+    Args:
+        name: Such as `std_msgs/msg/String` or `std_srvs/srv/SetBool`.
+        fields: Fields of each type, as rosbags has them.
+    """
+    described: dict[str, dict[str, object]] = {}
+
+    def describe(type_name: str, own: list[tuple[str, Any]]) -> None:
+        described[type_name] = {}
+        described[type_name] |= {
+            "type_name": type_name,
+            "fields": [
+                {"name": field, "type": field_type(*desc)}
+                for field, desc in own or [(NO_FIELD, (BASE, ("uint8", 0)))]
+            ],
+        }
+
+    def field_type(kind: int, what: Any) -> dict[str, object]:
+        offset = capacity = limit = 0
+        nested = ""
+        if kind not in {BASE, NAME}:
+            (inner, base), capacity = what
+            unbounded = UNBOUNDED_OFFSET if capacity == 0 else BOUNDED_OFFSET
+            offset = ARRAY_OFFSET if kind == ARRAY else unbounded
+            kind, what = inner, base
+        if kind == NAME:
+            nested, number = what, NESTED
+            if nested not in described:
+                describe(nested, fields[nested][1])
+        else:
+            base, limit = what
+            number = TYPE_IDS["bounded_string" if base == "string" and limit else base]
+        return {
+            "type_id": offset + number,
+            "capacity": capacity,
+            "string_capacity": limit,
+            "nested_type_name": nested,
+        }
+
+    if "/srv/" in name and name not in fields:
+        request, response, event = (f"{name}_{part}" for part in ("Request", "Response", "Event"))
+        info = EVENT_INFO if EVENT_INFO in fields else ""
+        fields = {
+            **fields,
+            event: (
+                [],
+                [
+                    ("info", (NAME, info)),
+                    ("request", (4, ((NAME, request), 1))),
+                    ("response", (4, ((NAME, response), 1))),
+                ],
+            ),
+        }
+        parts = [("request_message", request), ("response_message", response)]
+        own = [(field, (NAME, part)) for field, part in [*parts, ("event_message", event)]]
+    else:
+        own = fields[name][1]
+    describe(name, own)
+    content = {
+        "type_description": described.pop(name),
+        "referenced_type_descriptions": [part for _, part in sorted(described.items())],
+    }
+    return f"RIHS01_{sha256(json.dumps(content).encode()).hexdigest()}"
+
+
+@cache
+def _service_definitions() -> dict[str, dict[str, str]]:
+    text = files("pioneer3.ros.ros2").joinpath("services.toml").read_text()
+    return tomllib.loads(text)
+
+
+def _array(field: str, dtype: "np.dtype[Any]") -> Fill:
+    def fix(message: Any) -> None:
+        value = getattr(message, field)
+        if isinstance(value, bytes | bytearray | memoryview):
+            setattr(message, field, np.frombuffer(value, dtype))
+        elif not (isinstance(value, np.ndarray) and value.dtype == dtype):
+            setattr(message, field, np.asarray(value, dtype))
+
+    return fix
+
+
+def _within(field: str, inner: Fill) -> Fill:
+    return lambda message: inner(getattr(message, field))
+
+
+def _within_each(field: str, inner: Fill) -> Fill:
+    def fix(message: Any) -> None:
+        for each in getattr(message, field):
+            inner(each)
+
+    return fix

@@ -1,0 +1,66 @@
+"""The addresses of a node of ROS 1: of the master, and where others find this computer."""
+
+import os
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import urlsplit
+
+from pioneer3.errors import ConfigError
+
+PORT: Final = 11311
+LOCAL: Final = "127.0.0.1"
+LOOPBACK: Final = {"localhost", LOCAL, "::1"}
+ANYWHERE: Final = "0.0.0.0"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Addresses:
+    """The addresses that a node needs.
+
+    Attributes:
+        master: Of the master, such as `http://127.0.0.1:11311`.
+        host: Under which others find this computer.
+        bind: To listen on.
+    """
+
+    master: str
+    host: str
+    bind: str
+
+
+def addresses(master: str | None, environment: Mapping[str, str] = os.environ) -> Addresses:
+    """Return the addresses by an option, or the variables that all of ROS 1 goes by.
+
+    With a master on this computer nothing listens beyond it, unless ROS_IP or ROS_HOSTNAME says so.
+
+    Args:
+        master: Address of the master; `None` for that of ROS_MASTER_URI, else this computer.
+        environment: Variables.
+
+    Raises:
+        ConfigError: the address is none, or no way leads there.
+    """
+    uri = master or environment.get("ROS_MASTER_URI") or f"http://{LOCAL}:{PORT}"
+    parts = urlsplit(uri)
+    if parts.scheme != "http" or not parts.hostname:
+        raise ConfigError(f"the ROS master is at an address such as http://robot:11311, not {uri}")
+    if name := environment.get("ROS_HOSTNAME"):
+        return Addresses(master=uri, host=name, bind=LOCAL if name in LOOPBACK else ANYWHERE)
+    if own := environment.get("ROS_IP"):
+        return Addresses(master=uri, host=own, bind=own)
+    if parts.hostname in LOOPBACK:
+        return Addresses(master=uri, host=LOCAL, bind=LOCAL)
+    own = _address_towards(parts.hostname)
+    return Addresses(master=uri, host=own, bind=own)
+
+
+def _address_towards(host: str) -> str:
+    """Return the address of this computer that `host` sees; nothing is sent."""
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.connect((host, PORT))
+            return str(probe.getsockname()[0])
+    except OSError as error:
+        raise ConfigError(f"no way leads to the ROS master's computer {host}: {error}") from error

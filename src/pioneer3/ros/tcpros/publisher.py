@@ -1,0 +1,113 @@
+"""A publisher on a topic of ROS 1."""
+
+import asyncio
+from collections import deque
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Final
+
+from pioneer3.ros.tcpros.framing import framed, header_frame
+from pioneer3.ros.tcpros.types import Definition
+
+QUEUE: Final = 10
+"""Messages that wait for a slow subscriber; the newest stay."""
+ANY: Final = "*"
+"""The md5sum or type of subscribers that take all."""
+FLUSHING: Final = 0.2
+"""Longest wait for messages to be on their way [s]."""
+LOOK: Final = 0.005
+
+
+class TopicPublisher:
+    """Sends messages to all who subscribe; a slow one holds up nobody.
+
+    Args:
+        name: Full name of the topic.
+        type_: Of its messages.
+        latched: Whether new subscribers get the last message.
+        extra: Further fields of the header.
+    """
+
+    def __init__(
+        self, name: str, type_: Definition, *, latched: bool, extra: Mapping[str, str]
+    ) -> None:
+        self.name, self.type, self.latched = name, type_, latched
+        self._extra = extra
+        self._last: bytes | None = None
+        self._outlets: set[_Outlet] = set()
+
+    @property
+    def matched(self) -> bool:
+        """Whether anybody subscribes."""
+        return bool(self._outlets)
+
+    def write(self, data: bytes) -> None:
+        """Send a serialized message."""
+        frame = framed(data)
+        if self.latched:
+            self._last = frame
+        for outlet in self._outlets:
+            outlet.send(frame)
+
+    async def flush(self) -> None:
+        """Return when all messages are on their way, or after a short time."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(FLUSHING):
+                while not all(each.is_empty for each in self._outlets):  # noqa: ASYNC110
+                    await asyncio.sleep(LOOK)
+
+    def refusal(self, header: Mapping[str, str]) -> str:
+        """Return the reason not to serve a subscriber with this header; empty for none."""
+        theirs, md5sum = header.get("type", ANY), header.get("md5sum", "")
+        if md5sum not in {ANY, self.type.md5sum} or theirs not in {ANY, self.type.name}:
+            return f"topic {self.name} is of {self.type.name}, md5sum {self.type.md5sum}"
+        return ""
+
+    async def serve(self, writer: asyncio.StreamWriter, caller: str) -> None:
+        """Send to a subscriber until it leaves."""
+        fields = {
+            "callerid": caller,
+            "latching": "1" if self.latched else "0",
+            "md5sum": self.type.md5sum,
+            "message_definition": self.type.text,
+            "topic": self.name,
+            "type": self.type.name,
+            **self._extra,
+        }
+        writer.write(header_frame(fields))
+        outlet = _Outlet(writer)
+        if self._last is not None:
+            outlet.send(self._last)
+        self._outlets.add(outlet)
+        try:
+            await outlet.run()
+        finally:
+            self._outlets.discard(outlet)
+
+
+class _Outlet:
+    """The connection to a subscriber, and messages that wait for it."""
+
+    def __init__(self, writer: asyncio.StreamWriter) -> None:
+        self._writer = writer
+        self._waiting: deque[bytes] = deque(maxlen=QUEUE)
+        self._some = asyncio.Event()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._waiting and not self._writer.transport.get_write_buffer_size()
+
+    def send(self, frame: bytes) -> None:
+        """Send a frame as soon as possible."""
+        self._waiting.append(frame)
+        self._some.set()
+
+    async def run(self) -> None:
+        """Send frames until the subscriber is gone."""
+        while not self._writer.is_closing():
+            await self._some.wait()
+            self._some.clear()
+            while self._waiting:
+                self._writer.write(self._waiting.popleft())
+                await self._writer.drain()

@@ -1,0 +1,89 @@
+"""Message types of ROS 1 Noetic: definitions and codec of rosbags."""
+
+from dataclasses import dataclass
+from hashlib import md5
+from typing import Any, Final
+
+from pioneer3.errors import ConfigError
+from pioneer3.ros.typestore import MessageStore, full_name
+
+FURTHER: Final = {
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
+    "rosaria/msg/BumperState": "Header header\nbool[] front_bumpers\nbool[] rear_bumpers",
+}
+"""Definitions that rosbags lacks."""
+SERVICES: Final = {
+    "std_srvs/Empty": ("", ""),
+    "std_srvs/Trigger": ("", "bool success\nstring message"),
+    "std_srvs/SetBool": ("bool data", "bool success\nstring message"),
+}
+"""Request and response of the services that robots have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """The definition of a type, as connections state it.
+
+    Attributes:
+        name: Such as `nav_msgs/Odometry`.
+        md5sum: Of the definition without comments; two nodes must have the same.
+        text: The definition, with those of the types in it.
+    """
+
+    name: str
+    md5sum: str
+    text: str = ""
+
+
+class Ros1Types(MessageStore):
+    """The types of ROS 1.
+
+    Raises:
+        ConfigError: rosbags is not installed.
+    """
+
+    def __init__(self) -> None:
+        try:
+            from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+        except ImportError as error:
+            raise ConfigError(
+                "ROS 1 without ROS needs rosbags: pip install 'pioneer3[dds]' or 'pioneer3[zenoh]'"
+            ) from error
+        super().__init__(get_typestore(Stores.ROS1_NOETIC))
+        for name, text in FURTHER.items():
+            self._store.register(get_types_from_msg(text, name))
+
+    def definition(self, name: str) -> Definition:
+        """Return the definition of a type such as `nav_msgs/Odometry`.
+
+        Raises:
+            ConfigError: ROS 1 has none, or its package is not known here.
+        """
+        full = full_name(name)
+        if full not in self._store.fielddefs:
+            raise ConfigError(f"no definition of ROS 1's message type {name} is here")
+        text, md5sum = self._store.generate_msgdef(full, ros_version=1)
+        return Definition(full.replace("/msg/", "/"), md5sum, text)
+
+    def encode(self, message: Any) -> bytes:
+        """Return the serialized form of a message."""
+        return bytes(self._store.serialize_ros1(message, message.__msgtype__))
+
+    def decode(self, data: bytes, name: str) -> Any:
+        """Return the message of a type such as `nav_msgs/Odometry` in `data`.
+
+        Raises:
+            ValueError: `data` is none of this type.
+        """
+        from rosbags.serde import SerdeError
+
+        try:
+            return self._store.deserialize_ros1(data, full_name(name))
+        except (SerdeError, AssertionError, IndexError) as error:
+            raise ValueError(str(error)) from error
+
+
+def service_definition(name: str) -> Definition:
+    """Return the definition of a service of :data:`SERVICES`; its text is not stated anywhere."""
+    text = "".join(SERVICES[name])
+    return Definition(name, md5(text.encode(), usedforsecurity=False).hexdigest())

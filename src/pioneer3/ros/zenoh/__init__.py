@@ -1,0 +1,1 @@
+"""ROS 2 over Zenoh, on the wire as rmw_zenoh_cpp."""

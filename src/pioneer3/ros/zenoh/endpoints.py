@@ -1,0 +1,290 @@
+"""Publishers, subscribers and services of a Zenoh session, as ROS 2 has them."""
+
+import logging
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import count
+from math import isinf
+from threading import BoundedSemaphore, Condition, Thread, current_thread
+from typing import TYPE_CHECKING, Any, Final
+
+from pioneer3.ros.ros2.backend import Left, Qos, Received
+from pioneer3.ros.zenoh.keys import GID_BYTES, Attachment, parse_attachment
+
+if TYPE_CHECKING:
+    import zenoh
+
+HEARTBEAT: Final = 0.5
+"""Of a reliable publisher with a history: what was lost is asked for [s] (as rmw_zenoh_cpp)."""
+LATCHED_DEPTH: Final = 100
+"""Messages of different publishers that wait for a subscriber to latched topics."""
+REQUESTS: Final = 32
+"""Requests of a service that are worked on at the same time."""
+ENDING: Final = 2.0
+"""Time for a callback that runs while its subscriber is closed [s]."""
+
+log = logging.getLogger(__name__)
+
+
+def attachment(sequence: int, gid: bytes) -> bytes:
+    """Return the attachment of a message that is sent now."""
+    return Attachment(sequence, time.time_ns(), gid).pack()
+
+
+def read_attachment(data: "zenoh.ZBytes | None") -> Attachment | None:
+    """Return an attachment that was received; `None` if it is none of ROS's."""
+    try:
+        return None if data is None else parse_attachment(data.to_bytes())
+    except ValueError:
+        return None
+
+
+def matching(end: "zenoh.Publisher | zenoh.Querier") -> bool:
+    """Return whether anybody is at the other end; takes about a microsecond."""
+    status: Any = end.matching_status  # zenoh's stubs call it a bool; as one it is always true
+    return bool(status.matching)
+
+
+class ZenohWriter:
+    """A publisher.
+
+    Args:
+        session: Session to publish with.
+        key: Key of the topic.
+        qos: Its quality of service.
+        gid: Identity that comes with its messages.
+        release: Called when it is closed.
+    """
+
+    def __init__(
+        self, session: "zenoh.Session", key: str, qos: Qos, gid: bytes, release: Callable[[], None]
+    ) -> None:
+        self._gid = gid
+        self._release = release
+        self._numbers = count(1)
+        self.is_open = True
+        self._matched = False
+        self._plain: zenoh.Publisher | None = None
+        self._latched: zenoh.ext.AdvancedPublisher | None = None
+        if qos.transient_local:
+            self._latched = _latched_publisher(session, key, qos)
+        else:
+            self._plain = _publisher(session, key, qos)
+            self._matching = self._plain.declare_matching_listener(self._match)
+            if matching(self._plain):
+                self._matched = True
+
+    @property
+    def matched(self) -> bool:
+        """Whether anybody subscribes; of a latched topic always, for others may come."""
+        return self.is_open and (self._plain is None or self._matched)
+
+    def _match(self, status: Any) -> None:
+        self._matched = bool(status.matching)
+
+    def write(self, cdr: bytes) -> None:
+        """Send a message; after :meth:`close` nothing."""
+        import zenoh
+
+        publisher = self._plain or self._latched
+        if not self.is_open or publisher is None:
+            return
+        try:
+            publisher.put(cdr, attachment=attachment(next(self._numbers), self._gid))
+        except zenoh.ZError as error:
+            if self.is_open:
+                log.debug("not sent: %s", error)
+
+    def close(self) -> None:
+        """Publish no more."""
+        if self.is_open:
+            self.is_open = False
+            self._release()
+            if self._plain is not None:
+                self._plain.undeclare()
+            if self._latched is not None:
+                self._latched.undeclare()
+
+
+def _publisher(session: "zenoh.Session", key: str, qos: Qos) -> "zenoh.Publisher":
+    import zenoh
+
+    reliability = zenoh.Reliability.RELIABLE if qos.reliable else zenoh.Reliability.BEST_EFFORT
+    return session.declare_publisher(
+        key, congestion_control=zenoh.CongestionControl.DROP, reliability=reliability
+    )
+
+
+def _latched_publisher(
+    session: "zenoh.Session", key: str, qos: Qos
+) -> "zenoh.ext.AdvancedPublisher":
+    import zenoh
+    from zenoh import ext
+
+    # its cache has no lifespan, nor has that of rmw_zenoh_cpp: only subscribers limit the age
+    heartbeat = ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT)
+    return ext.declare_advanced_publisher(
+        session,
+        key,
+        congestion_control=zenoh.CongestionControl.DROP,
+        reliability=zenoh.Reliability.RELIABLE if qos.reliable else zenoh.Reliability.BEST_EFFORT,
+        cache=ext.CacheConfig(qos.depth),
+        sample_miss_detection=heartbeat if qos.reliable else None,
+        publisher_detection=True,
+    )
+
+
+class ZenohReader:
+    """A subscriber: messages and departures in a thread of its own, in their order.
+
+    Args:
+        qos: Its quality of service; of the messages that wait the newest stay.
+        received: Given each message and its publisher.
+        left: Given each publisher that is gone.
+    """
+
+    def __init__(self, qos: Qos, received: Received, left: Left) -> None:
+        self._received = received
+        self._left = left
+        self._room = max(qos.depth, LATCHED_DEPTH) if qos.transient_local else qos.depth
+        self._samples = 0
+        self._waiting: deque[zenoh.Sample | bytes] = deque()
+        self._changed = Condition()
+        self.is_open = True
+        self._releases: list[Callable[[], None]] = []
+        self._thread = Thread(target=self._run, name="zenoh-reader", daemon=True)
+        self._thread.start()
+
+    def start(
+        self, session: "zenoh.Session", key: str, qos: Qos, releases: list[Callable[[], None]]
+    ) -> None:
+        """Subscribe to a key; `releases` are called when the reader is closed."""
+        subscriber = (
+            _latched_subscriber(session, key, qos, self._put)
+            if qos.transient_local
+            else session.declare_subscriber(key, self._put)
+        )
+        self._releases = [*releases, subscriber.undeclare]
+
+    def close(self) -> None:
+        """Receive no more."""
+        with self._changed:
+            if not self.is_open:
+                return
+            self.is_open = False
+            self._waiting.clear()
+            self._changed.notify()
+        for release in self._releases:
+            release()
+        if self._thread is not current_thread():
+            self._thread.join(ENDING)
+
+    def gone(self, gid: bytes) -> None:
+        """Tell that a publisher is gone, after its messages."""
+        with self._changed:
+            if self.is_open:
+                self._waiting.append(gid)
+                self._changed.notify()
+
+    def _put(self, sample: "zenoh.Sample") -> None:
+        with self._changed:
+            if not self.is_open:
+                return
+            if self._samples >= self._room:
+                oldest = next(each for each in self._waiting if not isinstance(each, bytes))
+                self._waiting.remove(oldest)
+                self._samples -= 1
+            self._waiting.append(sample)
+            self._samples += 1
+            self._changed.notify()
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._waiting or not self.is_open)
+                if not self.is_open:
+                    return
+                event = self._waiting.popleft()
+                self._samples -= not isinstance(event, bytes)
+            try:
+                self._tell(event)
+            except Exception:
+                log.exception("a message could not be taken")
+
+    def _tell(self, event: "zenoh.Sample | bytes") -> None:
+        if isinstance(event, bytes):
+            self._left(event)
+            return
+        found = read_attachment(event.attachment)
+        self._received(event.payload.to_bytes(), found.gid if found else b"")
+
+
+def _latched_subscriber(
+    session: "zenoh.Session", key: str, qos: Qos, put: "Callable[[zenoh.Sample], None]"
+) -> "zenoh.ext.AdvancedSubscriber[None]":
+    from zenoh import ext
+
+    recovery = ext.RecoveryConfig(periodic_queries=None, heartbeat=True)
+    age = None if isinf(qos.lifespan) else qos.lifespan
+    return ext.declare_advanced_subscriber(
+        session,
+        key,
+        put,
+        history=ext.HistoryConfig(detect_late_publishers=True, max_samples=qos.depth, max_age=age),
+        recovery=recovery if qos.reliable else None,
+        subscriber_detection=True,
+    )
+
+
+class ZenohServer:
+    """A service: each request in a thread of its own.
+
+    Args:
+        session: Session to serve with.
+        key: Key of the service.
+        respond: Given a request, returns the response.
+        release: Called when it is closed.
+    """
+
+    def __init__(
+        self,
+        session: "zenoh.Session",
+        key: str,
+        respond: Callable[[bytes], bytes],
+        release: Callable[[], None],
+    ) -> None:
+        self._key = key
+        self._respond = respond
+        self._release = release
+        self.is_open = True
+        self._room = BoundedSemaphore(REQUESTS)
+        self._queryable = session.declare_queryable(key, self._asked, complete=True)
+
+    def close(self) -> None:
+        """Offer the service no more."""
+        if self.is_open:
+            self.is_open = False
+            self._release()
+            self._queryable.undeclare()
+
+    def _asked(self, query: "zenoh.Query") -> None:
+        if not self.is_open or not self._room.acquire(blocking=False):
+            query.reply_err(b"too many requests")
+            query.drop()
+            return
+        Thread(target=self._answer, args=(query,), name="zenoh-service", daemon=True).start()
+
+    def _answer(self, query: "zenoh.Query") -> None:
+        asked = read_attachment(query.attachment) or Attachment(0, 0, bytes(GID_BYTES))
+        try:
+            request = query.payload.to_bytes() if query.payload is not None else b""
+            response = self._respond(request)
+            query.reply(self._key, response, attachment=replace(asked, stamp=time.time_ns()).pack())
+        except Exception:
+            log.exception("a request of %s could not be answered", self._key)
+            query.reply_err(b"the request could not be answered; the server's log has the reason")
+        finally:
+            query.drop()
+            self._room.release()

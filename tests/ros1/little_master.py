@@ -1,0 +1,97 @@
+"""A master of ROS 1 in this process, as far as topics, services and the graph go."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+from xmlrpc.client import ServerProxy
+from xmlrpc.server import SimpleXMLRPCServer
+
+from pioneer3.ros.tcpros.address import LOCAL, Addresses
+
+Registered = dict[str, dict[str, str]]
+
+
+@dataclass
+class LittleMaster:
+    """A master.
+
+    Attributes:
+        uri: Its address.
+        publishers: Addresses of nodes by name, by topic.
+        subscribers: The same.
+        services: Addresses by name.
+        nodes: Addresses by name.
+    """
+
+    uri: str
+    publishers: Registered = field(default_factory=dict)
+    subscribers: Registered = field(default_factory=dict)
+    services: dict[str, str] = field(default_factory=dict)
+    nodes: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def at(self) -> Addresses:
+        return Addresses(master=self.uri, host=LOCAL, bind=LOCAL)
+
+    def registerPublisher(self, caller: str, topic: str, kind: str, uri: str) -> list[Any]:  # noqa: N802
+        self.nodes[caller] = uri
+        self.publishers.setdefault(topic, {})[caller] = uri
+        self._tell(topic)
+        return [1, "", list(self.subscribers.get(topic, {}).values())]
+
+    def unregisterPublisher(self, caller: str, topic: str, uri: str) -> list[Any]:  # noqa: N802
+        self.publishers.get(topic, {}).pop(caller, None)
+        self._tell(topic)
+        return [1, "", 1]
+
+    def registerSubscriber(self, caller: str, topic: str, kind: str, uri: str) -> list[Any]:  # noqa: N802
+        self.nodes[caller] = uri
+        self.subscribers.setdefault(topic, {})[caller] = uri
+        return [1, "", list(self.publishers.get(topic, {}).values())]
+
+    def unregisterSubscriber(self, caller: str, topic: str, uri: str) -> list[Any]:  # noqa: N802
+        self.subscribers.get(topic, {}).pop(caller, None)
+        return [1, "", 1]
+
+    def registerService(self, caller: str, name: str, service: str, uri: str) -> list[Any]:  # noqa: N802
+        self.nodes[caller] = uri
+        self.services[name] = service
+        return [1, "", 1]
+
+    def unregisterService(self, caller: str, name: str, service: str) -> list[Any]:  # noqa: N802
+        self.services.pop(name, None)
+        return [1, "", 1]
+
+    def lookupService(self, caller: str, name: str) -> list[Any]:  # noqa: N802
+        return [1, "", self.services[name]] if name in self.services else [-1, "no service", ""]
+
+    def lookupNode(self, caller: str, name: str) -> list[Any]:  # noqa: N802
+        return [1, "", self.nodes[name]] if name in self.nodes else [-1, "unknown node", ""]
+
+    def getSystemState(self, caller: str) -> list[Any]:  # noqa: N802
+        def rows(registered: Registered) -> list[Any]:
+            return [[topic, list(nodes)] for topic, nodes in registered.items() if nodes]
+
+        return [1, "", [rows(self.publishers), rows(self.subscribers), []]]
+
+    def _tell(self, topic: str) -> None:
+        for uri in list(self.subscribers.get(topic, {}).values()):
+            with ServerProxy(uri) as node:
+                node.publisherUpdate("/master", topic, list(self.publishers[topic].values()))
+
+
+@contextmanager
+def little_master(port: int = 0) -> Iterator[LittleMaster]:
+    """Run a master while the block lasts."""
+    with SimpleXMLRPCServer((LOCAL, port), logRequests=False, allow_none=True) as server:
+        master = LittleMaster(f"http://{LOCAL}:{server.server_address[1]}")
+        server.register_instance(master)
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
+        thread.start()
+        try:
+            yield master
+        finally:
+            server.shutdown()
+            thread.join()
