@@ -4,9 +4,10 @@
 """
 
 import asyncio
+import gc
 import os
 import selectors
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import pytest
@@ -99,6 +100,13 @@ def pytest_asyncio_loop_factories(
     """Every async test runs in virtual time unless marked `realtime`."""
     real = item.get_closest_marker("realtime")
     return {"real": asyncio.new_event_loop} if real else {"virtual": VirtualTimeLoop}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _no_leaks() -> Iterator[None]:
+    """A socket or task that a test leaves open fails a test of its own file, not a later one."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture(autouse=True)

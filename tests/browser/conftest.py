@@ -39,8 +39,17 @@ OPTIONS = (
 
 OF_THE_RENDERER = "GL Driver Message"
 """Part of the console's warnings that WebGL by the processor reads pixels slowly."""
+HERE = Path(__file__).parent
 UNTIL_END_OF_INPUT = '"$@" & read -r _; kill -s KILL -- -$$'
 """Runs a command until its input ends, which it does with this process, however that ends."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark all tests of the browser: pages, server and robot run in real time."""
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            item.add_marker(pytest.mark.realtime)
 
 
 @pytest.fixture

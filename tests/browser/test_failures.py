@@ -155,7 +155,6 @@ def serving(robot: str, port: int) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-@pytest.mark.realtime
 @pytest.mark.parametrize(("how", "bar"), [(signal.SIGTERM, BAR), (signal.SIGKILL, WATCHDOG + BAR)])
 def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_back(
     browser: Browser, how: signal.Signals, bar: float

@@ -200,11 +200,15 @@ def test_a_graph_that_fails_ends_no_thread(
             raise RuntimeError
         return graph(backend)
 
+    def is_done() -> bool:
+        with requests._changed:
+            return not (requests._triggers or requests._waiting or requests._is_busy)
+
     monkeypatch.setattr(MemoryBackend, "graph", failing)
     with asking(types, network, serves=True) as requests:
         requests.latch(True)
         requests.switch_motors(True)
-        eventually(lambda: not requests._triggers and not requests._waiting)
+        eventually(is_done)
         fails[0] = False
         requests.latch(True)
         requests.latch(False)
