@@ -1,6 +1,7 @@
 """Messages of a type system of rosbags, that of ROS 1 or one of ROS 2: empty ones to fill."""
 
 from collections.abc import Callable, Mapping
+from keyword import iskeyword
 from typing import Any, Final
 
 import numpy as np
@@ -72,3 +73,8 @@ def full_name(name: str, kind: str = "msg") -> str:
     """Return `nav_msgs/msg/Odometry` for `nav_msgs/Odometry`."""
     package, *between, last = name.split("/")
     return "/".join((package, *(between or [kind]), last))
+
+
+def python_name(field: str) -> str:
+    """Return the name that rosbags' classes have for a field."""
+    return f"{field}_" if iskeyword(field) else field

@@ -1,23 +1,21 @@
 """Messages of one distribution: empty ones to fill, and their serialized form.
 
-Definitions of messages and the codec are those of rosbags, definitions of services those of
-`services.toml`.
+Definitions of messages are those of rosbags, definitions of services those of `services.toml`.
 """
 
 import json
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 from typing import Any, Final
 
-import numpy as np
-
 from pioneer3.errors import ConfigError
 from pioneer3.ros.ros2.backend import MessageType, ServiceType
+from pioneer3.ros.ros2.cdr import encoder
 from pioneer3.ros.ros2.distros import Distro
-from pioneer3.ros.typestore import ARRAY, BASE, DTYPES, NAME, MessageStore, full_name
+from pioneer3.ros.typestore import ARRAY, BASE, NAME, MessageStore, full_name
 
 TYPE_IDS: Final[Mapping[str, int]] = {
     "int8": 2,
@@ -40,7 +38,6 @@ TYPE_IDS: Final[Mapping[str, int]] = {
 ARRAY_OFFSET, BOUNDED_OFFSET, UNBOUNDED_OFFSET, NESTED = 48, 96, 144, 1
 EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 NO_FIELD: Final = "structure_needs_at_least_one_member"
-Fill = Callable[[Any], None]
 
 
 class MessageTypes(MessageStore):
@@ -69,7 +66,7 @@ class MessageTypes(MessageStore):
                 part_name = f"{name}_{part.title()}"
                 (fields,) = get_types_from_msg(text, part_name).values()
                 self._store.register({part_name: fields})
-        self._fixers: dict[str, Fill | None] = {}
+        self._encoders: dict[str, Callable[[Any], bytes]] = {}
 
     def message_type(self, name: str) -> MessageType:
         """Return the type called `nav_msgs/msg/Odometry`, or `nav_msgs/Odometry` for short.
@@ -101,12 +98,12 @@ class MessageTypes(MessageStore):
     def encode(self, message: Any) -> bytes:
         """Return the serialized form: little-endian CDR with its header of 4 bytes.
 
-        Lists of numbers and `bytes` may stand for arrays.
+        Lists of numbers may stand for arrays, and `bytes` for arrays of bytes.
         """
         name = message.__msgtype__
-        if (fix := self._fixer(name)) is not None:
-            fix(message)
-        return bytes(self._store.serialize_cdr(message, name, little_endian=True))
+        if name not in self._encoders:
+            self._encoders[name] = encoder(name, self._store.fielddefs)
+        return self._encoders[name](message)
 
     def decode(self, cdr: bytes, name: str) -> Any:
         """Return the message of a type such as `nav_msgs/msg/Odometry` in `cdr`.
@@ -120,29 +117,6 @@ class MessageTypes(MessageStore):
             return self._store.deserialize_cdr(cdr, full_name(name))
         except (SerdeError, AssertionError, IndexError) as error:
             raise ValueError(str(error)) from error
-
-    def _fixer(self, name: str) -> Fill | None:
-        """Return the function that makes arrays of lists in a message; `None` if it has none."""
-        if name not in self._fixers:
-            steps = list(self._fixing(name))
-
-            def fix(message: Any) -> None:
-                for step in steps:
-                    step(message)
-
-            self._fixers[name] = fix if steps else None
-        return self._fixers[name]
-
-    def _fixing(self, name: str) -> Iterator[Fill]:
-        for field, (kind, what) in self._store.fielddefs[name][1]:
-            if kind == NAME and (inner := self._fixer(str(what))) is not None:
-                yield _within(field, inner)
-            elif kind not in {BASE, NAME}:
-                (sub, base), _ = what
-                if sub == BASE and base[0] != "string":
-                    yield _array(field, np.dtype(DTYPES.get(base[0], base[0])))
-                elif sub == NAME and (inner := self._fixer(str(base))) is not None:
-                    yield _within_each(field, inner)
 
     def _hash(self, name: str) -> str:
         return type_hash(name, self._store.fielddefs) if self.distro.type_hashes else ""
@@ -219,26 +193,3 @@ def type_hash(name: str, fields: Mapping[str, Any]) -> str:
 def _service_definitions() -> dict[str, dict[str, str]]:
     text = files("pioneer3.ros.ros2").joinpath("services.toml").read_text()
     return tomllib.loads(text)
-
-
-def _array(field: str, dtype: "np.dtype[Any]") -> Fill:
-    def fix(message: Any) -> None:
-        value = getattr(message, field)
-        if isinstance(value, bytes | bytearray | memoryview):
-            setattr(message, field, np.frombuffer(value, dtype))
-        elif not (isinstance(value, np.ndarray) and value.dtype == dtype):
-            setattr(message, field, np.asarray(value, dtype))
-
-    return fix
-
-
-def _within(field: str, inner: Fill) -> Fill:
-    return lambda message: inner(getattr(message, field))
-
-
-def _within_each(field: str, inner: Fill) -> Fill:
-    def fix(message: Any) -> None:
-        for each in getattr(message, field):
-            inner(each)
-
-    return fix
