@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from pioneer3.arcos import commands, lists, reports, wire
 from pioneer3.arcos.commands.arguments import Argument, Bits, Latin1, Prefixed, String
 from pioneer3.arcos.layout import layout
+from pioneer3.arcos.reports.codec import EXACT
 
 LATIN1 = st.characters(max_codepoint=255)
 SHORT = 8
@@ -152,3 +153,10 @@ def test_a_sip_of_any_length_loses_no_byte(
     assert reports.to_payload(sip) == payload
     missing = [getattr(sip, field.name) is None for field in fields(sip)]
     assert missing[:-1] == sorted(missing[:-1])
+
+
+@given(st.sampled_from([cls.ID for cls in EXACT]), st.binary(max_size=250))
+@settings(max_examples=300)
+def test_reports_that_are_not_written_again_lose_no_byte(number: int, data: bytes) -> None:
+    payload = bytes([number]) + data
+    assert reports.to_payload(reports.from_payload(payload)) == payload

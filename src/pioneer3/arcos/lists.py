@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain, starmap
+from functools import partial
+from itertools import chain
 from struct import calcsize, error, iter_unpack, pack
 from typing import Any
 
@@ -116,7 +117,8 @@ class CountedStructs:
     def read(self, reader: Reader) -> tuple[object, ...]:
         record = f"<{self.format}"
         data = reader.take(reader.take(1)[0] * calcsize(record))
-        return tuple(starmap(self.cls, iter_unpack(record, data)))
+        # without the checks of `cls`: a record has as many values as letters
+        return tuple(map(partial(tuple.__new__, self.cls), iter_unpack(record, data)))
 
     def write(self, value: object, out: bytearray) -> None:
         records: Sequence[Any] = sequence(value)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import ClassVar, Protocol
+from typing import ClassVar, Final, Protocol
 
 from pioneer3.arcos.layout import layout, pack, unpack
 from pioneer3.arcos.reports import devices, session, simulators
@@ -61,6 +61,11 @@ ALL: tuple[type[Report], ...] = (
     session.LinkLost,
 )
 """Every report class but :class:`UnknownReport`, by id."""
+EXACT: Final[frozenset[type[Report]]] = frozenset(
+    {simulators.SimLaser, simulators.SimLaserExtended}
+)
+"""Reports of which nothing can get lost, so that none is written to see it: a simulator sends them
+60 times a second, and they have numbers and `extra` only."""
 
 
 @cache
@@ -111,6 +116,6 @@ def from_payload(payload: bytes) -> Report:
             report = unpack(cls, payload if _carries_number(cls) else payload[1:])
         except (EOFError, ValueError):
             continue
-        if to_payload(report) == payload:
+        if cls in EXACT or to_payload(report) == payload:
             return report
     return UnknownReport(payload[0], payload[1:])

@@ -7,10 +7,11 @@ per second.
 
 from dataclasses import dataclass
 from enum import IntFlag
-from itertools import starmap
+from functools import partial
+from itertools import chain
 from operator import attrgetter
 from struct import Struct, calcsize, error, iter_unpack, pack
-from typing import ClassVar, Final
+from typing import ClassVar, Final, NamedTuple
 
 from pioneer3.arcos.wire import Integer, checked
 from pioneer3.errors import CommandError
@@ -86,8 +87,7 @@ class SipFlag3(IntFlag):
 NO_FLAGS: Final = SipFlag(0)
 
 
-@dataclass(frozen=True, slots=True)
-class SonarReading:
+class SonarReading(NamedTuple):
     """One sonar's range.
 
     Attributes:
@@ -215,6 +215,9 @@ _tail_of: Final = attrgetter(*_TAIL_NAMES)
 _TAILS: Final = {count: _struct(TAIL[:count]) for count in (0, *range(5, len(TAIL) + 1))}
 """How a packet may end: after the sonars, or after any field from `digital_out` on."""
 
+_reading: Final = partial(tuple.__new__, SonarReading)
+"""Makes a reading of its two values, without a check of their number."""
+
 _LONGEST_FIRST: Final = tuple(reversed(_TAILS.values()))
 _FLAG_TYPES: Final = {"flags": SipFlag, "faults": Fault, "flags3": SipFlag3}
 
@@ -227,7 +230,7 @@ def read_sip(payload: bytes) -> Sip:
     end = start + 3 * payload[_HEAD.size]
     if end > len(payload):
         raise EOFError
-    sonar = tuple(starmap(SonarReading, iter_unpack("<BH", payload[start:end])))
+    sonar = tuple(map(_reading, iter_unpack("<BH", payload[start:end])))
     tail = next(tail for tail in _LONGEST_FIRST if tail.size <= len(payload) - end)
     values = dict(zip(_HEAD_NAMES, _HEAD.unpack_from(payload), strict=True))
     values |= zip(_TAIL_NAMES, tail.unpack_from(payload, end), strict=False)
@@ -247,7 +250,7 @@ def write_sip(sip: Sip) -> bytes:
         raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field of its group is set")
     if tail.count(None) != len(tail) - count:
         raise CommandError(f"Sip.{TAIL[count][0]}: None, but a field behind it is set")
-    ranges = [part for reading in sip.sonar for part in (reading.number, reading.range_raw)]
+    ranges = chain.from_iterable(sip.sonar)
     try:
         return b"".join(
             (

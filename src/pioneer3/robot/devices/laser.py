@@ -43,6 +43,7 @@ class Sweep:
         self._pose: Pose2 | None = None
         self._ranges: list[int] = []
         self._reflectances: list[int] = []
+        self._angles: tuple[float, ...] = ()
 
     def add(
         self, packet: SimLaser | SimLaserExtended, stamp: float, robot_in_odom: Callable[[], Pose2]
@@ -58,27 +59,28 @@ class Sweep:
             self._stamp, self._pose = stamp, robot_in_odom()
         if self._pose is None:
             return None
-        if isinstance(packet, SimLaserExtended):
-            self._ranges += (reading.range_mm for reading in packet.readings)
-            self._reflectances += (reading.reflectance for reading in packet.readings)
-        else:
+        if isinstance(packet, SimLaser):
             self._ranges += packet.ranges_mm
+        elif packet.readings:
+            ranges, reflectances, _ = zip(*packet.readings, strict=True)
+            self._ranges += ranges
+            self._reflectances += reflectances
         return self._scan() if len(self._ranges) >= packet.total else None
 
     def _scan(self) -> Scan | None:
         ranges, count, pose = self._ranges, len(self._ranges), self._pose
         if not count or pose is None:
             return None
-        # from the count: simulators differ in rounding the field of view and the step
-        step = (self._end - self._start) / (count - 1) if count > 1 else 0.0
+        if count != len(self._angles):
+            self._angles = _angles(self._start, self._end, count)
         self._sequence += 1
         scan = Scan(
             stamp=self._stamp,
             sequence=self._sequence,
             robot_in_odom=pose,
             sensor_in_robot=self._mount,
-            angles=tuple(self._start + i * step for i in range(count)),
-            ranges=tuple(mm * MM if mm < NOTHING_MM else inf for mm in ranges),
+            angles=self._angles,
+            ranges=tuple([mm * MM if mm < NOTHING_MM else inf for mm in ranges]),
             reflectances=tuple(self._reflectances),
         )
         self._forget()
@@ -87,6 +89,15 @@ class Sweep:
     def _forget(self) -> None:
         self._pose = None
         self._ranges, self._reflectances = [], []
+
+
+def _angles(start: float, end: float, count: int) -> tuple[float, ...]:
+    """Return the angles of `count` readings [rad].
+
+    From the count: simulators differ in rounding the field of view and the step.
+    """
+    step = (end - start) / (count - 1) if count > 1 else 0.0
+    return tuple(start + i * step for i in range(count))
 
 
 FIRST, LAST, STEP = radians(-90), radians(90), radians(1)
