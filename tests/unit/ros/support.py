@@ -1,5 +1,6 @@
 """Messages without ROS: whatever is asked for is there."""
 
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +12,10 @@ from pioneer3.state import Battery, Motors, Odometry, Snapshot
 
 
 class Blank(SimpleNamespace):
-    """A message of any type, empty; parts that are read before they are set are blank too."""
+    """A message of any type, empty; parts that are read before they are set are blank too.
+
+    Such a part may stand for a list, and has nothing in it.
+    """
 
     def __getattr__(self, name: str) -> Any:
         if name.isupper() or name.startswith("_"):  # constants, which not every version has
@@ -19,6 +23,12 @@ class Blank(SimpleNamespace):
         part = Blank()
         setattr(self, name, part)
         return part
+
+    def __len__(self) -> int:
+        return 0
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(())
 
 
 def seen(

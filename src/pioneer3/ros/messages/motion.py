@@ -1,12 +1,12 @@
 """Odometry, wheels and transforms to ROS messages, and a `Twist` to ours."""
 
 from collections.abc import Iterator, Sequence
-from math import pi, sin
-from typing import Any, Final
+from math import cos, pi, sin
+from typing import Any, Final, NamedTuple
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.models import RobotModel, shape_of
-from pioneer3.models.description.tree import Joint
+from pioneer3.models.description.tree import Joint, Quaternion
 from pioneer3.robot.limits import checked
 from pioneer3.ros.messages.update import (
     DRIVING,
@@ -56,47 +56,65 @@ def wanted_twist(message: Any) -> Twist2:
 def moving_transforms(message: Any, update: StateUpdate) -> None:
     """Fill a tf2_msgs/TFMessage: the robot in the odom frame, that in the map, turning wheels."""
     options, frames = update.options, update.frames
-    message.transforms = []
+    placed = []
     if options.odometry_tf:
         pose = update.snapshot.odometry.robot_in_odom
-        message.transforms.append(_moving(update, update.stamp, frames.odom, frames.base, pose))
+        placed.append(_moving(update.stamp, frames.odom, frames.base, pose))
     if update.odom_in_map is not None:
         stamp, pose = update.odom_in_map
-        message.transforms.append(_moving(update, stamp, options.map_frame, frames.odom, pose))
+        placed.append(_moving(stamp, options.map_frame, frames.odom, pose))
     if options.wheels_tf:
-        message.transforms += wheels(update, update.turned)
-
-
-def _moving(update: StateUpdate, stamp: Any, parent: str, child: str, pose: Pose2) -> Any:
-    transform = update.make("geometry_msgs/TransformStamped")
-    fill_header(transform, stamp, parent)
-    transform.child_frame_id = child
-    fill_pose(transform.transform.translation, transform.transform.rotation, pose)
-    return transform
+        placed += wheels(update, update.turned)
+    _fill_transforms(message, update, placed)
 
 
 def fixed_transforms(message: Any, update: StateUpdate) -> None:
     """Fill a tf2_msgs/TFMessage with joints that never move, and wheels unless `/tf` has them."""
-    message.transforms = [_transform(update, joint) for joint in update.tree.fixed]
+    placed = [_joint(update, joint) for joint in update.tree.fixed]
     if not update.options.wheels_tf:
-        message.transforms += wheels(update, (0.0, 0.0))
+        placed += wheels(update, (0.0, 0.0))
+    _fill_transforms(message, update, placed)
 
 
-def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[Any]:
-    """Yield the transform of each wheel; `turned` is left and right [rad]."""
+class Placed(NamedTuple):
+    """A frame in its parent: its place [m] and rotation, at the time `stamp`."""
+
+    stamp: Any
+    parent: str
+    child: str
+    at: tuple[float, float, float]
+    rotation: Quaternion
+
+
+def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[Placed]:
+    """Yield the frame of each wheel; `turned` is left and right [rad]."""
     for number, joint in enumerate(update.tree.wheels):
-        yield _transform(update, joint, turned[number % 2])
+        yield _joint(update, joint, turned[number % 2])
 
 
-def _transform(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Any:
-    prefix = update.options.prefix
-    transform = update.make("geometry_msgs/TransformStamped")
-    fill_header(transform, update.stamp, prefix + joint.parent)
-    transform.child_frame_id = prefix + joint.child
-    at, rotation = transform.transform.translation, transform.transform.rotation
-    at.x, at.y, at.z = joint.x, joint.y, joint.z
-    rotation.x, rotation.y, rotation.z, rotation.w = joint.rotation(turned)
-    return transform
+def _moving(stamp: Any, parent: str, child: str, pose: Pose2) -> Placed:
+    half = pose.theta / 2
+    rotation = Quaternion(0.0, 0.0, sin(half), cos(half))
+    return Placed(stamp, parent, child, (pose.x, pose.y, 0.0), rotation)
+
+
+def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Placed:
+    parent, child = (update.options.prefix + link for link in (joint.parent, joint.child))
+    at = joint.x, joint.y, joint.z
+    return Placed(update.stamp, parent, child, at, joint.rotation(turned))
+
+
+def _fill_transforms(message: Any, update: StateUpdate, placed: Sequence[Placed]) -> None:
+    """Fill a tf2_msgs/TFMessage, and the transforms in it anew."""
+    lacking = range(len(message.transforms), len(placed))
+    made = [update.make("geometry_msgs/TransformStamped") for _ in lacking]
+    message.transforms = [*message.transforms, *made][: len(placed)]
+    for transform, frame in zip(message.transforms, placed, strict=True):
+        fill_header(transform, frame.stamp, frame.parent)
+        transform.child_frame_id = frame.child
+        place, rotation = transform.transform.translation, transform.transform.rotation
+        place.x, place.y, place.z = frame.at
+        rotation.x, rotation.y, rotation.z, rotation.w = frame.rotation
 
 
 def description(message: Any, update: DescriptionUpdate) -> None:

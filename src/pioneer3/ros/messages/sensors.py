@@ -217,15 +217,19 @@ def _cloud2(
     height: float = 0.0,
 ) -> None:
     """One row of points, three 32-bit floats each."""
-    message.fields = []
-    for offset, name in ((0, "x"), (4, "y"), (8, "z")):
-        field = make("sensor_msgs/PointField")
-        field.name, field.offset, field.datatype, field.count = name, offset, FLOAT32, 1
-        message.fields.append(field)
+    if not message.fields:
+        message.fields = [_number_of_point(make, *each) for each in ((0, "x"), (4, "y"), (8, "z"))]
     message.height, message.width = 1, len(points)
     message.is_bigendian = False
     message.point_step, message.row_step = 12, 12 * len(points)
     message.data = b"".join(struct.pack("<3f", x, y, height) for x, y in points)
+
+
+def _number_of_point(make: Callable[[str], Any], offset: int, name: str) -> Any:
+    """Return a sensor_msgs/PointField."""
+    field = make("sensor_msgs/PointField")
+    field.name, field.offset, field.datatype, field.count = name, offset, FLOAT32, 1
+    return field
 
 
 def range_of(number: int) -> Callable[[Any, StateUpdate], None]:

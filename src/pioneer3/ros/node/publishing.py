@@ -6,6 +6,7 @@ from collections.abc import AsyncGenerator, Callable, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass, field
 from math import inf
+from operator import attrgetter
 from typing import Any, Final, TypeVar
 
 from pioneer3.errors import DeviceError
@@ -26,6 +27,8 @@ LOOK: Final = 0.2
 PAUSE: Final = 0.5
 """Pause after a device turned out to be missing [s]."""
 
+IS_SUBSCRIBED: Final = attrgetter("subscribed")
+
 
 @dataclass(slots=True)
 class _Row:
@@ -43,7 +46,7 @@ class _Row:
 
     @property
     def subscribed(self) -> bool:
-        return any(each.subscribed for each in self.publishers)
+        return any(map(IS_SUBSCRIBED, self.publishers))
 
     def is_due(self, update: Update) -> bool:
         """Return whether to publish now, and take note of it."""
