@@ -7,7 +7,6 @@ Layout::
 The payload is the packet's id followed by its arguments.
 """
 
-from struct import unpack_from
 from typing import Final
 
 from pioneer3.errors import CommandError
@@ -24,8 +23,8 @@ MAX_REJECTED: Final = 8
 
 def checksum(payload: bytes) -> int:
     """Return the 16-bit ARCOS checksum: big-endian words added up, an odd last byte XORed."""
-    words = len(payload) >> 1
-    total: int = sum(unpack_from(f">{words}H", payload)) & 0xFFFF
+    words = payload[: len(payload) & ~1]
+    total = (sum(words[::2]) << 8) + sum(words[1::2]) & 0xFFFF
     return total ^ payload[-1] if len(payload) & 1 else total
 
 

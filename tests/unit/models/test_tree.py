@@ -252,8 +252,11 @@ def test_the_transform_of_the_robot_says_what_odometry_says() -> None:
     (transform,) = message.transforms
     assert transform.header == pose.header
     assert transform.child_frame_id == pose.child_frame_id == "base_link"
-    assert transform.transform.translation == pose.pose.pose.position
-    assert transform.transform.rotation == pose.pose.pose.orientation
+    place, rotation = transform.transform.translation, transform.transform.rotation
+    position, orientation = pose.pose.pose.position, pose.pose.pose.orientation
+    assert (place.x, place.y, place.z) == (position.x, position.y, 0.0)
+    assert (rotation.x, rotation.y) == (0.0, 0.0)
+    assert (rotation.z, rotation.w) == (orientation.z, orientation.w)
 
 
 def test_wheels_are_either_moving_or_fixed_never_both() -> None:
@@ -270,6 +273,23 @@ def test_wheels_are_either_moving_or_fixed_never_both() -> None:
         assert ("front_left_wheel" in of["still"]) is not turning
         wheel = of["moving" if turning else "still"]["rear_left_wheel"]
         assert wheel.y == pytest.approx(1.0 if turning else 0.0)
+
+
+def test_a_message_that_is_filled_again_has_nothing_of_before() -> None:
+    mapped = ("earlier", Pose2(5.0, 6.0, 1.0))
+    several = [
+        update(seen(Pose2(2.0, 3.0, -1.0)), MessageOptions(wheels_tf=True), turned=(1.0, 2.0)),
+        update(seen(Pose2(1.0)), MessageOptions(wheels_tf=True), odom_in_map=mapped),
+        update(seen(Pose2(4.0)), MessageOptions(), odom_in_map=mapped),
+        update(seen(), MessageOptions(odometry_tf=False)),
+        update(seen(), MessageOptions(wheels_tf=True)),
+    ]
+    again = Blank(transforms=[])
+    for each in several:
+        anew = Blank(transforms=[])
+        motion.moving_transforms(again, each)
+        motion.moving_transforms(anew, each)
+        assert again == anew
 
 
 def test_a_tree_left_to_others_has_no_robot_in_it() -> None:

@@ -99,8 +99,8 @@ def _moving(stamp: Any, parent: str, child: str, pose: Pose2) -> Placed:
 
 
 def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Placed:
-    parent, child = (update.options.prefix + link for link in (joint.parent, joint.child))
-    at = joint.x, joint.y, joint.z
+    prefix, at = update.options.prefix, (joint.x, joint.y, joint.z)
+    parent, child = prefix + joint.parent, prefix + joint.child
     return Placed(update.stamp, parent, child, at, joint.rotation(turned))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from math import cos, inf, isfinite, nan, sin
 from typing import Any, Final
 
-from pioneer3.models import RobotModel
+from pioneer3.models import RobotModel, SonarMount
 from pioneer3.models.description.tree import BUMPER_HEIGHT, bumper_segments, height_of_sonars
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.ros.messages.update import (
@@ -94,6 +94,7 @@ def touches(message: Any, update: StateUpdate) -> None:
     pressed = [
         (pose.x, pose.y)
         for segments, rear in ((state.front, False), (state.rear, True))
+        if any(segments)
         for pose, hit in zip(
             bumper_segments(model, len(segments), rear=rear), segments, strict=True
         )
@@ -184,11 +185,11 @@ def echoes(message: Any, update: StateUpdate) -> None:
     """
     fill_header(message, update.stamp, update.frames.base)
     sonar, height = update.snapshot.sonar, update.options.sonar_height
-    points = sonar_points(sonar, update.model)
+    mounts = update.model.sonars
     heard = [
-        points[number]
+        _echo(mounts[number], sonar.ranges[number])
         for number in sonar.fresh
-        if number < len(points) and isfinite(sonar.ranges[number])
+        if number < len(mounts) and isfinite(sonar.ranges[number])
     ]
     _cloud2(
         message, update.make, heard, height_of_sonars(update.model) if height is None else height
@@ -206,8 +207,13 @@ def sonar_points(sonar: Sonar, model: RobotModel) -> list[tuple[float, float]]:
     for number, mount in enumerate(model.sonars):
         measured = sonar.ranges[number] if number < len(sonar.ranges) else nan
         metres = measured if isfinite(measured) else SONAR_MAX
-        points.append((mount.x + metres * cos(mount.theta), mount.y + metres * sin(mount.theta)))
+        points.append(_echo(mount, metres))
     return points
+
+
+def _echo(mount: SonarMount, metres: float) -> tuple[float, float]:
+    """Return where an echo came from, in the robot's frame [m]."""
+    return mount.x + metres * cos(mount.theta), mount.y + metres * sin(mount.theta)
 
 
 def _cloud2(

@@ -24,6 +24,9 @@ EARLY: Final = 0.05
 """Snapshots come a little early or late: a topic that is due this soon [s] is due."""
 LOOK: Final = 0.2
 """Pause between two looks whether a device has subscribers [s]."""
+SILENCE: Final = 1.0
+"""Pause between two looks whether a device that is read still has subscribers [s]. With each of its
+values it is looked at, too."""
 PAUSE: Final = 0.5
 """Pause after a device turned out to be missing [s]."""
 
@@ -147,7 +150,7 @@ class Publishing:
             try:
                 # a device that gives nothing is left, too, when nobody subscribes any more
                 while not reading.done() and self.has_subscribers(source, sensor):
-                    await asyncio.wait({reading}, timeout=LOOK)
+                    await asyncio.wait({reading}, timeout=SILENCE)
                 if reading.done() and await reading:
                     return
             except DeviceError:  # another robot is at the other end now
