@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from itertools import chain
-from struct import calcsize, error, iter_unpack, pack
+from struct import Struct, error, pack
 from typing import Any
 
 from pioneer3.arcos.layout import read_fields, write_fields
@@ -115,10 +115,10 @@ class CountedStructs:
     format: str
 
     def read(self, reader: Reader) -> tuple[object, ...]:
-        record = f"<{self.format}"
-        data = reader.take(reader.take(1)[0] * calcsize(record))
+        record = _record(self.format)
+        data = reader.take(reader.take(1)[0] * record.size)
         # without the checks of `cls`: a record has as many values as letters
-        return tuple(map(partial(tuple.__new__, self.cls), iter_unpack(record, data)))
+        return tuple(map(partial(tuple.__new__, self.cls), record.iter_unpack(data)))
 
     def write(self, value: object, out: bytearray) -> None:
         records: Sequence[Any] = sequence(value)
@@ -130,6 +130,11 @@ class CountedStructs:
         except (ValueError, error):
             pass
         Counted(Integer(1), Record(self.cls)).write(value, out)  # it says the reason
+
+
+@cache
+def _record(letters: str) -> Struct:
+    return Struct(f"<{letters}")
 
 
 @dataclass(frozen=True, slots=True)

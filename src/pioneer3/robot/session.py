@@ -221,6 +221,8 @@ class Session:
 
     async def _handle(self, event: Event, now: float) -> None:
         match event:
+            case Received(report):
+                self._handle_report(report, now)
             case SpeedWanted(baud):
                 self.speed = baud
                 await self.link.set_speed(baud)
@@ -228,8 +230,6 @@ class Session:
                 self.identity = identity
             case Configured(config, trusted):
                 self._configure(config, trusted=trusted, now=now)
-            case Received(report):
-                self._handle_report(report, now)
             case Lost():
                 self._lost = event
 

@@ -84,6 +84,7 @@ def _meanings() -> Mapping[int, tuple[type[Report], ...]]:
     return {number: tuple(cls for cls in ALL if number in numbers(cls)) for number in ids}
 
 
+@cache
 def _carries_number(cls: type[Report]) -> bool:
     """Whether the id is a field of the report rather than fixed by its class."""
     return cls is UnknownReport or isinstance(layout(cls)[0].kind, Number)
