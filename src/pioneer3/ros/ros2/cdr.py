@@ -91,7 +91,7 @@ def _step(path: str, kind: int, what: Any, fields: Mapping[str, Any]) -> Write:
     """Return the function that writes a field that is no number."""
     get = attrgetter(path)
     if kind == BASE:
-        return lambda message, out: _write_text(get(message), out)
+        return _text(get)
     item, length = what
     if kind == ARRAY and (letter := _letter(item)):
         return _packed(get, letter * length)
@@ -116,7 +116,7 @@ def _items(item: Any, fields: Mapping[str, Any]) -> Write:
     kind, base = item
     if letter := _letter(item):
         return _numbers(letter, np.dtype(DTYPES.get(base[0], base[0])).newbyteorder("<"))
-    steps = (_write_text,) if kind == BASE else _steps(base, fields)
+    steps = (_text(str),) if kind == BASE else _steps(base, fields)
 
     def write(values: Iterable[Any], out: bytearray) -> None:
         for value in values:
@@ -176,8 +176,14 @@ def _numbers(letter: str, dtype: "np.dtype[Any]") -> Write:
 
 
 PACK_COUNT: Final = tuple(Struct(_aligned("I", start)).pack for start in range(4))
+"""Pack the number of values of a sequence, by the place where its gap begins."""
 
 
-def _write_text(text: str, out: bytearray) -> None:
-    data = text.encode()
-    out += PACK_COUNT[len(out) & 3](len(data) + 1) + data + b"\0"
+def _text(text_of: Callable[[Any], str]) -> Write:
+    """Return the function that writes a text, which ends with a 0 that counts."""
+
+    def write(message: Any, out: bytearray) -> None:
+        data = text_of(message).encode()
+        out += PACK_COUNT[len(out) & 3](len(data) + 1) + data + b"\0"
+
+    return write
