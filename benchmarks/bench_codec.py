@@ -10,6 +10,9 @@ from pioneer3.arcos.packet import HEADER, PacketReader, encode
 SIZE = 1 << 20
 CHUNK = 4096
 ROUNDS = 7
+LASER = reports.SimLaserExtended(
+    total=181, first=0, readings=(reports.LaserReading(1234),) * 34, laser=1, flags=0
+)
 SIP = reports.Sip(sonar=tuple(reports.SonarReading(number, 1234) for number in range(16)))
 
 
@@ -30,11 +33,16 @@ def rows() -> list[Row]:
     """Measure everything of this file; a robot at 115200 baud sends 0.012 MB/s."""
     frame = encode(reports.to_payload(SIP))
     sips = frame * (SIZE // len(frame))
+    scan = encode(reports.to_payload(LASER))
     worst = HEADER + b"\x40"
     measured = {
         "1 MB of random bytes": (megabytes_per_second(Random(1).randbytes(SIZE)), 10.0),
         "information packets, frames only": (megabytes_per_second(sips), 10.0),
         "information packets, decoded": (megabytes_per_second(sips, decode=True), 1.0),
+        "a simulator's laser, decoded": (
+            megabytes_per_second(scan * (SIZE // len(scan)), decode=True),
+            3.0,
+        ),
         "nothing but false headers": (megabytes_per_second(worst * (SIZE // 3)), 1.0),
     }
     return [
