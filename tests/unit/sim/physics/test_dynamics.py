@@ -363,12 +363,12 @@ def test_bodies_that_overlap_without_a_solution_stand_still_and_are_told(
     body = powered("p3dx-sh")
     world = physical(body)
     run(world, 0.2)
-    heap = [Box(pose=Pose2(2.0, 0.0), size=(0.5, 0.5), movable=True)] * 80
+    heap = [Box(pose=Pose2(2.0, 0.0), size=(0.5, 0.5), movable=True)] * 20
     boxes = world.add_obstacles(heap)
     body.drive.linear.go(0.2)
     run(world, 2.0)
     assert np.isfinite(world.outlines.poses).all()
-    assert caplog.text.count("have no solution") <= 1
+    assert caplog.text.count("have no solution") == 1
     for box in boxes:
         world.remove_obstacle(box)
     x = body.robot_in_world.x
