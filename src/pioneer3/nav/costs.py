@@ -32,6 +32,12 @@ NARROW = 3.0
 """A metre without any room beside the robot costs so many metres in the open, and one more."""
 SQUEEZE = 60.0
 """A metre where the robot does not fit costs so much: it may get out of there."""
+BUSY, ASIDE = 2.0, 0.15
+"""A metre on the lines on which people come costs so many metres more; nothing at the latter
+distance [m] from the place where they pass beside the robot.
+"""
+PASSES = 0.25 + 0.15
+"""From the middle of somebody who passes to the robot's side [m]."""
 CORE = 0.08
 """No place nearer to a wall than this is worth leaving from [m]."""
 
@@ -47,6 +53,7 @@ class CostMap:
         closed: Where the robot must not be, whatever its clearance: in forbidden areas, outside of
             all that is known, shape (H, W).
         forbidden: Areas of the map that robots must not enter.
+        busy: Share of `BUSY` that each place costs, as people come there, shape (H, W), or `None`.
         speeds: Highest speed that is wanted [m/s], `inf` where any is, shape (H, W).
         needed: The clearance that the robot needs to pass [m].
         turning: The clearance that it needs to turn to any heading [m].
@@ -61,6 +68,7 @@ class CostMap:
     needed: float
     turning: float
     top_speed: float
+    busy: Float32 | None = None
 
     @classmethod
     def of(cls, line_map: LineMap, model: RobotModel, cell: float = CELL) -> Self:
@@ -103,6 +111,15 @@ class CostMap:
         fast(nearest_wall, CACHE)(there, raster.x, raster.y, raster.cell, clearance)
         return replace(self, clearance=clearance)
 
+    def with_lines(self, lines: Float) -> Self:
+        """Return the costs with lines on which people come, (L, 4) [m]: best left to them."""
+        if not len(lines):
+            return self
+        apart = np.float32(self.needed - MARGIN + PASSES)
+        away = np.full(self.raster.shape, apart + np.float32(ASIDE), dtype=np.float32)
+        fast(nearest_wall, CACHE)(lines, self.raster.x, self.raster.y, self.raster.cell, away)
+        return replace(self, busy=np.clip((apart - away) / np.float32(ASIDE) + 1, 0, 1))
+
     def speed_at(self, x: float, y: float) -> float:
         """Return the highest speed that is wanted at a place [m/s]; `inf` where any is."""
         cell = self.raster.cell_of(x, y)
@@ -114,6 +131,8 @@ class CostMap:
         tight = np.clip(1 - room, 0, 1)
         factors = 1 + np.float32(NARROW) * tight * tight
         factors *= np.maximum(1, np.float32(self.top_speed) / self.speeds)
+        if self.busy is not None:
+            factors += np.float32(BUSY) * self.busy
         factors[room < 0] = SQUEEZE
         factors[self.closed | (self.clearance < CORE)] = np.inf
         costs: Float32 = factors * np.float32(self.raster.cell)

@@ -50,6 +50,16 @@ KNOWN = 10
 """Who was seen no more often than this is forgotten at once."""
 COASTS = 0.4
 """So long after it was seen last a thing is expected to go on; then to stand [s]."""
+BELIEVED = 15.0
+"""Who looked like a person stays one for so long [s]: two who stand together do not look so."""
+BEYOND = 0.19
+"""A body ends so far before its legs at most [m]."""
+NEW, ABOUT = 100, 60.0
+"""A small thing that was seen less often may be people who stand together, where somebody was seen
+within the latter [s].
+"""
+PARTS = 0.9
+"""Who steps out of a thing of two people begins so near to it at most [m]."""
 RADIUS = 0.28
 """Of people [m]: lasers see their legs alone."""
 UNSURE = 0.08
@@ -75,6 +85,8 @@ class Mover:
         heading: Direction in which it walked last, as a vector of length 1.
         past: Places where it was [m].
         legs: In how many scans it looked like legs, less those in which it did not.
+        believed: Until when it is a person, whatever it looks like [s].
+        joined: When somebody else came so near that both were one thing from then on [s].
     """
 
     x: float
@@ -89,11 +101,13 @@ class Mover:
     heading: tuple[float, float] = (0.0, 0.0)
     past: list[tuple[float, float]] = field(default_factory=list)
     legs: int = 0
+    believed: float = -inf
+    joined: float = -inf
 
     @property
     def is_person(self) -> bool:
-        """Whether it walks, or stands on legs."""
-        return self.walks or self.legs >= OFTEN
+        """Whether it walks, or stands on legs, or did so lately."""
+        return self.walks or self.legs >= OFTEN or self.believed > self.seen
 
     @property
     def speed(self) -> float:
@@ -104,6 +118,22 @@ class Mover:
         """Return where it is expected at `now` [m]."""
         ahead = min(max(now - self.seen, 0.0), COASTS)
         return self.x + ahead * self.vx, self.y + ahead * self.vy
+
+    def holds_two(self, now: float) -> bool:
+        """Whether it may be two people, who stand together or pass each other."""
+        return now - self.joined < HIDDEN
+
+    def join(self, other: "Mover", now: float) -> None:
+        """Take in another thing at the same place; if that is a person, this is one, too."""
+        if not other.is_person:
+            return
+        if self.is_person:
+            self.joined = now
+        if not any(self.heading):
+            self.heading = other.heading
+        self.walks |= other.walks
+        self.legs = max(self.legs, other.legs)
+        self.believed = max(self.believed, other.believed)
 
     def correct(self, x: float, y: float, now: float, *, whole: bool = True) -> None:
         """Take in where it was seen at `now`, or where a part of it was."""
@@ -144,11 +174,14 @@ class Movers:
     Attributes:
         things: These.
         met: When somebody was among them last [s].
+        doubtful: Echoes that may be of legs, as somebody is or was beside them [m], shape (D, 2).
     """
 
     def __init__(self) -> None:
         self.things: list[Mover] = []
         self.met = -inf
+        self.doubtful: Float = np.empty((0, 2))
+        self._lost: list[tuple[float, float, float]] = []
 
     def take(self, points: Float, origin: Float, limit: Float, now: float) -> Int:
         """Take the echoes of a scan that no wall explains.
@@ -173,13 +206,18 @@ class Movers:
                 thing.correct(*_middle(points[part], origin), now, whole=whole)
                 if away[part].min() < CLOSE:
                     thing.legs = min(max(thing.legs + _legs(points[part]), -OFTEN), 2 * OFTEN)
+                if thing.walks or thing.legs >= OFTEN:
+                    thing.believed = now + BELIEVED
             if thing.walks:
                 own.append(part)
+        doubted = self._doubted(points[near], owner, now)
         new = near[owner < 0]
         for part in _clusters(points[new]):
             middle = _middle(points[new[part]], origin)
-            self.things.append(Mover(*middle, 0.0, 0.0, now, middle))
-        self._merge()
+            self.things.append(self._begin(*middle, now))
+            doubted[np.isin(near, new[part])] |= now - self.met < ABOUT
+        self.doubtful = points[near[doubted]]
+        self._merge(now)
         self._forget(points, origin, limit, now)
         if self.people():
             self.met = now
@@ -196,12 +234,43 @@ class Movers:
         owner[off.min(axis=1) > GATE] = -1
         return owner
 
-    def _merge(self) -> None:
-        """Drop the younger one of two things that are too near to each other to be two people."""
+    def _doubted(self, points: Float, owner: Int, now: float) -> NDArray[np.bool_]:
+        """Return which echoes (N, 2) may be of somebody's legs, though they do not look so, (N,).
+
+        Args:
+            points: Echoes that no wall explains.
+            owner: Numbers of the things that they are of, -1 for none, shape (N,).
+            now: [s].
+        """
+        self._lost = [each for each in self._lost if each[2] > now - BELIEVED]
+        places = [thing.at(now) for thing in self.things if thing.is_person]
+        places += [(x, y) for x, y, _ in self._lost]
+        about = now - self.met < ABOUT
+        new = np.array([*(about and thing.times < NEW for thing in self.things), False])
+        doubted: NDArray[np.bool_] = new[owner]  # -1, for none, is the last
+        if places and len(points):
+            off = np.hypot(*(points[:, None] - np.array(places)[None]).transpose(2, 0, 1))
+            doubted = doubted | (off.min(axis=1) < PARTS)
+        return doubted
+
+    def _begin(self, x: float, y: float, now: float) -> Mover:
+        """Return a new thing; one that steps out of a thing of two people is one of them."""
+        new = Mover(x, y, 0.0, 0.0, now, (x, y))
+        for thing in self.things:
+            if thing.holds_two(now) and hypot(thing.x - x, thing.y - y) < PARTS:
+                new.walks, new.legs, thing.joined = thing.walks, thing.legs, -inf
+                break
+        return new
+
+    def _merge(self, now: float) -> None:
+        """Let the older one of two things that are too near to each other take in the other."""
         kept: list[Mover] = []
         for thing in sorted(self.things, key=lambda each: -each.times):
-            if all(hypot(thing.x - k.x, thing.y - k.y) > SAME for k in kept):
+            same = next((k for k in kept if hypot(thing.x - k.x, thing.y - k.y) <= SAME), None)
+            if same is None:
                 kept.append(thing)
+            else:
+                same.join(thing, now)
         self.things = kept
 
     def walking(self) -> list[Mover]:
@@ -219,6 +288,7 @@ class Movers:
             x, y = thing.at(now)
             moves = thing.stands is None and now - thing.seen < COASTS
             doubt = UNSURE if now - thing.seen > COASTS else 0.0
+            doubt += SAME / 2 * thing.holds_two(now)
             rows.append((x, y, thing.vx * moves, thing.vy * moves, RADIUS + doubt))
         return np.array(rows).reshape(-1, 5)
 
@@ -241,11 +311,13 @@ class Movers:
                 patience = HIDDEN if known else UNSEEN
             if age <= patience:
                 kept.append(thing)
+            elif thing.is_person:
+                self._lost.append((*thing.at(now), now))
         self.things = kept
 
     def forget(self) -> None:
         """Forget everything."""
-        self.things = []
+        self.things, self._lost, self.doubtful = [], [], np.empty((0, 2))
 
 
 def _middle(points: Float, origin: Float) -> tuple[float, float]:

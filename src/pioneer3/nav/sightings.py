@@ -45,7 +45,9 @@ ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
 """Directions off the axis of a sonar from which an echo may come."""
 BODY = 0.2
 """Echoes so near to somebody's middle and radius are of them [m]."""
-STOOD = 2.0
+COMING, LONG_AGO = 4.0, 3.0
+"""People are expected to go on for so far [m]; who was not seen for so long may have turned [s]."""
+STOOD = 12.0
 """Walkers who have stood for so long are in the way of plans [s]."""
 RING = 12
 """Points around one of these."""
@@ -263,6 +265,28 @@ class Sightings:
             if thing.stands is not None and now - thing.stands > STOOD
         ]
         return np.concatenate([np.empty((0, 2)), *standing])
+
+    def legs(self, people: Float, now: float) -> Float:
+        """Return echoes of the last scan that may be of legs, outside of known people [m], (N, 2).
+
+        Args:
+            people: Their x, y [m], velocity [m/s] and radius [m], shape (W, 5).
+            now: [s].
+        """
+        legs = self.movers.doubtful if self.latest(now) is not None else np.empty((0, 2))
+        for x, y, _, _, radius in people.tolist():
+            legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, RADIUS)]
+        return legs
+
+    def lines(self, now: float) -> Float:
+        """Return the lines on which people come, or would if they were let [m], shape (L, 4)."""
+        rows = [
+            (x, y, x + COMING * thing.heading[0], y + COMING * thing.heading[1])
+            for thing in self.movers.walking()
+            if now - thing.seen < LONG_AGO and any(thing.heading)
+            for x, y in [thing.at(now)]
+        ]
+        return np.array(rows).reshape(-1, 4)
 
     def are_people_about(self, now: float) -> bool:
         """Return whether somebody was seen within the last minute: then much may change soon."""

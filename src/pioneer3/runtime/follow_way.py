@@ -14,6 +14,7 @@ from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
+from pioneer3.nav.moving import BEYOND
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
@@ -137,7 +138,9 @@ class FollowWay:
         self, situation: Situation, robot_in_map: Pose2, obstacles: Float
     ) -> Desire | None:
         """Return the velocity of a robot that does not simply go on: for people, or to line up."""
-        aside = self._aside.decide(situation, robot_in_map, obstacles)
+        x, y, _ = self.follower.goal
+        left = hypot(x - robot_in_map.x, y - robot_in_map.y)
+        aside = self._aside.decide(situation, robot_in_map, obstacles, left)
         if aside is not None:
             self._since = None if self._since is None else self._since + self._aside.forgiven
             return aside
@@ -237,7 +240,9 @@ class FollowWay:
         cells = np.round(off / size[:, None]).astype(np.int64)
         _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
         points = np.concatenate([points[chosen], heard])
-        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers])
+        legs = np.pad(self.sightings.legs(walkers, now), ((0, 0), (0, 3)))
+        legs[:, 4] = BEYOND
+        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers, legs])
 
 
 def follow_way(

@@ -22,6 +22,12 @@ STUCK_ASIDE = 3.0
 """One that has gone aside, or does not get there, looks for another place after this [s]."""
 MEETS, GONE = 0.95, 0.7
 """Who stands so near [m] waits for the robot; it goes on once nobody has for the latter [s]."""
+PATIENT = 12.0
+"""Who has stood there for less than this [s] may turn back or walk round a robot that stands."""
+SEARCH_AGAIN = 1.0
+"""So often a robot that waits looks for a place beside their way [s]."""
+AT_GOAL = 0.5
+"""Nearer to its goal than this it waits rather than leave it again [m]."""
 ASIDE = 0.3
 """Speed of a robot that goes aside [m/s]."""
 LETS, STAYS, SAME = 10.0, 60.0, 0.3
@@ -49,15 +55,19 @@ class GoingAside:
     _before: float = field(default=0.0, init=False)
     _spent: float = field(default=0.0, init=False)
     _aside_since: float = field(default=0.0, init=False)
+    _searched: float = field(default=-inf, init=False)
     _stay: list[tuple[float, float, float]] = field(default_factory=list, init=False)
 
-    def decide(self, situation: Situation, robot_in_map: Pose2, obstacles: Float) -> Desire | None:
+    def decide(
+        self, situation: Situation, robot_in_map: Pose2, obstacles: Float, to_go: float = inf
+    ) -> Desire | None:
         """Return the velocity of a robot that goes aside, or `None` if nobody waits for it.
 
         Args:
             situation: Of now.
             robot_in_map: Where the robot is.
             obstacles: Nearby, as a follower takes them.
+            to_go: Distance from its goal [m].
         """
         now, here = situation.now, (robot_in_map.x, robot_in_map.y)
         self.forgiven = 0.0
@@ -69,8 +79,16 @@ class GoingAside:
         if waiting:
             self._asked = now
         if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
+            if self._to is None and self._is_patient(waiting, now):
+                if to_go < AT_GOAL or now - self._searched < SEARCH_AGAIN:
+                    return self._stand(now)
+                self._searched = now
+                self._to = self._beside(situation, robot_in_map, waiting, obstacles)
+                if self._to is None:
+                    return self._stand(now)
+            else:
+                self._to = self._way_out(situation, robot_in_map, waiting, obstacles) or self._to
             self._anchored = now
-            self._to = self._way_out(situation, robot_in_map, waiting, obstacles) or self._to
         elif self._to is not None and now - self._asked > GONE:
             self._to, self._anchored = None, now
         passed, self._before = max(0.0, min(now - self._before, 1.0)), now
@@ -83,6 +101,19 @@ class GoingAside:
         self._let_be(waiting, now)
         reason = "lets somebody pass" if there else "goes aside for somebody"
         return Desire(v=v, w=w, reason=reason)
+
+    def _is_patient(self, waiting: list[Mover], now: float) -> bool:
+        """Return whether somebody who waits has not stood for long."""
+        since = [each.seen if each.stands is None else each.stands for each in waiting]
+        return any(now - each < PATIENT for each in since)
+
+    def _stand(self, now: float) -> Desire:
+        """Let time pass that does not count as waiting in vain."""
+        passed, self._before = max(0.0, min(now - self._before, 1.0)), now
+        self._spent += passed
+        self.forgiven = passed if self._spent < LONGEST else 0.0
+        self._aside_since = now
+        return Desire(v=0.0, w=0.0, reason="waits for somebody")
 
     def _let_be(self, waiting: list[Mover], now: float) -> None:
         """Note people who do not wait for the robot: they stay though it goes aside."""
@@ -106,6 +137,13 @@ class GoingAside:
         self, situation: Situation, at: Pose2, near: list[Mover], obstacles: Float
     ) -> Follower | Manoeuvre | None:
         """Return a drive out of people's ways, if there is one: beside them, or farther off."""
+        beside = self._beside(situation, at, near, obstacles)
+        return beside or self._place(situation, at, near)
+
+    def _beside(
+        self, situation: Situation, at: Pose2, near: list[Mover], obstacles: Float
+    ) -> Manoeuvre | None:
+        """Return a drive to the nearest pose beside people's ways, if one is near."""
         first = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
         model = situation.model
         for ways in (
@@ -116,7 +154,7 @@ class GoingAside:
             poses = find_way_aside(at, model, obstacles, ways, self.sightings.costs)
             if poses is not None:
                 return Manoeuvre(poses, model, situation.limits)
-        return self._place(situation, at, near)
+        return None
 
     def _place(self, situation: Situation, at: Pose2, near: list[Mover]) -> Follower | None:
         """Return the follower to a place where nobody goes, if there is one."""

@@ -1,7 +1,7 @@
 """Lines a robot up with narrow places on its way, by manoeuvres."""
 
 from dataclasses import dataclass, field
-from math import inf
+from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ Float = NDArray[np.float64]
 
 HELD_UP, SEARCH_AGAIN = 4.0, 2.0
 """A robot that comes no nearer for so long looks for a manoeuvre, and again so often [s]."""
+MOVED = 0.2
+"""Nor one that has come so far meanwhile [m]: its way leads elsewhere now."""
 
 
 @dataclass(slots=True)
@@ -23,6 +25,8 @@ class LiningUp:
 
     _manoeuvre: Manoeuvre | None = field(default=None, init=False)
     _searched: float = field(default=-inf, init=False)
+    _anchor: tuple[float, float] = field(default=(inf, inf), init=False)
+    _anchored: float = field(default=-inf, init=False)
 
     def decide(
         self,
@@ -41,6 +45,10 @@ class LiningUp:
             to_go: The cost to its goal.
             held_up: For how long it has come no nearer [s].
         """
+        x, y = robot_in_map.x, robot_in_map.y
+        if hypot(x - self._anchor[0], y - self._anchor[1]) > MOVED:
+            self._anchor, self._anchored = (x, y), situation.now
+        held_up = min(held_up, situation.now - self._anchored)
         late = situation.now - self._searched > SEARCH_AGAIN
         if self._manoeuvre is None and held_up > HELD_UP and late:
             self._searched = situation.now

@@ -104,7 +104,7 @@ class Ways:
         for number, obstacles in enumerate(tries):
             if number and len(obstacles) == len(tries[number - 1]):
                 continue  # the same once more
-            around = self._costs.with_obstacles(obstacles)
+            around = self._costs.with_obstacles(obstacles).with_lines(self._sightings.lines(now))
             way = await self._in_thread(plan, around, (here.x, here.y), (goal.x, goal.y))
             if isinstance(way, Way):
                 return way

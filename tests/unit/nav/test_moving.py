@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pioneer3.nav.moving import HIDDEN, OFTEN, RADIUS, Movers
+from pioneer3.nav.moving import ABOUT, BELIEVED, HIDDEN, NEW, OFTEN, RADIUS, Movers
 
 Float = NDArray[np.float64]
 LASER = np.zeros(2)
@@ -104,3 +104,62 @@ def test_who_is_not_where_the_laser_looks_has_gone() -> None:
     walk(movers, (3.0, 0.0), (-0.8, 0.0), 15)
     movers.take(np.empty((0, 2)), LASER, AHEAD, 2.5)
     assert not movers.things
+
+
+def crowd(x: float, y: float) -> Float:
+    """Return the echoes of two people who stand in each other: a blot as wide as no leg is."""
+    return np.stack([np.full(12, x), np.linspace(y - 0.25, y + 0.25, 12)], axis=1)
+
+
+def meet(movers: Movers) -> None:
+    """Let somebody walk up to another one who stands, until both are one thing to the laser."""
+    walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
+    for step in range(20):
+        away = max(0.0, 1.2 - 0.08 * step)
+        points = np.concatenate([legs(2.0, 0.0), legs(2.02, away)]) if away > 0.2 else crowd(2, 0)
+        movers.take(points, LASER, AHEAD, DT * (OFTEN + 2 + step))
+
+
+def test_two_who_stand_in_each_other_stay_people_though_they_look_like_none() -> None:
+    movers = Movers()
+    meet(movers)
+    for step in range(30):
+        movers.take(crowd(2.0, 0.0), LASER, AHEAD, 3.0 + DT * step)
+    [person] = movers.people()
+    assert person.holds_two(6.0)
+    assert movers.discs(6.0)[0, 4] > RADIUS
+
+
+def test_who_steps_out_of_two_is_a_person_at_once() -> None:
+    movers = Movers()
+    meet(movers)
+    for step in range(4):
+        points = np.concatenate([legs(2.0, 0.0), legs(2.0, 0.5 + 0.08 * step)])
+        movers.take(points, LASER, AHEAD, 3.0 + DT * step)
+    assert len(movers.people()) == 2
+
+
+def test_who_looks_like_no_person_any_more_is_believed_for_a_while() -> None:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (0.0, 0.0), OFTEN + 2)
+    for step in range(OFTEN + 2, round(BELIEVED / DT) + 2 * OFTEN):
+        movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
+        assert bool(movers.people()) or DT * step > BELIEVED
+    assert not movers.people()
+
+
+@pytest.mark.parametrize("met", [0.0, -2 * ABOUT])
+def test_a_new_thing_may_be_legs_where_people_are_and_an_old_one_is_none(met: float) -> None:
+    movers = Movers()
+    movers.met = met
+    for step in range(NEW + 2):
+        movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
+        assert len(movers.doubtful) == (12 if step < NEW - 1 and met == 0.0 else 0)
+
+
+def test_what_is_beside_somebody_may_be_legs() -> None:
+    movers = Movers()
+    for step in range(NEW + 2 * OFTEN):
+        near = [legs(2.0, 0.7)] if step > NEW else []
+        movers.take(np.concatenate([box(2.0, 0.0), *near]), LASER, AHEAD, DT * step)
+    assert {(2.0, -0.2), (2.0, 0.2)} & {tuple(each) for each in movers.doubtful.round(6).tolist()}

@@ -18,7 +18,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.maps import Bounds, LineMap, OccupancyGrid
 from pioneer3.maps.grid import outline
 from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
-from pioneer3.nav.costs import CostMap
+from pioneer3.nav.costs import PASSES, CostMap
 from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
 from pioneer3.nav.raster import Raster
 from tests.unit.nav.offices import AT, area, box, costs, room, two_rooms
@@ -248,3 +248,19 @@ def test_a_map_of_kilometres_is_refused() -> None:
     far = LineMap(name="far", walls=np.array([[0.0, 0.0, 9e3, 9e3]]))
     with pytest.raises(ConfigError, match="the map is 9000 x 9000 m"):
         costs(far)
+
+
+def test_a_way_keeps_beside_the_line_on_which_somebody_comes() -> None:
+    on, line = costs(room()), np.array([[8.0, 3.0, 4.0, 3.0]])
+    straight = way(on, (1.0, 3.0), (9.0, 3.0))
+    beside = way(on.with_lines(line), (1.0, 3.0), (9.0, 3.0))
+    middle = [y for x, y in beside.points.tolist() if 5.0 < x < 7.0]
+    assert all(abs(y - 3.0) > PASSES + AT.width / 2 for y in middle)
+    assert beside.length < straight.length + 1.0
+
+
+def test_a_way_leads_through_people_where_there_is_no_other_one() -> None:
+    on = costs(two_rooms(0.9))
+    there = way(on, (1.0, 3.0), (9.0, 3.0))
+    lines = np.array([[*there.points[-1], *there.points[0]]])
+    assert way(on.with_lines(lines), (1.0, 3.0), (9.0, 3.0)).length < there.length + 2.5

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.sightings import AGE, Sightings
+from pioneer3.nav.sightings import AGE, COMING, LONG_AGO, STOOD, Sightings
 from tests.unit.nav.offices import costs, room
 
 Float = NDArray[np.float64]
@@ -181,9 +181,31 @@ def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) 
 def test_a_walker_who_stands_is_planned_around_unless_it_is_the_only_way(
     sightings: Sightings,
 ) -> None:
-    for step in range(60):
+    come_and_stand(sightings, 2.0 + STOOD)
+    assert not len(sightings.points(7.0 + STOOD - 2.0))
+    assert len(sightings.points(7.0 + STOOD)) > 5
+    assert not len(sightings.points(7.0 + STOOD, people=False))
+
+
+def come_and_stand(sightings: Sightings, seconds: float) -> None:
+    """Let somebody come from the right, from second 5 on, and stand ahead of the robot."""
+    for step in range(round(seconds / 0.1)):
         y = -1.0 + 0.08 * min(step, 15)
         legs = [(2.5, y + side + off) for side in (-0.12, 0.12) for off in (-0.04, 0.0, 0.04)]
         sightings.take(beams(5.0 + 0.1 * step, *legs), HERE)
-    assert len(sightings.points(10.9)) > 5
-    assert not len(sightings.points(10.9, people=False))
+
+
+def test_the_line_on_which_somebody_comes_is_told(sightings: Sightings) -> None:
+    come_and_stand(sightings, 1.5)
+    [(x, y, to_x, to_y)] = sightings.lines(6.5).tolist()
+    assert (x, y) == pytest.approx((4.5, 3.1), abs=0.2)
+    assert (to_x - x, to_y - y) == pytest.approx((0.0, COMING), abs=1.5)
+    assert not len(sightings.lines(6.5 + LONG_AGO))
+
+
+def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
+    come_and_stand(sightings, 2.0)
+    people = sightings.movers.discs(6.9)
+    assert not len(sightings.legs(people, 6.9))
+    assert len(sightings.legs(people[:0], 6.9))
+    assert not len(sightings.legs(people[:0], 9.0))

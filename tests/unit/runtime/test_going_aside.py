@@ -1,12 +1,21 @@
 """A robot that somebody waits for."""
 
+import numpy as np
 import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
 from pioneer3.nav.moving import Mover
 from pioneer3.nav.sightings import Sightings
-from pioneer3.runtime.going_aside import GONE, LETS, LONGEST, STUCK, GoingAside
+from pioneer3.runtime.going_aside import (
+    AT_GOAL,
+    GONE,
+    LETS,
+    LONGEST,
+    PATIENT,
+    STUCK,
+    GoingAside,
+)
 from tests.unit.behaviors.support import seen
 from tests.unit.nav.offices import costs, room
 
@@ -83,3 +92,30 @@ def test_the_time_it_spends_aside_is_forgiven_but_not_for_ever(aside: GoingAside
     assert aside.forgiven == pytest.approx(DT)
     reasons(aside, 5.0, LONGEST)
     assert aside.forgiven == 0.0
+
+
+def test_at_its_goal_it_waits_rather_than_goes_aside(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    found = [
+        aside.decide(seen(tick * DT), HERE, NO_OBSTACLES, AT_GOAL / 2)
+        for tick in range(round(PATIENT / DT))
+    ]
+    told = [desire.reason if desire else "" for desire in found]
+    waits = told[round(STUCK / DT) + 1 : round(PATIENT / DT)]
+    assert set(waits) == {"waits for somebody"}
+    assert all(desire is None or (desire.v, desire.w) == (0.0, 0.0) for desire in found)
+
+
+def test_it_waits_for_who_has_just_come_where_no_place_is_beside_their_way(
+    aside: GoingAside,
+) -> None:
+    meet(aside, 5.8, 0.0)
+    angles = np.linspace(0.0, 2 * np.pi, 40)
+    ring = np.stack([5.0 + 0.48 * np.cos(angles), 3.0 + 0.48 * np.sin(angles)], axis=1)
+    around = np.pad(ring, ((0, 0), (0, 3)))
+    desire = None
+    for tick in range(round(3.0 / DT)):
+        desire = aside.decide(seen(tick * DT), HERE, around)
+    assert desire is not None
+    assert (desire.v, desire.w, desire.reason) == (0.0, 0.0, "waits for somebody")
+    assert aside.forgiven == pytest.approx(DT)
