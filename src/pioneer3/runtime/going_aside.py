@@ -79,7 +79,7 @@ class GoingAside:
         if waiting:
             self._asked = now
         if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
-            if self._to is None and self._is_patient(waiting, now):
+            if self._to is None and _came_lately(waiting, now):
                 if to_go < AT_GOAL or now - self._searched < SEARCH_AGAIN:
                     return self._stand(now)
                 self._searched = now
@@ -91,29 +91,25 @@ class GoingAside:
             self._anchored = now
         elif self._to is not None and now - self._asked > GONE:
             self._to, self._anchored = None, now
-        passed, self._before = max(0.0, min(now - self._before, 1.0)), now
         if self._to is None:
-            self._aside_since = now
+            self._before = self._aside_since = now
             return None
-        self._spent += passed
-        self.forgiven = passed if self._spent < LONGEST else 0.0
+        self._spend(now)
         v, w, there = self._drive(self._to, situation, robot_in_map, obstacles)
         self._let_be(waiting, now)
         reason = "lets somebody pass" if there else "goes aside for somebody"
         return Desire(v=v, w=w, reason=reason)
 
-    def _is_patient(self, waiting: list[Mover], now: float) -> bool:
-        """Return whether somebody who waits has not stood for long."""
-        since = [each.seen if each.stands is None else each.stands for each in waiting]
-        return any(now - each < PATIENT for each in since)
-
     def _stand(self, now: float) -> Desire:
+        self._spend(now)
+        self._aside_since = now
+        return Desire(v=0.0, w=0.0, reason="waits for somebody")
+
+    def _spend(self, now: float) -> None:
         """Let time pass that does not count as waiting in vain."""
         passed, self._before = max(0.0, min(now - self._before, 1.0)), now
         self._spent += passed
         self.forgiven = passed if self._spent < LONGEST else 0.0
-        self._aside_since = now
-        return Desire(v=0.0, w=0.0, reason="waits for somebody")
 
     def _let_be(self, waiting: list[Mover], now: float) -> None:
         """Note people who do not wait for the robot: they stay though it goes aside."""
@@ -178,3 +174,9 @@ class GoingAside:
             and (each.stands is not None or now - each.seen > STUCK)
             and not any(hypot(each.x - x, each.y - y) < SAME for x, y, _ in self._stay)
         ]
+
+
+def _came_lately(waiting: list[Mover], now: float) -> bool:
+    """Return whether one of those who wait has not stood for long."""
+    since = [each.seen if each.stands is None else each.stands for each in waiting]
+    return any(now - each < PATIENT for each in since)
