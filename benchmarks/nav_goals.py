@@ -1,7 +1,7 @@
 """Drives of whole robots to places of a map: driver, link, firmware, world, all in virtual time."""
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -47,7 +47,7 @@ MODELS = ("p3at-sh", "p3dx-sh")
 PATIENCE = 240.0
 """Longest drive to one goal [s]."""
 FAR = 3.0
-"""Goals are farther away than this [m]."""
+"""Goals are farther away than this, and people walk farther [m]."""
 MOVES = 0.02
 """A contact counts if the point of the robot that touches moves faster than this [m/s]: somebody
 who walks up to a robot that stands is not hit by it."""
@@ -187,7 +187,7 @@ class Course:
                 path.append(tuple(ways.centres[here].tolist()))
                 here = int(onwards[here])
             x, y = path[0]
-            if hypot(x - self.home.x, y - self.home.y) > AWAY and len(path) > 5:
+            if hypot(x - self.home.x, y - self.home.y) > AWAY and _length(path) > FAR:
                 count += 1
                 yield Person(path=tuple(path[::5]), loop=False, speed=WALK)
 
@@ -226,6 +226,11 @@ class Course:
             kernels=Kernels(),
             model=trial.model,
         )
+
+
+def _length(path: Sequence[tuple[float, float]]) -> float:
+    """Return the length of a path [m]."""
+    return float(np.hypot(*np.diff(np.array(path), axis=0).T).sum())
 
 
 def _from(to_go: CostToGo, here: Pose2) -> float:
