@@ -42,6 +42,8 @@ TURN_FIRST = 1.0
 """Farther off its way it turns first, or goes slowly where there is no room for that [rad]."""
 BETTER = 0.03
 """Less than this is no headway [m in the open]."""
+WORTH = 0.01
+"""Beside people a robot stands rather than move for less than this [m in the open]."""
 HESITATES, INSISTS = 30, 15
 """After so many steps without headway it does not turn where it stands, for so many more."""
 BACK = 0.1
@@ -143,10 +145,16 @@ class Follower:
             step = self._arrive(robot_in_map, twist, distance, obstacles)
             if step is not None:
                 return step
-        return self._drive(robot_in_map, twist, obstacles, top_speed)
+        return self._drive(robot_in_map, twist, obstacles, top_speed, may_stand=gently)
 
     def _drive(
-        self, robot_in_map: Pose2, twist: Twist2, obstacles: Float, top_speed: float
+        self,
+        robot_in_map: Pose2,
+        twist: Twist2,
+        obstacles: Float,
+        top_speed: float,
+        *,
+        may_stand: bool,
     ) -> Step:
         top = min(top_speed, self.limits.max_speed)
         commands = self._commands(top)
@@ -175,6 +183,7 @@ class Follower:
             self._turn = 0.0
             return Step(v=0.0, w=0.0, reason="something is in the way", blocked=True)
         cost = to_go + HEADING * off + ROOM * (NEAR - gap)
+        worth = cost.copy()
         change = CHANGE_ASIDE if self.either_way else CHANGE
         cost += change * np.abs(commands[:, 1] - self._turn)
         if not self.either_way:
@@ -183,6 +192,11 @@ class Follower:
             cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
+        room = gaps_at(robot_in_map, self.model, obstacles).min(initial=inf) - KEEP
+        standing_cost = left + HEADING * off_way + ROOM * (NEAR - min(float(room), NEAR))
+        if may_stand and worth[best] > standing_cost - WORTH:
+            self._turn = 0.0
+            return Step(v=0.0, w=0.0, reason="somebody is in the way", blocked=True)
         v, w = commands[best].tolist()
         self._turn = w
         here = judged[standing][0] if standing.any() else None

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.costs import CostMap
-from pioneer3.nav.moving import RADIUS, Mover
+from pioneer3.nav.mover import Mover
+from pioneer3.nav.moving import RADIUS
 from pioneer3.nav.planner import CostToGo
 from pioneer3.nav.raster import Raster
 

@@ -1,7 +1,7 @@
 """Manoeuvres: out of places where a robot that is longer than wide has to line up with a gap."""
 
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import atan2, cos, hypot, inf, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,10 @@ PROGRESS = 0.3
 """A manoeuvre brings the robot so much nearer to its goal [m in the open]."""
 FREE = 0.02
 """With so much room around its farthest corner it turns as it likes [m]."""
-SPEED, TURN_RATE = 0.1, 0.5
-"""Of a manoeuvre [m/s, rad/s]."""
+SPEED, TURN_RATE, ROOM = (0.1, 0.3), (0.5, 1.0), (0.06, 0.3)
+"""Of a manoeuvre [m/s, rad/s], with so much room around the robot [m]."""
+LOOK = 0.3
+"""So far ahead it looks for what it would touch, and as far as it needs to slow down [s]."""
 AHEAD = 0.15
 """Arcs are steered by a point so far ahead [m]."""
 THERE, ALIGNED = 0.015, 0.03
@@ -166,20 +168,36 @@ class Manoeuvre:
             obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         """
         self.done = self.done or len(self.poses) < 2
+        room = float(gaps_at(robot_in_map, self.model, obstacles).min(initial=inf))
+        brisk = min(max((room - ROOM[0]) / (ROOM[1] - ROOM[0]), 0.0), 1.0)
         while not self.done:
             end, way = self._run()
-            command = self._drive(robot_in_map, end, way) if way else self._turn(robot_in_map, end)
-            if command is not None:
-                v, w = command
-                ahead = robot_in_map @ Pose2(0.3 * v, 0.0, 0.3 * w)
-                kept = np.minimum(TOUCHES, gaps_at(robot_in_map, self.model, obstacles))
-                if (gaps_at(ahead, self.model, obstacles) < kept).any():
+            for pace in (brisk, 0.0):
+                command = self._command(robot_in_map, end, way, pace)
+                if command is None:
                     break
-                return command
+                if not self._touches(robot_in_map, command, obstacles):
+                    return command
+            if command is not None:
+                break
             self._at = end
             self.done = end + 1 >= len(self.poses)
         self.done = True
         return 0.0, 0.0
+
+    def _command(self, at: Pose2, end: int, way: int, pace: float) -> tuple[float, float] | None:
+        """Return the velocity at a pace of 0 to 1, or `None` at the end of a run."""
+        if way:
+            return self._drive(at, end, way, SPEED[0] + pace * (SPEED[1] - SPEED[0]))
+        return self._turn(at, end, TURN_RATE[0] + pace * (TURN_RATE[1] - TURN_RATE[0]))
+
+    def _touches(self, at: Pose2, command: tuple[float, float], obstacles: Float) -> bool:
+        """Return whether the robot would touch something before it stops."""
+        v, w = command
+        time = LOOK + max(0.0, abs(v) - SPEED[0]) / self.limits.deceleration
+        kept = np.minimum(TOUCHES, gaps_at(at, self.model, obstacles))
+        ahead = at @ Pose2(time * v, 0.0, time * w)
+        return bool((gaps_at(ahead, self.model, obstacles) < kept).any())
 
     def _run(self) -> tuple[int, int]:
         """Return the last pose of the present run, and its direction: 1 or -1, 0 for a turn."""
@@ -196,15 +214,15 @@ class Manoeuvre:
             return 0
         return 1 if dx * cos(theta) + dy * sin(theta) > 0 else -1
 
-    def _turn(self, at: Pose2, end: int) -> tuple[float, float] | None:
+    def _turn(self, at: Pose2, end: int, fastest: float) -> tuple[float, float] | None:
         off = wrap(float(self.poses[end, 2]) - at.theta)
         if abs(off) < ALIGNED:
             return None
         rate = max(SLOWEST_TURN, sqrt(self.limits.turn_deceleration * abs(off)))
-        rate = min(rate, TURN_RATE, self.limits.max_turn_rate)
+        rate = min(rate, fastest, self.limits.max_turn_rate)
         return 0.0, rate if off > 0 else -rate
 
-    def _drive(self, at: Pose2, end: int, way: int) -> tuple[float, float] | None:
+    def _drive(self, at: Pose2, end: int, way: int, top: float) -> tuple[float, float] | None:
         """Return the velocity along a run of arcs, or `None` at its end."""
         x, y, theta = self.poses[end]
         left = way * ((x - at.x) * cos(theta) + (y - at.y) * sin(theta))
@@ -221,8 +239,8 @@ class Manoeuvre:
         dx, dy = to_x - at.x, to_y - at.y
         bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
         curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
-        v = min(SPEED, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
-        w = max(-TURN_RATE, min(TURN_RATE, v * curvature))
+        v = min(top, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
+        w = max(-TURN_RATE[0], min(TURN_RATE[0], v * curvature))
         return way * v, w
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import atan2, hypot, inf, pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +10,12 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
+from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
-from pioneer3.nav.moving import COASTS, RADIUS, Movers, has_company
+from pioneer3.nav.mover import COASTS
+from pioneer3.nav.moving import RADIUS, Movers
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -33,24 +36,47 @@ LATEST = 0.5
 """Older scans say nothing of now [s]."""
 DOUBT = 0.05
 """A wall may be off so much more for each metre from the laser, and is no walker for that."""
-HEARD, HEARD_AGE = 3, 15.0
+HEARD, HEARD_AGE, HEARD_AMONG_PEOPLE = 3, 15.0, 3.0
 """Plans avoid what sonars have heard so often, until so long after the last time [s]."""
 ECHO, ECHO_AGE = 1.5, 3.0
 """Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
+LISTENS = 2.5
+"""Sonars tell up to here that nobody is there [m]."""
 ECHO_NEAR = 0.5
 """Nearer than this a thing may be anywhere on the arc of its echo [m]; farther ones close doors."""
 ECHO_SAME = 0.1
 """Echoes from the same direction are of one thing, if no farther apart [m]."""
+SURE = np.radians(10.0)
+"""So near to its axis a sonar hears all that is there [rad]."""
 ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
 """Directions off the axis of a sonar from which an echo may come."""
-BODY = 0.2
-"""Echoes so near to somebody's middle and radius are of them [m]."""
+BODY, OWN = 0.2, 0.1
+"""Radius of what may be behind a near echo where people are [m]; echoes that are no farther from
+somebody's side than the latter are of them [m].
+"""
+BEAM = np.radians([-15.0, 0.0, 15.0])
+"""Directions off the axis of a sonar in which it hears a body."""
+NOBODY: Float = np.empty((0, 2))
 COMING, LONG_AGO = 4.0, 3.0
 """People are expected to go on for so far [m]; who was not seen for so long may have turned [s]."""
 STOOD = 12.0
 """Walkers who have stood for so long are in the way of plans [s]."""
 RING = 12
 """Points around one of these."""
+
+
+class Echo(NamedTuple):
+    """What a sonar heard.
+
+    Attributes:
+        when: [s].
+        arc: Points from where it may have come [m], shape (N, 2).
+        bodies: Middles of bodies that may have sent it back [m], shape (B, 2).
+    """
+
+    when: float
+    arc: Float
+    bodies: Float
 
 
 class Sightings:
@@ -70,7 +96,7 @@ class Sightings:
         self._seen: Float = np.zeros(costs.raster.shape)
         self._heard: Float = np.zeros(costs.raster.shape)
         self._times = np.zeros(costs.raster.shape, dtype=np.uint8)
-        self._arcs: list[tuple[float, Float]] = []
+        self._arcs: list[Echo] = []
         self._before: Beams | None = None
         self._echoes = self._latest = -inf, np.empty((0, 2))
 
@@ -145,6 +171,7 @@ class Sightings:
             at = robot_in_map @ Pose2(x, y, theta)
             axis = np.array((np.cos(at.theta), np.sin(at.theta)))
             place = np.array((at.x, at.y))
+            self.movers.hear(at, min(metres, LISTENS), now)
             free = np.arange(0.1, min(metres, ECHO) - SHORT, raster.cell)
             rows, columns = self._cells(place + free[:, None] * axis)
             self._heard[rows, columns], self._times[rows, columns] = 0.0, 0
@@ -159,23 +186,30 @@ class Sightings:
             if any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist()):
                 continue  # the laser sees it, and knows better where it is
             echo = place + metres * axis
-            if any(hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + BODY for p in people):
+            if any(hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + OWN for p in people):
                 continue
             around = self._around(float(echo[0]), float(echo[1]), raster.cell)
             self._times[around] = np.minimum(self._times[around], 200) + 1
             row, column = rows[2], columns[2]
             self._heard[row, column] = now
-            self._arcs.append((now, arc if metres < ECHO_NEAR else echo[None]))
+            near = metres < ECHO_NEAR
+            bodies = NOBODY
+            if near and self.are_people_about(now):
+                turned = at.theta + BEAM
+                bodies = place + (metres + BODY) * np.stack(
+                    [np.cos(turned), np.sin(turned)], axis=1
+                )
+            self._arcs.append(Echo(now, arc if near else echo[None], bodies))
 
     def _clear_arcs(self, transducer: Pose2, metres: float) -> None:
         """Forget the echoes from within the cone of a sonar that tells of it anew."""
         kept = []
-        for when, arc in self._arcs:
-            x, y = arc[len(arc) // 2].tolist()
+        for each in self._arcs:
+            x, y = each.arc[len(each.arc) // 2].tolist()
             off = transducer.inverse() @ Pose2(x, y)
-            in_cone = abs(atan2(off.y, off.x)) < ARC[-1]
+            in_cone = abs(atan2(off.y, off.x)) < SURE
             if not in_cone or hypot(off.x, off.y) > metres + ECHO_SAME:
-                kept.append((when, arc))
+                kept.append(each)
         self._arcs = kept
 
     def _cells(self, points: Float) -> tuple[Int, Int]:
@@ -215,7 +249,8 @@ class Sightings:
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
         seen = self._middles(self._seen, whole, now - age)
         often = np.where(self._times >= HEARD, self._heard, 0.0)
-        heard = self._middles(often, whole, now - min(age, HEARD_AGE))
+        heard_age = HEARD_AMONG_PEOPLE if self.are_people_about(now) else HEARD_AGE
+        heard = self._middles(often, whole, now - min(age, heard_age))
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
     def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
@@ -224,9 +259,14 @@ class Sightings:
 
     def heard(self, x: float, y: float, within: float, now: float) -> Float:
         """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
-        self._arcs = [each for each in self._arcs if each[0] > now - ECHO_AGE]
-        arcs = np.concatenate([np.empty((0, 2)), *(arc for _, arc in self._arcs)])
+        self._arcs = [each for each in self._arcs if each.when > now - ECHO_AGE]
+        arcs = np.concatenate([NOBODY, *(each.arc for each in self._arcs)])
         return arcs[np.hypot(arcs[:, 0] - x, arcs[:, 1] - y) < within]
+
+    def bodies(self, now: float) -> Float:
+        """Return the middles of bodies of radius `BODY` that may be behind near echoes, (N, 2)."""
+        fresh = (each.bodies for each in self._arcs if each.when > now - ECHO_AGE)
+        return np.concatenate([NOBODY, *fresh])
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""

@@ -16,7 +16,7 @@ from pioneer3.nav.beams import beams_of
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.moving import BEYOND
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import Sightings, in_map
+from pioneer3.nav.sightings import BODY, Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
 from pioneer3.runtime.lining_up import LiningUp
 
@@ -119,8 +119,6 @@ class FollowWay:
         robot_in_map = self.odom_in_map() @ situation.pose
         self._listen(situation, robot_in_map)
         obstacles = self._obstacles(situation, robot_in_map)
-        if recovers := self._recover(situation, robot_in_map, obstacles):
-            return recovers
         top_speed = min(self.top_speed, self._preferred_speed(robot_in_map))
         step = self.follower.step(
             robot_in_map,
@@ -131,6 +129,8 @@ class FollowWay:
         )
         self.arrived, self.blocked = step.arrived, step.blocked
         self.done = self.arrived and self.last
+        if not step.arrived and (recovers := self._recover(situation, robot_in_map, obstacles)):
+            return recovers
         self._check_progress(situation.now, robot_in_map)
         return Desire(v=step.v, w=step.w, reason=step.reason)
 
@@ -140,7 +140,7 @@ class FollowWay:
         """Return the velocity of a robot that does not simply go on: for people, or to line up."""
         x, y, _ = self.follower.goal
         left = hypot(x - robot_in_map.x, y - robot_in_map.y)
-        aside = self._aside.decide(situation, robot_in_map, obstacles, left)
+        aside = self._aside.decide(situation, robot_in_map, obstacles, left, blocked=self.blocked)
         if aside is not None:
             self._since = None if self._since is None else self._since + self._aside.forgiven
             return aside
@@ -242,7 +242,9 @@ class FollowWay:
         points = np.concatenate([points[chosen], heard])
         legs = np.pad(self.sightings.legs(walkers, now), ((0, 0), (0, 3)))
         legs[:, 4] = BEYOND
-        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers, legs])
+        bodies = np.pad(self.sightings.bodies(now), ((0, 0), (0, 3)))
+        bodies[:, 4] = BODY
+        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers, legs, bodies])
 
 
 def follow_way(

@@ -11,7 +11,7 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.giving_way import WINDOW, refuge, ways_of
 from pioneer3.nav.manoeuvre import Manoeuvre, find_way_aside
-from pioneer3.nav.moving import Mover
+from pioneer3.nav.mover import Mover
 from pioneer3.nav.sightings import Sightings
 
 Float = NDArray[np.float64]
@@ -59,7 +59,12 @@ class GoingAside:
     _stay: list[tuple[float, float, float]] = field(default_factory=list, init=False)
 
     def decide(
-        self, situation: Situation, robot_in_map: Pose2, obstacles: Float, to_go: float = inf
+        self,
+        situation: Situation,
+        robot_in_map: Pose2,
+        obstacles: Float,
+        to_go: float = inf,
+        blocked: bool = True,
     ) -> Desire | None:
         """Return the velocity of a robot that goes aside, or `None` if nobody waits for it.
 
@@ -68,6 +73,7 @@ class GoingAside:
             robot_in_map: Where the robot is.
             obstacles: Nearby, as a follower takes them.
             to_go: Distance from its goal [m].
+            blocked: Whether no motion leads on; a robot that goes on waits for nobody.
         """
         now, here = situation.now, (robot_in_map.x, robot_in_map.y)
         self.forgiven = 0.0
@@ -78,7 +84,11 @@ class GoingAside:
         stuck, waiting = now - self._anchored, self._waiting(here, now)
         if waiting:
             self._asked = now
-        if waiting and stuck > (STUCK if self._to is None else STUCK_ASIDE):
+        if (
+            waiting
+            and (blocked or self._to is not None)
+            and stuck > (STUCK if self._to is None else STUCK_ASIDE)
+        ):
             if self._to is None and _came_lately(waiting, now):
                 if to_go < AT_GOAL or now - self._searched < SEARCH_AGAIN:
                     return self._stand(now)

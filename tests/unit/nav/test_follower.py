@@ -147,6 +147,22 @@ def test_it_does_not_turn_into_somebody_who_stands_beside_it() -> None:
     assert step.blocked
 
 
+def test_beside_somebody_who_blocks_its_way_it_stands_rather_than_turn_to_and_fro() -> None:
+    begin = Pose2(6.0, 3.0, 0.0)
+    by = follower(room(), begin, (9.0, 3.0, None))
+    ahead = 6.0 + AT.length_front + 0.05 + 0.28
+    crowd = np.array(
+        [[ahead, 3.0 + side, 0.0, 0.0, 0.28] for side in (-0.7, -0.35, 0.0, 0.35, 0.7)]
+    )
+    assert by.step(begin, Twist2(), crowd).w != 0.0
+    step = by.step(begin, Twist2(), crowd, gently=True)
+    assert (step.v, step.w) == (0.0, 0.0)
+    assert step.blocked
+    free = by.step(begin, Twist2(), crowd + np.array([1.5, 0.0, 0.0, 0.0, 0.0]), gently=True)
+    assert free.v > 0.0
+    assert not free.blocked
+
+
 def test_a_robot_that_goes_aside_backs_off() -> None:
     begin = Pose2(5.0, 3.0, 0.0)
     way = plan(costs(room()), (begin.x, begin.y), (3.5, 3.0))

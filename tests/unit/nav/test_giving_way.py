@@ -6,7 +6,8 @@ import numpy as np
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.giving_way import BESIDE, refuge
-from pioneer3.nav.moving import RADIUS, Mover
+from pioneer3.nav.mover import Mover
+from pioneer3.nav.moving import RADIUS
 from tests.unit.nav.offices import AT, costs, room, two_rooms
 
 NOTHING = np.empty((0, 2))

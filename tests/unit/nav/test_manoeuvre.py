@@ -16,6 +16,8 @@ from pioneer3.nav.manoeuvre import (
     BACKWARDS,
     GAP,
     PROGRESS,
+    ROOM,
+    SPEED,
     STEP,
     Manoeuvre,
     find_manoeuvre,
@@ -119,6 +121,35 @@ def test_a_robot_drives_it_without_touching_anything(theta: float) -> None:
     assert drive.done
     assert hypot(at.x - poses[-1, 0], at.y - poses[-1, 1]) < 0.05
     assert nearest > 0.0
+
+
+STRAIGHT_BACK = np.stack([5.0 - STEP * np.arange(12), np.full(12, 3.0), np.zeros(12)], axis=1)
+
+
+def test_it_is_faster_where_there_is_room() -> None:
+    speeds = []
+    for beside in (ROOM[0], (ROOM[0] + ROOM[1]) / 2, ROOM[1], 10.0):
+        thing = things(np.array([[5.0, 3.0 + AT.width / 2 + beside]]))
+        v, _ = Manoeuvre(STRAIGHT_BACK, AT, LIMITS).step(Pose2(5.0, 3.0, 0.0), thing)
+        speeds.append(-v)
+    middle = (SPEED[0] + SPEED[1]) / 2
+    assert speeds == pytest.approx([SPEED[0], middle, SPEED[1], SPEED[1]])
+
+
+@pytest.mark.parametrize("off", [0.35, 0.3, 0.2, 0.1])
+def test_it_slows_down_in_time_for_what_is_ahead(off: float) -> None:
+    thing = things(np.array([[5.0 - AT.length_rear - off, 3.0]]))
+    drive, at, v, clear = Manoeuvre(STRAIGHT_BACK, AT, LIMITS), Pose2(5.0, 3.0, 0.0), 0.0, off
+    while not drive.done:
+        wanted, _ = drive.step(at, thing)
+        v += float(np.clip(wanted - v, -0.03, 0.03))
+        at = at @ Pose2(v * 0.1)
+        clear = at.x - AT.length_rear - float(thing[0, 0])
+    while v < 0.0:
+        v = min(0.0, v + 0.03)
+        at = at @ Pose2(v * 0.1)
+    assert 0.0 < at.x - AT.length_rear - float(thing[0, 0]) < clear + 1e-9
+    assert clear < 0.08 or off > 0.3
 
 
 def test_it_gives_up_where_something_has_come_into_its_way() -> None:

@@ -8,7 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pioneer3.nav.moving import ABOUT, BELIEVED, HIDDEN, NEW, OFTEN, RADIUS, Movers
+from pioneer3.geometry import Pose2
+from pioneer3.nav.mover import HIDDEN, MISSED, OFTEN
+from pioneer3.nav.moving import ABOUT, BELIEVED, NEW, RADIUS, Movers
 
 Float = NDArray[np.float64]
 LASER = np.zeros(2)
@@ -163,3 +165,96 @@ def test_what_is_beside_somebody_may_be_legs() -> None:
         near = [legs(2.0, 0.7)] if step > NEW else []
         movers.take(np.concatenate([box(2.0, 0.0), *near]), LASER, AHEAD, DT * step)
     assert {(2.0, -0.2), (2.0, 0.2)} & {tuple(each) for each in movers.doubtful.round(6).tolist()}
+
+
+AWAY = np.array([pi, pi / 2])
+"""The laser looks the other way."""
+EAR = Pose2()
+"""A sonar at the laser, that listens along x."""
+BEHIND = np.array([[-3.0, 0.0], [-3.0, 0.02]])
+"""What the laser sees when it looks the other way."""
+
+
+def turn_away_from_somebody() -> Movers:
+    movers = Movers()
+    walk(movers, (2.0, 0.0), (-0.4, 0.0), 20)
+    movers.take(BEHIND, LASER, AWAY, 3.0)
+    assert len(movers.people()) == 1
+    return movers
+
+
+def test_who_has_gone_behind_the_robot_is_forgotten_once_sonars_hear_past_them() -> None:
+    movers = turn_away_from_somebody()
+    for n in range(MISSED):
+        assert movers.people()
+        movers.hear(EAR, 2.5, 3.0 + 0.2 * n)
+    assert not movers.people()
+
+
+def test_sonars_that_listen_elsewhere_or_to_something_nearer_tell_nothing() -> None:
+    movers = turn_away_from_somebody()
+    for n in range(2 * MISSED):
+        movers.hear(Pose2(theta=0.5), 2.5, 3.0 + 0.2 * n)
+        movers.hear(Pose2(theta=pi), 2.5, 3.0 + 0.2 * n)
+        movers.hear(EAR, 0.3, 3.0 + 0.2 * n)
+    [person] = movers.people()
+    assert (person.missed, person.heard) == (0, -np.inf)
+
+
+def test_a_missed_echo_between_others_is_a_mistake() -> None:
+    movers = turn_away_from_somebody()
+    for n in range(4 * MISSED):
+        movers.hear(EAR, 5.0 if n % MISSED else 0.95, 3.0 + 0.2 * n)
+    assert movers.people()
+
+
+def test_whom_sonars_hear_stays_for_as_long_as_they_stand_there() -> None:
+    for heard in (False, True):
+        movers = turn_away_from_somebody()
+        for step in range(round(2 * HIDDEN / DT)):
+            now = 3.0 + DT * step
+            if heard and step % 4 == 0:
+                movers.hear(EAR, 0.95, now)
+            movers.take(BEHIND, LASER, AWAY, now)
+        assert bool(movers.people()) is heard
+
+
+def test_who_was_just_met_close_by_is_not_forgotten_at_once() -> None:
+    movers = Movers()
+    walk(movers, (0.7, 0.0), (0.0, 0.0), OFTEN + 2)
+    movers.take(BEHIND, LASER, AWAY, 2.0)
+    assert len(movers.people()) == 1
+
+
+@pytest.mark.parametrize("beyond", [1.4, 1.5])
+def test_who_is_at_the_edge_of_the_view_does_not_go_because_one_leg_does(beyond: float) -> None:
+    movers = Movers()
+    walk(movers, (0.7, 0.0), (0.0, 0.0), 20)
+    away = np.array([beyond, pi / 2])  # the laser turns: only the left leg is in view
+    for step in range(20, 35):
+        movers.take(legs(0.7, 0.0)[5:], LASER, away, DT * step)
+    [person] = movers.people()
+    assert person.x == pytest.approx(0.72, abs=0.05)
+    assert person.y == pytest.approx(0.0, abs=0.02)
+    assert person.stands is not None
+
+
+def test_two_who_stand_together_stay_two_for_as_long_as_they_stand() -> None:
+    movers = Movers()
+    meet(movers)
+    for step in range(20, 20 + round(2 * HIDDEN / DT)):
+        movers.take(crowd(2.0, 0.0), LASER, AHEAD, DT * step)
+    [both] = movers.people()
+    assert both.holds_two(both.seen)
+    assert movers.discs(both.seen)[0, 4] > RADIUS
+
+
+def test_who_looks_like_no_legs_may_be_two() -> None:
+    movers = Movers()
+    walk(movers, (3.0, 0.0), (-0.8, 0.0), 10)
+    now = 1.0
+    assert movers.discs(0.9)[0, 4] == RADIUS
+    while now < 4.0:
+        movers.take(box(2.25, 0.0), LASER, AHEAD, now)
+        now += DT
+    assert movers.discs(now)[0, 4] > RADIUS

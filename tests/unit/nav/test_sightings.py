@@ -8,7 +8,16 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
-from pioneer3.nav.sightings import AGE, COMING, LONG_AGO, STOOD, Sightings
+from pioneer3.nav.sightings import (
+    AGE,
+    BODY,
+    COMING,
+    ECHO_AGE,
+    HEARD_AMONG_PEOPLE,
+    LONG_AGO,
+    STOOD,
+    Sightings,
+)
 from tests.unit.nav.offices import costs, room
 
 Float = NDArray[np.float64]
@@ -169,11 +178,38 @@ def test_what_a_sonar_does_not_hear_any_more_has_gone(sightings: Sightings) -> N
     assert not len(sightings.points(5.3))
 
 
-def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) -> None:
+def walk_by(sightings: Sightings) -> None:
+    """Let somebody walk past, far enough from the sonar's beam."""
     for step in range(15):
         y = -1.0 + 0.08 * step
         legs = [(2.5, y + side + off) for side in (-0.12, 0.12) for off in (-0.04, 0.0, 0.04)]
         sightings.take(beams(5.0 + 0.1 * step, *legs), HERE)
+
+
+@pytest.mark.parametrize("people", [False, True])
+def test_where_people_are_a_near_echo_may_be_of_a_body(sightings: Sightings, people: bool) -> None:
+    if people:
+        walk_by(sightings)
+    hear(sightings, 0.4, HERE, 6.5)
+    bodies = sightings.bodies(6.5)
+    assert len(bodies) == (3 if people else 0)
+    if people:  # the nearest point of each is as far from the sonar as the echo
+        away = np.hypot(*(bodies - (HERE.x + AXIS[0, 0], HERE.y)).T)
+        assert away - BODY == pytest.approx(0.4)
+    assert not len(sightings.bodies(6.5 + 2 * ECHO_AGE))
+
+
+def test_plans_forget_what_sonars_heard_sooner_where_people_are(sightings: Sightings) -> None:
+    for now in (5.0, 5.1, 5.2):
+        hear(sightings, 0.8, HERE, now)
+    assert len(sightings.points(5.2 + 2 * HEARD_AMONG_PEOPLE))
+    sightings.movers.met = 5.2
+    assert not len(sightings.points(5.2 + 2 * HEARD_AMONG_PEOPLE))
+    assert len(sightings.points(5.2 + HEARD_AMONG_PEOPLE / 2))
+
+
+def test_who_walks_leaves_nothing_behind_that_plans_avoid(sightings: Sightings) -> None:
+    walk_by(sightings)
     assert len(sightings.movers.walking()) == 1
     assert not len(sightings.points(6.4))
 

@@ -5,7 +5,7 @@ import pytest
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.follower import NO_OBSTACLES
-from pioneer3.nav.moving import Mover
+from pioneer3.nav.mover import Mover
 from pioneer3.nav.sightings import Sightings
 from pioneer3.runtime.going_aside import (
     AT_GOAL,
@@ -62,6 +62,12 @@ def test_a_robot_that_turns_is_not_stuck(aside: GoingAside) -> None:
     for tick in range(40):
         here = Pose2(5.0, 3.0, tick * 0.04)
         assert aside.decide(seen(tick * DT), here, NO_OBSTACLES) is None
+
+
+def test_a_robot_that_gets_on_waits_for_nobody(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    for tick in range(40):
+        assert aside.decide(seen(tick * DT), HERE, NO_OBSTACLES, blocked=False) is None
 
 
 def test_who_stands_farther_away_is_let_be(aside: GoingAside) -> None:
