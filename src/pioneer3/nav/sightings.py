@@ -1,7 +1,7 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
 from dataclasses import replace
-from math import atan2, hypot, inf, pi
+from math import atan2, hypot, inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from pioneer3.geometry import Pose2, wrap
 from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
-from pioneer3.nav.costs import CostMap
+from pioneer3.nav.costs import MARGIN, CostMap
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
@@ -28,6 +28,10 @@ FAR = 6.0
 """Things farther away are not noted [m]."""
 AGE = 60.0
 """Things not seen for so long may have gone [s]."""
+SOLID, PASSES = 4, 5.0
+"""Where people are, a thing that was seen less often may be of somebody who passed: it is there for
+so long [s].
+"""
 LATE, DOUBT_TURNING = 0.05, 0.08
 """Odometry may be so late [s]: echoes are off while the robot turns, by so much at most [m/m]."""
 AGAIN = 0.1
@@ -95,7 +99,9 @@ class Sightings:
         self._raster, self._clearance = costs.raster, costs.clearance
         self._seen: Float = np.zeros(costs.raster.shape)
         self._heard: Float = np.zeros(costs.raster.shape)
-        self._times = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._times_seen = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._times_heard = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._under = (costs.needed - MARGIN) * sqrt(0.5)  # half of a square within the robot
         self._arcs: list[Echo] = []
         self._before: Beams | None = None
         self._echoes = self._latest = -inf, np.empty((0, 2))
@@ -118,10 +124,13 @@ class Sightings:
         ends = raster.in_cells(echoes)
         clear = raster.in_cells(in_map(robot_in_map, _shortened(beams)))
         short = SHORT / raster.cell
-        fast(clear_beams, CACHE)(origin, np.concatenate([ends[near], clear]), short, self._seen)
+        free = np.concatenate([ends[near], clear])
+        fast(clear_beams, CACHE)(origin, free, short, self._seen, self._times_seen)
+        self._seen[self._around(robot_in_map.x, robot_in_map.y, self._under)] = 0.0
         near[walking] = False
         doubts = EXPLAINED + self._doubt(beams) * from_laser[near]
-        fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, self._seen)
+        marks = self._seen, self._times_seen
+        fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, *marks)
 
     def latest(self, now: float) -> Float | None:
         """Return the echoes of the last scan in the map's frame [m], (N, 2); `None` if it is old.
@@ -174,7 +183,7 @@ class Sightings:
             self.movers.hear(at, min(metres, LISTENS), now)
             free = np.arange(0.1, min(metres, ECHO) - SHORT, raster.cell)
             rows, columns = self._cells(place + free[:, None] * axis)
-            self._heard[rows, columns], self._times[rows, columns] = 0.0, 0
+            self._heard[rows, columns], self._times_heard[rows, columns] = 0.0, 0
             self._clear_arcs(at, min(metres, ECHO))
             if not 0.0 < metres < ECHO:
                 continue
@@ -189,7 +198,7 @@ class Sightings:
             if any(hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + OWN for p in people):
                 continue
             around = self._around(float(echo[0]), float(echo[1]), raster.cell)
-            self._times[around] = np.minimum(self._times[around], 200) + 1
+            self._times_heard[around] = np.minimum(self._times_heard[around], 200) + 1
             row, column = rows[2], columns[2]
             self._heard[row, column] = now
             near = metres < ECHO_NEAR
@@ -247,15 +256,23 @@ class Sightings:
         """
         self._seen[self._seen < now - AGE] = 0.0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
-        seen = self._middles(self._seen, whole, now - age)
-        often = np.where(self._times >= HEARD, self._heard, 0.0)
+        seen = self._seen_in(whole, now, age)
+        often = np.where(self._times_heard >= HEARD, self._heard, 0.0)
         heard_age = HEARD_AMONG_PEOPLE if self.are_people_about(now) else HEARD_AGE
         heard = self._middles(often, whole, now - min(age, heard_age))
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
     def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
         """Return those that were seen around a place [m], without walkers, shape (N, 2)."""
-        return self._middles(self._seen, self._around(x, y, within), now - age)
+        return self._seen_in(self._around(x, y, within), now, age)
+
+    def _seen_in(self, part: tuple[slice, slice], now: float, age: float) -> Float:
+        """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
+        seen = self._seen[part]
+        if self.are_people_about(now):
+            passing = (self._times_seen[part] < SOLID) & (seen < now - PASSES)
+            seen = np.where(passing, 0.0, seen)
+        return self._middles(seen, part, now - age)
 
     def heard(self, x: float, y: float, within: float, now: float) -> Float:
         """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
@@ -278,8 +295,8 @@ class Sightings:
         return max(seen) or None
 
     def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
-        raster, seen = self._raster, times[part]
-        rows, columns = np.nonzero((seen > 0) & (seen >= since))
+        raster = self._raster
+        rows, columns = np.nonzero((times > 0) & (times >= since))
         middles: Float = np.stack(
             [columns + part[1].start + 0.5, rows + part[0].start + 0.5], axis=1
         )
@@ -335,7 +352,7 @@ class Sightings:
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""
         self._seen[:] = self._heard[:] = 0.0
-        self._times[:] = 0
+        self._times_seen[:] = self._times_heard[:] = 0
         self._arcs = []
         self._echoes = self._latest = -inf, np.empty((0, 2))
         self.movers.forget()

@@ -15,6 +15,7 @@ from pioneer3.nav.sightings import (
     ECHO_AGE,
     HEARD_AMONG_PEOPLE,
     LONG_AGO,
+    PASSES,
     STOOD,
     Sightings,
 )
@@ -245,3 +246,23 @@ def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
     assert not len(sightings.legs(people, 6.9))
     assert len(sightings.legs(people[:0], 6.9))
     assert not len(sightings.legs(people[:0], 9.0))
+
+
+@pytest.mark.parametrize(("people", "scans", "stays"), [(True, 1, 0), (True, 6, 1), (False, 1, 1)])
+def test_where_people_are_what_was_seen_once_may_have_passed(
+    sightings: Sightings, people: bool, scans: int, stays: int
+) -> None:
+    for n in range(scans):
+        sightings.take(beams(5.0 + 0.1 * n, (1.0, 0.0), (1.0, 0.02)), HERE)
+    now = 5.0 + 0.1 * scans
+    sightings.movers.met = now if people else -np.inf
+    assert len(sightings.points(now)) == 1
+    assert len(sightings.points(now + 2 * PASSES)) == stays
+    assert len(sightings.near(3.0, 3.0, 1.0, now + 2 * PASSES)) == stays
+
+
+def test_nothing_is_where_the_robot_stands(sightings: Sightings) -> None:
+    sightings.take(beams(5.0, (1.0, 0.0), (1.0, 0.02)), HERE)
+    assert len(sightings.points(5.0))
+    sightings.take(beams(6.0), HERE @ Pose2(0.9, 0.05, 2.0))
+    assert not len(sightings.points(6.0))

@@ -9,10 +9,11 @@ from pioneer3.jit import kernel
 
 Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
+UInt8 = NDArray[np.uint8]
 
 
 @kernel
-def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
+def clear_beams(origin: Float, ends: Float, short: float, seen: Float, times: UInt8) -> None:
     """Forget what was seen in the cells that beams pass.
 
     Args:
@@ -20,6 +21,7 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
         ends: Where they end [cells], shape (N, 2).
         short: The last part of each, which is not looked at [cells].
         seen: Time of the last sighting in each cell, 0 for none, shape (H, W).
+        times: How often something was seen there since it was free, shape (H, W).
     """
     height, width = seen.shape
     for i in range(len(ends)):
@@ -31,11 +33,13 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float) -> None:
         for step in range(floor(2.0 * (length - short))):
             column, row = floor(origin[0] + dx * step / 2), floor(origin[1] + dy * step / 2)
             if 0 <= column < width and 0 <= row < height:
-                seen[row, column] = 0.0
+                seen[row, column], times[row, column] = 0.0, 0
 
 
 @kernel
-def mark_echoes(echoes: Float, clearance: Float32, known: Float, now: float, seen: Float) -> None:
+def mark_echoes(
+    echoes: Float, clearance: Float32, known: Float, now: float, seen: Float, times: UInt8
+) -> None:
     """Note the cells of echoes that no wall of the map explains.
 
     Args:
@@ -43,11 +47,14 @@ def mark_echoes(echoes: Float, clearance: Float32, known: Float, now: float, see
         clearance: Distance of each cell to the nearest wall [m], shape (H, W).
         known: An echo nearer to a wall than this is of that wall [m], shape (N,).
         now: The time to note.
-        seen: Shape (H, W).
+        seen: As `clear_beams` has it, shape (H, W).
+        times: As `clear_beams` has it, shape (H, W).
     """
     height, width = seen.shape
     for i in range(len(echoes)):
         column, row = floor(echoes[i, 0]), floor(echoes[i, 1])
         inside = 0 <= column < width and 0 <= row < height
         if inside and clearance[row, column] > known[i]:
+            if seen[row, column] != now:  # several echoes of one scan count once
+                times[row, column] = min(times[row, column], 200) + 1
             seen[row, column] = now
