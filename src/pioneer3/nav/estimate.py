@@ -1,7 +1,7 @@
 """The result of localization: where a robot is on the map, and how sure that is."""
 
 from dataclasses import dataclass
-from math import inf
+from math import hypot, inf, sqrt
 from typing import Literal
 
 import numpy as np
@@ -68,4 +68,5 @@ def deviation_of(covariance: Float) -> float:
     """
     if not np.isfinite(covariance).all():
         return inf
-    return float(np.sqrt(np.linalg.eigvalsh(covariance[:2, :2])[-1]))
+    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
+    return sqrt(max(0.0, (xx + yy) / 2 + hypot((xx - yy) / 2, xy)))  # root of the larger eigenvalue

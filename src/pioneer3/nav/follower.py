@@ -264,10 +264,12 @@ class Follower:
         )
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
-        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR])
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, SLOW, SLACK])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
-        things = np.column_stack([obstacles, kept])
+        side = np.hypot(obstacles[:, 0] - state[0], obstacles[:, 1] - state[1]) - obstacles[:, 4]
+        side[(obstacles[:, 2:4] != 0.0).any(axis=1)] = -inf
+        things = np.column_stack([obstacles, kept, side])[side.argsort()]
         fast(arcs, CACHE)(commands, state, motion, outline, things, values, frame, out)
         return out
 

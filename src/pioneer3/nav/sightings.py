@@ -1,8 +1,7 @@
 """Things that are not on the map: boxes, closed doors, people. Where, and when they were seen."""
 
 from dataclasses import replace
-from math import atan2, hypot, inf, pi, sqrt
-from typing import NamedTuple
+from math import hypot, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from pioneer3.jit import fast
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.clusters import has_company
 from pioneer3.nav.costs import MARGIN, CostMap
+from pioneer3.nav.echoes import EXPLAINED, SHORT, Echoes, transducers_in_map
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
@@ -20,10 +20,6 @@ from pioneer3.nav.moving import RADIUS, Movers
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 
-EXPLAINED = 0.12
-"""An echo so near to a wall of the map is of that wall [m]."""
-SHORT = 0.15
-"""So much before its echo a beam clears nothing [m]: poses are not that exact."""
 FAR = 6.0
 """Things farther away are not noted [m]."""
 AGE = 60.0
@@ -34,53 +30,22 @@ so long [s].
 """
 LATE, DOUBT_TURNING = 0.05, 0.08
 """Odometry may be so late [s]: echoes are off while the robot turns, by so much at most [m/m]."""
+LISTENS = 2.5
+"""Sonars tell up to here that nobody is there [m]."""
+OWN = 0.1
+"""Echoes that are no farther from somebody's side are of them [m]."""
 AGAIN = 0.1
 """An echo that stands alone counts where the scan before had one so near [m]."""
 LATEST = 0.5
 """Older scans say nothing of now [s]."""
 DOUBT = 0.05
 """A wall may be off so much more for each metre from the laser, and is no walker for that."""
-HEARD, HEARD_AGE, HEARD_AMONG_PEOPLE = 3, 15.0, 3.0
-"""Plans avoid what sonars have heard so often, until so long after the last time [s]."""
-ECHO, ECHO_AGE = 1.5, 3.0
-"""Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
-LISTENS = 2.5
-"""Sonars tell up to here that nobody is there [m]."""
-ECHO_NEAR = 0.5
-"""Nearer than this a thing may be anywhere on the arc of its echo [m]; farther ones close doors."""
-ECHO_SAME = 0.1
-"""Echoes from the same direction are of one thing, if no farther apart [m]."""
-SURE = np.radians(10.0)
-"""So near to its axis a sonar hears all that is there [rad]."""
-ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
-"""Directions off the axis of a sonar from which an echo may come."""
-BODY, OWN = 0.2, 0.1
-"""Radius of what may be behind a near echo where people are [m]; echoes that are no farther from
-somebody's side than the latter are of them [m].
-"""
-BEAM = np.radians([-15.0, 0.0, 15.0])
-"""Directions off the axis of a sonar in which it hears a body."""
-NOBODY: Float = np.empty((0, 2))
 COMING, LONG_AGO = 4.0, 3.0
 """People are expected to go on for so far [m]; who was not seen for so long may have turned [s]."""
 STOOD = 12.0
 """Walkers who have stood for so long are in the way of plans [s]."""
 RING = 12
 """Points around one of these."""
-
-
-class Echo(NamedTuple):
-    """What a sonar heard.
-
-    Attributes:
-        when: [s].
-        arc: Points from where it may have come [m], shape (N, 2).
-        bodies: Middles of bodies that may have sent it back [m], shape (B, 2).
-    """
-
-    when: float
-    arc: Float
-    bodies: Float
 
 
 class Sightings:
@@ -92,17 +57,15 @@ class Sightings:
     Attributes:
         costs: The same.
         movers: People, and all else that may move; those who walk leave no cells behind.
+        echoes: What sonars alone notice.
     """
 
     def __init__(self, costs: CostMap) -> None:
-        self.costs, self.movers = costs, Movers()
+        self.costs, self.movers, self.echoes = costs, Movers(), Echoes(costs)
         self._raster, self._clearance = costs.raster, costs.clearance
         self._seen: Float = np.zeros(costs.raster.shape)
-        self._heard: Float = np.zeros(costs.raster.shape)
-        self._times_seen = np.zeros(costs.raster.shape, dtype=np.uint8)
-        self._times_heard = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
         self._under = (costs.needed - MARGIN) * sqrt(0.5)  # half of a square within the robot
-        self._arcs: list[Echo] = []
         self._before: Beams | None = None
         self._echoes = self._latest = -inf, np.empty((0, 2))
 
@@ -125,11 +88,11 @@ class Sightings:
         clear = raster.in_cells(in_map(robot_in_map, _shortened(beams)))
         short = SHORT / raster.cell
         free = np.concatenate([ends[near], clear])
-        fast(clear_beams, CACHE)(origin, free, short, self._seen, self._times_seen)
+        fast(clear_beams, CACHE)(origin, free, short, self._seen, self._counts)
         self._seen[self._around(robot_in_map.x, robot_in_map.y, self._under)] = 0.0
         near[walking] = False
         doubts = EXPLAINED + self._doubt(beams) * from_laser[near]
-        marks = self._seen, self._times_seen
+        marks = self._seen, self._counts
         fast(mark_echoes, CACHE)(ends[near], self._clearance, doubts, now, *marks)
 
     def latest(self, now: float) -> Float | None:
@@ -163,70 +126,29 @@ class Sightings:
         turned = abs(wrap(beams.robot_in_odom.theta - before.robot_in_odom.theta))
         return min(LATE * turned / passed, DOUBT_TURNING)
 
-    def hear(self, transducers: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
-        """Note the echoes of sonars that neither the map, nor the laser, nor people explain.
-
-        Lasers look through glass and over low boxes, so that they do not clear what was heard.
+    def hear(self, mounts: Float, ranges: Float, robot_in_map: Pose2, now: float) -> None:
+        """Take the ranges of sonars.
 
         Args:
-            transducers: x, y [m] and direction [rad] on the robot of those that fired, (F, 3).
+            mounts: x, y [m] and direction [rad] on the robot of those that fired, shape (F, 3).
             ranges: That they measured [m]; `inf` where nothing echoed, shape (F,).
             robot_in_map: The robot's pose then.
             now: [s].
         """
-        raster = self._raster
-        people = [each for each in self.movers.people() if now - each.seen < COASTS]
+        transducers = transducers_in_map(mounts, robot_in_map)
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
-            at = robot_in_map @ Pose2(x, y, theta)
-            axis = np.array((np.cos(at.theta), np.sin(at.theta)))
-            place = np.array((at.x, at.y))
-            self.movers.hear(at, min(metres, LISTENS), now)
-            free = np.arange(0.1, min(metres, ECHO) - SHORT, raster.cell)
-            rows, columns = self._cells(place + free[:, None] * axis)
-            self._heard[rows, columns], self._times_heard[rows, columns] = 0.0, 0
-            self._clear_arcs(at, min(metres, ECHO))
-            if not 0.0 < metres < ECHO:
-                continue
-            bearings = at.theta + ARC
-            arc = place + metres * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
-            rows, columns = self._cells(arc)
-            if len(rows) < len(arc) or (self._clearance[rows, columns] < EXPLAINED).any():
-                continue
-            if any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist()):
-                continue  # the laser sees it, and knows better where it is
-            echo = place + metres * axis
-            if any(hypot(p.x - echo[0], p.y - echo[1]) < RADIUS + OWN for p in people):
-                continue
-            around = self._around(float(echo[0]), float(echo[1]), raster.cell)
-            self._times_heard[around] = np.minimum(self._times_heard[around], 200) + 1
-            row, column = rows[2], columns[2]
-            self._heard[row, column] = now
-            near = metres < ECHO_NEAR
-            bodies = NOBODY
-            if near and self.are_people_about(now):
-                turned = at.theta + BEAM
-                bodies = place + (metres + BODY) * np.stack(
-                    [np.cos(turned), np.sin(turned)], axis=1
-                )
-            self._arcs.append(Echo(now, arc if near else echo[None], bodies))
+            self.movers.hear(Pose2(x, y, theta), min(metres, LISTENS), now)
+        people = [each for each in self.movers.people() if now - each.seen < COASTS]
 
-    def _clear_arcs(self, transducer: Pose2, metres: float) -> None:
-        """Forget the echoes from within the cone of a sonar that tells of it anew."""
-        kept = []
-        for each in self._arcs:
-            x, y = each.arc[len(each.arc) // 2].tolist()
-            off = transducer.inverse() @ Pose2(x, y)
-            in_cone = abs(atan2(off.y, off.x)) < SURE
-            if not in_cone or hypot(off.x, off.y) > metres + ECHO_SAME:
-                kept.append(each)
-        self._arcs = kept
+        def is_known(arc: Float) -> bool:
+            x, y = arc[len(arc) // 2].tolist()
+            if any(hypot(each.x - x, each.y - y) < RADIUS + OWN for each in people):
+                return True
+            # the laser sees it, and knows better where it is
+            return any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist())
 
-    def _cells(self, points: Float) -> tuple[Int, Int]:
-        """Return rows and columns of those of `points` (N, 2) [m] that are on the map."""
-        raster = self._raster
-        columns, rows = np.floor(raster.in_cells(points)).astype(int).T
-        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
-        return rows[inside], columns[inside]
+        about = self.are_people_about(now)
+        self.echoes.take(transducers, ranges, now, is_known, people=about)
 
     def _follow(self, beams: Beams, robot_in_map: Pose2, echoes: Float, from_laser: Float) -> Int:
         """Follow all that moves; return the indices of the echoes of walkers."""
@@ -257,9 +179,8 @@ class Sightings:
         self._seen[self._seen < now - AGE] = 0.0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
         seen = self._seen_in(whole, now, age)
-        often = np.where(self._times_heard >= HEARD, self._heard, 0.0)
-        heard_age = HEARD_AMONG_PEOPLE if self.are_people_about(now) else HEARD_AGE
-        heard = self._middles(often, whole, now - min(age, heard_age))
+        people_about = self.are_people_about(now)
+        heard = self._middles(self.echoes.often(now, age, people=people_about), whole, 0.0)
         return np.concatenate([seen, heard, *([self._standing(now)] if people else [])])
 
     def near(self, x: float, y: float, within: float, now: float, age: float = AGE) -> Float:
@@ -270,25 +191,14 @@ class Sightings:
         """Return the middles of the cells of a part with things that were seen, (N, 2) [m]."""
         seen = self._seen[part]
         if self.are_people_about(now):
-            passing = (self._times_seen[part] < SOLID) & (seen < now - PASSES)
+            passing = (self._counts[part] < SOLID) & (seen < now - PASSES)
             seen = np.where(passing, 0.0, seen)
         return self._middles(seen, part, now - age)
-
-    def heard(self, x: float, y: float, within: float, now: float) -> Float:
-        """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
-        self._arcs = [each for each in self._arcs if each.when > now - ECHO_AGE]
-        arcs = np.concatenate([NOBODY, *(each.arc for each in self._arcs)])
-        return arcs[np.hypot(arcs[:, 0] - x, arcs[:, 1] - y) < within]
-
-    def bodies(self, now: float) -> Float:
-        """Return the middles of bodies of radius `BODY` that may be behind near echoes, (N, 2)."""
-        fresh = (each.bodies for each in self._arcs if each.when > now - ECHO_AGE)
-        return np.concatenate([NOBODY, *fresh])
 
     def seen_at(self, x: float, y: float, within: float) -> float | None:
         """Return when something was last seen within a distance of a place [m], or `None`."""
         part = self._around(x, y, within)
-        seen = [float(times[part].max(initial=0.0)) for times in (self._seen, self._heard)]
+        seen = [float(self._seen[part].max(initial=0.0)), self.echoes.last_in(part)]
         reach = within + RADIUS
         standing = (thing for thing in self.movers.walking() if thing.stands is not None)
         seen += [t.seen for t in standing if np.hypot(t.x - x, t.y - y) < reach]
@@ -351,9 +261,8 @@ class Sightings:
 
     def forget(self) -> None:
         """Forget everything, as after the robot was found to be somewhere else."""
-        self._seen[:] = self._heard[:] = 0.0
-        self._times_seen[:] = self._times_heard[:] = 0
-        self._arcs = []
+        self._seen[:], self._counts[:] = 0.0, 0
+        self.echoes.forget()
         self._echoes = self._latest = -inf, np.empty((0, 2))
         self.movers.forget()
 

@@ -13,10 +13,11 @@ from pioneer3.behaviors.actions.limiters import LimiterTableSensor
 from pioneer3.behaviors.actions.recover import StallRecover
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import beams_of
+from pioneer3.nav.echoes import BODY
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.moving import BEYOND
 from pioneer3.nav.planner import CostToGo
-from pioneer3.nav.sightings import BODY, Sightings, in_map
+from pioneer3.nav.sightings import Sightings, in_map
 from pioneer3.runtime.going_aside import GoingAside
 from pioneer3.runtime.lining_up import LiningUp
 
@@ -213,12 +214,15 @@ class FollowWay:
         x, y = robot_in_map.x, robot_in_map.y
         people = self.sightings.movers.people()
         near = any(hypot(each.x - x, each.y - y) < CLOSE for each in people)
-        return near or len(self.sightings.heard(x, y, CLOSE, now)) > 0
+        return near or len(self.sightings.echoes.near(x, y, CLOSE, now)) > 0
 
     def _obstacles(self, situation: Situation, robot_in_map: Pose2) -> Float:
         """Return obstacles nearby: x, y [m], velocity [m/s], radius [m] in the map, (N, 5)."""
         x, y, now = robot_in_map.x, robot_in_map.y, situation.now
-        walkers, heard = self.sightings.movers.discs(now), self.sightings.heard(x, y, LOOK, now)
+        walkers, heard = (
+            self.sightings.movers.discs(now),
+            self.sightings.echoes.near(x, y, LOOK, now),
+        )
         if situation.scan is not None and (latest := self.sightings.latest(now)) is not None:
             seen = latest
         elif situation.scan is not None:
@@ -240,11 +244,21 @@ class FollowWay:
         cells = np.round(off / size[:, None]).astype(np.int64)
         _, chosen = np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)
         points = np.concatenate([points[chosen], heard])
-        legs = np.pad(self.sightings.legs(walkers, now), ((0, 0), (0, 3)))
-        legs[:, 4] = BEYOND
-        bodies = np.pad(self.sightings.bodies(now), ((0, 0), (0, 3)))
-        bodies[:, 4] = BODY
-        return np.concatenate([np.pad(points, ((0, 0), (0, 3))), walkers, legs, bodies])
+        return np.concatenate(
+            [
+                _standing(points, 0.0),
+                walkers,
+                _standing(self.sightings.legs(walkers, now), BEYOND),
+                _standing(self.sightings.echoes.bodies(now), BODY),
+            ]
+        )
+
+
+def _standing(points: Float, radius: float) -> Float:
+    """Return obstacles of a radius [m] that stand at some places (N, 2) [m], shape (N, 5)."""
+    obstacles = np.zeros((len(points), 5))
+    obstacles[:, :2], obstacles[:, 4] = points, radius
+    return obstacles
 
 
 def follow_way(

@@ -165,7 +165,7 @@ class GoingAside:
     def _place(self, situation: Situation, at: Pose2, near: list[Mover]) -> Follower | None:
         """Return the follower to a place where nobody goes, if there is one."""
         where = at.x, at.y, WINDOW, situation.now
-        seen = np.concatenate([self.sightings.near(*where), self.sightings.heard(*where)])
+        seen = np.concatenate([self.sightings.near(*where), self.sightings.echoes.near(*where)])
         model = situation.model
         to_go = refuge(self.sightings.costs, model.corner, at, near, seen)
         if to_go is None:

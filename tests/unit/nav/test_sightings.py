@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
+from pioneer3.nav.echoes import BODY, ECHO_AGE, HEARD_AMONG_PEOPLE
 from pioneer3.nav.sightings import (
     AGE,
-    BODY,
     COMING,
-    ECHO_AGE,
-    HEARD_AMONG_PEOPLE,
     LONG_AGO,
     PASSES,
     STOOD,
@@ -131,7 +129,7 @@ def test_glass_that_only_sonars_hear_is_kept_clear_of_and_planned_around(
     for now in (5.0, 5.1, 5.2):
         sightings.take(beams(now, (5.0, 0.0)), HERE)  # the laser looks through it
         hear(sightings, 0.8, HERE, now)
-    assert sightings.heard(2.5, 3.0, 1.0, 5.2) == pytest.approx(np.array([[3.0, 3.0]]))
+    assert sightings.echoes.near(2.5, 3.0, 1.0, 5.2) == pytest.approx(np.array([[3.0, 3.0]]))
     assert any(np.hypot(*(point - (3.0, 3.0))) < 0.05 for point in sightings.points(5.2))
 
 
@@ -145,7 +143,7 @@ def test_the_echo_of_a_wall_of_the_map_is_no_thing(sightings: Sightings) -> None
     for now in (5.0, 5.1, 5.2):
         hear(sightings, 0.8, by_the_wall, now)
     assert not len(sightings.points(5.2))
-    assert not len(sightings.heard(9.0, 3.0, 1.5, 5.2))
+    assert not len(sightings.echoes.near(9.0, 3.0, 1.5, 5.2))
 
 
 def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Sightings) -> None:
@@ -158,18 +156,18 @@ def test_the_echo_of_a_thing_that_the_laser_sees_is_no_other_thing(sightings: Si
 
 def test_far_echoes_are_points_and_close_no_door(sightings: Sightings) -> None:
     hear(sightings, 1.2, HERE, 5.0)
-    assert sightings.heard(3.4, 3.0, 1.0, 5.0) == pytest.approx(np.array([[3.4, 3.0]]))
+    assert sightings.echoes.near(3.4, 3.0, 1.0, 5.0) == pytest.approx(np.array([[3.4, 3.0]]))
 
 
 def test_who_comes_nearer_is_where_the_last_echo_was(sightings: Sightings) -> None:
     for now, metres in ((5.0, 0.8), (5.2, 0.6), (5.4, 0.4)):
         hear(sightings, metres, HERE, now)
-    arc = sightings.heard(2.5, 3.0, 2.0, 5.4)
+    arc = sightings.echoes.near(2.5, 3.0, 2.0, 5.4)
     assert np.hypot(*(arc - (2.2, 3.0)).T).min() == pytest.approx(0.4)
     hear(sightings, 0.7, HERE, 5.6)
-    arc = sightings.heard(2.5, 3.0, 2.0, 5.6)
+    arc = sightings.echoes.near(2.5, 3.0, 2.0, 5.6)
     assert np.hypot(*(arc - (2.2, 3.0)).T).min() == pytest.approx(0.7)
-    assert not len(sightings.heard(2.5, 3.0, 2.0, 9.0))
+    assert not len(sightings.echoes.near(2.5, 3.0, 2.0, 9.0))
 
 
 def test_what_a_sonar_does_not_hear_any_more_has_gone(sightings: Sightings) -> None:
@@ -192,12 +190,12 @@ def test_where_people_are_a_near_echo_may_be_of_a_body(sightings: Sightings, peo
     if people:
         walk_by(sightings)
     hear(sightings, 0.4, HERE, 6.5)
-    bodies = sightings.bodies(6.5)
+    bodies = sightings.echoes.bodies(6.5)
     assert len(bodies) == (3 if people else 0)
     if people:  # the nearest point of each is as far from the sonar as the echo
         away = np.hypot(*(bodies - (HERE.x + AXIS[0, 0], HERE.y)).T)
         assert away - BODY == pytest.approx(0.4)
-    assert not len(sightings.bodies(6.5 + 2 * ECHO_AGE))
+    assert not len(sightings.echoes.bodies(6.5 + 2 * ECHO_AGE))
 
 
 def test_plans_forget_what_sonars_heard_sooner_where_people_are(sightings: Sightings) -> None:

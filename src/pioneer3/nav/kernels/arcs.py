@@ -47,15 +47,18 @@ def arcs(
         motion: Acceleration and deceleration [m/s^2], the same of turns [rad/s^2], how long a
             command is held, and the step of time [s], shape (6,).
         outline: Front, rear, half of the width, distance to be kept [m], and how much more of it
-            per speed [s]; gaps beyond the last number are not told apart [m], shape (6,).
-        obstacles: x, y [m] in the map's frame, their velocity [m/s], radius [m], and the gap that
-            a slow robot keeps to each [m], shape (N, 6).
+            per speed [s]; gaps beyond the next number are not told apart [m]; the speed of slow
+            robots [m/s], and how much nearer than they should be they may come [m], shape (8,).
+        obstacles: x, y [m] in the map's frame, their velocity [m/s], radius [m], the gap that a
+            slow robot keeps to each [m], and the distance of its side from the robot [m], which
+            ascends; `-inf` for those that move, shape (N, 7).
         values: Cost to go [m], shape (H, W).
         frame: x, y of the lower left corner and side of a cell [m], shape (3,).
         out: For each command: cost to go at the end, heading off the way there [rad], the least
             gap to an obstacle less the distance to be kept, and less that of slow robots [m];
             shape (C, 4).
-            A robot that stands keeps no distance: others may come near it.
+            A robot that stands keeps no distance: others may come near it. A motion that comes too
+            near to something is followed no further than there: it costs `inf`.
     """
     acceleration, deceleration = motion[0], motion[1]
     turn_acceleration, turn_deceleration = motion[2], motion[3]
@@ -65,7 +68,10 @@ def arcs(
     for i in range(len(commands)):
         x, y, theta, v, w = state[0], state[1], state[2], state[3], state[4]
         least, slow, time = far, far, 0.0
-        while True:
+        is_slow = abs(commands[i, 0]) <= outline[6]
+        stands = commands[i, 0] == 0.0 and commands[i, 1] == 0.0
+        too_near = False
+        while not too_near:
             ends = time >= hold
             wanted_v = 0.0 if ends else commands[i, 0]
             wanted_w = 0.0 if ends else commands[i, 1]
@@ -82,7 +88,10 @@ def arcs(
                 continue
             c, s = cos(theta), sin(theta)
             keep = outline[3] + outline[4] * abs(v)
+            away = around + hypot(x - state[0], y - state[1])
             for j in range(len(obstacles)):
+                if obstacles[j, 6] > away:
+                    break
                 dx = obstacles[j, 0] + obstacles[j, 2] * time - x
                 dy = obstacles[j, 1] + obstacles[j, 3] * time - y
                 reach = around + obstacles[j, 4]
@@ -91,8 +100,9 @@ def arcs(
                 gap = gap_to(c * dx + s * dy, c * dy - s * dx, front, rear, half) - obstacles[j, 4]
                 slow = min(slow, gap - obstacles[j, 5])
                 least = min(least, gap - keep)
+            too_near = least < 0.0 and not (is_slow and slow >= -outline[7]) and not stands
         u, t = (x - frame[0]) / frame[2], (y - frame[1]) / frame[2]
-        out[i, 0] = _value(values, u, t)
+        out[i, 0] = inf if too_near else _value(values, u, t)
         to_x, to_y = direction(values, u, t)
         out[i, 1] = 0.0
         if hypot(to_x, to_y) > 0.1:

@@ -1,0 +1,190 @@
+"""What sonars hear that neither the map, nor the laser, nor people in sight explain.
+
+Lasers look through glass and over low boxes, so that they do not clear what was heard.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pioneer3.geometry import Pose2
+from pioneer3.nav.costs import CostMap
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+EXPLAINED = 0.12
+"""An echo so near to a wall of the map is of that wall [m]."""
+SHORT = 0.15
+"""So much before an echo nothing is known to be free [m]: poses are not that exact."""
+HEARD, HEARD_AGE, HEARD_AMONG_PEOPLE = 3, 15.0, 3.0
+"""Plans avoid what was heard so often, until so long after the last time [s]."""
+ECHO, ECHO_AGE = 1.5, 3.0
+"""Echoes from nearer than this count [m]; a robot keeps clear of them for so long [s]."""
+NEAR = 0.5
+"""Nearer than this a thing may be anywhere on the arc of its echo [m]; farther ones close doors."""
+SAME = 0.1
+"""Echoes from the same direction are of one thing, if no farther apart [m]."""
+SURE = np.radians(10.0)
+"""So near to its axis a sonar hears all that is there [rad]."""
+ARC = np.radians([-21.0, -10.0, 0.0, 10.0, 21.0])
+"""Directions off the axis of a sonar from which an echo may come."""
+BODY = 0.2
+"""Radius of what may be behind a near echo where people are [m]."""
+BEAM = np.radians([-15.0, 0.0, 15.0])
+"""Directions off the axis of a sonar in which it hears a body."""
+NOWHERE: Float = np.empty((0, 2))
+
+
+class Echo(NamedTuple):
+    """One echo.
+
+    Attributes:
+        when: [s].
+        middle: Where it came from if it came along the axis [m], shape (2,).
+        points: From where it may have come [m], shape (N, 2).
+        bodies: Middles of bodies that may have sent it back [m], shape (B, 2).
+    """
+
+    when: float
+    middle: Float
+    points: Float
+    bodies: Float
+
+
+class Echoes:
+    """The echoes of the last moments, and the cells of a map that they came from.
+
+    Args:
+        costs: Of the map alone, for its cells and clearances.
+    """
+
+    def __init__(self, costs: CostMap) -> None:
+        self._raster, self._clearance = costs.raster, costs.clearance
+        self._times: Float = np.zeros(costs.raster.shape)
+        self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
+        self._echoes: list[Echo] = []
+        self._steps = np.arange(0.1, ECHO, costs.raster.cell)
+
+    def take(
+        self,
+        transducers: Float,
+        ranges: Float,
+        now: float,
+        is_known: Callable[[Float], bool],
+        *,
+        people: bool,
+    ) -> None:
+        """Note the echoes that nothing explains, and forget the things that are no longer heard.
+
+        Args:
+            transducers: x, y [m] and direction [rad] in the map of those that fired, shape (F, 3).
+            ranges: That they measured [m]; `inf` where nothing echoed, shape (F,).
+            now: [s].
+            is_known: Tells whether something else explains an echo from some points (5, 2) [m].
+            people: Whether they may be of people.
+        """
+        self._clear(transducers, np.minimum(ranges, ECHO))
+        echoed = (ranges > 0.0) & (ranges < ECHO)
+        places, ranges = transducers[echoed], ranges[echoed]
+        bearings = places[:, 2:] + ARC
+        arcs = places[:, None, :2] + ranges[:, None, None] * _directions(bearings)
+        rows, columns, inside = self._cells(arcs)
+        by_map = self._clearance[rows, columns] < EXPLAINED
+        for n in np.flatnonzero((inside & ~by_map).all(axis=1)).tolist():
+            if not is_known(arcs[n]):
+                row, column = int(rows[n, 2]), int(columns[n, 2])
+                self._count(row, column, now)
+                body = np.empty((0, 2))
+                if people and ranges[n] < NEAR:
+                    there = _directions(places[n, 2] + BEAM)
+                    body = places[n, :2] + (ranges[n] + BODY) * there
+                middle = arcs[n, 2]
+                points = arcs[n] if ranges[n] < NEAR else middle[None]
+                self._echoes.append(Echo(now, middle, points, body))
+
+    def _count(self, row: int, column: int, now: float) -> None:
+        around = slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2)
+        self._counts[around] = np.minimum(self._counts[around], 200) + 1
+        self._times[row, column] = now
+
+    def _clear(self, transducers: Float, metres: Float) -> None:
+        """Forget what was heard from within the beams of sonars that reach so far [m], (F,)."""
+        axes = _directions(transducers[:, 2])
+        free = self._steps < metres[:, None] - SHORT
+        beams = transducers[:, None, :2] + self._steps[:, None] * axes[:, None]
+        rows, columns, inside = self._cells(beams[free])
+        rows, columns = rows[inside], columns[inside]
+        self._times[rows, columns], self._counts[rows, columns] = 0.0, 0
+        if not self._echoes:
+            return
+        off = np.array([each.middle for each in self._echoes])[:, None] - transducers[:, :2]
+        along = (off * axes).sum(axis=2)
+        aside = off[..., 1] * axes[:, 0] - off[..., 0] * axes[:, 1]
+        anew = np.abs(np.arctan2(aside, along)) < SURE
+        anew &= np.hypot(along, aside) <= metres + SAME
+        gone = anew.any(axis=1).tolist()
+        self._echoes = [
+            each for each, is_gone in zip(self._echoes, gone, strict=True) if not is_gone
+        ]
+
+    def _cells(self, points: Float) -> tuple[Int, Int, NDArray[np.bool_]]:
+        """Return rows and columns of points (..., 2) [m], and whether they are on the map."""
+        raster = self._raster
+        flat = np.floor(raster.in_cells(points.reshape(-1, 2))).astype(int)
+        columns, rows = flat.T.reshape(2, *points.shape[:-1])
+        inside = (columns >= 0) & (columns < raster.width) & (rows >= 0) & (rows < raster.height)
+        return rows.clip(0, raster.height - 1), columns.clip(0, raster.width - 1), inside
+
+    def often(self, now: float, age: float, *, people: bool) -> Float:
+        """Return the times at which cells were heard within `age` [s], so often that plans care.
+
+        Args:
+            now: [s].
+            age: [s].
+            people: Whether the echoes may be of people, who go on.
+
+        Returns:
+            Times [s], 0 for none, shape (H, W).
+        """
+        since = now - min(age, HEARD_AMONG_PEOPLE if people else HEARD_AGE)
+        return np.where((self._counts >= HEARD) & (self._times >= since), self._times, 0.0)
+
+    def near(self, x: float, y: float, within: float, now: float) -> Float:
+        """Return points of the echoes of the last moments around a place, (N, 2) [m]."""
+        self._echoes = [each for each in self._echoes if each.when > now - ECHO_AGE]
+        points = np.concatenate([NOWHERE, *(each.points for each in self._echoes)])
+        return points[np.hypot(points[:, 0] - x, points[:, 1] - y) < within]
+
+    def bodies(self, now: float) -> Float:
+        """Return the middles of bodies of radius `BODY` that may be behind near echoes, (N, 2)."""
+        fresh = (each.bodies for each in self._echoes if each.when > now - ECHO_AGE)
+        return np.concatenate([NOWHERE, *fresh])
+
+    def last_in(self, part: tuple[slice, slice]) -> float:
+        """Return when something was heard last in some cells [s]; 0 if never."""
+        return float(self._times[part].max(initial=0.0))
+
+    def forget(self) -> None:
+        """Forget everything."""
+        self._times[:], self._counts[:], self._echoes = 0.0, 0, []
+
+
+def transducers_in_map(mounts: Float, robot_in_map: Pose2) -> Float:
+    """Return x, y [m] and direction [rad] of transducers in the map.
+
+    Args:
+        mounts: The same on the robot, shape (F, 3).
+        robot_in_map: The robot's pose.
+    """
+    c, s = np.cos(robot_in_map.theta), np.sin(robot_in_map.theta)
+    x = robot_in_map.x + c * mounts[:, 0] - s * mounts[:, 1]
+    y = robot_in_map.y + s * mounts[:, 0] + c * mounts[:, 1]
+    return np.stack([x, y, robot_in_map.theta + mounts[:, 2]], axis=1)
+
+
+def _directions(bearings: Float) -> Float:
+    """Return vectors of length 1, shape (..., 2)."""
+    return np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
