@@ -56,6 +56,7 @@ class GoingAside:
     _spent: float = field(default=0.0, init=False)
     _aside_since: float = field(default=0.0, init=False)
     _searched: float = field(default=-inf, init=False)
+    _tries: int = field(default=0, init=False)
     _stay: list[tuple[float, float, float]] = field(default_factory=list, init=False)
 
     def decide(
@@ -64,6 +65,7 @@ class GoingAside:
         robot_in_map: Pose2,
         obstacles: Float,
         to_go: float = inf,
+        *,
         blocked: bool = True,
     ) -> Desire | None:
         """Return the velocity of a robot that goes aside, or `None` if nobody waits for it.
@@ -84,21 +86,21 @@ class GoingAside:
         stuck, waiting = now - self._anchored, self._waiting(here, now)
         if waiting:
             self._asked = now
-        if (
-            waiting
-            and (blocked or self._to is not None)
-            and stuck > (STUCK if self._to is None else STUCK_ASIDE)
-        ):
-            if self._to is None and _came_lately(waiting, now):
-                if to_go < AT_GOAL or now - self._searched < SEARCH_AGAIN:
-                    return self._stand(now)
+        waits = blocked and stuck > STUCK if self._to is None else stuck > STUCK_ASIDE
+        if waiting and waits:
+            lately = self._to is None and _came_lately(waiting, now)
+            if lately and (to_go < AT_GOAL or now - self._searched < SEARCH_AGAIN):
+                return self._stand(now)
+            found: Follower | Manoeuvre | None
+            found, is_last = self._beside(situation, robot_in_map, waiting, obstacles)
+            if found is None and is_last and not lately:
+                found = self._place(situation, robot_in_map, waiting)
+            if is_last:
                 self._searched = now
-                self._to = self._beside(situation, robot_in_map, waiting, obstacles)
-                if self._to is None:
-                    return self._stand(now)
-            else:
-                self._to = self._way_out(situation, robot_in_map, waiting, obstacles) or self._to
-            self._anchored = now
+            if lately and found is None:
+                return self._stand(now)
+            if is_last:
+                self._to, self._anchored = found or self._to, now
         elif self._to is not None and now - self._asked > GONE:
             self._to, self._anchored = None, now
         if self._to is None:
@@ -139,28 +141,25 @@ class GoingAside:
         step = to.step(robot_in_map, situation.twist, obstacles, ASIDE)
         return step.v, step.w, step.arrived
 
-    def _way_out(
-        self, situation: Situation, at: Pose2, near: list[Mover], obstacles: Float
-    ) -> Follower | Manoeuvre | None:
-        """Return a drive out of people's ways, if there is one: beside them, or farther off."""
-        beside = self._beside(situation, at, near, obstacles)
-        return beside or self._place(situation, at, near)
-
     def _beside(
         self, situation: Situation, at: Pose2, near: list[Mover], obstacles: Float
-    ) -> Manoeuvre | None:
-        """Return a drive to the nearest pose beside people's ways, if one is near."""
+    ) -> tuple[Manoeuvre | None, bool]:
+        """Look for a drive to the nearest pose beside people's ways, in one way: it takes long.
+
+        Returns:
+            The drive, if there is one; and whether there is nothing else to try.
+        """
         first = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
-        model = situation.model
-        for ways in (
-            ways_of(near, at),
-            ways_of([first], at),
-            ways_of([first], at, to_robot=False),
-        ):
-            poses = find_way_aside(at, model, obstacles, ways, self.sightings.costs)
-            if poses is not None:
-                return Manoeuvre(poses, model, situation.limits)
-        return None
+        tries = (
+            lambda: ways_of(near, at),
+            lambda: ways_of([first], at),
+            lambda: ways_of([first], at, to_robot=False),
+        )
+        model, ways = situation.model, tries[self._tries]()
+        poses = find_way_aside(at, model, obstacles, ways, self.sightings.costs)
+        self._tries = 0 if poses is not None else (self._tries + 1) % len(tries)
+        drive = None if poses is None else Manoeuvre(poses, model, situation.limits)
+        return drive, self._tries == 0
 
     def _place(self, situation: Situation, at: Pose2, near: list[Mover]) -> Follower | None:
         """Return the follower to a place where nobody goes, if there is one."""
