@@ -30,6 +30,8 @@ KEEP, KEEP_PER_SPEED = 0.04, 0.1
 """Distance to obstacles [m], and how much more per speed [s]."""
 SLOW, SLACK = 0.15, 0.002
 """At this speed [m/s] a robot may stay as near to something as it is, but for the latter [m]."""
+PERSONAL = 0.03
+"""Nearer than this to people nothing comes nearer [m]: their places are known no better."""
 NEAR = 0.15
 """More than this beyond the distance to be kept is worth nothing [m]."""
 HEADING, ROOM, CHANGE = 0.35, 1.0, 0.02
@@ -238,10 +240,12 @@ class Follower:
     ) -> Float:
         """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4).
 
-        A slow robot keeps `keep` [m] from each obstacle, or as much as it has.
+        A slow robot keeps `keep` [m] from each obstacle, or as much as it has; of people more.
         """
         at, limits = robot_in_map, self.limits
-        kept = np.minimum(keep, gaps_at(at, self.model, obstacles))
+        gaps, people = gaps_at(at, self.model, obstacles), obstacles[:, 4] > 0.0
+        kept = np.minimum(np.where(people, max(keep, PERSONAL), keep), gaps)
+        kept[people & (gaps < PERSONAL)] += SLACK  # no nearer, by however little
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [

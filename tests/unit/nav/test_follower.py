@@ -3,6 +3,7 @@
 from math import cos, hypot, pi, sin
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -11,7 +12,8 @@ from pioneer3.geometry import Pose2, Twist2, arc, wrap
 from pioneer3.limits import Limits
 from pioneer3.maps import LineMap
 from pioneer3.maps.grid import samples
-from pioneer3.nav.follower import KEEP, NO_OBSTACLES, Follower
+from pioneer3.nav.follower import KEEP, NO_OBSTACLES, PERSONAL, Follower
+from pioneer3.nav.gaps import gaps_at
 from pioneer3.nav.planner import Way, plan
 from tests.unit.nav.offices import AT, costs, room, two_rooms
 
@@ -170,3 +172,17 @@ def test_a_robot_that_goes_aside_backs_off() -> None:
     by = Follower(AT, LIMITS, (3.5, 3.0, None), way.cost_to_go, either_way=True)
     somebody = np.array([[5.0 + AT.length_front + 0.45, 3.0, 0.0, 0.0, 0.28]])
     assert by.step(begin, Twist2(), somebody, 0.3).v < -0.1
+
+
+@pytest.mark.parametrize("gap_", [0.05, PERSONAL, 0.01])
+def test_it_creeps_no_nearer_to_somebody_than_their_place_is_known(gap_: float) -> None:
+    at, radius = Pose2(5.0, 3.0, 0.0), 0.28
+    by = follower(room(), at, (5.25, 3.08, None))
+    somebody = np.array([[5.0 + AT.length_front + gap_ + radius, 3.2, 0.0, 0.0, radius]])
+    twist, least = Twist2(), gap_
+    for _ in range(100):
+        step = by.step(at, twist, somebody, gently=True)
+        twist = Twist2(towards(twist.v, step.v, 0.03), towards(twist.w, step.w, 0.15))
+        at = at @ arc(twist.v, twist.w, 0.1)
+        least = min(least, float(gaps_at(at, AT, somebody).min()))
+    assert least >= min(gap_, PERSONAL) - 0.005
