@@ -139,15 +139,18 @@ class Sightings:
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
             self.movers.hear(Pose2(x, y, theta), min(metres, LISTENS), now)
         people = [each for each in self.movers.people() if now - each.seen < COASTS]
+        about = self.are_people_about(now)
+        since = now - LATEST if about else 0.0  # who is gone explains nothing
 
         def is_known(arc: Float) -> bool:
             x, y = arc[len(arc) // 2].tolist()
             if any(hypot(each.x - x, each.y - y) < RADIUS + OWN for each in people):
                 return True
             # the laser sees it, and knows better where it is
-            return any(self._seen[self._around(x, y, SHORT)].any() for x, y in arc.tolist())
+            return any(
+                (self._seen[self._around(x, y, SHORT)] > since).any() for x, y in arc.tolist()
+            )
 
-        about = self.are_people_about(now)
         self.echoes.take(transducers, ranges, now, is_known, people=about)
 
     def _follow(self, beams: Beams, robot_in_map: Pose2, echoes: Float, from_laser: Float) -> Int:

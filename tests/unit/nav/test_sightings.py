@@ -264,3 +264,15 @@ def test_nothing_is_where_the_robot_stands(sightings: Sightings) -> None:
     assert len(sightings.points(5.0))
     sightings.take(beams(6.0), HERE @ Pose2(0.9, 0.05, 2.0))
     assert not len(sightings.points(6.0))
+
+
+@pytest.mark.parametrize("people", [True, False])
+def test_where_people_are_what_was_seen_long_ago_explains_no_echo(
+    sightings: Sightings, people: bool
+) -> None:
+    sightings.take(beams(5.0, (0.6, 0.0), (0.6, 0.02)), HERE)
+    sightings.movers.met = 5.0 if people else -np.inf
+    hear(sightings, 0.4, HERE, 5.1)
+    assert not len(sightings.echoes.near(3.0, 3.0, 1.0, 5.1))
+    hear(sightings, 0.4, HERE, 8.0)
+    assert bool(len(sightings.echoes.near(3.0, 3.0, 1.0, 8.0))) is people
