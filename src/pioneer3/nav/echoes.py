@@ -77,7 +77,7 @@ class Echoes:
         *,
         people: bool,
     ) -> None:
-        """Note the echoes that nothing explains, and forget the things that are no longer heard.
+        """Forget the things that are no longer heard, then note the echoes that nothing explains.
 
         Args:
             transducers: x, y [m] and direction [rad] in the map of those that fired, shape (F, 3).

@@ -137,7 +137,8 @@ class Follower:
             twist: Its measured motion.
             obstacles: x, y [m], velocity [m/s] and radius [m] in the map's frame, shape (N, 5).
             top_speed: No faster than this [m/s].
-            gently: Whether it turns slowly: something is beside it that nothing sees whole.
+            gently: Whether it turns slowly, and stands where nothing leads on: something is beside
+                it that nothing sees whole.
         """
         x, y, _ = self.goal
         distance = hypot(x - robot_in_map.x, y - robot_in_map.y)
@@ -194,15 +195,15 @@ class Follower:
             cost[np.abs(commands[:, 0]) > SLOW] += 1.0
         cost[~possible] = inf
         best = int(cost.argmin())
+        here = judged[standing][0]
+        stands = here[0] + HEADING * here[1]
         room = gaps_at(robot_in_map, self.model, obstacles).min(initial=inf) - KEEP
-        standing_cost = left + HEADING * off_way + ROOM * (NEAR - min(float(room), NEAR))
-        if may_stand and worth[best] > standing_cost - WORTH:
+        if may_stand and worth[best] > stands + ROOM * (NEAR - min(float(room), NEAR)) - WORTH:
             self._turn = 0.0
-            return Step(v=0.0, w=0.0, reason="somebody is in the way", blocked=True)
+            return Step(v=0.0, w=0.0, reason="something is beside its way", blocked=True)
         v, w = commands[best].tolist()
         self._turn = w
-        here = judged[standing][0] if standing.any() else None
-        stuck = here is not None and bool(cost[best] >= here[0] + HEADING * here[1] + 2.0)
+        stuck = bool(cost[best] >= stands + 2.0)
         return Step(v=v, w=w, reason=f"{left:.1f} m to go", blocked=stuck)
 
     def _hesitates(self, left: float) -> bool:
@@ -237,15 +238,17 @@ class Follower:
         *,
         hold: float = HOLD,
         keep: float = KEEP,
+        slow: float = SLOW,
     ) -> Float:
         """Return cost to go, heading off the way, and both gaps of each command, shape (C, 4).
 
-        A slow robot keeps `keep` [m] from each obstacle, or as much as it has; of people more.
+        A robot that is no faster than `slow` [m/s] keeps `keep` [m] from each obstacle, and
+        `PERSONAL` at least from people, or as much as it has.
         """
         at, limits = robot_in_map, self.limits
         gaps, people = gaps_at(at, self.model, obstacles), obstacles[:, 4] > 0.0
         kept = np.minimum(np.where(people, max(keep, PERSONAL), keep), gaps)
-        kept[people & (gaps < PERSONAL)] += SLACK  # no nearer, by however little
+        kept[people & (gaps > 0.0) & (gaps < PERSONAL)] += 0.99 * SLACK  # as good as no nearer
         middle = at.theta + twist.w * DELAY / 2
         state = np.array(
             [
@@ -268,7 +271,7 @@ class Follower:
         )
         raster = self.cost_to_go.raster
         frame = np.array([raster.x, raster.y, raster.cell])
-        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, SLOW, SLACK])
+        outline = np.array([*self._outline, KEEP, KEEP_PER_SPEED, FAR, slow, SLACK])
         out = np.empty((len(commands), 4))
         values = self.cost_to_go.values
         side = np.hypot(obstacles[:, 0] - state[0], obstacles[:, 1] - state[1]) - obstacles[:, 4]
@@ -328,7 +331,8 @@ class Follower:
         self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float
     ) -> bool:
         """Whether a motion would touch something, or come nearer to what it touches."""
-        judged = self._judge(at, twist, np.array([command]), obstacles, keep=2 * SLACK)
+        commands = np.array([command])
+        judged = self._judge(at, twist, commands, obstacles, keep=2 * SLACK, slow=inf)
         return bool(judged[0, 3] < -SLACK)
 
     def _rate(self, off: float) -> float:

@@ -33,7 +33,7 @@ PROGRESS = 0.3
 """A manoeuvre brings the robot so much nearer to its goal [m in the open]."""
 FREE = 0.02
 """With so much room around its farthest corner it turns as it likes [m]."""
-SPEED, TURN_RATE, ROOM = (0.1, 0.3), (0.5, 1.0), (0.06, 0.3)
+SPEED, TURN_RATE, ROOM = (0.1, 0.3), (0.5, 0.6), (0.06, 0.3)
 """Of a manoeuvre [m/s, rad/s], with so much room around the robot [m]."""
 LOOK = 0.3
 """So far ahead it looks for what it would touch, and as far as it needs to slow down [s]."""
@@ -240,7 +240,8 @@ class Manoeuvre:
         bearing = wrap(atan2(dy, dx) - at.theta - (pi if way < 0 else 0.0))
         curvature = 2 * sin(bearing) / max(hypot(dx, dy), AHEAD / 2)
         v = min(top, max(0.03, sqrt(2 * self.limits.deceleration * 0.5 * left)))
-        w = max(-TURN_RATE[0], min(TURN_RATE[0], v * curvature))
+        fastest = TURN_RATE[1]
+        w = max(-fastest, min(fastest, v * curvature))
         return way * v, w
 
 

@@ -24,6 +24,8 @@ HIDDEN = 15.0
 """So long after they were seen last, people are remembered who are out of sight [s]."""
 COASTS = 0.4
 """So long after it was seen last a thing is expected to go on; then to stand [s]."""
+LISTENS = 2.5
+"""Sonars tell up to here that nobody is there [m]."""
 HIT, DEEP, MISSED = 0.15, 0.5, 3
 """A sonar hears a body that its axis passes so near to the middle of [m], from no farther before
 that [m]; whom sonars have missed so often, one after the other, has gone.
@@ -52,7 +54,7 @@ class Mover:
         believed: Until when it is a person, whatever it looks like [s].
         joined: When somebody else came so near that both were one thing from then on [s].
         heard: When a sonar heard it where it should be [s].
-        missed: How often sonars heard nothing where it should be, since it was seen.
+        missed: How often sonars heard nothing where it should be, since it was seen or heard.
     """
 
     x: float
@@ -142,9 +144,9 @@ class Mover:
         off = transducer.inverse() @ Pose2(x, y)
         if off.x < 0.0 or abs(off.y) > HIT:
             return
-        if metres > off.x:
+        if min(metres, LISTENS) > off.x:
             self.missed += 1
-        elif metres > off.x - DEEP:
+        elif max(off.x - DEEP, 0.0) < metres <= off.x:
             self.missed, self.heard = 0, now
 
     def _filter(self, x: float, y: float, passed: float, place: float, speed: float) -> None:

@@ -190,7 +190,7 @@ class Movers:
         ranges = np.hypot(*(points - origin).T)
         kept = []
         for thing in self.things:
-            age = now - max(thing.seen, thing.heard)
+            age = now - thing.seen
             patience = UNSEEN
             if thing.is_person and age > UNSEEN:
                 x, y = thing.at(now)
@@ -203,6 +203,8 @@ class Movers:
                 known = thing.times > KNOWN or away < BESIDE
                 known = known and (hidden or away < GATE)
                 patience = HIDDEN if known else UNSEEN
+                if known and hidden:
+                    age = now - max(thing.seen, thing.heard)
             if age <= patience:
                 kept.append(thing)
             elif thing.is_person:
@@ -214,7 +216,7 @@ class Movers:
 
         Args:
             transducer: Place and direction in the map's frame [m, rad].
-            metres: Up to its echo [m].
+            metres: Up to its echo [m]; `inf` where nothing echoed.
             now: [s].
         """
         for thing in self.things:

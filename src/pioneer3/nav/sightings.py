@@ -30,8 +30,6 @@ so long [s].
 """
 LATE, DOUBT_TURNING = 0.05, 0.08
 """Odometry may be so late [s]: echoes are off while the robot turns, by so much at most [m/m]."""
-LISTENS = 2.5
-"""Sonars tell up to here that nobody is there [m]."""
 OWN = 0.1
 """Echoes that are no farther from somebody's side are of them [m]."""
 AGAIN = 0.1
@@ -67,7 +65,7 @@ class Sightings:
         self._counts = np.zeros(costs.raster.shape, dtype=np.uint8)
         self._under = (costs.needed - MARGIN) * sqrt(0.5)  # half of a square within the robot
         self._before: Beams | None = None
-        self._echoes = self._latest = -inf, np.empty((0, 2))
+        self._scan_before = self._latest = -inf, np.empty((0, 2))
 
     def take(self, beams: Beams, robot_in_map: Pose2) -> None:
         """Note the echoes of a scan, and forget the things that it sees past.
@@ -89,7 +87,7 @@ class Sightings:
         short = SHORT / raster.cell
         free = np.concatenate([ends[near], clear])
         fast(clear_beams, CACHE)(origin, free, short, self._seen, self._counts)
-        self._seen[self._around(robot_in_map.x, robot_in_map.y, self._under)] = 0.0
+        self._clear(robot_in_map.x, robot_in_map.y, self._under)
         near[walking] = False
         doubts = EXPLAINED + self._doubt(beams) * from_laser[near]
         marks = self._seen, self._counts
@@ -108,8 +106,8 @@ class Sightings:
 
         Lasers see edges, dust and the sun as points that are not there.
         """
-        echoes, (_, before) = in_map(robot_in_map, beams.points), self._echoes
-        self._echoes = beams.stamp, echoes
+        echoes, (_, before) = in_map(robot_in_map, beams.points), self._scan_before
+        self._scan_before = beams.stamp, echoes
         alone = np.flatnonzero(~has_company(beams.points))
         if not len(alone):
             return beams
@@ -137,7 +135,7 @@ class Sightings:
         """
         transducers = transducers_in_map(mounts, robot_in_map)
         for (x, y, theta), metres in zip(transducers.tolist(), ranges.tolist(), strict=True):
-            self.movers.hear(Pose2(x, y, theta), min(metres, LISTENS), now)
+            self.movers.hear(Pose2(x, y, theta), metres, now)
         people = [each for each in self.movers.people() if now - each.seen < COASTS]
         about = self.are_people_about(now)
         since = now - LATEST if about else 0.0  # who is gone explains nothing
@@ -171,7 +169,7 @@ class Sightings:
         for thing in self.movers.things:
             if thing.walks:
                 for x, y in thing.past[-1:] if id(thing) in walked else thing.past:
-                    self._seen[self._around(x, y, RADIUS)] = 0.0
+                    self._clear(x, y, RADIUS)
         return unknown[own]
 
     def points(self, now: float, age: float = AGE, *, people: bool = True) -> Float:
@@ -179,7 +177,8 @@ class Sightings:
 
         Somebody who walks is not among them; with `people`, who has stood for a while is.
         """
-        self._seen[self._seen < now - AGE] = 0.0  # nor do they close a way
+        old = (self._seen > 0.0) & (self._seen < now - AGE)
+        self._seen[old], self._counts[old] = 0.0, 0  # nor do they close a way
         whole = slice(0, self._raster.height), slice(0, self._raster.width)
         seen = self._seen_in(whole, now, age)
         people_about = self.are_people_about(now)
@@ -206,6 +205,11 @@ class Sightings:
         standing = (thing for thing in self.movers.walking() if thing.stands is not None)
         seen += [t.seen for t in standing if np.hypot(t.x - x, t.y - y) < reach]
         return max(seen) or None
+
+    def _clear(self, x: float, y: float, within: float) -> None:
+        """Forget what was seen within a distance of a place [m]."""
+        part = self._around(x, y, within)
+        self._seen[part], self._counts[part] = 0.0, 0
 
     def _middles(self, times: Float, part: tuple[slice, slice], since: float) -> Float:
         raster = self._raster
@@ -266,7 +270,7 @@ class Sightings:
         """Forget everything, as after the robot was found to be somewhere else."""
         self._seen[:], self._counts[:] = 0.0, 0
         self.echoes.forget()
-        self._echoes = self._latest = -inf, np.empty((0, 2))
+        self._scan_before = self._latest = -inf, np.empty((0, 2))
         self.movers.forget()
 
 

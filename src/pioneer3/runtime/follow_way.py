@@ -144,6 +144,7 @@ class FollowWay:
         aside = self._aside.decide(situation, robot_in_map, obstacles, left, blocked=self.blocked)
         if aside is not None:
             self._since = None if self._since is None else self._since + self._aside.forgiven
+            self._check_progress(situation.now, robot_in_map)
             return aside
         held_up = self.held_up(situation.now)
         to_go = self.follower.cost_to_go

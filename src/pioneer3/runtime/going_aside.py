@@ -97,12 +97,14 @@ class GoingAside:
                 found = self._place(situation, robot_in_map, waiting)
             if is_last:
                 self._searched = now
-            if lately and found is None:
+            if self._to is None and found is None and (lately or not is_last):
                 return self._stand(now)
             if is_last:
                 self._to, self._anchored = found or self._to, now
-        elif self._to is not None and now - self._asked > GONE:
-            self._to, self._anchored = None, now
+        else:
+            self._tries = 0
+            if self._to is not None and now - self._asked > GONE:
+                self._to, self._anchored = None, now
         if self._to is None:
             self._before = self._aside_since = now
             return None
@@ -128,7 +130,7 @@ class GoingAside:
         self._stay += [
             (each.x, each.y, now + STAYS)
             for each in waiting
-            if each.stands is not None and now - max(each.stands, self._aside_since) > LETS
+            if now - max(_stands_since(each), self._aside_since) > LETS
         ]
 
     def _drive(
@@ -187,5 +189,9 @@ class GoingAside:
 
 def _came_lately(waiting: list[Mover], now: float) -> bool:
     """Return whether one of those who wait has not stood for long."""
-    since = [each.seen if each.stands is None else each.stands for each in waiting]
-    return any(now - each < PATIENT for each in since)
+    return any(now - _stands_since(each) < PATIENT for each in waiting)
+
+
+def _stands_since(somebody: Mover) -> float:
+    """Return since when somebody stands [s]; who left the view while they walked, since then."""
+    return somebody.seen if somebody.stands is None else somebody.stands

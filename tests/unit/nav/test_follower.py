@@ -186,3 +186,24 @@ def test_it_creeps_no_nearer_to_somebody_than_their_place_is_known(gap_: float) 
         at = at @ arc(twist.v, twist.w, 0.1)
         least = min(least, float(gaps_at(at, AT, somebody).min()))
     assert least >= min(gap_, PERSONAL) - 0.005
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.28])
+@pytest.mark.parametrize(("off", "begin"), [(0.2, 0.3), (0.25, 0.3), (0.32, 0.4)])
+def test_near_its_goal_it_stops_before_what_has_come_into_its_way(
+    off: float, begin: float, radius: float
+) -> None:
+    at, twist = Pose2(5.0, 3.0, 0.0), Twist2(begin)
+    by = follower(room(), at, (5.34, 3.0, None))
+    thing = np.array([[5.0 + AT.length_front + off + radius, 3.0, 0.0, 0.0, radius]])
+    for _ in range(40):
+        step = by.step(at, twist, thing, gently=True)
+        twist = Twist2(towards(twist.v, step.v, 0.03), towards(twist.w, step.w, 0.15))
+        at = at @ arc(twist.v, twist.w, 0.1)
+        assert gaps_at(at, AT, thing).min() > 0.0
+
+
+def test_a_robot_in_whose_outline_somebody_is_taken_to_stand_may_drive_on() -> None:
+    by = follower(room(), Pose2(5.0, 3.0), (9.0, 3.0, None))
+    inside = np.array([[4.9, 3.1, 0.0, 0.0, 0.28]])
+    assert by.step(Pose2(5.0, 3.0), Twist2(), inside, gently=True).v > 0.0

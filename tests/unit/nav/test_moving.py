@@ -258,3 +258,23 @@ def test_who_looks_like_no_legs_may_be_two() -> None:
         movers.take(box(2.25, 0.0), LASER, AHEAD, now)
         now += DT
     assert movers.discs(now)[0, 4] > RADIUS
+
+
+def test_who_is_not_where_the_laser_looks_has_gone_whatever_sonars_hear_there() -> None:
+    movers = Movers()
+    walk(movers, (1.3, 0.0), (0.0, 0.0), 20)
+    for step in range(20, 40):
+        movers.hear(EAR, 1.1, DT * step)
+        movers.take(np.array([[3.0, 0.0], [3.0, 0.02]]), LASER, AHEAD, DT * step)
+    assert not movers.people()
+
+
+@pytest.mark.parametrize("metres", [np.inf, 0.0, 3.5])
+def test_silence_is_nobody(metres: float) -> None:
+    movers = Movers()
+    walk(movers, (3.5, 0.0), (-0.4, 0.0), 20)
+    movers.take(BEHIND, LASER, AWAY, 3.0)
+    for n in range(2 * MISSED):
+        movers.hear(EAR, metres, 3.0 + 0.2 * n)
+    [person] = movers.people()  # too far to be missed
+    assert (person.missed, person.heard) == (0, -np.inf)

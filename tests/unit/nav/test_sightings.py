@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.beams import Beams
 from pioneer3.nav.echoes import BODY, ECHO_AGE, HEARD_AMONG_PEOPLE
+from pioneer3.nav.mover import MISSED
 from pioneer3.nav.sightings import (
     AGE,
     COMING,
@@ -276,3 +277,36 @@ def test_where_people_are_what_was_seen_long_ago_explains_no_echo(
     assert not len(sightings.echoes.near(3.0, 3.0, 1.0, 5.1))
     hear(sightings, 0.4, HERE, 8.0)
     assert bool(len(sightings.echoes.near(3.0, 3.0, 1.0, 8.0))) is people
+
+
+def test_sonars_tell_who_has_gone_behind_the_robot(sightings: Sightings) -> None:
+    walk_by(sightings)
+    away = HERE @ Pose2(theta=np.pi)
+    sightings.take(beams(6.5, (2.0, 0.0), (2.0, 0.02)), away)
+    [person] = sightings.movers.people()
+    x, y = person.at(7.0)
+    bearing = float(np.arctan2(y - HERE.y, x - HERE.x))
+    towards = np.array([[0.0, 0.0, bearing - np.pi]])
+    for n in range(MISSED):
+        assert sightings.movers.people()
+        sightings.hear(towards, np.array([np.inf]), away, 7.0 + 0.1 * n)
+    assert not sightings.movers.people()
+
+
+def test_one_sonar_does_not_clear_what_another_hears_in_the_same_report(
+    sightings: Sightings,
+) -> None:
+    two = np.array([[0.2, 0.0, 0.0], [0.2, 0.0, 0.05]])
+    for ranges in ([0.4, 0.8], [0.8, 0.4]):
+        sightings.hear(two, np.array(ranges), HERE, 5.0)
+        assert len(sightings.echoes.near(3.0, 3.0, 2.0, 5.0)) == 6  # an arc, and a middle
+
+
+def test_what_passes_once_a_thing_has_gone_is_new(sightings: Sightings) -> None:
+    place = (1.0, 0.0), (1.0, 0.02)
+    for n in range(6):
+        sightings.take(beams(5.0 + 0.1 * n, *place), HERE)
+    sightings.take(beams(6.0), HERE @ Pose2(1.0, 0.0, 2.0))  # the robot stands there
+    sightings.take(beams(7.0, *place), HERE)
+    sightings.movers.met = 7.0
+    assert not len(sightings.points(7.0 + 2 * PASSES))

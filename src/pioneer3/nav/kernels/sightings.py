@@ -13,7 +13,7 @@ UInt8 = NDArray[np.uint8]
 
 
 @kernel
-def clear_beams(origin: Float, ends: Float, short: float, seen: Float, times: UInt8) -> None:
+def clear_beams(origin: Float, ends: Float, short: float, seen: Float, counts: UInt8) -> None:
     """Forget what was seen in the cells that beams pass.
 
     Args:
@@ -21,7 +21,7 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float, times: UI
         ends: Where they end [cells], shape (N, 2).
         short: The last part of each, which is not looked at [cells].
         seen: Time of the last sighting in each cell, 0 for none, shape (H, W).
-        times: How often something was seen there since it was free, shape (H, W).
+        counts: How often something was seen there since it was free, shape (H, W).
     """
     height, width = seen.shape
     for i in range(len(ends)):
@@ -33,12 +33,12 @@ def clear_beams(origin: Float, ends: Float, short: float, seen: Float, times: UI
         for step in range(floor(2.0 * (length - short))):
             column, row = floor(origin[0] + dx * step / 2), floor(origin[1] + dy * step / 2)
             if 0 <= column < width and 0 <= row < height:
-                seen[row, column], times[row, column] = 0.0, 0
+                seen[row, column], counts[row, column] = 0.0, 0
 
 
 @kernel
 def mark_echoes(
-    echoes: Float, clearance: Float32, known: Float, now: float, seen: Float, times: UInt8
+    echoes: Float, clearance: Float32, known: Float, now: float, seen: Float, counts: UInt8
 ) -> None:
     """Note the cells of echoes that no wall of the map explains.
 
@@ -48,7 +48,7 @@ def mark_echoes(
         known: An echo nearer to a wall than this is of that wall [m], shape (N,).
         now: The time to note.
         seen: As `clear_beams` has it, shape (H, W).
-        times: As `clear_beams` has it, shape (H, W).
+        counts: As `clear_beams` has it, shape (H, W).
     """
     height, width = seen.shape
     for i in range(len(echoes)):
@@ -56,5 +56,5 @@ def mark_echoes(
         inside = 0 <= column < width and 0 <= row < height
         if inside and clearance[row, column] > known[i]:
             if seen[row, column] != now:  # several echoes of one scan count once
-                times[row, column] = min(times[row, column], 200) + 1
+                counts[row, column] = min(counts[row, column], 200) + 1
             seen[row, column] = now
