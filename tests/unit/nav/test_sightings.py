@@ -281,11 +281,11 @@ def test_where_people_are_what_was_seen_long_ago_explains_no_echo(
 
 def test_sonars_tell_who_has_gone_behind_the_robot(sightings: Sightings) -> None:
     walk_by(sightings)
-    away = HERE @ Pose2(theta=np.pi)
+    away = HERE @ Pose2(0.5, 0.0, np.pi)
     sightings.take(beams(6.5, (2.0, 0.0), (2.0, 0.02)), away)
     [person] = sightings.movers.people()
     x, y = person.at(7.0)
-    bearing = float(np.arctan2(y - HERE.y, x - HERE.x))
+    bearing = float(np.arctan2(y - away.y, x - away.x))
     towards = np.array([[0.0, 0.0, bearing - np.pi]])
     for n in range(MISSED):
         assert sightings.movers.people()
