@@ -330,8 +330,13 @@ class Follower:
     def _touches(
         self, at: Pose2, twist: Twist2, command: tuple[float, float], obstacles: Float
     ) -> bool:
-        """Whether a motion would touch something, or come nearer to what it touches."""
+        """Whether a motion would touch something, or come nearer to what it touches.
+
+        For a robot that turns where it stands people stop, as for one that stands.
+        """
         commands = np.array([command])
+        if command[0] == 0.0:
+            obstacles = obstacles * (1.0, 1.0, 0.0, 0.0, 1.0)
         judged = self._judge(at, twist, commands, obstacles, keep=2 * SLACK, slow=inf)
         return bool(judged[0, 3] < -SLACK)
 

@@ -15,7 +15,7 @@ from pioneer3.nav.echoes import EXPLAINED, SHORT, Echoes, transducers_in_map
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.sightings import clear_beams, mark_echoes
 from pioneer3.nav.mover import COASTS
-from pioneer3.nav.moving import RADIUS, Movers
+from pioneer3.nav.moving import PARTS, RADIUS, Movers
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -241,15 +241,18 @@ class Sightings:
         return np.concatenate([np.empty((0, 2)), *standing])
 
     def legs(self, people: Float, now: float) -> Float:
-        """Return echoes of the last scan that may be of legs, outside of known people [m], (N, 2).
+        """Return echoes of the last scan that may be of legs, but of people who are alone, (N, 2).
 
         Args:
             people: Their x, y [m], velocity [m/s] and radius [m], shape (W, 5).
             now: [s].
         """
         legs = self.movers.doubtful if self.latest(now) is not None else np.empty((0, 2))
-        for x, y, _, _, radius in people.tolist():
-            legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, RADIUS)]
+        for n, (x, y, _, _, radius) in enumerate(people.tolist()):
+            others = np.delete(people, n, axis=0)
+            # echoes of people beside each other are taken for those of the wrong one
+            if not (np.hypot(others[:, 0] - x, others[:, 1] - y) < PARTS).any():
+                legs = legs[np.hypot(legs[:, 0] - x, legs[:, 1] - y) > min(radius, RADIUS)]
         return legs
 
     def lines(self, now: float) -> Float:

@@ -30,7 +30,7 @@ AT_GOAL = 0.5
 """Nearer to its goal than this it waits rather than leave it again [m]."""
 ASIDE = 0.3
 """Speed of a robot that goes aside [m/s]."""
-LETS, STAYS, SAME = 10.0, 60.0, 0.3
+LETS, STAYS, SAME = 12.0, 60.0, 0.3
 """Who has stood for so long while the robot went aside [s] does not wait for it, and is let be for
 the second time [s] while they stay so near to where they stood [m]."""
 LONGEST = 120.0
@@ -82,7 +82,7 @@ class GoingAside:
         came = hypot(here[0] - self._anchor.x, here[1] - self._anchor.y)
         if came > MOVED or abs(wrap(robot_in_map.theta - self._anchor.theta)) > TURNED:
             self._anchor, self._anchored = robot_in_map, now
-        self._stay = [each for each in self._stay if each[2] > now]
+        self._stay = [(x, y, end) for x, y, end in self._stay if end > now and self._is_there(x, y)]
         stuck, waiting = now - self._anchored, self._waiting(here, now)
         if waiting:
             self._asked = now
@@ -175,6 +175,10 @@ class GoingAside:
         facing = atan2(nearest.y - to_go.y, nearest.x - to_go.x)  # to see when they have passed
         goal = to_go.x, to_go.y, facing
         return Follower(model, situation.limits, goal, to_go, either_way=True)
+
+    def _is_there(self, x: float, y: float) -> bool:
+        """Return whether somebody is at a place still [m]; who comes there anew may wait."""
+        return any(hypot(o.x - x, o.y - y) < SAME for o in self.sightings.movers.people())
 
     def _waiting(self, here: tuple[float, float], now: float) -> list[Mover]:
         """Return the people who stand so near that the robot may be in their way."""

@@ -207,3 +207,12 @@ def test_a_robot_in_whose_outline_somebody_is_taken_to_stand_may_drive_on() -> N
     by = follower(room(), Pose2(5.0, 3.0), (9.0, 3.0, None))
     inside = np.array([[4.9, 3.1, 0.0, 0.0, 0.28]])
     assert by.step(Pose2(5.0, 3.0), Twist2(), inside, gently=True).v > 0.0
+
+
+def test_it_turns_at_its_goal_though_somebody_comes_who_will_stop() -> None:
+    at = Pose2(6.0, 3.0, 0.0)
+    by = follower(room(), at, (6.0, 3.0, pi / 2))
+    comes = np.array([[7.5, 3.0, -0.8, 0.0, 0.28]])
+    assert by.step(at, Twist2(), comes).w > 0.0
+    near = np.array([[6.0, 3.0 + AT.width / 2 + 0.28 + 0.05, 0.0, -0.8, 0.28]])
+    assert by.step(at, Twist2(), near).w == 0.0

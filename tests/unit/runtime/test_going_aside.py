@@ -125,3 +125,12 @@ def test_it_waits_for_who_has_just_come_where_no_place_is_beside_their_way(
     assert desire is not None
     assert (desire.v, desire.w, desire.reason) == (0.0, 0.0, "waits for somebody")
     assert aside.forgiven == pytest.approx(DT)
+
+
+def test_who_comes_where_somebody_was_let_be_may_wait(aside: GoingAside) -> None:
+    meet(aside, 5.8, 0.0)
+    assert not reasons(aside, 0.0, STUCK + LETS + 3.0)[-1]
+    aside.sightings.movers.things = []
+    assert not any(reasons(aside, 20.0, 0.5))
+    meet(aside, 5.8, 21.0)
+    assert reasons(aside, 21.0, STUCK + 1.0)[-1]
