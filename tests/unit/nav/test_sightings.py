@@ -245,6 +245,8 @@ def test_echoes_outside_of_people_may_be_legs(sightings: Sightings) -> None:
     assert not len(sightings.legs(people, 6.9))
     assert len(sightings.legs(people[:0], 6.9))
     assert not len(sightings.legs(people[:0], 9.0))
+    beside = people + np.array([0.0, 0.4, 0.0, 0.0, 0.0])
+    assert len(sightings.legs(np.concatenate([people, beside]), 6.9))  # of either of the two
 
 
 @pytest.mark.parametrize(("people", "scans", "stays"), [(True, 1, 0), (True, 6, 1), (False, 1, 1)])
