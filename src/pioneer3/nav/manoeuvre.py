@@ -46,7 +46,7 @@ TOUCHES = 0.02
 SLOWEST_TURN = 0.06
 """Wheels stick below this [rad/s]."""
 APART = RADIUS + 0.15
-"""Kept from the line on which somebody walks [m]."""
+"""Kept from the line on which somebody walks [m], unless more is asked for."""
 MOST = 16_000
 """After so many states a search gives up: longer ones would hold up the robot."""
 NOWHERE: Float = np.empty((0, 2))
@@ -73,7 +73,13 @@ def find_manoeuvre(
 
 
 def find_way_aside(
-    robot_in_map: Pose2, model: RobotModel, obstacles: Float, ways: Float, costs: CostMap
+    robot_in_map: Pose2,
+    model: RobotModel,
+    obstacles: Float,
+    ways: Float,
+    costs: CostMap,
+    *,
+    apart: float = APART,
 ) -> Float | None:
     """Return the poses of a drive to the nearest place beside the ways of others, if any is near.
 
@@ -83,16 +89,17 @@ def find_way_aside(
         obstacles: Everything nearby, as a follower takes it, shape (N, 5).
         ways: Points of the ways of others [m], shape (K, 2), K at least 1.
         costs: Of the map.
+        apart: Kept between the robot and those ways [m].
 
     Returns:
         As :func:`find_manoeuvre`; one pose if the robot is beside them.
     """
     here = robot_in_map
-    near = _within(SIDE * CELL / 2 + model.corner + APART, here, ways)
+    near = _within(SIDE * CELL / 2 + model.corner + apart, here, ways)
     if not len(near):
         return np.array([[here.x, here.y, here.theta]])
     open_places = np.where(costs.closed, np.inf, 0.0).astype(np.float32)
-    return _search(here, model, obstacles, costs.raster, open_places, ways=near)
+    return _search(here, model, obstacles, costs.raster, open_places, ways=near, apart=apart)
 
 
 def _search(
@@ -103,6 +110,7 @@ def _search(
     values: Float32,
     *,
     ways: Float = NOWHERE,
+    apart: float = APART,
     least: float = 0.0,
 ) -> Float | None:
     reach = SIDE * CELL / 2 + model.corner
@@ -117,7 +125,7 @@ def _search(
     last = fast(manoeuvre, CACHE)(
         np.array([here.x, here.y, here.theta]),
         _moves(),
-        np.array([*outline, least, APART]),
+        np.array([*outline, least, apart]),
         things,
         np.pad(ways, ((0, 0), (0, 1))),
         values,

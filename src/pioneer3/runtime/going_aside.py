@@ -10,7 +10,7 @@ from pioneer3.behaviors.action import Desire, Situation
 from pioneer3.geometry import Pose2, wrap
 from pioneer3.nav.follower import Follower
 from pioneer3.nav.giving_way import WINDOW, refuge, ways_of
-from pioneer3.nav.manoeuvre import Manoeuvre, find_way_aside
+from pioneer3.nav.manoeuvre import APART, Manoeuvre, find_way_aside
 from pioneer3.nav.mover import Mover
 from pioneer3.nav.sightings import Sightings
 
@@ -24,6 +24,8 @@ MEETS, GONE = 0.95, 0.7
 """Who stands so near [m] waits for the robot; it goes on once nobody has for the latter [s]."""
 PATIENT = 12.0
 """Who has stood there for less than this [s] may turn back or walk round a robot that stands."""
+FARTHER = 0.1
+"""Where they do not pass, it goes so much farther from their ways the next time [m]."""
 SEARCH_AGAIN = 1.0
 """So often a robot that waits looks for a place beside their way [s]."""
 AT_GOAL = 0.5
@@ -57,6 +59,7 @@ class GoingAside:
     _aside_since: float = field(default=0.0, init=False)
     _searched: float = field(default=-inf, init=False)
     _tries: int = field(default=0, init=False)
+    _in_vain: int = field(default=0, init=False)
     _stay: list[tuple[float, float, float]] = field(default_factory=list, init=False)
 
     def decide(
@@ -100,6 +103,7 @@ class GoingAside:
             if self._to is None and found is None and (lately or not is_last):
                 return self._stand(now)
             if is_last:
+                self._in_vain += 1  # unless they pass now
                 self._to, self._anchored = found or self._to, now
         else:
             self._tries = 0
@@ -107,6 +111,7 @@ class GoingAside:
                 self._to, self._anchored = None, now
         if self._to is None:
             self._before = self._aside_since = now
+            self._in_vain = 0
             return None
         self._spend(now)
         v, w, there = self._drive(self._to, situation, robot_in_map, obstacles)
@@ -158,7 +163,9 @@ class GoingAside:
             lambda: ways_of([first], at, to_robot=False),
         )
         model, ways = situation.model, tries[self._tries]()
-        poses = find_way_aside(at, model, obstacles, ways, self.sightings.costs)
+        apart = APART + min(self._in_vain, 3) * FARTHER
+        costs = self.sightings.costs
+        poses = find_way_aside(at, model, obstacles, ways, costs, apart=apart)
         self._tries = 0 if poses is not None else (self._tries + 1) % len(tries)
         drive = None if poses is None else Manoeuvre(poses, model, situation.limits)
         return drive, self._tries == 0

@@ -211,3 +211,15 @@ def test_in_a_narrow_corridor_there_is_no_place_aside() -> None:
     obstacles = np.concatenate([things(samples(narrow.walls, 0.05)), person(5.8, 3.0)])
     poses = find_way_aside(Pose2(5.0, 3.0), AT, obstacles, line(5.8, 3.0, -1.0), costs(narrow))
     assert poses is None
+
+
+def test_more_room_is_kept_for_them_if_asked_for() -> None:
+    at, ways = Pose2(5.0, 3.05, 0.0), line(5.8, 3.0, -1.0)
+    open_ = np.concatenate([things(samples(room().walls, 0.05)), person(5.8, 3.0)])
+    ends = []
+    for apart in (APART, APART + 0.3):
+        poses = find_way_aside(at, AT, open_, ways, costs(room()), apart=apart)
+        assert poses is not None
+        assert gap(poses[-1], ways) >= apart - 0.03
+        ends.append(gap(poses[-1], ways))
+    assert ends[1] > ends[0]
