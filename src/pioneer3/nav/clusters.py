@@ -1,9 +1,11 @@
 """Echoes of a scan that no wall explains, joined to clusters as far apart as two legs."""
 
-from math import atan2, hypot, pi
+from math import atan2, hypot
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pioneer3.geometry import wrap
 
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -53,7 +55,7 @@ def is_whole(points: Float, origin: Float, limit: Float, expected: tuple[float, 
     bearings = np.arctan2(points[:, 1] - origin[1], points[:, 0] - origin[0])
     off = (bearings - limit[0] + np.pi) % (2 * np.pi) - np.pi
     dx, dy = expected[0] - float(origin[0]), expected[1] - float(origin[1])
-    middle = abs((atan2(dy, dx) - float(limit[0]) + pi) % (2 * pi) - pi)
+    middle = abs(wrap(atan2(dy, dx) - float(limit[0])))
     inside = float(limit[1]) - middle > atan2(STANCE, hypot(dx, dy))
     return inside and bool((np.abs(off) < limit[1] - AT_EDGE / 2).all())
 

@@ -97,13 +97,13 @@ class Echoes:
             if not is_known(arcs[n]):
                 row, column = int(rows[n, 2]), int(columns[n, 2])
                 self._count(row, column, now)
-                body = np.empty((0, 2))
+                bodies = NOWHERE
                 if people and ranges[n] < NEAR:
                     there = _directions(places[n, 2] + BEAM)
-                    body = places[n, :2] + (ranges[n] + BODY) * there
+                    bodies = places[n, :2] + (ranges[n] + BODY) * there
                 middle = arcs[n, 2]
                 points = arcs[n] if ranges[n] < NEAR else middle[None]
-                self._echoes.append(Echo(now, middle, points, body))
+                self._echoes.append(Echo(now, middle, points, bodies))
 
     def _count(self, row: int, column: int, now: float) -> None:
         around = slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2)

@@ -156,7 +156,7 @@ class GoingAside:
         Returns:
             The drive, if there is one; and whether there is nothing else to try.
         """
-        first = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
+        first = _nearest(near, at)
         tries = (
             lambda: ways_of(near, at),
             lambda: ways_of([first], at),
@@ -178,7 +178,7 @@ class GoingAside:
         to_go = refuge(self.sightings.costs, model.corner, at, near, seen)
         if to_go is None:
             return None
-        nearest = min(near, key=lambda each: hypot(each.x - at.x, each.y - at.y))
+        nearest = _nearest(near, at)
         facing = atan2(nearest.y - to_go.y, nearest.x - to_go.x)  # to see when they have passed
         goal = to_go.x, to_go.y, facing
         return Follower(model, situation.limits, goal, to_go, either_way=True)
@@ -196,6 +196,11 @@ class GoingAside:
             and (each.stands is not None or now - each.seen > STUCK)
             and not any(hypot(each.x - x, each.y - y) < SAME for x, y, _ in self._stay)
         ]
+
+
+def _nearest(people: list[Mover], at: Pose2) -> Mover:
+    """Return who is the nearest to a place [m]."""
+    return min(people, key=lambda each: hypot(each.x - at.x, each.y - at.y))
 
 
 def _came_lately(waiting: list[Mover], now: float) -> bool:
