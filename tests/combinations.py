@@ -1,10 +1,11 @@
-"""Combinations of parameters: every pair of values always, all of them with `--all`."""
+"""Combinations of parameters and examples: enough of them always, all with `--all`."""
 
 from collections.abc import Sequence
 from itertools import combinations, product
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 Row = tuple[Any, ...]
 Pair = tuple[int, Any, int, Any]
@@ -20,6 +21,12 @@ def pairwise(*choices: Sequence[Any]) -> list[Any]:
     covering = _covering(rows)
     thorough = pytest.mark.thorough
     return [pytest.param(*row, marks=() if row in covering else thorough) for row in rows]
+
+
+def examples(number: int) -> int:
+    """Return how many examples stand for `number`: a quarter of it in the quick tier."""
+    usual = settings.get_profile("thorough").max_examples
+    return max(1, number * settings().max_examples // usual)
 
 
 def _covering(rows: Sequence[Row]) -> set[Row]:

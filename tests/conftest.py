@@ -1,22 +1,24 @@
 """Virtual time: timeouts of minutes pass in microseconds, and always in the same order.
 
-`--all` runs the thorough tests too; `--physics` moves all simulated robots by MuJoCo.
+The quick tier of tests runs unless `--all` or `--share` ask for others (`tests/tiers.py`);
+`--physics` moves all simulated robots by MuJoCo.
 """
 
 import asyncio
 import gc
 import os
 import selectors
+import time
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import settings
 
+from tests import tiers
+from tests.costs import Costs
 from tests.support import PHYSICS
-
-settings.register_profile("patient", deadline=None)
-settings.load_profile("patient")
 
 LONGEST = 1000.0
 """Virtual time [s] after which a test hangs."""
@@ -67,13 +69,23 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add `--all` and `--physics`."""
-    parser.addoption("--all", action="store_true", help="also run the tests marked `thorough`")
+    """Add the options of the tiers, and `--physics`."""
+    parser.addoption("--all", action="store_true", help="run the thorough tests too")
+    parser.addoption(
+        "--share",
+        action="store_true",
+        help="run only thorough tests: those of what changed lately, and a part of the others",
+    )
+    parser.addoption("--until", type=float, help="begin no test later [s since 1970]")
     parser.addoption("--physics", action="store_true", help="move simulated robots by MuJoCo")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Move the robots of all worlds by MuJoCo, if asked to."""
+    """Choose how many examples are tried; move the robots of all worlds by MuJoCo, if asked to."""
+    settings.register_profile("thorough", deadline=None)
+    settings.register_profile("quick", deadline=None, max_examples=25)
+    settings.load_profile("quick" if _is_quick_run(config) else "thorough")
+    config.pluginmanager.register(Costs())
     if config.getoption("--physics"):
         os.environ[PHYSICS] = "1"
         from pioneer3.sim import dynamics, world
@@ -82,16 +94,67 @@ def pytest_configure(config: pytest.Config) -> None:
         dynamics.PlanarDynamics = world.PlanarDynamics = MujocoDynamics  # type: ignore
 
 
+def pytest_collection() -> None:
+    """Collect no garbage while tests are collected: nearly all that is made then stays."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was made so far out of each later search for garbage."""
+    gc.collect()
+    gc.freeze()
+    gc.enable()
+
+
+def _is_quick_run(config: pytest.Config) -> bool:
+    return not (config.getoption("--all") or config.getoption("--share"))
+
+
+def _is_named(path: Path, config: pytest.Config) -> bool:
+    """Return whether the command names this file, and so wants all tests in it."""
+    names = (config.invocation_params.dir / arg.partition("::")[0] for arg in config.args)
+    return any(name.resolve() == path for name in names)
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Do not import files without a quick test for the quick tier."""
+    if not _is_quick_run(config) or not collection_path.match("test_*.py"):
+        return None
+    is_wanted = tiers.may_be_quick(collection_path) or _is_named(collection_path, config)
+    return None if is_wanted else True
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the thorough tests unless they are asked for; with physics skip the planar ones."""
+    """Leave out what another tier has; begin with files in real time, which wait most of it."""
     for item in items if config.getoption("--physics") else ():
         if planar := item.get_closest_marker("planar"):
             item.add_marker(pytest.mark.skip(f"on a plane only: {planar.args[0]}"))
+    wanted = _wanted(config, items)
+    left_out = set(items).difference(wanted)
+    config.hook.pytest_deselected(items=[item for item in items if item in left_out])
+    waiting = {item.path for item in wanted if item.get_closest_marker("realtime")}
+    items[:] = sorted(wanted, key=lambda item: item.path not in waiting)
+
+
+def _wanted(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.Item]:
     if config.getoption("--all"):
-        return
-    left_out = [item for item in items if item.get_closest_marker("thorough")]
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = [item for item in items if item not in set(left_out)]
+        return list(items)
+    if config.getoption("--share"):
+        files, has_mass = tiers.share(), config.getoption("--physics")
+        turn = [item for item in items if _file_of(item) in files]
+        return [item for item in turn if has_mass or not tiers.is_quick(item)]
+    return [item for item in items if tiers.is_quick(item) or _is_named(item.path, config)]
+
+
+def _file_of(item: pytest.Item) -> str:
+    return item.nodeid.partition("::")[0]
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Leave out what would begin too late."""
+    until = item.config.getoption("--until")
+    if until is not None and time.time() > until:
+        pytest.skip("there is no time left in this share")
 
 
 def pytest_asyncio_loop_factories(

@@ -9,13 +9,14 @@ from pioneer3.models import load_model
 from pioneer3.sim.body import Body
 from pioneer3.sim.firmware import Firmware
 from pioneer3.sim.world import World
+from tests.combinations import examples
 from tests.property.test_codecs import messages
 from tests.support import frame
 
 COMMANDS = [cls for cls in commands.every_command() if cls is not commands.Close]
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(st.lists(st.sampled_from(COMMANDS).flatmap(messages), max_size=6))
 def test_any_commands_leave_a_robot_that_reports(said: list[commands.Command]) -> None:
     body = Body(load_model("p3at-sh"))

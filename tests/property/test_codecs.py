@@ -10,6 +10,7 @@ from pioneer3.arcos import commands, lists, reports, wire
 from pioneer3.arcos.commands.arguments import Argument, Bits, Latin1, Prefixed, String
 from pioneer3.arcos.layout import layout
 from pioneer3.arcos.reports.codec import EXACT
+from tests.combinations import examples
 
 LATIN1 = st.characters(max_codepoint=255)
 SHORT = 8
@@ -80,7 +81,7 @@ def test_every_field_of_every_message_can_be_generated() -> None:
 
 
 @given(st.sampled_from(commands.every_command()).flatmap(messages))
-@settings(max_examples=600)
+@settings(max_examples=examples(600))
 def test_every_command_comes_back(command: commands.Command) -> None:
     payload = commands.to_payload(command)
     is_old = commands.is_old(type(command))
@@ -89,7 +90,7 @@ def test_every_command_comes_back(command: commands.Command) -> None:
 
 
 @given(st.binary(max_size=20), st.booleans())
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_no_bytes_make_reading_a_command_raise(payload: bytes, simulator: bool) -> None:
     command = commands.from_payload(payload, simulator=simulator)
     again = commands.to_payload(command)
@@ -105,7 +106,7 @@ COMMAND_LIKE = st.builds(
 
 
 @given(COMMAND_LIKE, st.booleans())
-@settings(max_examples=600)
+@settings(max_examples=examples(600))
 def test_what_a_command_is_read_as_can_be_written(payload: bytes, simulator: bool) -> None:
     command = commands.from_payload(payload, simulator=simulator)
     again = commands.to_payload(command)
@@ -115,13 +116,13 @@ def test_what_a_command_is_read_as_can_be_written(payload: bytes, simulator: boo
 
 
 @given(st.sampled_from(REPORTS).flatmap(messages))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_every_report_comes_back(report: reports.Report) -> None:
     assert reports.from_payload(reports.to_payload(report)) == report
 
 
 @given(st.binary(max_size=60))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_reading_a_report_loses_no_byte(payload: bytes) -> None:
     assert reports.to_payload(reports.from_payload(payload)) == payload
 
@@ -130,7 +131,7 @@ KNOWN_IDS = sorted({number for cls in reports.ALL for number in reports.numbers(
 
 
 @given(st.sampled_from(KNOWN_IDS), st.binary(max_size=250))
-@settings(max_examples=600)
+@settings(max_examples=examples(600))
 def test_reading_a_report_with_a_known_id_loses_no_byte(number: int, data: bytes) -> None:
     payload = bytes([number]) + data
     assert reports.to_payload(reports.from_payload(payload)) == payload
@@ -156,7 +157,7 @@ def test_a_sip_of_any_length_loses_no_byte(
 
 
 @given(st.sampled_from([cls.ID for cls in EXACT]), st.binary(max_size=250))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_reports_that_are_not_written_again_lose_no_byte(number: int, data: bytes) -> None:
     payload = bytes([number]) + data
     assert reports.to_payload(reports.from_payload(payload)) == payload

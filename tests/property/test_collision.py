@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.collision import footprint_hits
+from tests.combinations import examples
 
 COORDINATES = st.one_of(st.integers(-8, 8).map(lambda n: n / 4), st.floats(-2, 2))
 SIZES = st.integers(1, 8).map(lambda n: n / 8)
@@ -35,7 +36,7 @@ def clipped(wall: tuple[float, ...], shape: tuple[float, float, float], grown: F
 
 
 @given(SEGMENTS, SHAPES)
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_a_robot_at_the_origin_agrees_with_exact_clipping(
     wall: tuple[float, ...], shape: tuple[float, float, float]
 ) -> None:
@@ -46,7 +47,7 @@ def test_a_robot_at_the_origin_agrees_with_exact_clipping(
 
 
 @given(SEGMENTS, SHAPES, st.floats(-50, 50), st.floats(-50, 50), st.floats(-7, 7))
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_moving_robot_and_wall_together_changes_nothing(
     wall: tuple[float, ...], shape: tuple[float, float, float], x: float, y: float, theta: float
 ) -> None:

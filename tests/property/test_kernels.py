@@ -20,6 +20,7 @@ from pioneer3.sim.kernels import (
 )
 from pioneer3.sim.kernels.echoes import ALL, SHADE
 from pioneer3.sim.raycast import cast_reference, ranges_reference
+from tests.combinations import examples
 from tests.property.scenes import (
     ANGLES,
     BODIES,
@@ -173,7 +174,7 @@ RAYS = st.lists(st.tuples(COORDINATES, COORDINATES, ANGLES), max_size=8).map(
 
 
 @given(WALLS, BODIES, RAYS, LIMITS)
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_rays_agree_with_the_reference(
     kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]], rays: Float, limit: float
 ) -> None:
@@ -181,7 +182,7 @@ def test_rays_agree_with_the_reference(
 
 
 @given(WALLS, BODIES, LIMITS, st.sampled_from([1, 5]))
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_sonar_agrees_with_the_reference(
     kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]], limit: float, rays: int
 ) -> None:
@@ -196,7 +197,7 @@ LONG_WALLS = WALLS.map(lambda walls: walls[np.hypot(*(walls[:, 2:] - walls[:, :2
 
 
 @given(LONG_WALLS, ODD_BODIES, FINITE_LIMITS, st.tuples(st.sampled_from([1, 5]), st.floats(1, 89)))
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_only_walls_that_are_met_steeply_echo(
     kernels: Kernels,
     walls: Float,
@@ -215,7 +216,7 @@ def test_only_walls_that_are_met_steeply_echo(
     FINITE_LIMITS,
     st.tuples(st.sampled_from([2, 5]), st.sampled_from([0.7, 2.1]), st.sampled_from([0, 0.9, 1.1])),
 )
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_edges_that_are_near_and_in_sight_echo(
     kernels: Kernels,
     walls: Float,
@@ -230,7 +231,7 @@ def test_edges_that_are_near_and_in_sight_echo(
 
 
 @given(WALLS, ODD_BODIES, RAYS, FINITE_LIMITS)
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_cut_corners_and_hidden_robots_agree_with_the_reference(
     kernels: Kernels, walls: Float, bodies: list[tuple[float, ...]], rays: Float, limit: float
 ) -> None:
@@ -242,7 +243,7 @@ def test_cut_corners_and_hidden_robots_agree_with_the_reference(
 
 
 @given(ODD_BODIES)
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 def test_an_octagon_is_a_rectangle_without_its_corners(
     kernels: Kernels, bodies: list[tuple[float, ...]]
 ) -> None:
@@ -276,7 +277,7 @@ FANS = st.sampled_from(
 
 
 @given(WALLS, BODIES, FANS, LIMITS)
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_fans_agree_with_the_reference(
     kernels: Kernels,
     walls: Float,
@@ -288,7 +289,7 @@ def test_fans_agree_with_the_reference(
 
 
 @given(WALLS, BODIES, st.tuples(COORDINATES, COORDINATES, ANGLES))
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_blocked_agrees_with_the_footprint_test(
     kernels: Kernels,
     walls: Float,

@@ -27,6 +27,7 @@ from pioneer3.sim.kernels.drives import (
     TOP,
     VELOCITY,
 )
+from tests.combinations import examples
 from tests.property.scenes import MAPS
 
 Float = NDArray[np.float64]
@@ -106,7 +107,7 @@ def kernels(request: pytest.FixtureRequest) -> Kernels:
 
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(0, 3), st.booleans())
 @example(415, 4, 0, False)  # a corner came to rest against the side of another
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 def test_robots_never_drive_into_anything(
     kernels: Kernels, seed: int, count: int, things: int, noisy: bool
 ) -> None:

@@ -15,6 +15,7 @@ from pioneer3.lasers.lms2xx.commands import Command, Mode
 from pioneer3.lasers.lms2xx.device import LmsDevice
 from pioneer3.lasers.scip.device import ScipDevice
 from pioneer3.models.lasers import LASERS
+from tests.combinations import examples
 from tests.unit.lasers.cola_room import LOGIN, Room, laser
 
 WORDS = st.sampled_from(
@@ -136,7 +137,7 @@ def turn_and_send(device: Device, metres: float, now: float) -> float:
 
 
 @pytest.mark.parametrize("name", ["lms-111", "lms-511", "tim551"])
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(COLA_REQUESTS, RANGES, st.floats(0, 1e5)), max_size=12))
 def test_no_request_stops_a_cola_laser(name: str, asked: list[tuple[str, float, float]]) -> None:
     device, now = laser(name), 0.0
@@ -153,7 +154,7 @@ def test_no_request_stops_a_cola_laser(name: str, asked: list[tuple[str, float, 
 
 
 @pytest.mark.parametrize("name", ["urg-04lx", "utm-30lx", "ust-10lx"])
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(SCIP_REQUESTS, RANGES), max_size=12))
 def test_no_request_stops_a_scip_laser(name: str, asked: list[tuple[str, float]]) -> None:
     device, now = ScipDevice(LASERS[name], boot_time=0.0), 0.0
@@ -170,7 +171,7 @@ def test_no_request_stops_a_scip_laser(name: str, asked: list[tuple[str, float]]
     assert device.turn is None
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(LMS_REQUESTS, RANGES), max_size=12))
 def test_no_request_stops_an_lms(asked: list[tuple[bytes, float]]) -> None:
     device, now = LmsDevice(LASERS["lms-200"], boot=0.0), 0.0
@@ -217,7 +218,7 @@ def test_a_scip_host_that_only_asks_costs_bounded_memory() -> None:
     assert host.line.waiting < 300_000
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(st.data())
 def test_no_word_of_an_answer_makes_a_cola_client_raise(data: st.DataObject) -> None:
     room = Room(laser(), ColaClient(0.0))

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pioneer3.errors import ConfigError
 from pioneer3.maps import read_map
 from pioneer3.maps.grid import outline
+from tests.combinations import examples
 
 HEADERS = st.sampled_from(["2D-Map\n", "2D-Map-Ex\n", "2D-Map-Ex2\r\n"])
 WORDS = st.one_of(
@@ -46,7 +47,7 @@ def test_any_bytes_give_a_map_or_one_line(content: bytes) -> None:
 
 
 @given(TEXTS)
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_nearly_right_text_gives_a_map_or_one_line(text: str) -> None:
     check(text.encode("utf-8", "surrogatepass"))
 

@@ -11,6 +11,7 @@ from pioneer3.sim.placement.footprint import overlap
 from pioneer3.sim.placement.free_space import Obstructions
 from pioneer3.sim.placement.placer import PlacementRequest, place_all
 from pioneer3.sim.worldfile import Box, Place, Start, Wall, WorldFile
+from tests.combinations import examples
 
 MODELS = [load_model(name) for name in ("p3at-sh", "p3dx-sh", "amigo-sh", "peoplebot-sh")]
 coordinates = st.floats(-1.0, 9.0)
@@ -24,7 +25,7 @@ starts: st.SearchStrategy[Start] = st.one_of(
 requests = st.builds(PlacementRequest, st.just("r"), st.sampled_from(MODELS), starts)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(
     st.booleans(),
     st.lists(boxes, max_size=4),

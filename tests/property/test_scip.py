@@ -23,6 +23,7 @@ from pioneer3.lasers.scip.wire import (
     to_lines,
 )
 from pioneer3.models.lasers import LASERS
+from tests.combinations import examples
 from tests.unit.lasers.scip_rig import UTM, Rig
 
 NARROW = ScanSettings(first=-0.3, last=0.3, calibrate_time=False)
@@ -159,7 +160,7 @@ def test_a_megabyte_of_noise_is_neither_raised_nor_kept() -> None:
 
 
 @given(NOISE)
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 def test_noise_before_a_scan_costs_at_most_that(noise: bytes) -> None:
     rig, client, (scan, following, *_) = scanning(NARROW)
     got = measured(client.receive(noise + scan, rig.now))

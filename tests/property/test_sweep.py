@@ -7,11 +7,12 @@ from hypothesis import strategies as st
 from pioneer3.arcos.packet import encode
 from pioneer3.arcos.reports import to_payload
 from pioneer3.sim.firmware.laser import SweepFrames, packets
+from tests.combinations import examples
 
 WORD = st.integers(-0x8000, 0x7FFF)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(
     total=st.one_of(st.integers(1, 100), st.sampled_from([181, 361, 541, 721])),
     extended=st.booleans(),

@@ -3,6 +3,7 @@
 Compiling takes half a minute and loading a second, in which nothing else of the program goes on.
 """
 
+from functools import cache
 from math import cos, hypot, pi, sin
 
 import numpy as np
@@ -29,8 +30,9 @@ THING = 0.8, 0.3
 """Something in it that is not on the map [m]."""
 
 
+@cache
 def warm_up() -> None:
-    """Call every kernel once."""
+    """Call every kernel, once in the life of this program."""
     model, rng = load_model("p3at-sh"), np.random.default_rng(0)
     half = SIDE / 2
     corners = [(-half, -half), (half, -half), (half, half), (-half, half)]

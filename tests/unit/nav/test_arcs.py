@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pioneer3.jit import fast
 from pioneer3.nav.kernels import CACHE
 from pioneer3.nav.kernels.arcs import arcs
+from tests.combinations import examples
 
 Float = NDArray[np.float64]
 FRONT, REAR, HALF, KEEP, PER_SPEED, FAR, SLOW, SLACK = OUTLINE = (
@@ -58,7 +59,7 @@ thing = st.tuples(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(
     st.tuples(st.floats(-0.3, 0.75), st.floats(-1.5, 1.5)),
     st.floats(-0.3, 0.75),

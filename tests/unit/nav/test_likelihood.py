@@ -28,6 +28,7 @@ from pioneer3.nav.likelihood import (
 )
 from pioneer3.nav.likelihood_sonar import LONGEST, RAYS, STEEP, EchoMap, PingLikelihood, Pings
 from pioneer3.nav.particles import array_of, pose_of
+from tests.combinations import examples
 from tests.unit.nav.rooms import FLAT, beams, echo, room
 
 Float = NDArray[np.float64]
@@ -57,7 +58,7 @@ def test_the_cost_is_the_square_of_the_distances_of_its_points() -> None:
         assert cost == pytest.approx(wanted, rel=1e-5)
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(st.floats(-0.15, 0.15), st.floats(-0.15, 0.15), st.floats(-0.1, 0.1))
 def test_a_refined_pose_is_the_true_one(x: float, y: float, theta: float) -> None:
     start = array_of(HERE) + np.array([x, y, theta])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pioneer3.geometry import Pose2
 from pioneer3.nav.mover import HIDDEN, MISSED, OFTEN
 from pioneer3.nav.moving import ABOUT, BELIEVED, NEW, RADIUS, Movers
+from tests.combinations import examples
 
 Float = NDArray[np.float64]
 LASER = np.zeros(2)
@@ -35,7 +36,7 @@ def walk(movers: Movers, begin: tuple[float, float], velocity: tuple[float, floa
         movers.take(legs(x, y), LASER, AHEAD, DT * step)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(st.floats(2.0, 3.0), st.floats(-1.0, 1.0), st.floats(0.4, 1.2), st.floats(-pi, pi))
 def test_who_walks_has_a_place_and_a_velocity(
     x: float, y: float, speed: float, heading: float

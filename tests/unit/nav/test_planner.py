@@ -21,6 +21,7 @@ from pioneer3.maps.line_map import FREE, OCCUPIED, UNKNOWN
 from pioneer3.nav.costs import PASSES, CostMap
 from pioneer3.nav.planner import CostToGo, NoWay, Way, plan
 from pioneer3.nav.raster import Raster
+from tests.combinations import examples
 from tests.unit.nav.offices import AT, area, box, costs, room, two_rooms
 
 Float32 = NDArray[np.float32]
@@ -111,7 +112,7 @@ def marched(costs: Float32, goal: tuple[int, int]) -> NDArray[np.float64]:
     return values
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(
     arrays(
         np.float32,

@@ -10,6 +10,7 @@ from pioneer3.arcos import commands, reports
 from pioneer3.arcos.commands import Command, GyroMode
 from pioneer3.geometry import Pose2
 from pioneer3.sim.equipment import Equipment
+from tests.combinations import examples
 from tests.property.test_codecs import messages
 from tests.unit.sim.bench import ON, SYNCS, Bench
 
@@ -128,7 +129,7 @@ class TestLookingOnlyThenIsEnough:
             heard.append(bench.firmware.device.outgoing())
         return heard
 
-    @settings(max_examples=40)
+    @settings(max_examples=examples(40))
     @given(
         st.lists(
             st.tuples(

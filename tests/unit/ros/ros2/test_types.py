@@ -14,6 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 from pioneer3.ros.ros2.distros import distro_of, distros
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import full_name
+from tests.combinations import examples
 from tests.unit.ros.ros2.messages import for_rosbags, leaves, put, type_names, values
 
 HASHES = Path(__file__).with_name("type_hashes.toml")
@@ -100,7 +101,7 @@ def test_humble_has_no_hashes() -> None:
 
 
 @each_distro
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 @given(cdr=st.binary(max_size=120), data=st.data())
 def test_any_bytes_are_a_message_or_a_value_error(
     distro: str, cdr: bytes, data: st.DataObject

@@ -22,6 +22,7 @@ from pioneer3.sim.accessories import (
 from pioneer3.sim.accessories.collection import IGNORED
 from pioneer3.sim.accessories.sony import SonyEvi
 from pioneer3.sim.body import Body
+from tests.combinations import examples
 from tests.property.test_codecs import messages
 from tests.unit.sim.accessories.carrier import FakeCarrier
 
@@ -233,7 +234,7 @@ def run(said: list[tuple[Command, float]]) -> list[object]:
     return heard
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(
     st.lists(
         st.tuples(st.sampled_from(commands.every_command()).flatmap(messages), st.floats(0.0, 0.5)),

@@ -1,0 +1,58 @@
+"""The tiers of tests: each test is in one, and each name in the table is that of a test."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.tiers import PARTS, ROOT, SHARES, part_of, reach, turns
+
+FILES = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "tests").rglob("test_*.py"))
+
+
+def functions_of(file: str) -> set[str]:
+    """Return the names of the functions of a file, and of its classes."""
+    nodes = ast.walk(ast.parse((ROOT / file).read_text("utf-8")))
+    named = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+    return {node.name for node in nodes if isinstance(node, named)}
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_a_file_belongs_to_a_part(file: str) -> None:
+    part_of(file)
+
+
+@pytest.mark.parametrize("where", PARTS)
+def test_a_part_names_what_is_there_and_why(where: str) -> None:
+    part = PARTS[where]
+    assert part.reason
+    assert Path(ROOT, where).exists()
+    for test, proves in (part.quick or {}).items():
+        assert proves
+        assert test.partition("::")[0].partition("[")[0] in functions_of(where)
+
+
+def test_in_as_many_shares_as_there_are_each_file_has_its_turn() -> None:
+    shares = [set(turns(FILES, (), turn)) for turn in range(SHARES)]
+    assert set().union(*shares) == set(FILES)
+    assert sum(map(len, shares)) == len(FILES)
+    assert max(map(len, shares)) < len(FILES) / 2
+
+
+@pytest.mark.parametrize(
+    ("file", "changed"),
+    [
+        ("tests/ros2/test_node.py", "src/pioneer3/ros/dds/backend.py"),
+        ("tests/ros2/test_node.py", "tests/ros2/networks.py"),
+        ("tests/browser/test_map.py", "src/pioneer3/web/static/main.js"),
+        ("tests/browser/test_map.py", "src/pioneer3/sim/world.py"),
+        ("tests/e2e/test_waits.py", "tests/support.py"),
+    ],
+)
+def test_what_changed_has_its_turn_in_each_share(file: str, changed: str) -> None:
+    for turn in range(SHARES):
+        assert file in turns([file], {changed}, turn)
+
+
+def test_what_is_far_from_a_change_waits_for_its_turn() -> None:
+    assert "src/pioneer3/web" not in reach("tests/ros2/test_node.py")
