@@ -113,19 +113,174 @@ PARTS: Mapping[str, Part] = {
     ),
     "tests/e2e/test_soak.py": Part("what only hours and many visits show", NONE),
     "tests/e2e/test_hostile_api.py": Part("thousands of requests", NONE, packages=("web",)),
+    "tests/e2e/test_hostile_hosts.py": Part(
+        "hundreds of hosts",
+        {
+            "test_a_flood_that_never_ends_gives_way_to_the_next_host": "a host at fault",
+            "test_a_host_that_takes_nothing_is_cut_off": "a host at fault",
+            "test_a_half_open_connection_gives_way_to_the_next_host": "a host at fault",
+            "test_a_terminal_that_nobody_reads_loses_what_it_is_sent": "pseudo terminals",
+            "test_a_cable_that_is_pulled_out_ends_the_connection_until_it_is_back": "a lost link",
+        },
+    ),
+    "tests/e2e/test_demo_screen.py": Part(
+        "a whole terminal each",
+        {
+            "test_what_matters_is_on_the_screen_at_any_size[80-24]": "the joint",
+            "test_the_emergency_stop_is_shown_until_it_is_released": "safety",
+            "test_a_lost_robot_is_shown_and_its_return_too": "a lost link",
+        },
+    ),
+    "tests/e2e/test_demo_terminal.py": Part(
+        "a process in a terminal each",
+        {
+            "test_it_starts_drives_and_quits_with_the_terminal_as_it_was": "the joint",
+            "test_every_signal_stops_the_robot_and_gives_the_terminal_back": "a way out",
+            "test_closing_the_window_stops_the_robot": "a way out",
+            "test_a_terminal_that_freezes_stops_the_robot_in_time": "a way out",
+            "test_lines_come_through_a_pipe_and_keys_too": "pipes",
+        },
+    ),
+    "tests/e2e/test_keyboard.py": Part(
+        "a process in a terminal each",
+        {
+            "test_a_held_arrow_moves_and_letting_go_stops": "the joint",
+            "test_space_stops_although_the_key_would_act_on": "it stops",
+            "test_what_is_latched_ends_when_no_key_comes": "safety",
+            "test_any_key_stops_a_robot_that_wanders_and_k_as_hard_as_it_can": "it stops",
+            "test_every_signal_leaves_the_terminal_as_it_was_and_stops": "a way out",
+            "test_closing_the_window_stops_the_robot": "a way out",
+        },
+    ),
+    "tests/e2e/test_commands.py": Part(
+        "a process each",
+        {
+            "test_a_mistake_in_a_process_of_its_own": "the joint",
+            "test_a_mistake_is_told_in_one_line": "words of errors",
+            "test_a_malformed_file_is_named_with_line_and_field": "words of errors",
+            "test_the_simulator_outlives_a_client_that_vanishes_while_driving": "a host at fault",
+            "test_a_signal_ends_a_command_with_its_own_code_and_no_traceback": "ways out",
+            "test_run_tells_what_it_is_connected_to_and_serves_the_page": "the joint",
+            "test_run_that_is_ended_while_driving_says_goodbye_to_the_robot": "a way out",
+            "test_help_fits_and_names_every_command": "the joint",
+        },
+    ),
+    "tests/e2e/test_sim_command.py": Part(
+        "a process each",
+        {
+            "test_many_robots_have_a_line_and_a_port_each": "the joint",
+            "test_a_serial_port_is_told_and_leads_to_the_robot": "pseudo terminals",
+            "test_a_signal_ends_it_while_robots_drive": "a way out",
+            "test_a_mistake_is_told_in_one_line": "words of errors",
+        },
+    ),
+    "tests/e2e/test_old_emulator_faults.py": Part(
+        "a hundred hosts and robots",
+        {
+            "test_a_robot_needs_no_name": "the joint",
+            "test_motors_of_a_second_session_can_be_switched_on": "the joint",
+            "test_an_empty_packet_does_no_harm": "a host at fault",
+            "test_sigterm_ends_it_while_a_robot_drives": "a way out",
+        },
+    ),
+    "tests/e2e/test_camera_pictures.py": Part(
+        "pictures are rendered",
+        {
+            "test_a_box_is_seen_where_it_is_and_a_pan_moves_it": "the joint",
+            "test_a_renderer_that_dies_is_started_again": "a fault",
+            "test_what_is_missing_is_told_in_one_line": "words of errors",
+        },
+    ),
+    "tests/e2e/test_class.py": Part(
+        "a server each",
+        {
+            "test_each_student_sees_and_drives_the_own_robot_only": "safety",
+            "test_a_program_comes_before_the_page_and_the_teacher_before_both": "safety",
+            "test_a_paused_robot_stands_whoever_drives_it_and_goes_on_afterwards": "safety",
+            "test_a_run_is_recorded_handed_in_and_played": "the joint",
+        },
+        packages=("web", "classroom"),
+    ),
+    "tests/e2e/test_slow_viewers.py": Part("memory is watched for long", NONE, packages=("web",)),
+    "tests/e2e/test_fleet_screen.py": Part(
+        "a whole terminal each",
+        {
+            "test_keys_choose_drive_and_stop": "the joint",
+            "test_a_terminal_that_loses_the_focus_lets_go": "safety",
+        },
+    ),
     "tests/browser": Part("the real page in Chromium", NONE, packages=("web",)),
     "tests/browser/test_page.py": Part(
         "the page drives and stops",
         {
             "test_a_held_arrow_moves_and_letting_go_stops_within_300_ms": "it drives by keys",
+            "test_a_pressed_button_drives_until_it_is_let_go": "it drives by touch",
             "test_space_stops_while_an_arrow_is_still_held": "it stops",
+            "test_losing_the_page_stops_the_robot": "it stops",
             "test_the_emergency_stop_latches_until_it_is_reset": "it stops all",
         },
         packages=("web",),
     ),
     "tests/ros1": Part("the real middleware of ROS 1 and its tools", NONE, packages=("ros",)),
+    "tests/ros1/test_driving.py": Part(
+        "a node obeys",
+        {
+            "test_one_message_moves_the_robot_for_the_timeout_only": "it obeys",
+            "test_what_is_no_number_moves_nothing_and_is_told": "safety",
+        },
+        packages=("ros",),
+    ),
+    "tests/ros1/test_failures.py": Part(
+        "a node stops",
+        {
+            "test_on_ctrl_c_the_robot_is_stopped_and_told_goodbye": "a way out",
+            "test_after_a_kill_the_robot_stands_and_a_new_node_takes_over": "a way out",
+        },
+        packages=("ros",),
+    ),
+    "tests/ros1/test_topics.py": Part(
+        "a node publishes",
+        {"test_every_topic_is_rosarias_to_the_byte": "it publishes"},
+        packages=("ros",),
+    ),
+    "tests/ros1/test_tcpros.py": Part("ROS 1's own protocols; cheap", packages=("ros",)),
+    "tests/ros1/test_navigation.py": Part(
+        "a node navigates",
+        {"test_actionlibs_clients_go_to_places": "goals"},
+        packages=("ros",),
+    ),
     "tests/ros2": Part("nodes as processes on real DDS and Zenoh", NONE, packages=("ros",)),
+    "tests/ros2/test_node.py": Part(
+        "a node on each middleware",
+        {
+            "test_every_topic_of_the_table_comes_with_its_type_and_qos": "it publishes",
+            "test_commands_drive_and_silence_stops": "it obeys, and stops",
+            "test_the_end_of_the_node_stops_the_robot_and_leaves_the_graph": "a way out",
+        },
+        packages=("ros",),
+    ),
+    "tests/ros2/test_bridge.py": Part(
+        "the bridge, in this process; cheap",
+        packages=("ros",),
+    ),
+    "tests/ros2/test_fleet.py": Part(
+        "a fleet over ROS 2",
+        {"test_all_are_stopped_at_once_however_they_are_reached": "safety"},
+        packages=("ros", "fleet"),
+    ),
     "tests/fleet": Part("computers with an sshd each", NONE, packages=("fleet", "bridge")),
+    "tests/fleet/test_run.py": Part(
+        "commands on all computers",
+        {"test_lines_begin_with_the_robot_and_failures_give_the_exit_code": "the joint"},
+        packages=("fleet",),
+    ),
+    "tests/fleet/test_bridge.py": Part(
+        "a robot behind a network",
+        {
+            "test_a_robot_whose_operator_is_cut_off_stops_and_a_quiet_host_is_left_alone": "safety",
+        },
+        packages=("fleet", "bridge"),
+    ),
 }
 """By folder or file; the longest name that fits counts."""
 

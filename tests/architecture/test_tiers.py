@@ -17,19 +17,18 @@ def functions_of(file: str) -> set[str]:
     return {node.name for node in nodes if isinstance(node, named)}
 
 
-@pytest.mark.parametrize("file", FILES)
-def test_a_file_belongs_to_a_part(file: str) -> None:
-    part_of(file)
+def test_each_file_belongs_to_a_part() -> None:
+    for file in FILES:
+        part_of(file)
 
 
-@pytest.mark.parametrize("where", PARTS)
-def test_a_part_names_what_is_there_and_why(where: str) -> None:
-    part = PARTS[where]
-    assert part.reason
-    assert Path(ROOT, where).exists()
-    for test, proves in (part.quick or {}).items():
-        assert proves
-        assert test.partition("::")[0].partition("[")[0] in functions_of(where)
+def test_parts_name_what_is_there_and_why() -> None:
+    for where, part in PARTS.items():
+        assert part.reason
+        assert Path(ROOT, where).exists()
+        for test, proves in (part.quick or {}).items():
+            assert proves
+            assert test.partition("::")[0].partition("[")[0] in functions_of(where), where
 
 
 def test_in_as_many_shares_as_there_are_each_file_has_its_turn() -> None:
