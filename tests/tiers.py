@@ -249,6 +249,11 @@ PARTS: Mapping[str, Part] = {
         {"test_actionlibs_clients_go_to_places": "goals"},
         packages=("ros",),
     ),
+    "tests/ros1/test_bridge.py": Part(
+        "the bridge beside a real master",
+        {"test_programs_of_ros2_drive_and_read_a_robot_in_ros1": "the joint"},
+        packages=("ros",),
+    ),
     "tests/ros2": Part("nodes as processes on real DDS and Zenoh", NONE, packages=("ros",)),
     "tests/ros2/test_node.py": Part(
         "a node on each middleware",
@@ -261,6 +266,16 @@ PARTS: Mapping[str, Part] = {
     ),
     "tests/ros2/test_bridge.py": Part(
         "the bridge, in this process; cheap",
+        packages=("ros",),
+    ),
+    "tests/ros2/test_zenoh.py": Part(
+        "Zenoh itself",
+        {
+            "test_messages_arrive_whatever_the_quality_of_service": "the joint",
+            "test_services_answer_ros_and_peers_with_keys_written_by_hand": "the joint",
+            "test_a_killed_publisher_has_left": "safety",
+            "test_a_wrong_password_is_refused_and_no_secret_is_shown": "security",
+        },
         packages=("ros",),
     ),
     "tests/ros2/test_fleet.py": Part(
