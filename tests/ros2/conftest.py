@@ -19,11 +19,13 @@ class Robot:
         node: The running command.
         simulator: The running command.
         tap: On the cable between them.
+        said: All that the node has said until it was ready.
     """
 
     node: Command
     simulator: Command
     tap: Tap
+    said: tuple[str, ...] = ()
 
 
 @pytest_asyncio.fixture(params=[BackendName.DDS, BackendName.ZENOH])
@@ -39,10 +41,13 @@ async def robot_on(network: Ros2, *arguments: str) -> AsyncIterator[Robot]:
     async with (
         running("sim", "--ideal", "--nomap", "--fit", "bumpers", "--port", "0") as simulator,
         tapped((await simulator.line()).split()[-1]) as tap,
-        running("ros2", "--port", tap.url, *network.options, *arguments) as node,
+        running(
+            *("ros2", "--port", tap.url, *network.options, *arguments),
+            variables=network.variables,
+        ) as node,
     ):
-        said = ""
-        while "ready" not in said:
-            said = await node.line()
-            assert said, await node.end()
-        yield Robot(node, simulator, tap)
+        said = [""]
+        while "ready" not in said[-1]:
+            said.append(await node.line())
+            assert said[-1], await node.end()
+        yield Robot(node, simulator, tap, tuple(said))

@@ -28,6 +28,11 @@ PORTS: Final = 250
 """Ports of each domain (DDSI-RTPS 9.6.2.1)."""
 INDEXES: Final = 99
 """Highest index of a participant on a computer where multicast finds nobody."""
+ANNOUNCED: Final = (
+    "<SPDPInterval>2s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
+)
+"""Without multicast, Cyclone DDS would announce itself to the addresses of its peers for 30 s only:
+whoever starts later would never find it."""
 log = logging.getLogger(__name__)
 
 
@@ -81,7 +86,7 @@ class DdsOptions:
             f"<Domain><General>{general}</General><Discovery>"
             f"<ParticipantIndex>auto</ParticipantIndex>"
             f"<MaxAutoParticipantIndex>{INDEXES}</MaxAutoParticipantIndex>"
-            f"<Peers>{peers}</Peers></Discovery>{COMPATIBILITY}</Domain>"
+            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>{COMPATIBILITY}</Domain>"
         )
         return ",".join(filter(None, (own, os.environ.get(SETTINGS, ""))))
 
