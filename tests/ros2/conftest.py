@@ -36,10 +36,12 @@ async def ros2(request: pytest.FixtureRequest) -> AsyncIterator[Ros2]:
 
 
 @asynccontextmanager
-async def robot_on(network: Ros2, *arguments: str) -> AsyncIterator[Robot]:
-    """Run a simulated robot and its node."""
+async def robot_on(
+    network: Ros2, *arguments: str, world: tuple[str, ...] = ("--nomap",)
+) -> AsyncIterator[Robot]:
+    """Run a simulated robot, in the open or in another `world`, and its node."""
     async with (
-        running("sim", "--ideal", "--nomap", "--fit", "bumpers", "--port", "0") as simulator,
+        running("sim", "--ideal", *world, "--fit", "bumpers", "--port", "0") as simulator,
         tapped((await simulator.line()).split()[-1]) as tap,
         running(
             *("ros2", "--port", tap.url, *network.options, *arguments),

@@ -35,9 +35,9 @@ class Graph:
     endpoints: list[dict[str, Any]]
     services: dict[str, list[str]]
 
-    def of(self, topic: str, node: str = "/pioneer3") -> list[dict[str, Any]]:
-        """Return a node's endpoints on a topic."""
-        return [e for e in self.endpoints if (e["topic"], e["node"]) == (topic, node)]
+    def on(self, topic: str) -> list[dict[str, Any]]:
+        """Return the endpoints of other nodes on a topic."""
+        return [e for e in self.endpoints if e["topic"] == topic and e["node"] != "/peer"]
 
 
 @dataclass
@@ -149,14 +149,14 @@ class ForeignLab:
 
 @asynccontextmanager
 async def foreign_lab(
-    backend: BackendName, distro: str, *arguments: str
+    backend: BackendName, distro: str, *arguments: str, world: tuple[str, ...] = ("--nomap",)
 ) -> AsyncIterator[ForeignLab]:
     """Run a robot and its node by this backend, then the program."""
     ros = foreign(distro)
     variables = ros.variables if backend is BackendName.RCLPY else {}
     network = Ros2(Network(backend=backend, domain=next(DOMAINS)), variables)
     async with (
-        robot_on(network, "--distro", distro, *arguments) as robot,
+        robot_on(network, "--distro", distro, *arguments, world=world) as robot,
         rclpy_peer(ros, network) as peer,
     ):
         yield ForeignLab(ros, network, robot, peer)

@@ -1,4 +1,4 @@
-"""The node beside a program with rclpy: by DDS, and by rclpy itself, on real ROS 2 Jazzy and Kilted."""
+"""The node beside a program with rclpy: by DDS, and by rclpy itself, in Jazzy and Kilted."""
 
 import asyncio
 import signal
@@ -29,6 +29,9 @@ BY_RCLPY = [(BackendName.RCLPY, "jazzy"), (BackendName.RCLPY, "kilted")]
 TF = ("/tf", "/tf_static")
 """The wheels have no tf2_msgs: the node publishes these by DDS only."""
 LATCHED: dict[str, Any] = {"latched": True, "depth": 1}
+NODE = "/pioneer3"
+NOBODY = "/".join(["_CREATED_BY_BARE_DDS_APP_"] * 2)
+"""Fast DDS 3 does not know the node of an endpoint of Cyclone DDS, though it knows both."""
 FORGOTTEN = 35.0
 """Cyclone DDS would announce itself to addresses of nobody for 30 s only [s]."""
 
@@ -59,18 +62,19 @@ async def test_the_graph_has_the_node_and_its_topics_with_types_and_hashes(lab: 
         for name in topic.names(Profile.ROS2)
     }
     wanted = table.keys() - set(SILENT) - set(TF if lab.serves else ())
-    graph = await lab.peer.graph_when(lambda graph: all(map(graph.of, wanted)))
-    assert "/pioneer3" in graph.nodes
+    graph = await lab.peer.graph_when(lambda graph: all(map(graph.on, wanted)))
+    assert NODE in graph.nodes
     for name in wanted:
-        topic, (found,) = table[name], graph.of(name)
+        topic, (found,) = table[name], graph.on(name)
+        assert found["node"] == (NODE if lab.serves or lab.ros.distro == "jazzy" else NOBODY)
         assert found["kind"] == full_name(topic.type_name)
         assert found["hash"] == types.message_type(topic.type_name).hash
         assert found["reads"] is (topic.direction is Direction.SUBSCRIBED)
         assert (found["reliable"], found["latched"]) == (True, topic.latched)
-    (commands,) = graph.of("/cmd_vel")
+    (commands,) = graph.on("/cmd_vel")
     stamped = "Stamped" * distro_of(lab.ros.distro).stamped_commands
     assert commands["kind"] == f"geometry_msgs/msg/Twist{stamped}"
-    assert len(graph.of("/parameter_events")) == lab.serves
+    assert len(graph.on("/parameter_events")) == lab.serves
     assert any("tf2_msgs" in said for said in lab.robot.said) is lab.serves
 
 
@@ -139,11 +143,9 @@ async def test_every_service_does_its_work_or_a_topic_of_its_name(lab: ForeignLa
     stopped = lab.peer.hear("/emergency_stop", "std_msgs/Bool", **LATCHED)
     offered = [name for service in SERVICES for name in service.names(Profile.ROS2)]
     graph = await lab.peer.graph_when(
-        lambda graph: graph.of("/emergency_stop") and logs is not None
+        lambda graph: {f"/{name}" for name in offered} <= graph.services.keys() or not lab.serves
     )
-    if lab.serves:
-        graph = await lab.peer.graph_when(lambda g: {f"/{n}" for n in offered} <= g.services.keys())
-    assert {f"/{name}" for name in offered} <= graph.services.keys() or not lab.serves
+    await until(lambda: stopped)
     for service in (*SERVICES, SERVICES[0]):  # in the end the motors may be switched on again
         (name,) = service.names(Profile.ROS2)
         type_name = service.type_in(Profile.ROS2)
@@ -166,3 +168,119 @@ async def test_every_service_does_its_work_or_a_topic_of_its_name(lab: ForeignLa
 
 def seconds(stamp: dict[str, int]) -> float:
     return stamp["sec"] + stamp["nanosec"] / 1e9
+
+
+@by_rclpy
+@shared
+async def test_parameters_are_seen_described_and_set(lab: ForeignLab) -> None:
+    async def call(name: str, **fields: Any) -> Any:
+        kind = "".join(word.title() for word in name.split("_"))
+        return await lab.peer.call(f"{NODE}/{name}", f"rcl_interfaces/{kind}", **fields)
+
+    names = (await call("list_parameters"))["result"]["names"]
+    assert {"max_linear_acceleration", "cmd_vel_timeout"} <= set(names)
+    asked: dict[str, Any] = {"names": ["max_linear_acceleration", "cmd_vel_timeout"]}
+    highest, timeout = (await call("describe_parameters", **asked))["descriptors"]
+    assert (highest["type"], timeout["read_only"]) == (3, True)
+    (range_,) = highest["floating_point_range"]
+    value, _ = (await call("get_parameters", **asked))["values"]
+    wanted = value["double_value"] / 2
+    events = lab.peer.hear("/parameter_events", "rcl_interfaces/ParameterEvent")
+    for new, accepted in ((range_["to_value"] * 2, False), (wanted, True)):
+        parameter = {"name": "max_linear_acceleration", "value": {"type": 3, "double_value": new}}
+        (result,) = (await call("set_parameters", parameters=[parameter]))["results"]
+        assert result["successful"] is accepted
+        assert bool(result["reason"]) is not accepted
+    value, _ = (await call("get_parameters", **asked))["values"]
+    assert value["double_value"] == wanted
+    await until(lambda: any(event["node"] == NODE for event in events))
+    lab.peer.leave("/parameter_events")
+
+
+@by_rclpy
+@shared
+async def test_a_manager_changes_the_life_cycle(lab: ForeignLab) -> None:
+    async def change(label: str) -> bool:
+        response = await lab.peer.call(
+            f"{NODE}/change_state", "lifecycle_msgs/ChangeState", transition={"label": label}
+        )
+        return bool(response["success"])
+
+    async def state() -> State:
+        response = await lab.peer.call(f"{NODE}/get_state", "lifecycle_msgs/GetState")
+        return State(response["current_state"]["id"])
+
+    odometry = lab.peer.hear("/odom", "nav_msgs/Odometry")
+    lab.drive(lab.peer)
+    await until(lambda: lab.robot.tap.now.v > 0.2 and odometry)
+    assert await state() is State.ACTIVE
+    assert not await change("configure")
+    assert await change("deactivate")
+    assert lab.robot.tap.now.is_zero
+    assert await state() is State.INACTIVE
+    assert await change("cleanup")
+    await lab.peer.graph_when(lambda graph: not graph.on("/odom") or graph.on("/odom")[0]["reads"])
+    assert await change("configure")
+    count = len(odometry)
+    assert await change("activate")
+    await until(lambda: lab.robot.tap.now.v > 0.2 and len(odometry) > count)
+    lab.peer.leave("/cmd_vel", "/odom")
+    await until(lambda: lab.robot.tap.now.is_zero)
+
+
+BY_EACH = pytest.mark.parametrize(
+    ("backend", "distro"), [BY_DDS[1], BY_RCLPY[0]], ids=lambda each: str(each)
+)
+
+
+@BY_EACH
+async def test_simulated_time_comes_from_the_clock_and_the_end_stops_the_robot(
+    backend: BackendName, distro: str
+) -> None:
+    arguments = ("--ros-args", "-p", "use_sim_time:=true", "-p", "cmd_vel_timeout:=0")
+    async with foreign_lab(backend, distro, *arguments) as lab:
+        lab.peer.publish("/clock", "rosgraph_msgs/Clock", clock={"sec": 1234})
+        odometry = lab.peer.hear("/odom", "nav_msgs/Odometry")
+        await until(lambda: odometry and odometry[-1]["header"]["stamp"]["sec"] in {1233, 1234})
+        lab.drive(lab.peer)
+        await until(lambda: lab.robot.tap.now.v > 0.2)
+        code, _ = await lab.robot.node.end(signal.SIGINT)
+        assert code == 130
+        assert lab.robot.tap.now.is_zero
+        await lab.peer.graph_when(lambda graph: NODE not in graph.nodes)
+
+
+@BY_EACH
+async def test_a_start_and_goals_by_pose_and_by_name_are_taken(
+    backend: BackendName, distro: str
+) -> None:
+    async with foreign_lab(backend, distro, "--map", "office", world=()) as lab:
+        places = lab.peer.hear("/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", **LATCHED)
+        goals = lab.peer.hear("/current_goal", "geometry_msgs/PoseStamped", **LATCHED)
+        await until(lambda: places)
+        there = places[-1]["pose"]["pose"]
+        placed = {"header": {"frame_id": "map"}, "pose": {"pose": there}}
+        count = len(places)
+        lab.peer.publish("/initialpose", "geometry_msgs/PoseWithCovarianceStamped", **placed)
+        await until(lambda: len(places) > count)
+        lab.peer.leave("/initialpose")
+        for topic, type_name, goal in (
+            ("/goal_name", "std_msgs/String", {"data": "Kitchen"}),
+            ("/goal_pose", "geometry_msgs/PoseStamped", {**placed, "pose": there}),
+        ):
+            count = len(goals)
+            lab.peer.publish(topic, type_name, 1.0, **goal)
+            await until(lambda: len(goals) > count)  # noqa: B023
+            lab.peer.leave(topic)
+            if topic == "/goal_name":
+                await until(lambda: lab.robot.tap.now.v > 0.1)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("distro", ["jazzy", "kilted"])
+async def test_a_program_that_starts_late_finds_the_node(distro: str) -> None:
+    async with foreign_lab(BackendName.DDS, distro) as lab:
+        await asyncio.sleep(FORGOTTEN)
+        async with rclpy_peer(lab.ros, lab.network) as late:
+            odometry = late.hear("/odom", "nav_msgs/Odometry")
+            await until(lambda: odometry)

@@ -20,6 +20,9 @@ COMPATIBILITY: Final = (
 )
 """Fast DDS 3, in Kilted and Lyrical, describes types in a way that Cyclone DDS refuses: without
 this every type with an array would silently get no samples."""
+KEYS: Final = "<Internal><GenerateKeyhash>true</GenerateKeyhash></Internal>"
+"""Fast DDS reads from the hash of the key alone which publisher, subscriber or participant is gone:
+without it those that leave would stay in its graph, participants for 10 s more."""
 LOOPBACK: Final = "127.0.0.1"
 INTERFACE: Final = "NetworkInterface"
 SETTINGS: Final = "CYCLONEDDS_URI"
@@ -86,7 +89,7 @@ class DdsOptions:
             f"<Domain><General>{general}</General><Discovery>"
             f"<ParticipantIndex>auto</ParticipantIndex>"
             f"<MaxAutoParticipantIndex>{INDEXES}</MaxAutoParticipantIndex>"
-            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>{COMPATIBILITY}</Domain>"
+            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>{KEYS}{COMPATIBILITY}</Domain>"
         )
         return ",".join(filter(None, (own, os.environ.get(SETTINGS, ""))))
 

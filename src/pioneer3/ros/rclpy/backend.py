@@ -86,6 +86,8 @@ class RclpyBackend:
             enable_rosout=False,
             start_parameter_services=False,
         )
+        for own in tuple(self._node.publishers):  # of parameters, which this package serves itself
+            self._node.destroy_publisher(own)
         rmw = get_rmw_implementation_identifier()
         number = self._context.get_domain_id() if domain is None else domain
         self.title = f"rclpy of {distro} ({rmw}), domain {number}"
