@@ -64,18 +64,11 @@ class RclpyPeer(programs.Program):
         return self.heard[topic]
 
     def publish(
-        self,
-        topic: str,
-        type_name: str,
-        rate: float = 20.0,
-        /,
-        *,
-        qos: dict[str, Any] | None = None,
-        **fields: Any,
+        self, topic: str, type_name: str, fields: object, rate: float = 20.0, **qos: Any
     ) -> None:
         """Send a message again and again, at a rate [Hz], for nodes find each other in time."""
         kind = full_name(type_name)
-        self.do("publish", topic=topic, kind=kind, fields=fields, rate=rate, **(qos or {}))
+        self.do("publish", topic=topic, kind=kind, fields=fields, rate=rate, **qos)
 
     def leave(self, *topics: str) -> None:
         """Unsubscribe, or publish no more."""
@@ -94,7 +87,7 @@ class RclpyPeer(programs.Program):
     async def graph_when(self, condition: Callable[[Graph], object]) -> Graph:
         """Return the graph as soon as it is so."""
         async with asyncio.timeout(PATIENCE):
-            while not condition(graph := await self.graph()):
+            while not condition(graph := await self.graph()):  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
         return graph
 
@@ -138,13 +131,13 @@ class ForeignLab:
         """Whether the node offers services."""
         return self.network.network.backend is BackendName.RCLPY
 
-    def drive(self, peer: RclpyPeer, speed: float = 0.3, **qos: Any) -> None:
-        """Send a velocity 20 times a second, in the type that this distribution's Nav2 sends."""
-        twist = {"linear": {"x": speed}}
+    def drive(self, peer: RclpyPeer, **qos: Any) -> None:
+        """Send 0.3 m/s 20 times a second, in the type that this distribution's Nav2 sends."""
+        twist = {"linear": {"x": 0.3}}
         if distro_of(self.ros.distro).stamped_commands:
-            peer.publish("/cmd_vel", "geometry_msgs/TwistStamped", qos=qos, twist=twist)
+            peer.publish("/cmd_vel", "geometry_msgs/TwistStamped", {"twist": twist}, **qos)
         else:
-            peer.publish("/cmd_vel", "geometry_msgs/Twist", qos=qos, **twist)
+            peer.publish("/cmd_vel", "geometry_msgs/Twist", twist, **qos)
 
 
 @asynccontextmanager
