@@ -11,7 +11,7 @@ import pytest_asyncio
 
 from pioneer3.models import load_model
 from pioneer3.ros.node.names import Profile
-from pioneer3.ros.node.services import SERVICES
+from pioneer3.ros.node.services import NAVIGATION_SERVICES, SERVICES, SET_BOOL, Service
 from pioneer3.ros.node.topic import Direction
 from pioneer3.ros.node.topics import COMMANDS, STAMPED_COMMANDS, topics_of
 from pioneer3.ros.ros2.distros import distro_of
@@ -93,6 +93,10 @@ async def test_commands_drive_and_silence_stops(lab: ForeignLab) -> None:
     await until(lambda: odometry[-1]["twist"]["twist"]["linear"]["x"] > 0.2)
     lab.peer.leave("/cmd_vel")
     await until(lambda: lab.robot.tap.now.is_zero)
+    lab.peer.publish(*other_commands(lab.ros.distro))
+    await until(lambda: lab.robot.tap.now.v > 0.2)
+    lab.peer.leave(other_commands(lab.ros.distro)[0])
+    await until(lambda: lab.robot.tap.now.is_zero)
     await until(lambda: odometry[-1]["twist"]["twist"]["linear"]["x"] == 0)
     assert odometry[-1]["header"]["frame_id"] == "odom"
     assert odometry[-1]["child_frame_id"] == "base_link"
@@ -100,6 +104,14 @@ async def test_commands_drive_and_silence_stops(lab: ForeignLab) -> None:
     assert stamps == sorted(set(stamps))
     assert began < stamps[-1] < time.time()
     lab.peer.leave("/odom")
+
+
+def other_commands(distro: str) -> tuple[str, str, object]:
+    """Return topic, type and content of a command in the type that `cmd_vel` does not have."""
+    twist = {"linear": {"x": 0.3}}
+    if distro_of(distro).stamped_commands:
+        return "/cmd_vel_unstamped", "geometry_msgs/Twist", twist
+    return "/cmd_vel_stamped", "geometry_msgs/TwistStamped", {"twist": twist}
 
 
 @shared
@@ -143,31 +155,34 @@ async def test_quality_of_service_that_does_not_match_is_told_on_both_sides(
 
 @shared
 async def test_every_service_does_its_work_or_a_topic_of_its_name(lab: ForeignLab) -> None:
-    logs = lab.peer.hear("/rosout", "rcl_interfaces/Log")
     stopped = lab.peer.hear("/emergency_stop", "std_msgs/Bool", **LATCHED)
-    offered = [name for service in SERVICES for name in service.names(Profile.ROS2)]
-    graph = await lab.peer.graph_when(
-        lambda graph: {f"/{name}" for name in offered} <= graph.services.keys() or not lab.serves
-    )
     await until(lambda: stopped)
     for service in (*SERVICES, SERVICES[0]):  # in the end the motors may be switched on again
-        (name,) = service.names(Profile.ROS2)
-        type_name = service.type_in(Profile.ROS2)
-        fields = {"data": True} if type_name.endswith("SetBool") else {}
-        if lab.serves:
-            assert graph.services[f"/{name}"] == [full_name(type_name, "srv")]
-            assert (await lab.peer.call(f"/{name}", type_name, **fields))["message"]
-        else:
-            assert f"/{name}" not in graph.services
-            assert service.topic_type is not None
-            said = len(logs)
-            lab.peer.publish(f"/{name}", service.topic_type, fields, 5.0)
-            await until(lambda: any(log["msg"].startswith(name) for log in logs[said:]))  # noqa: B023
-            lab.peer.leave(f"/{name}")
-        if name == "e_stop_trigger":
-            await until(lambda: stopped and stopped[-1]["data"])
+        await use(service, lab)
+        if service.standard == "e_stop_trigger":
+            await until(lambda: stopped[-1]["data"])
     await until(lambda: not stopped[-1]["data"])
-    lab.peer.leave("/rosout", "/emergency_stop")
+    lab.peer.leave("/emergency_stop")
+
+
+async def use(service: Service, lab: ForeignLab) -> None:
+    """Call a service, or have the topic of its name do the work; there is never both."""
+    (name,) = service.names(Profile.ROS2)
+    type_name = service.type_in(Profile.ROS2)
+    fields = {"data": True} if service.type_name == SET_BOOL else {}
+    if lab.serves:
+        response = await lab.peer.call(f"/{name}", type_name, **fields)
+        assert any(response.get(key) for key in ("message", "map", "plan"))
+        types = (await lab.peer.graph()).services[f"/{name}"]
+        assert types == [full_name(type_name, "srv")]
+        return
+    assert f"/{name}" not in (await lab.peer.graph()).services
+    if service.topic_type is None:
+        return
+    logs = lab.peer.hear("/rosout", "rcl_interfaces/Log")
+    lab.peer.publish(f"/{name}", service.topic_type, fields, 5.0)
+    await until(lambda: any(log["msg"].startswith(name) for log in logs))
+    lab.peer.leave(f"/{name}", "/rosout")
 
 
 def seconds(stamp: dict[str, int]) -> float:
@@ -276,6 +291,8 @@ async def test_a_start_and_goals_by_pose_and_by_name_are_taken(
             lab.peer.leave(topic)
             if topic == "/goal_name":
                 await until(lambda: lab.robot.tap.now.v > 0.1)
+        for service in NAVIGATION_SERVICES:
+            await use(service, lab)
 
 
 @pytest.mark.thorough
