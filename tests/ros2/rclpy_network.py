@@ -156,9 +156,9 @@ async def foreign_lab(
 
 
 @asynccontextmanager
-async def rclpy_peer(ros: Foreign, network: Ros2) -> AsyncIterator[RclpyPeer]:
-    """Run the program on a network."""
-    variables = {**ros.variables, "ROS_DOMAIN_ID": str(network.network.domain)}
+async def rclpy_peer(ros: Foreign, network: Ros2, **others: str) -> AsyncIterator[RclpyPeer]:
+    """Run the program on a network, with other variables of the environment."""
+    variables = {**ros.variables, "ROS_DOMAIN_ID": str(network.network.domain), **others}
     command = (ros.python, str(PROGRAM))
     async with programs.program(RclpyPeer, *command, variables=variables) as peer:
         await until(lambda: peer.is_ready)

@@ -4,6 +4,7 @@ import asyncio
 import signal
 import time
 from collections.abc import AsyncIterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,6 +21,9 @@ from pioneer3.ros.ros2.network import BackendName
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.ros.typestore import full_name
 from tests.e2e.processes import until
+from tests.ros2.conftest import robot_on
+from tests.ros2.foreign import foreign
+from tests.ros2.networks import network_of
 from tests.ros2.rclpy_network import ForeignLab, foreign_lab, rclpy_peer
 from tests.ros2.test_node import SILENT
 
@@ -34,6 +38,13 @@ NOBODY = "/".join(["_CREATED_BY_BARE_DDS_APP_"] * 2)
 """Fast DDS 3 does not know the node of an endpoint of Cyclone DDS, though it knows both."""
 FORGOTTEN = 35.0
 """Cyclone DDS would announce itself to addresses of nobody for 30 s only [s]."""
+LOOPBACK = """<profiles xmlns="http://www.eprosima.com"><transport_descriptors><transport_descriptor>
+<transport_id>lo</transport_id><type>UDPv4</type>
+<interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>
+</transport_descriptor></transport_descriptors>
+<participant profile_name="lo" is_default_profile="true"><rtps>
+<useBuiltinTransports>false</useBuiltinTransports>
+<userTransports><transport_id>lo</transport_id></userTransports></rtps></participant></profiles>"""
 
 
 @pytest_asyncio.fixture(
@@ -297,9 +308,17 @@ async def test_a_start_and_goals_by_pose_and_by_name_are_taken(
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("distro", ["jazzy", "kilted"])
-async def test_a_program_that_starts_late_finds_the_node(distro: str) -> None:
-    async with foreign_lab(BackendName.DDS, distro) as lab:
+async def test_a_program_that_starts_late_and_asks_nobody_finds_the_node(
+    distro: str, tmp_path: Path
+) -> None:
+    """As on a computer whose loopback has no multicast; it is kept on loopback."""
+    profiles = tmp_path / "profiles.xml"
+    profiles.write_text(LOOPBACK)
+    alone = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    alone |= {f"{fast}_DEFAULT_PROFILES_FILE": str(profiles) for fast in ("FASTDDS", "FASTRTPS")}
+    ros = foreign(distro)
+    async with network_of(BackendName.DDS) as network, robot_on(network, "--distro", distro):
         await asyncio.sleep(FORGOTTEN)
-        async with rclpy_peer(lab.ros, lab.network) as late:
+        async with rclpy_peer(ros, network, **alone) as late:
             odometry = late.hear("/odom", "nav_msgs/Odometry")
             await until(lambda: odometry)
