@@ -152,7 +152,7 @@ async def test_a_late_subscriber_gets_what_is_latched(lab: ForeignLab) -> None:
 async def test_quality_of_service_that_does_not_match_is_told_on_both_sides(
     lab: ForeignLab,
 ) -> None:
-    logs = lab.peer.hear("/rosout", "rcl_interfaces/Log")
+    logs = lab.peer.hear("/rosout", "rcl_interfaces/Log", latched=True, depth=100)  # said once
     lossy = lab.peer.hear("/joint_states", "sensor_msgs/JointState", reliable=False)
     lab.peer.hear("/odom", "nav_msgs/Odometry", **LATCHED)
     lab.drive(lab.peer, reliable=False)
