@@ -59,7 +59,7 @@ async def lab(request: pytest.FixtureRequest) -> AsyncIterator[ForeignLab]:
         yield made
 
 
-by_rclpy = pytest.mark.parametrize("lab", BY_RCLPY, indirect=True)
+by_rclpy = pytest.mark.parametrize("lab", BY_RCLPY, indirect=True, ids=["jazzy", "kilted"])
 shared = pytest.mark.asyncio(loop_scope="module")
 
 
