@@ -13,6 +13,7 @@
     * :exc:`MotionError` (also :exc:`RuntimeError`): the robot could not carry out the motion
     * :exc:`DeviceError` (also :exc:`RuntimeError`): an accessory is missing or does not answer
     * :exc:`ConfigError` (also :exc:`ValueError`): an option, map, model or fleet file is wrong
+        * :exc:`MissingTypeError`: the ROS that is installed lacks a type of messages
     * :exc:`FilePermissionError` (also :exc:`PermissionError`): this user may not use a file
     * :exc:`RemoteError` (also :exc:`RuntimeError`): work on another computer failed there
 
@@ -82,6 +83,10 @@ class DeviceError(PioneerError, RuntimeError):
 
 class ConfigError(PioneerError, ValueError):
     """A parameter, map, model or fleet file is missing, malformed or out of range."""
+
+
+class MissingTypeError(ConfigError):
+    """The ROS that is installed lacks a type of messages; the message names its package."""
 
 
 class FilePermissionError(PioneerError, PermissionError):

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -84,14 +84,16 @@ class Command:
 
 
 @asynccontextmanager
-async def running(*arguments: str) -> AsyncIterator[Command]:
-    """Start a command; kill it in the end if it still runs."""
+async def running(
+    *arguments: str, variables: Mapping[str, str] | None = None
+) -> AsyncIterator[Command]:
+    """Start a command, with more variables of the environment; kill it in the end if it runs."""
     process = await asyncio.create_subprocess_exec(
         *words_of(*arguments),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env=environment(),
+        env=environment() | dict(variables or {}),
         start_new_session=True,
     )
     try:

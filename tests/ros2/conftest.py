@@ -19,11 +19,13 @@ class Robot:
         node: The running command.
         simulator: The running command.
         tap: On the cable between them.
+        said: All that the node has said until it was ready.
     """
 
     node: Command
     simulator: Command
     tap: Tap
+    said: tuple[str, ...] = ()
 
 
 @pytest_asyncio.fixture(params=[BackendName.DDS, BackendName.ZENOH])
@@ -34,15 +36,20 @@ async def ros2(request: pytest.FixtureRequest) -> AsyncIterator[Ros2]:
 
 
 @asynccontextmanager
-async def robot_on(network: Ros2, *arguments: str) -> AsyncIterator[Robot]:
-    """Run a simulated robot and its node."""
+async def robot_on(
+    network: Ros2, *arguments: str, world: tuple[str, ...] = ("--nomap",)
+) -> AsyncIterator[Robot]:
+    """Run a simulated robot, in the open or in another `world`, and its node."""
     async with (
-        running("sim", "--ideal", "--nomap", "--fit", "bumpers", "--port", "0") as simulator,
+        running("sim", "--ideal", *world, "--fit", "bumpers", "--port", "0") as simulator,
         tapped((await simulator.line()).split()[-1]) as tap,
-        running("ros2", "--port", tap.url, *network.options, *arguments) as node,
+        running(
+            *("ros2", "--port", tap.url, *network.options, *arguments),
+            variables=network.variables,
+        ) as node,
     ):
-        said = ""
-        while "ready" not in said:
-            said = await node.line()
-            assert said, await node.end()
-        yield Robot(node, simulator, tap)
+        said = [""]
+        while "ready" not in said[-1]:
+            said.append(await node.line())
+            assert said[-1], await node.end()
+        yield Robot(node, simulator, tap, tuple(said))

@@ -1,9 +1,6 @@
 """Runs `dds_peer.py`, a program on DDS without this project's code, and holds what it tells."""
 
 import asyncio
-import json
-import signal
-import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import AsyncIterator, Callable
@@ -12,11 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.e2e.processes import environment, until
+from tests.e2e.processes import until
+from tests.ros2 import programs
 from tests.ros2.networks import Ros2
 
 PROGRAM = Path(__file__).with_name("dds_peer.py")
-LINE = 1 << 24
 CMD_VEL = "rt/cmd_vel"
 TWIST = "geometry_msgs/msg/Twist"
 
@@ -31,11 +28,10 @@ class Message:
 
 
 @dataclass
-class Program:
+class Program(programs.Program):
     """The running program.
 
     Attributes:
-        process: To stop and to kill.
         guid: Of its participant.
         heard: Messages by the name of the reader.
         left: Number of writers that have left each reader.
@@ -43,16 +39,11 @@ class Program:
         guids: Identities of its own endpoints by name.
     """
 
-    process: asyncio.subprocess.Process
     guid: str = ""
     heard: dict[str, list[Message]] = field(default_factory=lambda: defaultdict(list))
     left: dict[str, int] = field(default_factory=lambda: defaultdict(int))
     found: dict[str, dict[str, Any]] = field(default_factory=dict)
     guids: dict[str, str] = field(default_factory=dict)
-
-    def do(self, command: str, **arguments: Any) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.write(json.dumps({"do": command, **arguments}).encode() + b"\n")
 
     async def reader(self, topic: str, type_name: str, key: str = "", **qos: Any) -> list[Message]:
         """Read a topic; return the list that its messages come to."""
@@ -94,66 +85,34 @@ class Program:
             if (each["found"], each.get("topic")) == (kind, topic) and guid[:24] != self.guid[:24]
         ]
 
-    def stall(self) -> None:
-        self.process.send_signal(signal.SIGSTOP)
-
-    def resume(self) -> None:
-        self.process.send_signal(signal.SIGCONT)
-
-    async def kill(self) -> None:
-        """End it as a power cut would."""
-        self.process.kill()
-        await self.process.wait()
-
     async def _open(self, key: str, topic: str, type_name: str, **wanted: Any) -> None:
         self.do("open", key=key, topic=topic, kind=type_name, **wanted)
         await until(lambda: key in self.guids)
 
-    async def listen(self) -> None:
-        """Take what it tells, until it ends."""
-        assert self.process.stdout is not None
-        async for text in self.process.stdout:
-            line = json.loads(text)
-            match line:
-                case {"message": fields}:
-                    message = Message(line["at"], fields, bytes.fromhex(line["cdr"]))
-                    self.heard[line["key"]].append(message)
-                case {"left": True}:
-                    self.left[line["key"]] += 1
-                case {"gone": True}:
-                    self.found.pop(line["guid"], None)
-                case {"found": _}:
-                    self.found[line["guid"]] = line
-                case {"opened": key}:
-                    self.guids[key] = line["guid"]
-                case {"closed": key}:
-                    del self.guids[key]
-                case {"guid": guid}:
-                    self.guid = guid
+    def take(self, line: dict[str, Any]) -> None:
+        match line:
+            case {"message": fields}:
+                message = Message(line["at"], fields, bytes.fromhex(line["cdr"]))
+                self.heard[line["key"]].append(message)
+            case {"left": True}:
+                self.left[line["key"]] += 1
+            case {"gone": True}:
+                self.found.pop(line["guid"], None)
+            case {"found": _}:
+                self.found[line["guid"]] = line
+            case {"opened": key}:
+                self.guids[key] = line["guid"]
+            case {"closed": key}:
+                del self.guids[key]
+            case {"guid": guid}:
+                self.guid = guid
 
 
 @asynccontextmanager
 async def program_on(network: Ros2, gid_bytes: int = 16) -> AsyncIterator[Program]:
     """Run the program on a network."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        str(PROGRAM),
-        str(network.network.domain),
-        str(gid_bytes),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env=environment(),
-        limit=LINE,
-    )
-    program = Program(process)
-    listening = asyncio.ensure_future(program.listen())
-    try:
+    domain = str(network.network.domain)
+    command = (sys.executable, str(PROGRAM), domain, str(gid_bytes))
+    async with programs.program(Program, *command) as program:
         await until(lambda: program.guid)
         yield program
-    finally:
-        if process.returncode is None:
-            process.kill()
-        await process.wait()
-        await listening
-        assert process.stdin is not None
-        process.stdin.close()

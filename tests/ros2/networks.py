@@ -2,7 +2,7 @@
 
 import asyncio
 import socket
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from itertools import cycle
@@ -96,9 +96,15 @@ class Peer:
 
 @dataclass
 class Ros2:
-    """A network on loopback that only this test is on."""
+    """A network on loopback that only this test is on.
+
+    Attributes:
+        network: Where it is.
+        variables: Of the environment of commands that join it.
+    """
 
     network: Network
+    variables: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def options(self) -> tuple[str, ...]:

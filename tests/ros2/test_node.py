@@ -180,3 +180,15 @@ async def test_a_node_of_the_same_name_is_told_of(ros2: Ros2) -> None:
         logs = twin.hear("/rosout", "rcl_interfaces/Log")
         assert robot.node.process.returncode is None
         await until(lambda: any("2 nodes are called /pioneer3" in log.msg for _, log in logs))
+
+
+async def test_a_goal_by_name_is_taken(ros2: Ros2) -> None:
+    pytest.importorskip("scipy")
+    async with robot_on(ros2, "--map", "office", world=()), ros2.peer() as peer:
+        place = peer.types.make("std_msgs/String")
+        place.data = "Kitchen"
+        goals = peer.hear("/current_goal", "geometry_msgs/PoseStamped", LATCHED)
+        publisher = peer.publisher("/goal_name", "std_msgs/String")
+        await until(lambda: publisher.matched)
+        publisher.write(peer.types.encode(place))
+        await until(lambda: goals)

@@ -13,9 +13,9 @@ from typing import Any, Final, Protocol
 from pioneer3.ros.bridge.conversion import Convert
 from pioneer3.ros.bridge.guard import ZERO, CommandGuard, is_finite
 from pioneer3.ros.bridge.rows import TRANSFORMS, Row, Side
+from pioneer3.ros.messages.stamps import NANO, nanoseconds
 
 log = logging.getLogger(__name__)
-NANO: Final = 1_000_000_000
 WAITING: Final = 10
 """Messages that wait for the loop; the newest stay."""
 
@@ -234,7 +234,7 @@ class Relay:
             return "numbers that are not finite"
         if hasattr(message, "header"):
             stamp = message.header.stamp
-            moment = stamp.sec * NANO + stamp.nanosec
+            moment = nanoseconds(stamp)
             age = (time.time_ns() - moment) / NANO
             if moment and age > (self._timeout if commands else OLDEST_GOAL):
                 return (

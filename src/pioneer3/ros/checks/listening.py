@@ -13,6 +13,7 @@ from pioneer3.ros.checks.content import faults_in
 from pioneer3.ros.checks.expectations import Expectation, expectations
 from pioneer3.ros.checks.facts import Facts, Report, Sample, Stream, Transform
 from pioneer3.ros.checks.robots import robot_called
+from pioneer3.ros.messages.stamps import nanoseconds
 from pioneer3.ros.ros2.backend import Backend, Closable, Graph, Kind, NodeName, Qos
 from pioneer3.ros.ros2.client import DISCOVERY
 from pioneer3.ros.ros2.remapping import Remapping
@@ -25,7 +26,6 @@ DEPTH: Final = 100
 """Messages that may wait."""
 CLOCK: Final = "/clock"
 CLOCK_TYPE: Final = "rosgraph_msgs/msg/Clock"
-NANO: Final = 1_000_000_000
 TRANSFORMS: Final = "tf2_msgs/msg/TFMessage"
 STRING: Final = "std_msgs/msg/String"
 
@@ -227,7 +227,7 @@ class Listener:
 
     def _take_clock(self, cdr: bytes, gid: bytes) -> None:
         clock = self._types.decode(cdr, CLOCK_TYPE).clock
-        self._simulated = clock.sec * NANO + clock.nanosec
+        self._simulated = nanoseconds(clock)
 
     def _now(self) -> int | None:
         return self._simulated if self._simulates else self._wall()
@@ -251,14 +251,14 @@ def sample_of(message: Any, at: float, now: int | None, sender: bytes) -> Sample
     if header is not None:
         child = getattr(message, "child_frame_id", "")
         sample = replace(
-            sample, stamp=_nanoseconds(header.stamp), frame=header.frame_id, child=child
+            sample, stamp=nanoseconds(header.stamp), frame=header.frame_id, child=child
         )
     if type_name == TRANSFORMS:
         found = (
             Transform(
                 parent=each.header.frame_id,
                 child=each.child_frame_id,
-                stamp=_nanoseconds(each.header.stamp),
+                stamp=nanoseconds(each.header.stamp),
             )
             for each in message.transforms
         )
@@ -266,10 +266,6 @@ def sample_of(message: Any, at: float, now: int | None, sender: bytes) -> Sample
     if type_name == STRING:
         sample = replace(sample, text=message.data)
     return sample
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp.sec) * NANO + int(stamp.nanosec)
 
 
 def _takes_clock(graph: Graph, node: NodeName) -> bool:

@@ -20,6 +20,9 @@ COMPATIBILITY: Final = (
 )
 """Fast DDS 3, in Kilted and Lyrical, describes types in a way that Cyclone DDS refuses: without
 this every type with an array would silently get no samples."""
+KEYS: Final = "<Internal><GenerateKeyhash>true</GenerateKeyhash></Internal>"
+"""Fast DDS reads from the hash of the key alone which publisher, subscriber or participant is gone:
+without it those that leave would stay in its graph, participants for 10 s more."""
 LOOPBACK: Final = "127.0.0.1"
 INTERFACE: Final = "NetworkInterface"
 SETTINGS: Final = "CYCLONEDDS_URI"
@@ -28,6 +31,11 @@ PORTS: Final = 250
 """Ports of each domain (DDSI-RTPS 9.6.2.1)."""
 INDEXES: Final = 99
 """Highest index of a participant on a computer where multicast finds nobody."""
+ANNOUNCED: Final = (
+    "<SPDPInterval>2s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
+)
+"""Without multicast, Cyclone DDS would announce itself to the addresses of its peers for 30 s only:
+whoever starts later would never find it."""
 log = logging.getLogger(__name__)
 
 
@@ -81,7 +89,7 @@ class DdsOptions:
             f"<Domain><General>{general}</General><Discovery>"
             f"<ParticipantIndex>auto</ParticipantIndex>"
             f"<MaxAutoParticipantIndex>{INDEXES}</MaxAutoParticipantIndex>"
-            f"<Peers>{peers}</Peers></Discovery>{COMPATIBILITY}</Domain>"
+            f"<Peers>{peers}</Peers>{ANNOUNCED}</Discovery>{KEYS}{COMPATIBILITY}</Domain>"
         )
         return ",".join(filter(None, (own, os.environ.get(SETTINGS, ""))))
 

@@ -3,6 +3,7 @@
 from typing import Any, Final
 
 from pioneer3.ros.messages.goals import Goal, GoalState
+from pioneer3.ros.messages.stamps import nanoseconds
 
 LISTED: Final = 5.0
 """A goal that is over is listed for so long [s]: its sender may have missed the result."""
@@ -11,10 +12,7 @@ MOST: Final = 100
 
 
 class GoalList:
-    """All goals that have come, and cancels that came before their goals.
-
-    Times of the middleware are compared by their `to_nsec()`.
-    """
+    """All goals that have come, and cancels that came before their goals."""
 
     def __init__(self) -> None:
         self._goals: list[Goal] = []
@@ -33,7 +31,7 @@ class GoalList:
             return known
         goal = Goal(id=id_, stamp=stamp)
         self._add(goal, now)
-        if 0 < stamp.to_nsec() <= self._cancelled_to:
+        if 0 < nanoseconds(stamp) <= self._cancelled_to:
             self.end(goal, GoalState.RECALLED, "older than the last cancel", now)
         return goal
 
@@ -42,11 +40,12 @@ class GoalList:
 
         Without id and stamp it means all goals, with a stamp those up to then, with an id that one.
         """
-        moment, everything = stamp.to_nsec(), not id_ and not stamp.to_nsec()
+        moment = nanoseconds(stamp)
+        everything = not id_ and not moment
         meant = [
             goal
             for goal in self._goals
-            if everything or goal.id == id_ or (moment and goal.stamp.to_nsec() <= moment)
+            if everything or goal.id == id_ or (moment and nanoseconds(goal.stamp) <= moment)
         ]
         if id_ and self._by_id(id_) is None:
             self._add(Goal(id=id_, stamp=stamp, state=GoalState.RECALLING, ended=now), now)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pioneer3.behaviors.action import Stack
 from pioneer3.errors import MotionError, PioneerError
 from pioneer3.ros.messages.goals import Goal, GoalState, GoalsUpdate, ResultUpdate
+from pioneer3.ros.messages.stamps import NANO, nanoseconds
 from pioneer3.ros.node.goal_list import GoalList
 from pioneer3.ros.node.middleware import Middleware
 from pioneer3.ros.node.publishing import Publishing
@@ -76,7 +77,7 @@ class Goals:
         """Take a goal that came without an id; see :meth:`take`."""
         self._count += 1
         now = self._middleware.stamp(0.0)
-        seconds, rest = divmod(now.to_nsec(), 10**9)
+        seconds, rest = divmod(nanoseconds(now), NANO)
         self.take(f"{self._middleware.name}-{self._count}-{seconds}.{rest:09d}", now, where)
 
     def take(self, id_: str, stamp: Any, where: "Callable[[], Destination]") -> None:
@@ -91,7 +92,7 @@ class Goals:
         if not id_:
             self.send(where)
             return
-        sent = stamp if stamp.to_nsec() else self._middleware.stamp(0.0)
+        sent = stamp if nanoseconds(stamp) else self._middleware.stamp(0.0)
         goal = self._goals.take(id_, sent, self._clock())
         if goal is None:
             return

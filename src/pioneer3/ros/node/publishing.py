@@ -9,7 +9,7 @@ from math import inf
 from operator import attrgetter
 from typing import Any, Final, TypeVar
 
-from pioneer3.errors import DeviceError
+from pioneer3.errors import DeviceError, MissingTypeError
 from pioneer3.ros.messages.navigation import NavigationUpdate
 from pioneer3.ros.messages.update import StateUpdate
 from pioneer3.ros.node.middleware import Middleware, Publisher
@@ -83,14 +83,20 @@ class Publishing:
         self._middleware = middleware
 
     def advertise(self, available: Callable[[Topic], bool]) -> None:
-        """Advertise the topics that are `available`, in a thread."""
+        """Advertise the topics that are `available`, in a thread; warn of types that ROS lacks."""
+        left_out: dict[str, list[str]] = defaultdict(list)
         for row in self._rows:
             topic = row.topic
-            if available(topic):
+            names = topic.names(self._profile) if available(topic) else ()
+            try:
                 row.publishers = [
                     self._middleware.advertise(name, topic.type_name, latched=topic.latched)
-                    for name in topic.names(self._profile)
+                    for name in names
                 ]
+            except MissingTypeError as error:
+                left_out[str(error)] += names
+        for reason, several in left_out.items():
+            self._middleware.warn(f"nothing is published on {' and '.join(several)}: {reason}")
 
     def publish(self, update: Update, sensor: str = "") -> None:
         """Publish the topics of this kind of update, and of this sensor, that are due."""

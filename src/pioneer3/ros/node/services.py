@@ -84,7 +84,7 @@ class Services:
                     respond = partial(self._serve, service)
                     middleware.serve(name, service.type_in(profile), respond)
                 elif service.topic_type is not None:
-                    take = partial(self._take, service)
+                    take = partial(self._take, service, name)
                     middleware.subscribe(name, service.topic_type, take, queue=QUEUE)
 
     def session_began(self) -> None:
@@ -156,14 +156,14 @@ class Services:
         self._navigation.lose()
         return Response(True, "looks for the robot on the whole map")
 
-    def _take(self, service: "Service", message: Any, _: Sender) -> None:
+    def _take(self, service: "Service", name: str, message: Any, _: Sender) -> None:
         """Act in the loop as a message on the topic of a service asks; in any thread."""
 
         def act() -> None:
             done = service.act(self, message)
             if isinstance(done, Response):
                 outcome = "done" if done.success else "REFUSED"
-                self._warn(f"{service.standard}: {outcome}: {done.message}")
+                self._warn(f"{name}: {outcome}: {done.message}")
 
         with suppress(RuntimeError):  # the loop has ended, and with it the robot's motion
             self._loop.call_soon_threadsafe(act)

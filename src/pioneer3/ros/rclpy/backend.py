@@ -74,7 +74,7 @@ class RclpyBackend:
         from rclpy.node import Node
         from rclpy.utilities import get_rmw_implementation_identifier
 
-        self._definitions = Definitions(types)
+        self._types, self._definitions = types, Definitions(types)
         self._context = Context()
         self._context.init(args=[], domain_id=domain)  # unlike rclpy.init: no signal handlers
         self._node = Node(
@@ -86,6 +86,8 @@ class RclpyBackend:
             enable_rosout=False,
             start_parameter_services=False,
         )
+        for own in tuple(self._node.publishers):  # of parameters, which this package serves itself
+            self._node.destroy_publisher(own)
         rmw = get_rmw_implementation_identifier()
         number = self._context.get_domain_id() if domain is None else domain
         self.title = f"rclpy of {distro} ({rmw}), domain {number}"
@@ -151,8 +153,8 @@ class RclpyBackend:
 
         def handle(request: Any, response: Any) -> Any:
             try:
-                cdr = respond(serialize_message(request))
-                return deserialize_message(cdr, kind.Response)
+                asked = self._types.trimmed(serialize_message(request), type_.request.name)
+                return deserialize_message(respond(asked), kind.Response)
             except Exception:  # it would end the executor, and rclpy has no response that says so
                 log.exception("the service %s fails", name)
                 return response
@@ -182,7 +184,7 @@ class RclpyBackend:
         if not done.wait(max(0.0, end - time.monotonic())):
             client.remove_pending_request(future)
             raise TimeoutError(f"{name} does not respond within {timeout} s")
-        return bytes(serialize_message(future.result()))
+        return self._types.trimmed(serialize_message(future.result()), type_.response.name)
 
     def graph(self) -> Graph:
         """Return the nodes and endpoints that are known now."""

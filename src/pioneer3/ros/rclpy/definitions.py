@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, Final
 
-from pioneer3.errors import ConfigError
+from pioneer3.errors import ConfigError, MissingTypeError
 from pioneer3.ros.ros2.backend import ServiceType
 from pioneer3.ros.ros2.types import NO_FIELD, MessageTypes
 from pioneer3.ros.typestore import ARRAY, BASE, NAME
@@ -41,7 +41,7 @@ class Definitions:
         Raises:
             ConfigError: ROS has no such type, or another one.
         """
-        kind = _generated(name)
+        kind = self._generated(name)
         with self._lock:
             self._check(name, kind)
         return kind
@@ -52,7 +52,7 @@ class Definitions:
         Raises:
             ConfigError: ROS has no such type, or another one.
         """
-        kind = _generated(type_.name)
+        kind = self._generated(type_.name)
         with self._lock:
             self._check(type_.request.name, kind.Request)
             self._check(type_.response.name, kind.Response)
@@ -73,8 +73,23 @@ class Definitions:
         for _, (nodetype, what) in fields:
             inner, inside = (nodetype, what) if nodetype in {BASE, NAME} else what[0]
             if inner == NAME:
-                self._check(str(inside), _generated(str(inside)))
+                self._check(str(inside), self._generated(str(inside)))
         self._checked.add(name)
+
+    def _generated(self, name: str) -> Any:
+        """Return the generated class of a type.
+
+        Raises:
+            MissingTypeError: its package is not installed.
+        """
+        package, kind, last = name.split("/")
+        try:
+            return getattr(import_module(f"{package}.{kind}"), last)
+        except (ImportError, AttributeError) as error:
+            debian = f"ros-{self._types.distro.name}-{package.replace('_', '-')}"
+            raise MissingTypeError(
+                f"the ROS installed here has no {name}: install its package {package} ({debian})"
+            ) from error
 
 
 def field_type(nodetype: int, what: Any) -> str:
@@ -90,14 +105,3 @@ def field_type(nodetype: int, what: Any) -> str:
     if nodetype == ARRAY:
         return f"{each}[{length}]"
     return f"sequence<{each}, {length}>" if length else f"sequence<{each}>"
-
-
-def _generated(name: str) -> Any:
-    """Return the generated class of a type."""
-    package, kind, last = name.split("/")
-    try:
-        return getattr(import_module(f"{package}.{kind}"), last)
-    except (ImportError, AttributeError) as error:
-        raise ConfigError(
-            f"the ROS installed here has no {name}: install its package {package}"
-        ) from error

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from pioneer3.ros.messages.stamps import NANO, nanoseconds
 from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
 from pioneer3.ros.ros2.arguments import RosArguments
@@ -28,7 +29,6 @@ from pioneer3.ros.ros2.remapping import Remapping, Resource, resolved
 from pioneer3.ros.ros2.senders import REMEMBERED, Senders
 from pioneer3.ros.ros2.types import MessageTypes
 
-NANO: Final = 1_000_000_000
 WARN: Final = 30
 """`rcl_interfaces/msg/Log.WARN`."""
 ROSOUT: Final = Qos(transient_local=True, depth=1000, lifespan=10.0)
@@ -85,7 +85,7 @@ class Clock:
 
     def take(self, message: Any, _: Sender) -> None:
         """Take a message of `/clock`."""
-        self._simulated = message.clock.sec * NANO + message.clock.nanosec
+        self._simulated = nanoseconds(message.clock)
 
 
 class Ros2Topics:
@@ -281,7 +281,7 @@ class Ros2Middleware(Ros2Topics):
 
     def age(self, stamp: Any) -> float | None:
         """Return the time since a stamp [s]; `None` for a stamp of 0."""
-        moment = stamp.sec * NANO + stamp.nanosec
+        moment = nanoseconds(stamp)
         return (self.clock.now() - moment) / NANO if moment else None
 
     def use_sim_time(self) -> None:

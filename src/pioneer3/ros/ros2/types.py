@@ -37,6 +37,8 @@ TYPE_IDS: Final[Mapping[str, int]] = {
 """`type_description_interfaces/msg/FieldType`."""
 ARRAY_OFFSET, BOUNDED_OFFSET, UNBOUNDED_OFFSET, NESTED = 48, 96, 144, 1
 EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
+HEADER: Final = 4
+"""Bytes before a serialized message that tell how it is serialized."""
 NO_FIELD: Final = "structure_needs_at_least_one_member"
 
 
@@ -117,6 +119,15 @@ class MessageTypes(MessageStore):
             return self._store.deserialize_cdr(cdr, full_name(name))
         except (SerdeError, AssertionError, IndexError) as error:
             raise ValueError(str(error)) from error
+
+    def trimmed(self, cdr: bytes, name: str) -> bytes:
+        """Return a serialized message without the bytes behind it.
+
+        rmw_fastrtps serializes into as many bytes as a message of that length may take at most.
+        """
+        definition = self._store.get_msgdef(full_name(name))
+        _, end = definition.deserialize_cdr_le(cdr[HEADER:], 0, definition.cls, self._store)
+        return cdr[: HEADER + end]
 
     def _hash(self, name: str) -> str:
         return type_hash(name, self._store.fielddefs) if self.distro.type_hashes else ""

@@ -26,65 +26,6 @@ FIELDS: dict[str, dict[str, str]] = {
     "std_msgs/msg/String": {"data": "string"},
     "std_msgs/msg/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
     "builtin_interfaces/msg/Time": {"sec": "int32", "nanosec": "uint32"},
-    "geometry_msgs/msg/Vector3": {"x": "double", "y": "double", "z": "double"},
-    "geometry_msgs/msg/Point": {"x": "double", "y": "double", "z": "double"},
-    "geometry_msgs/msg/Quaternion": {"x": "double", "y": "double", "z": "double", "w": "double"},
-    "geometry_msgs/msg/Pose": {
-        "position": "geometry_msgs/Point",
-        "orientation": "geometry_msgs/Quaternion",
-    },
-    "geometry_msgs/msg/Twist": {
-        "linear": "geometry_msgs/Vector3",
-        "angular": "geometry_msgs/Vector3",
-    },
-    "geometry_msgs/msg/PoseWithCovariance": {
-        "pose": "geometry_msgs/Pose",
-        "covariance": "double[36]",
-    },
-    "geometry_msgs/msg/TwistWithCovariance": {
-        "twist": "geometry_msgs/Twist",
-        "covariance": "double[36]",
-    },
-    "nav_msgs/msg/Odometry": {
-        "header": "std_msgs/Header",
-        "child_frame_id": "string",
-        "pose": "geometry_msgs/PoseWithCovariance",
-        "twist": "geometry_msgs/TwistWithCovariance",
-    },
-    "rcl_interfaces/msg/ParameterValue": {
-        "type": "uint8",
-        "bool_value": "boolean",
-        "integer_value": "int64",
-        "double_value": "double",
-        "string_value": "string",
-        "byte_array_value": "sequence<octet>",
-        "bool_array_value": "sequence<boolean>",
-        "integer_array_value": "sequence<int64>",
-        "double_array_value": "sequence<double>",
-        "string_array_value": "sequence<string>",
-    },
-    "rcl_interfaces/msg/FloatingPointRange": {
-        "from_value": "double",
-        "to_value": "double",
-        "step": "double",
-    },
-    "rcl_interfaces/msg/IntegerRange": {
-        "from_value": "int64",
-        "to_value": "int64",
-        "step": "uint64",
-    },
-    "rcl_interfaces/msg/ParameterDescriptor": {
-        "name": "string",
-        "type": "uint8",
-        "description": "string",
-        "additional_constraints": "string",
-        "read_only": "boolean",
-        "dynamic_typing": "boolean",
-        "floating_point_range": "sequence<rcl_interfaces/FloatingPointRange, 1>",
-        "integer_range": "sequence<rcl_interfaces/IntegerRange, 1>",
-    },
-    "std_srvs/srv/SetBool_Request": {"data": "boolean"},
-    "std_srvs/srv/SetBool_Response": {"success": "boolean", "message": "string"},
     "std_srvs/srv/Trigger_Request": {},
     "std_srvs/srv/Trigger_Response": {"success": "boolean", "message": "string"},
 }
@@ -339,6 +280,10 @@ class Node:
         self.executor: MultiThreadedExecutor | None = None
         context.world.nodes.append(self)
 
+    @property
+    def publishers(self) -> Iterator[Publisher]:
+        yield from (each for each in self.entities if isinstance(each, Publisher))
+
     def create_publisher(
         self, msg_type: Any, topic: str, qos_profile: Any, *, callback_group: Any = None
     ) -> Publisher:
@@ -506,7 +451,7 @@ class MultiThreadedExecutor:
 
 def serialize_message(message: Any) -> bytes:
     assert isinstance(message, Generated)
-    return message.cdr
+    return message.cdr + b"rubbish!"  # as rmw_fastrtps does
 
 
 def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:

@@ -11,13 +11,14 @@ from typing import Any
 import pytest
 
 from pioneer3 import Robot, connect_async
+from pioneer3.ros.messages.stamps import NANO
 from pioneer3.ros.node.names import Profile
 from pioneer3.ros.node.node import RobotNode
 from pioneer3.ros.node.parameters import read_parameters
 from pioneer3.ros.ros2.arguments import parse
 from pioneer3.ros.ros2.backend import LATCHED, Kind, NodeName, Qos
 from pioneer3.ros.ros2.distros import distro_of, distros
-from pioneer3.ros.ros2.middleware import NANO, Ros2Middleware
+from pioneer3.ros.ros2.middleware import Ros2Middleware
 from pioneer3.ros.ros2.types import MessageTypes
 from pioneer3.tasks import running
 from tests.support import SimulatedRobot
