@@ -2,15 +2,17 @@
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import product as combinations
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from tests.browser.drawn import repaint
 from tests.browser.support import Product, hold, later, running_product, until, wait_for_the_robot
+from tests.browser.tabs import Size, Tabs
 
 NAMES = ("alice", "bob", "carol")
 THREE = WorldFile(
@@ -53,15 +55,12 @@ def speeds(product: Product) -> list[float]:
     return [abs(robot.body.speeds[0]) for robot in product.simulation.robots]
 
 
-def opened(browser: Browser, product: Product, size: tuple[int, int], touch: bool = False) -> Page:
-    """Return the page on a screen of this size; its context is the caller's to close."""
-    viewport: ViewportSize = {"width": size[0], "height": size[1]}
-    context = browser.new_context(viewport=viewport, has_touch=touch)
-    context.add_init_script(KEEP_SOCKETS)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    return page
+@contextmanager
+def opened(tabs: Tabs, product: Product, size: Size, touch: bool = False) -> Iterator[Page]:
+    """Open the page on a screen of this size."""
+    with tabs.open(product.address, size=size, touch=touch, scripts=KEEP_SOCKETS) as page:
+        wait_for_the_robot(page)
+        yield page
 
 
 def chosen(page: Page) -> list[str]:
@@ -76,13 +75,10 @@ def test_the_robots_are_in_a_row_and_the_first_is_selected(page: Page) -> None:
     expect(page.locator("#name")).to_have_text("alice")
 
 
-def test_with_one_robot_there_is_nothing_to_pick(browser: Browser) -> None:
-    with running_product() as one:
-        page = browser.new_page()
-        page.goto(one.address)
+def test_with_one_robot_there_is_nothing_to_pick(tabs: Tabs) -> None:
+    with running_product() as one, tabs.open(one.address) as page:
         wait_for_the_robot(page)
         expect(page.locator("#robots")).to_be_hidden()
-        page.close()
 
 
 def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> None:
@@ -184,8 +180,13 @@ def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
     expect(state).to_have_text("Ready", timeout=20_000)
 
 
-def test_the_row_fits_every_size(browser: Browser, product: Product) -> None:
-    page = opened(browser, product, SIZES[0], touch=True)
+def test_the_row_fits_every_size(tabs: Tabs, product: Product) -> None:
+    with opened(tabs, product, SIZES[0], touch=True) as page:
+        assert_the_row_fits(page)
+
+
+def assert_the_row_fits(page: Page) -> None:
+    """Pick a robot at each size."""
     for robot, (width, height) in zip(("carol", "bob") * 2, SIZES, strict=True):
         page.set_viewport_size({"width": width, "height": height})
         repaint(page)
@@ -201,16 +202,20 @@ def test_the_row_fits_every_size(browser: Browser, product: Product) -> None:
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= width
             assert box["y"] + box["height"] <= height
-    page.context.close()
 
 
 SCREENS = [(1440, 900), (1024, 768), (390, 844), (844, 390)]
 
 
 def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
-    browser: Browser, product: Product
+    tabs: Tabs, product: Product
 ) -> None:
-    page = opened(browser, product, SCREENS[0])
+    with opened(tabs, product, SCREENS[0]) as page:
+        assert_all_fit_and_are_found(page)
+
+
+def assert_all_fit_and_are_found(page: Page) -> None:
+    """Tell the page of ever more robots on ever other screens, and search for the last one."""
     for count, (width, height) in combinations((1, 2, 5, 20, 40), SCREENS):
         page.set_viewport_size({"width": width, "height": height})
         page.evaluate(TELL_OF, count)
@@ -240,7 +245,6 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
         assert chosen(page) == [f"robot-{count:02d}"]  # it is in the row, too
         if page.locator("#sheet").is_visible():
             page.locator("#sheet-close").click()
-    page.context.close()
 
 
 def test_who_begins_to_search_lets_go_of_the_robot(page: Page, product: Product) -> None:

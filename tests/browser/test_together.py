@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
 from tests.browser.support import Product, hold, running_product, until, wait_for_the_robot
+from tests.browser.tabs import PHONE, Tabs
 
 NAMES = ("alice", "bob", "carol")
 THREE = WorldFile(
@@ -145,11 +146,14 @@ def test_who_leaves_the_page_leaves_no_robot_driving(page: Page, product: Produc
     until(lambda: speeds(product) == [0.0] * 3, 2.0)
 
 
-def test_a_phone_chooses_several_in_the_list(browser: Browser, product: Product) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
+def test_a_phone_chooses_several_in_the_list(tabs: Tabs, product: Product) -> None:
+    with tabs.open(product.address, size=PHONE, touch=True) as page:
+        wait_for_the_robot(page)
+        assert_several_are_chosen(page)
+
+
+def assert_several_are_chosen(page: Page) -> None:
+    """Choose robots in the list with a finger."""
     page.locator("#robots-all").tap()
     page.locator("#robots-several").tap()
     page.locator(".robot-list").get_by_role("button", name="bob").tap()
@@ -161,4 +165,3 @@ def test_a_phone_chooses_several_in_the_list(browser: Browser, product: Product)
     page.locator("#robots-choose-all").tap()
     assert chosen(page) == [1, 2, 3]
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    context.close()
