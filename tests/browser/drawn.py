@@ -23,7 +23,8 @@ PIXEL = f"""([x, y]) => {{
 }}"""
 PRINT = f"""() => {{
   {READ}
-  return all().reduce((hash, part) => (Math.imul(hash, 31) + part) | 0, 0);
+  const pixels = new Uint32Array(all().buffer);
+  return pixels.reduce((hash, pixel) => (Math.imul(hash, 31) + pixel) | 0, 0);
 }}"""
 KEEP = f"""() => {{
   {READ}

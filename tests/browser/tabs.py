@@ -15,6 +15,13 @@ DESKTOP: Size = (1440, 900)
 PHONE: Size = (390, 844)
 HELD = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "Shift", "Control", "k", "w", "a")
 """Keys that tests hold."""
+SLOW_DISPLAY = """{
+  const real = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (draw) => setTimeout(() => real(draw), 25);
+  window.cancelAnimationFrame = (id) => clearTimeout(id);
+}
+"""
+"""A display of some 25 pictures a second: to draw 60 without graphics takes half of a processor."""
 EMPTIED = "cookies,local_storage,indexeddb,service_workers,cache_storage"
 OF_THE_RENDERER = "GL Driver Message"
 """Part of the console's warnings that WebGL by the processor reads pixels slowly."""
@@ -74,8 +81,7 @@ class Tabs:
 
     def _new(self, kind: Kind) -> Page:
         context = self.browser.new_context(has_touch=kind.touch, is_mobile=kind.mobile)
-        if kind.scripts:
-            context.add_init_script(kind.scripts)
+        context.add_init_script(SLOW_DISPLAY + kind.scripts)
         return context.new_page()
 
 

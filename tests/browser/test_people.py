@@ -56,7 +56,7 @@ def test_a_viewer_cannot_drive_but_stops_the_robot(tabs: Tabs, shared: Product) 
         assert speed(shared) == 0.0
         drive(ann, shared)
         vera.click("#estop")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         expect(ann.locator("#reset")).to_be_visible()
         expect(vera.locator("#reset")).to_be_hidden()
 
@@ -67,14 +67,14 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(tabs: Tabs, shared: Pro
         expect(bob.locator("#driver")).to_have_text("laptop drives")
         bob.click("#driver")
         bob.click("#lease-take-over")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         expect(ann.locator("#driver")).to_have_text("Bob has control")
         expect(ann.locator("#toast")).to_contain_text("Bob")
         bob.keyboard.down("ArrowUp")  # while ann still holds her key
         until(lambda: speed(shared) > 0.25)
         expect(bob.locator("#driver")).to_have_text("You drive")
         bob.keyboard.up("ArrowUp")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
 
 
 def test_who_is_taken_over_in_a_mode_is_told_by_whom(tabs: Tabs, shared: Product) -> None:
@@ -123,7 +123,7 @@ def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(tabs: Tabs, shared:
         drive(bob, shared)
         ann.click("#driver")
         ann.get_by_label("Revoke Bob").click()
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         bob.wait_for_url("**/pair")
         expect(ann.get_by_label("Revoke Bob")).to_have_count(0)
 

@@ -7,6 +7,7 @@ from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
+from tests.browser.drawn import rest
 from tests.browser.support import Product, hold, running_product, until, wait_for_the_robot
 from tests.browser.tabs import PHONE, Tabs
 
@@ -51,11 +52,11 @@ def test_arrows_drive_all_that_are_chosen_and_space_stops_them(
     assert speeds(product)[1] == 0.0
     expect(page.locator("#robots-row small")).to_have_text(["You drive", "Ready", "You drive"])
     page.keyboard.press("Space")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     hold(page, "ArrowUp", lambda: min(speeds(product)[::2]) > 0.25)
     page.keyboard.up("ArrowUp")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
 
 
 def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
@@ -63,7 +64,7 @@ def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
 ) -> None:
     hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("Shift+Digit2")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     assert chosen(page) == [1, 2]
     page.keyboard.press("Shift+Digit1")  # the other one is selected then
@@ -74,6 +75,7 @@ def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
 
 
 def test_a_robot_is_added_on_the_map_with_shift(page: Page, product: Product) -> None:
+    rest(page)
     box = page.locator("#canvas").bounding_box()
     pose = product.simulation.robots[2].body.robot_in_world
     at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])
@@ -127,7 +129,7 @@ def test_robots_form_up_behind_a_leader_that_the_keys_drive_and_stop_ends_it(
     page.locator("#sheet-close").click()
     hold(page, "ArrowUp", lambda: min(speeds(product)) > 0.1)
     page.keyboard.press("Space")  # and all others that this page drives
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     assert modes() == [None] * 3
 
@@ -143,7 +145,7 @@ def test_who_leaves_the_page_leaves_no_robot_driving(page: Page, product: Produc
     second.locator("#spread-start").click()
     until(lambda: max(speeds(product)) > 0.1)
     second.close()
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
 
 
 def test_a_phone_chooses_several_in_the_list(tabs: Tabs, product: Product) -> None:

@@ -28,6 +28,13 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
 """
 
 
+@pytest.fixture
+def page(page: Page) -> Page:
+    """Make the page smaller: its solids are drawn by the processor."""
+    page.set_viewport_size({"width": 900, "height": 640})
+    return page
+
+
 def open_3d(page: Page) -> None:
     page.locator("#in-3d").click()
     until(lambda: bool(state(page, "solid?.frames")))
