@@ -71,6 +71,12 @@ def settle(page: Page) -> None:
 def rest(page: Page) -> None:
     """Wait until there is a map, and the camera stands still."""
     until(lambda: bool(state(page, "places")))
+    still(page)
+
+
+def still(page: Page) -> None:
+    """Wait until all robots are on the map, and the camera stands still."""
+    until(lambda: all(robot["snapshot"] for robot in state(page, "robots")))
     page.evaluate(SAME, ["camera", 8])
 
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
-from tests.browser.drawn import repaint, rest
+from tests.browser.drawn import repaint, still
 from tests.browser.support import Product, hold, later, running_product, until, wait_for_the_robot
 from tests.browser.tabs import Size, Tabs
 
@@ -139,7 +139,7 @@ def test_everything_can_be_picked_by_keyboard(page: Page) -> None:
 
 
 def test_a_robot_is_picked_on_the_map(page: Page, product: Product) -> None:
-    rest(page)
+    still(page)
     box = page.locator("#canvas").bounding_box()
     pose = product.simulation.robots[2].body.robot_in_world
     at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])

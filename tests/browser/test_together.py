@@ -7,7 +7,7 @@ from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
-from tests.browser.drawn import rest
+from tests.browser.drawn import still
 from tests.browser.support import Product, hold, running_product, until, wait_for_the_robot
 from tests.browser.tabs import PHONE, Tabs
 
@@ -75,7 +75,7 @@ def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
 
 
 def test_a_robot_is_added_on_the_map_with_shift(page: Page, product: Product) -> None:
-    rest(page)
+    still(page)
     box = page.locator("#canvas").bounding_box()
     pose = product.simulation.robots[2].body.robot_in_world
     at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])
