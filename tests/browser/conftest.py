@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, expect, sync_playwright
 
 from tests.browser.bench import Bench, bench_in, bench_tab, served
-from tests.browser.support import Product, running_product, until, wait_for_the_robot
+from tests.browser.support import PATIENCE, Product, running_product, until, wait_for_the_robot
 from tests.browser.tabs import DESKTOP, Tabs, no_complaints
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser")
@@ -89,6 +89,7 @@ def _written(path: Path) -> bool:
 @pytest.fixture(scope="module")
 def tabs(chromium: str) -> Iterator[Tabs]:
     """Connect to Chromium once a file: while connected, no other test can have an event loop."""
+    expect.set_options(timeout=1000 * PATIENCE)
     with sync_playwright() as playwright:
         browser = playwright.chromium.connect_over_cdp(chromium)
         yield Tabs(browser)

@@ -155,11 +155,18 @@ def hold(page: Page, key: str, moving: Callable[[], bool]) -> None:
     A page that has no news from the robot for a second, as on a busy machine, refuses the press or
     releases the key: it is pressed again then.
     """
+    hold_by(page, lambda: page.keyboard.up(key), lambda: page.keyboard.down(key), moving)
+
+
+def hold_by(
+    page: Page, release: Callable[[], None], press: Callable[[], None], moving: Callable[[], bool]
+) -> None:
+    """Hold any input of the page as :func:`hold` does a key."""
 
     def held() -> bool:
         if page.evaluate("window.pioneer3.state.source") is None:
-            page.keyboard.up(key)
-            page.keyboard.down(key)
+            release()
+            press()
         return moving()
 
     until(held)

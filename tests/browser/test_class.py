@@ -5,7 +5,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import hypot
@@ -16,7 +16,7 @@ from urllib.request import Request, urlopen
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.support import until, wait_for_the_robot
+from tests.browser.support import hold, until, wait_for_the_robot
 from tests.browser.tabs import PHONE, Size, Tabs, no_complaints
 from tests.browser.test_accessibility import faults
 
@@ -154,16 +154,9 @@ def tile(page: Page, robot: int) -> Any:
     return page.locator(".tile").nth(robot - 1)
 
 
-def press(page: Page, key: str, done: Any) -> None:
-    """Hold a key until something is true; pressed again where the page let go of it."""
-
-    def held() -> bool:
-        if page.evaluate("window.pioneer3.state.source") is None:
-            page.keyboard.up(key)
-            page.keyboard.down(key)
-        return bool(done())
-
-    until(held)
+def press(page: Page, key: str, done: Callable[[], bool]) -> None:
+    """Hold a key until something is true."""
+    hold(page, key, done)
     page.keyboard.up(key)
 
 

@@ -97,9 +97,7 @@ def test_a_box_put_before_the_driving_robot_stops_it(editor: Page, product: Prod
     ahead = body.robot_in_world.x + 1.3
     drag(editor, (ahead, start.y - 1.0), (ahead + 0.5, start.y + 1.0))
     until(lambda: len(product.simulation.world.obstacles) == 1)
-    editor.keyboard.up("ArrowUp")
-    editor.keyboard.down("ArrowUp")  # what was pressed before a click may have been let go
-    until(lambda: min(product.simulation.world.sonar(body)) < 0.4)
+    hold(editor, "ArrowUp", lambda: min(product.simulation.world.sonar(body)) < 0.4)
     until(lambda: speed(product) < 0.01)
     editor.keyboard.up("ArrowUp")
     (box,) = product.simulation.world.obstacles

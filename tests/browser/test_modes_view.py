@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.support import SLACK, Product, later, speed, until, wait_for_the_robot
+from tests.browser.support import SLACK, Product, hold, later, speed, until, wait_for_the_robot
 from tests.browser.views import open_view, stopped_after
 
 
@@ -132,8 +132,7 @@ def test_an_arrow_that_is_held_comes_before_the_mode_which_goes_on_afterwards(
 ) -> None:
     modes.locator("#wander-start").click()
     until(lambda: speed(product) > 0.1)
-    modes.keyboard.down("ArrowDown")
-    until(lambda: product.simulation.body.speeds[0] < -0.2)
+    hold(modes, "ArrowDown", lambda: product.simulation.body.speeds[0] < -0.2)
     modes.keyboard.up("ArrowDown")
     until(lambda: product.simulation.body.speeds[0] > 0.1)
     assert running(product) == "wander"

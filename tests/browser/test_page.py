@@ -8,7 +8,16 @@ import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.browser.drawn import rest
-from tests.browser.support import SLACK, Product, hold, later, speed, until, wait_for_the_robot
+from tests.browser.support import (
+    SLACK,
+    Product,
+    hold,
+    hold_by,
+    later,
+    speed,
+    until,
+    wait_for_the_robot,
+)
 from tests.browser.tabs import Tabs
 
 
@@ -18,9 +27,8 @@ def test_the_page_says_in_capitals_that_it_is_a_simulator(page: Page) -> None:
 
 
 def test_the_robot_is_drawn_where_the_simulator_has_it(page: Page, product: Product) -> None:
-    page.keyboard.down("ArrowUp")
     body = product.simulation.body
-    until(lambda: body.robot_in_world.x > body.home.x + 0.3)
+    hold(page, "ArrowUp", lambda: body.robot_in_world.x > body.home.x + 0.3)
     page.keyboard.up("ArrowUp")
     until(lambda: speed(product) == 0.0)
     later(page)
@@ -43,8 +51,7 @@ def test_a_held_arrow_moves_and_letting_go_stops_within_300_ms(
         "ArrowRight": lambda: body.speeds[1] < -0.5,
     }
     for key, moving in moves.items():
-        page.keyboard.down(key)
-        until(moving)
+        hold(page, key, moving)
         page.keyboard.up(key)
         took = until(lambda: body.speeds == (0.0, 0.0))
         assert took < 0.3 + SLACK, key
@@ -52,8 +59,7 @@ def test_a_held_arrow_moves_and_letting_go_stops_within_300_ms(
 
 def test_a_pressed_button_drives_until_it_is_let_go(page: Page, product: Product) -> None:
     page.locator("#pad-forward").hover()
-    page.mouse.down()
-    until(lambda: speed(product) > 0.25)
+    hold_by(page, page.mouse.up, page.mouse.down, lambda: speed(product) > 0.25)
     page.mouse.up()
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
 

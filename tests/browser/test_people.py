@@ -11,7 +11,7 @@ from pioneer3.maps.image import read_image
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting
-from tests.browser.support import Product, later, speed, until, wait_for_the_robot
+from tests.browser.support import Product, hold, later, speed, until, wait_for_the_robot
 from tests.browser.tabs import Tabs
 from tests.browser.views import drive, open_view
 
@@ -70,8 +70,7 @@ def test_a_take_over_stops_the_robot_and_tells_who_drove(tabs: Tabs, shared: Pro
         until(lambda: speed(shared) == 0.0)
         expect(ann.locator("#driver")).to_have_text("Bob has control")
         expect(ann.locator("#toast")).to_contain_text("Bob")
-        bob.keyboard.down("ArrowUp")  # while ann still holds her key
-        until(lambda: speed(shared) > 0.25)
+        hold(bob, "ArrowUp", lambda: speed(shared) > 0.25)  # while ann still holds her key
         expect(bob.locator("#driver")).to_have_text("You drive")
         bob.keyboard.up("ArrowUp")
         until(lambda: speed(shared) == 0.0)
