@@ -102,6 +102,8 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
         pose=Pose2(),
         outline=((4.0, 2.6), (5.0, 2.6), (5.0, 3.6), (4.0, 3.6)),
     )
+    office.set_viewport_size({"width": 1440, "height": 900})  # with room beside the map
+    rest(office)
     world = product.simulation.world
     changed = LineMap(name="changed", walls=world.map.walls, objects=(area,))
     product.call(lambda: world.change_map(changed))
