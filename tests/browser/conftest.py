@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page, expect, sync_playwright
 
-from tests.browser.support import Product, running_product, until, wait_for_the_robot
+from tests.browser.bench import Bench, bench_in, bench_tab, served
+from tests.browser.support import PATIENCE, Product, running_product, until, wait_for_the_robot
+from tests.browser.tabs import DESKTOP, Tabs, no_complaints
 
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser")
 CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
@@ -37,8 +39,6 @@ OPTIONS = (
     "primaryPointerType=4,availablePointerTypes=4",
 )
 
-OF_THE_RENDERER = "GL Driver Message"
-"""Part of the console's warnings that WebGL by the processor reads pixels slowly."""
 HERE = Path(__file__).parent
 UNTIL_END_OF_INPUT = '"$@" & read -r _; kill -s KILL -- -$$'
 """Runs a command until its input ends, which it does with this process, however that ends."""
@@ -87,24 +87,54 @@ def _written(path: Path) -> bool:
 
 
 @pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Browser]:
+def tabs(chromium: str) -> Iterator[Tabs]:
     """Connect to Chromium once a file: while connected, no other test can have an event loop."""
+    expect.set_options(timeout=1000 * PATIENCE)
     with sync_playwright() as playwright:
         browser = playwright.chromium.connect_over_cdp(chromium)
-        yield browser
+        yield Tabs(browser)
         browser.close()
 
 
+@pytest.fixture(scope="session")
+def bench_address() -> Iterator[str]:
+    """Serve the inputs of the page alone."""
+    with served() as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def desk_tab(tabs: Tabs) -> Iterator[Page]:
+    """Open a tab for :func:`desk_bench`."""
+    with bench_tab(tabs, phone=False) as page:
+        yield page
+
+
+@pytest.fixture(scope="module")
+def phone_tab(tabs: Tabs) -> Iterator[Page]:
+    """Open a tab for :func:`phone_bench`."""
+    with bench_tab(tabs, phone=True) as page:
+        yield page
+
+
 @pytest.fixture
-def page(browser: Browser, product: Product) -> Iterator[Page]:
+def desk_bench(desk_tab: Page, bench_address: str) -> Iterator[Bench]:
+    """Sit at the inputs of the page, with keyboard, mouse and a socket for gamepads."""
+    with bench_in(desk_tab, bench_address) as bench:
+        yield bench
+
+
+@pytest.fixture
+def phone_bench(phone_tab: Page, bench_address: str) -> Iterator[Bench]:
+    """Hold a phone with the inputs of the page."""
+    with bench_in(phone_tab, bench_address) as bench:
+        yield bench
+
+
+@pytest.fixture
+def page(tabs: Tabs, product: Product) -> Iterator[Page]:
     """Open the page at desktop size; anything in the console fails the test."""
-    context = browser.new_context(viewport={"width": 1440, "height": 900})
-    page = context.new_page()
-    complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    yield page
-    context.close()
-    assert [text for text in complaints if OF_THE_RENDERER not in text] == []
+    with tabs.open(size=DESKTOP) as page, no_complaints(page):
+        page.goto(product.address)
+        wait_for_the_robot(page)
+        yield page

@@ -23,7 +23,8 @@ PIXEL = f"""([x, y]) => {{
 }}"""
 PRINT = f"""() => {{
   {READ}
-  return all().reduce((hash, part) => (Math.imul(hash, 31) + part) | 0, 0);
+  const pixels = new Uint32Array(all().buffer);
+  return pixels.reduce((hash, pixel) => (Math.imul(hash, 31) + pixel) | 0, 0);
 }}"""
 KEEP = f"""() => {{
   {READ}
@@ -70,6 +71,12 @@ def settle(page: Page) -> None:
 def rest(page: Page) -> None:
     """Wait until there is a map, and the camera stands still."""
     until(lambda: bool(state(page, "places")))
+    still(page)
+
+
+def still(page: Page) -> None:
+    """Wait until all robots are on the map, and the camera stands still."""
+    until(lambda: all(robot["snapshot"] for robot in state(page, "robots")))
     page.evaluate(SAME, ["camera", 8])
 
 

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from pioneer3.web.access.hosts import lan_addresses
 from pioneer3.web.access.invitations import pairing_url
 from pioneer3.web.access.sessions import Role
 from tests.browser.support import Product, wait_for_the_robot
+from tests.browser.tabs import Tabs
 
 needs_network = pytest.mark.skipif(
     not lan_addresses("0.0.0.0"), reason="this machine has no network"
@@ -17,21 +18,18 @@ needs_network = pytest.mark.skipif(
 
 
 @contextmanager
-def visiting(browser: Browser, url: str) -> Iterator[Page]:
+def visiting(tabs: Tabs, url: str) -> Iterator[Page]:
     """Open `url` in a browser of its own."""
-    context = browser.new_context(viewport={"width": 1000, "height": 700})
-    page = context.new_page()
-    page.goto(url)
-    yield page
-    context.close()
+    with tabs.open(url, size=(1000, 700)) as page:
+        yield page
 
 
 @contextmanager
-def two(browser: Browser, shared: Product, role: Role, name: str) -> Iterator[tuple[Page, Page]]:
+def two(tabs: Tabs, shared: Product, role: Role, name: str) -> Iterator[tuple[Page, Page]]:
     """Open the page on this computer, and elsewhere for somebody of that role and name."""
     with (
-        visiting(browser, shared.address) as here,
-        visiting(browser, invitation(shared, role)) as there,
+        visiting(tabs, shared.address) as here,
+        visiting(tabs, invitation(shared, role)) as there,
     ):
         wait_for_the_robot(here)
         come_in(there, name)

@@ -1,6 +1,7 @@
 """The simulator, the driver and the page in a thread, and waits for what they do."""
 
 import asyncio
+import os
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -16,6 +17,7 @@ from typing import TypeVar
 
 from playwright.sync_api import Error, Page
 
+from pioneer3.errors import PortBusyError
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.robot import Robot
 from pioneer3.sim.server.running import RunningSimulation
@@ -24,7 +26,7 @@ from pioneer3.sim.worldfile import WorldFile
 from pioneer3.web.live import PATIENT
 from pioneer3.web.page import Page as WebPage
 from pioneer3.web.scene import Scene
-from pioneer3.web.server import serve
+from pioneer3.web.server import Served, serve
 
 T = TypeVar("T")
 SLACK = 0.25
@@ -59,13 +61,14 @@ def running_product(
     *,
     editable: bool = True,
     host: str = "127.0.0.1",
-    port: int = 0,
+    port: int | None = None,
     world: WorldFile | str | None = None,
 ) -> Iterator[Product]:
     """Run the product while the block lasts; not editable, it is like one with a real robot.
 
     All robots of `world` are connected; in a map, of which it may be the name, and in the office,
-    which is taken without one, there is a P3-AT. Their lasers are connected too.
+    which is taken without one, there is a P3-AT. Their lasers are connected too. Without a `port`,
+    all products of this process have the same, so that browsers need not load all of it anew.
     """
 
     @asynccontextmanager
@@ -86,12 +89,22 @@ def running_product(
                 scene = Scene.of(running, one) if editable else Scene(running.world.map)
                 name = one.name if len(running.robots) > 1 else ""
                 await stack.enter_async_context(web.hosting(robot, scene, name))
-            served = await stack.enter_async_context(serve(web, host=host, port=port))
+            served = await _served(stack, web, host, port)
             first = web.robots[1].robot
             yield Product(served.http, running, first, web, asyncio.get_running_loop())
 
     with in_thread(live()) as product:
         yield product
+
+
+async def _served(stack: AsyncExitStack, web: WebPage, host: str, port: int | None) -> Served:
+    own = 20_000 + os.getpid() % 10_000  # below those that connections take
+    try:
+        return await stack.enter_async_context(serve(web, host=host, port=port or own))
+    except PortBusyError:
+        if port is not None:
+            raise
+        return await stack.enter_async_context(serve(web, host=host, port=0))
 
 
 @contextmanager
@@ -142,11 +155,18 @@ def hold(page: Page, key: str, moving: Callable[[], bool]) -> None:
     A page that has no news from the robot for a second, as on a busy machine, refuses the press or
     releases the key: it is pressed again then.
     """
+    hold_by(page, lambda: page.keyboard.up(key), lambda: page.keyboard.down(key), moving)
+
+
+def hold_by(
+    page: Page, release: Callable[[], None], press: Callable[[], None], moving: Callable[[], bool]
+) -> None:
+    """Hold any input of the page as :func:`hold` does a key."""
 
     def held() -> bool:
         if page.evaluate("window.pioneer3.state.source") is None:
-            page.keyboard.up(key)
-            page.keyboard.down(key)
+            release()
+            press()
         return moving()
 
     until(held)

@@ -4,15 +4,14 @@ from importlib.resources import files
 from typing import Literal
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.support import Product, later, running_product, until, wait_for_the_robot
+from tests.browser.support import Product, later, until, wait_for_the_robot
+from tests.browser.tabs import DESKTOP, PHONE, Size, Tabs
 from tests.browser.views import VIEWS, open_view
 
 AXE = (files("axe_playwright_python") / "axe.min.js").read_text()
 GRAVE = {"serious", "critical"}
-PHONE: ViewportSize = {"width": 390, "height": 844}
-DESKTOP: ViewportSize = {"width": 1440, "height": 900}
 
 
 def faults(page: Page) -> list[str]:
@@ -37,12 +36,15 @@ def faults(page: Page) -> list[str]:
     ],
 )
 def test_axe_finds_no_grave_fault_in_any_view(
-    browser: Browser, product: Product, scheme: Literal["dark", "light"], size: ViewportSize
+    tabs: Tabs, product: Product, scheme: Literal["dark", "light"], size: Size
 ) -> None:
-    context = browser.new_context(viewport=size, color_scheme=scheme)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
+    with tabs.open(product.address, size=size, scheme=scheme) as page:
+        wait_for_the_robot(page)
+        assert_no_grave_fault(page)
+
+
+def assert_no_grave_fault(page: Page) -> None:
+    """Look at all views, cards and tools of the page."""
     assert faults(page) == []
     for view in VIEWS:
         open_view(page, view)
@@ -71,7 +73,6 @@ def test_axe_finds_no_grave_fault_in_any_view(
     for tool in ("select", "place"):
         page.locator(f"#map-tool-{tool}").click()
         assert faults(page) == [], tool
-    context.close()
 
 
 def test_axe_finds_the_faults_that_there_are(page: Page) -> None:
@@ -143,19 +144,17 @@ def test_all_of_it_works_with_the_keyboard_alone(page: Page, product: Product) -
 
 
 @pytest.mark.parametrize("width", [320, 3840])
-def test_every_view_fits_the_smallest_and_the_largest_screen(browser: Browser, width: int) -> None:
-    with running_product() as product:
-        size: ViewportSize = {"width": width, "height": width * 9 // 16 if width > 999 else 568}
-        context = browser.new_context(viewport=size)
-        page = context.new_page()
-        page.goto(product.address)
+def test_every_view_fits_the_smallest_and_the_largest_screen(
+    tabs: Tabs, product: Product, width: int
+) -> None:
+    size = (width, width * 9 // 16 if width > 999 else 568)
+    with tabs.open(product.address, size=size) as page:
         wait_for_the_robot(page)
         for view in VIEWS:
             open_view(page, view)
             for where in ("document.documentElement", "document.getElementById('sheet-body')"):
                 wide, room = page.evaluate(f"[{where}.scrollWidth, {where}.clientWidth]")
                 assert wide <= room, (view, where)
-        context.close()
 
 
 def test_a_screen_reader_is_alerted_and_told_how_to_go_on(page: Page) -> None:

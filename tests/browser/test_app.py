@@ -2,9 +2,10 @@
 
 from urllib.parse import urlparse
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from tests.browser.support import Product, later, running_product, wait_for_the_robot
+from tests.browser.tabs import Tabs
 
 ON_HOME_SCREEN = "Object.defineProperty(navigator, 'standalone', { value: true })"
 
@@ -44,10 +45,13 @@ def test_a_browser_gets_no_worker(page: Page) -> None:
     )
 
 
-def test_without_the_driver_the_app_says_so_and_comes_back_with_it(browser: Browser) -> None:
-    context = browser.new_context()
-    context.add_init_script(ON_HOME_SCREEN)
-    page = context.new_page()
+def test_without_the_driver_the_app_says_so_and_comes_back_with_it(tabs: Tabs) -> None:
+    with tabs.open(scripts=ON_HOME_SCREEN) as page:
+        assert_it_comes_back(page)
+
+
+def assert_it_comes_back(page: Page) -> None:
+    """End the driver, and start it again."""
     with running_product() as product:
         page.goto(product.address)
         wait_for_the_robot(page)
@@ -61,7 +65,6 @@ def test_without_the_driver_the_app_says_so_and_comes_back_with_it(browser: Brow
         expect(page.locator("#badge")).to_have_text("SIMULATOR", timeout=15000)  # by itself
         wait_for_the_robot(page)
         assert page.evaluate("caches.keys()") == []
-    context.close()
 
 
 def test_what_a_home_screen_needs_is_never_kept(page: Page, product: Product) -> None:

@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 from pioneer3.geometry import Pose2
 from pioneer3.sim.equipment import EquipmentOptions
 from pioneer3.sim.worldfile import Box, RobotSpec, WorldFile
-from tests.browser.support import Product, running_product, until, wait_for_the_robot
+from tests.browser.support import Product, later, running_product, until, wait_for_the_robot
 from tests.cameras import decoded as seen
 from tests.cameras import require_opengl
 
@@ -80,5 +80,5 @@ def orange(page: Page) -> bool:
 def asked_more(page: Page, asked: list[str]) -> bool:
     """Whether pictures are still asked for."""
     before = len(asked)
-    page.wait_for_timeout(400)
+    later(page)
     return len(asked) > before

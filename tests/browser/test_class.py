@@ -5,22 +5,22 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import hypot
 from pathlib import Path
 from typing import Any
-from urllib.request import urlopen
+from urllib.request import Request, urlopen
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.support import until, wait_for_the_robot
+from tests.browser.support import hold, until, wait_for_the_robot
+from tests.browser.tabs import PHONE, Size, Tabs, no_complaints
 from tests.browser.test_accessibility import faults
 
-DESKTOP: ViewportSize = {"width": 1280, "height": 800}
-PHONE: ViewportSize = {"width": 390, "height": 844}
+DESKTOP = (1280, 800)
 MOVED = 0.1
 """A robot that is farther from where it was has been driven [m]."""
 DRIVES = """
@@ -44,6 +44,22 @@ class Class:
         with urlopen(f"{self.address}/api/class{path}") as answer:
             return json.load(answer)
 
+    def ask(self, method: str, path: str, **body: bool) -> None:
+        """Have the HTTP API do something, as the teacher."""
+        headers = {"Content-Type": "application/json"}
+        data = json.dumps(body).encode() if body else None
+        urlopen(Request(f"{self.address}/api{path}", data, headers, method=method)).close()
+
+    def begin_anew(self) -> None:
+        """Show all students out, and put the robots back, free to drive."""
+        for seat in self.get("")["seats"]:
+            if seat["name"] is not None:
+                self.ask("DELETE", f"/class/robots/{seat['robot']}")
+            self.ask("POST", f"/robots/{seat['robot']}/reset")
+        self.ask("PUT", "/class/paused", paused=False)
+        self.ask("PUT", "/class/locked", locked=False)
+        self.ask("POST", "/class/put_back")
+
     @property
     def link(self) -> str:
         """The link for students."""
@@ -54,13 +70,19 @@ class Class:
         return str(self.get("")["seats"][robot - 1]["url"])
 
 
-@pytest.fixture
-def class_(tmp_path: Path) -> Iterator[Class]:
-    """Run a class of two; every test gets its own."""
-    folder = tmp_path / "runs"
+@pytest.fixture(scope="module")
+def running_class(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Class]:
+    """Run a class of two for all tests of this file."""
+    home = tmp_path_factory.mktemp("class")
+    folder = home / "runs"
     command = [sys.executable, "-m", "pioneer3", "class", "--students", "2"]
     ports = ["--web-port", "0", "--sim-port", "0", "--folder", str(folder)]
-    with subprocess.Popen([*command, *ports], stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [*command, *ports],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "XDG_STATE_HOME": str(home)},
+    ) as process:
         assert process.stdout is not None
         found = None
         for line in process.stdout:
@@ -71,25 +93,25 @@ def class_(tmp_path: Path) -> Iterator[Class]:
         process.terminate()
 
 
+@pytest.fixture
+def class_(running_class: Class) -> Class:
+    """Begin a lesson: nobody has joined, and the robots stand where they began."""
+    running_class.begin_anew()
+    return running_class
+
+
 @contextmanager
-def looking(browser: Browser, url: str, size: ViewportSize = DESKTOP) -> Iterator[Page]:
+def looking(tabs: Tabs, url: str, size: Size = DESKTOP) -> Iterator[Page]:
     """Open `url` in a browser of its own; an error of its scripts fails the test."""
-    context = browser.new_context(viewport=size)
-    page = context.new_page()
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(url)
-    yield page
-    context.close()
-    assert errors == []
+    with tabs.open(size=size) as page, no_complaints(page, console=False):
+        page.goto(url)
+        yield page
 
 
 @contextmanager
-def student(
-    browser: Browser, class_: Class, name: str, size: ViewportSize = DESKTOP
-) -> Iterator[Page]:
+def student(tabs: Tabs, class_: Class, name: str, size: Size = DESKTOP) -> Iterator[Page]:
     """Join under a name, and open the page of the own robot."""
-    with looking(browser, class_.link, size) as page:
+    with looking(tabs, class_.link, size) as page:
         page.fill("#name", name)
         page.click("#join")
         page.wait_for_url("**/")
@@ -98,9 +120,9 @@ def student(
 
 
 @contextmanager
-def teacher(browser: Browser, class_: Class, size: ViewportSize = DESKTOP) -> Iterator[Page]:
+def teacher(tabs: Tabs, class_: Class, size: Size = DESKTOP) -> Iterator[Page]:
     """Open the teacher's page, and wait for all robots."""
-    with looking(browser, f"{class_.address}/class", size) as page:
+    with looking(tabs, f"{class_.address}/class", size) as page:
         until(lambda: all(robot["snapshot"] for robot in state(page)["robots"]) and seats(page))
         yield page
 
@@ -132,16 +154,9 @@ def tile(page: Page, robot: int) -> Any:
     return page.locator(".tile").nth(robot - 1)
 
 
-def press(page: Page, key: str, done: Any) -> None:
-    """Hold a key until something is true; pressed again where the page let go of it."""
-
-    def held() -> bool:
-        if page.evaluate("window.pioneer3.state.source") is None:
-            page.keyboard.up(key)
-            page.keyboard.down(key)
-        return bool(done())
-
-    until(held)
+def press(page: Page, key: str, done: Callable[[], bool]) -> None:
+    """Hold a key until something is true."""
+    hold(page, key, done)
     page.keyboard.up(key)
 
 
@@ -160,13 +175,11 @@ def program(url: str) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-def test_two_students_join_by_one_link_and_drive_only_their_own(
-    browser: Browser, class_: Class
-) -> None:
+def test_two_students_join_by_one_link_and_drive_only_their_own(tabs: Tabs, class_: Class) -> None:
     with (
-        teacher(browser, class_) as desk,
-        student(browser, class_, "Ann") as ann,
-        student(browser, class_, "Ben", PHONE) as ben,
+        teacher(tabs, class_) as desk,
+        student(tabs, class_, "Ann") as ann,
+        student(tabs, class_, "Ben", PHONE) as ben,
     ):
         assert "#" not in ann.evaluate("location.href")
         expect(desk.locator("#joined")).to_have_text("2 of 2 have joined")
@@ -187,12 +200,12 @@ def test_two_students_join_by_one_link_and_drive_only_their_own(
 
 
 def test_who_joins_again_has_the_same_robot_and_a_full_class_says_so(
-    browser: Browser, class_: Class
+    tabs: Tabs, class_: Class
 ) -> None:
     with (
-        student(browser, class_, "Ann") as ann,
-        student(browser, class_, "Ben"),
-        looking(browser, class_.link) as late,
+        student(tabs, class_, "Ann") as ann,
+        student(tabs, class_, "Ben"),
+        looking(tabs, class_.link) as late,
     ):
         ann.goto("about:blank")
         ann.goto(class_.link)
@@ -205,13 +218,13 @@ def test_who_joins_again_has_the_same_robot_and_a_full_class_says_so(
         expect(late.locator("#form")).to_be_visible()
 
 
-def test_a_wrong_link_and_a_locked_class_say_how_to_go_on(browser: Browser, class_: Class) -> None:
-    with looking(browser, f"{class_.address}/join#wrong") as page:
+def test_a_wrong_link_and_a_locked_class_say_how_to_go_on(tabs: Tabs, class_: Class) -> None:
+    with looking(tabs, f"{class_.address}/join#wrong") as page:
         page.fill("#name", "Eve")
         page.click("#join")
         expect(page.locator("#lead")).to_contain_text("Your teacher can show it")
         expect(page.locator("#code")).to_be_focused()
-    with teacher(browser, class_) as desk, looking(browser, class_.link) as page:
+    with teacher(tabs, class_) as desk, looking(tabs, class_.link) as page:
         desk.click("#lock")
         expect(desk.locator("#lock")).to_have_text("Let students join")
         page.fill("#name", "Eve")
@@ -223,15 +236,13 @@ def test_a_wrong_link_and_a_locked_class_say_how_to_go_on(browser: Browser, clas
         page.wait_for_url("**/")
 
 
-def test_the_code_on_the_projector_is_typed_as_people_write_it(
-    browser: Browser, class_: Class
-) -> None:
-    with teacher(browser, class_) as desk:
+def test_the_code_on_the_projector_is_typed_as_people_write_it(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk:
         desk.click("#invitation-small")
         address = desk.locator("#projector-address").inner_text()
         code = desk.locator("#projector-code").inner_text()
         assert f"{address}#{code.replace(' ', '')}" == class_.link
-        with looking(browser, address) as page:
+        with looking(tabs, address) as page:
             page.fill("#code", code.upper())
             page.fill("#name", "Ann")
             page.click("#join")
@@ -239,8 +250,8 @@ def test_the_code_on_the_projector_is_typed_as_people_write_it(
         expect(desk.locator("#projector-names")).to_have_text("Ann")
 
 
-def test_pause_all_shows_everywhere_and_nobody_drives(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_pause_all_shows_everywhere_and_nobody_drives(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         desk.keyboard.press("Space")
         expect(ann.locator("#class-news")).to_have_text("The teacher has paused all robots.")
         expect(desk.locator("#pause-all-text")).to_have_text("Go on")
@@ -260,8 +271,8 @@ def test_pause_all_shows_everywhere_and_nobody_drives(browser: Browser, class_: 
         expect(ann.locator("#class-news")).to_have_text("")
 
 
-def test_stop_all_latches_all_robots_and_keeps_them_paused(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_stop_all_latches_all_robots_and_keeps_them_paused(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         desk.keyboard.press("k")
         expect(desk.locator("#latched-words")).to_contain_text("EMERGENCY STOP of all robots")
         expect(ann.locator("#alarm")).to_be_visible()
@@ -272,10 +283,8 @@ def test_stop_all_latches_all_robots_and_keeps_them_paused(browser: Browser, cla
         expect(ann.locator("#class-news")).to_have_text("")
 
 
-def test_a_take_over_opens_the_robot_and_the_student_is_told(
-    browser: Browser, class_: Class
-) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_a_take_over_opens_the_robot_and_the_student_is_told(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         with desk.expect_popup() as opened:
             tile(desk, 1).get_by_role("button", name="Take over").click()
         page = opened.value
@@ -293,8 +302,8 @@ def test_a_take_over_opens_the_robot_and_the_student_is_told(
         press(ann, "ArrowUp", lambda: has_moved(desk, 1, start))
 
 
-def test_an_own_program_drives_while_the_page_shows_it(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_an_own_program_drives_while_the_page_shows_it(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         ann.click(".views [data-view=program]")
         url = class_.url(1)
         expect(ann.locator("#own-url")).to_have_text(url)
@@ -313,8 +322,8 @@ def test_an_own_program_drives_while_the_page_shows_it(browser: Browser, class_:
         press(ann, "ArrowDown", lambda: has_moved(desk, 1, start))
 
 
-def test_the_example_of_the_page_runs(browser: Browser, class_: Class) -> None:
-    with student(browser, class_, "Ann") as ann:
+def test_the_example_of_the_page_runs(tabs: Tabs, class_: Class) -> None:
+    with student(tabs, class_, "Ann") as ann:
         ann.click(".views [data-view=program]")
         code = ann.locator("#own-example").inner_text()
     done = subprocess.run(
@@ -323,8 +332,8 @@ def test_the_example_of_the_page_runs(browser: Browser, class_: Class) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_a_run_is_recorded_handed_in_and_downloaded(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann", PHONE) as ann:
+def test_a_run_is_recorded_handed_in_and_downloaded(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann", PHONE) as ann:
         ann.click("#details")  # on a student's phone it opens the part about programs first
         ann.click("#recording-begin")
         expect(ann.locator("#recording")).to_contain_text("Recording")
@@ -342,10 +351,8 @@ def test_a_run_is_recorded_handed_in_and_downloaded(browser: Browser, class_: Cl
         assert len(text.splitlines()) > 2
 
 
-def test_put_back_asks_first_and_moves_the_robot_to_its_start(
-    browser: Browser, class_: Class
-) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_put_back_asks_first_and_moves_the_robot_to_its_start(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         start = place(desk, 1)
         press(ann, "ArrowUp", lambda: has_moved(desk, 1, start))
         button = tile(desk, 1).get_by_role("button", name="Put back")
@@ -363,12 +370,12 @@ def test_put_back_asks_first_and_moves_the_robot_to_its_start(
 
 
 def test_a_student_who_is_shown_out_or_leaves_is_told_how_to_join(
-    browser: Browser, class_: Class
+    tabs: Tabs, class_: Class
 ) -> None:
     with (
-        teacher(browser, class_) as desk,
-        student(browser, class_, "Ann") as ann,
-        student(browser, class_, "Ben") as ben,
+        teacher(tabs, class_) as desk,
+        student(tabs, class_, "Ann") as ann,
+        student(tabs, class_, "Ben") as ben,
     ):
         tile(desk, 1).get_by_role("button", name="Free the seat of Ann").click()
         desk.click("#question-yes")
@@ -386,12 +393,20 @@ def test_a_student_who_is_shown_out_or_leaves_is_told_how_to_join(
     ("size", "scheme"), [(DESKTOP, "light"), (PHONE, "dark")], ids=["desktop-light", "phone-dark"]
 )
 def test_axe_finds_no_grave_fault_on_the_pages_of_a_class(
-    browser: Browser, class_: Class, size: ViewportSize, scheme: Any
+    tabs: Tabs, class_: Class, size: Size, scheme: Any
 ) -> None:
-    context = browser.new_context(viewport=size, color_scheme=scheme)
-    page = context.new_page()
-    page.goto(class_.link)
-    expect(page.locator("#form")).to_be_visible()
+    with tabs.open(class_.link, size=size, scheme=scheme) as page:
+        expect(page.locator("#form")).to_be_visible()
+        assert_no_grave_fault(page, class_)
+    with student(tabs, class_, "Ann", size) as ann:
+        ann.click(".views [data-view=program]" if size == DESKTOP else "#details")
+        expect(ann.locator("#own-url")).to_be_visible()
+        expect(ann.locator("#class-news")).to_be_visible()
+        assert faults(ann) == []
+
+
+def assert_no_grave_fault(page: Page, class_: Class) -> None:
+    """Look at the page for joining, the lessons, and the teacher's page with its dialogs."""
     assert faults(page) == []
     page.goto(f"{class_.address}/lessons")
     assert faults(page) == []
@@ -410,18 +425,12 @@ def test_axe_finds_no_grave_fault_on_the_pages_of_a_class(
     page.click("#pause-all")
     expect(page.locator("#paused")).not_to_be_empty()
     assert faults(page) == []
-    context.close()
-    with student(browser, class_, "Ann", size) as ann:
-        ann.click(".views [data-view=program]" if size == DESKTOP else "#details")
-        expect(ann.locator("#own-url")).to_be_visible()
-        expect(ann.locator("#class-news")).to_be_visible()
-        assert faults(ann) == []
 
 
 @pytest.mark.parametrize("width", [320, 390, 1280, 1920, 3840])
-def test_the_teachers_page_fits_every_screen(browser: Browser, class_: Class, width: int) -> None:
-    size: ViewportSize = {"width": width, "height": 568 if width < 500 else width * 9 // 16}
-    with teacher(browser, class_, size) as desk:
+def test_the_teachers_page_fits_every_screen(tabs: Tabs, class_: Class, width: int) -> None:
+    size = (width, 568 if width < 500 else width * 9 // 16)
+    with teacher(tabs, class_, size) as desk:
         wide, room = desk.evaluate(
             "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
         )
@@ -430,11 +439,11 @@ def test_the_teachers_page_fits_every_screen(browser: Browser, class_: Class, wi
             desk.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
             box = desk.locator(name).bounding_box()
             assert box is not None
-            assert 0 <= box["y"] <= size["height"] - box["height"]  # in sight wherever one scrolls
+            assert 0 <= box["y"] <= size[1] - box["height"]  # in sight wherever one scrolls
 
 
-def test_the_keyboard_reaches_all_buttons_of_a_robot(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann"):
+def test_the_keyboard_reaches_all_buttons_of_a_robot(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann"):
         expect(tile(desk, 1).locator("h2")).to_have_text("Ann")
         tile(desk, 1).locator(".open").focus()
         labels = []
@@ -446,16 +455,16 @@ def test_the_keyboard_reaches_all_buttons_of_a_robot(browser: Browser, class_: C
 
 
 def test_the_teachers_page_shows_robots_that_stand_also_when_it_is_opened_again(
-    browser: Browser, class_: Class
+    tabs: Tabs, class_: Class
 ) -> None:
     for _ in range(2):
-        with teacher(browser, class_) as desk:
+        with teacher(tabs, class_) as desk:
             for robot in (1, 2):
                 expect(tile(desk, robot).locator(".who-drives")).to_have_text("nobody drives")
 
 
-def test_pictures_are_drawn_only_while_robots_move(browser: Browser, class_: Class) -> None:
-    with teacher(browser, class_) as desk, student(browser, class_, "Ann") as ann:
+def test_pictures_are_drawn_only_while_robots_move(tabs: Tabs, class_: Class) -> None:
+    with teacher(tabs, class_) as desk, student(tabs, class_, "Ann") as ann:
         start = place(desk, 1)
         before = state(desk)["pictures"]
         press(ann, "ArrowUp", lambda: has_moved(desk, 1, start))

@@ -6,7 +6,7 @@ from math import hypot, pi
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page
+from playwright.sync_api import Locator, Page
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import Box, Person
@@ -20,6 +20,7 @@ from tests.browser.support import (
     until,
     wait_for_the_robot,
 )
+from tests.browser.tabs import Tabs, no_complaints
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "phone on its side": (844, 390)}
 LEAST_TARGET = 40
@@ -27,25 +28,14 @@ LEAST_TARGET = 40
 
 
 @contextmanager
-def opened(browser: Browser, product: Product, size: str) -> Iterator[Page]:
+def opened(tabs: Tabs, product: Product, size: str) -> Iterator[Page]:
     """Open the page at a size, in edit mode with all of the map in view."""
-    width, height = SIZES[size]
     touch = size != "desktop"
-    context = browser.new_context(
-        viewport={"width": width, "height": height},
-        has_touch=touch,
-        is_mobile=touch,
-    )
-    page = context.new_page()
-    complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    begin_editing(page)
-    yield page
-    context.close()
-    assert complaints == []
+    with tabs.open(size=SIZES[size], touch=touch, mobile=touch) as page, no_complaints(page):
+        page.goto(product.address)
+        wait_for_the_robot(page)
+        begin_editing(page)
+        yield page
 
 
 def begin_editing(page: Page) -> None:
@@ -107,9 +97,7 @@ def test_a_box_put_before_the_driving_robot_stops_it(editor: Page, product: Prod
     ahead = body.robot_in_world.x + 1.3
     drag(editor, (ahead, start.y - 1.0), (ahead + 0.5, start.y + 1.0))
     until(lambda: len(product.simulation.world.obstacles) == 1)
-    editor.keyboard.up("ArrowUp")
-    editor.keyboard.down("ArrowUp")  # what was pressed before a click may have been let go
-    until(lambda: min(product.simulation.world.sonar(body)) < 0.4)
+    hold(editor, "ArrowUp", lambda: min(product.simulation.world.sonar(body)) < 0.4)
     until(lambda: speed(product) < 0.01)
     editor.keyboard.up("ArrowUp")
     (box,) = product.simulation.world.obstacles
@@ -163,9 +151,9 @@ def test_lifting_the_robot_while_it_drives_stops_it(editor: Page, product: Produ
 
 
 @pytest.mark.parametrize("size", ["desktop", "phone"])
-def test_a_robot_is_added_moved_and_removed(browser: Browser, product: Product, size: str) -> None:
+def test_a_robot_is_added_moved_and_removed(tabs: Tabs, product: Product, size: str) -> None:
     simulation = product.simulation
-    with opened(browser, product, size) as page:
+    with opened(tabs, product, size) as page:
         press = page.locator("#tool-robot")
         press.tap() if size == "phone" else press.click()
         page.locator("#model").select_option("amigo-sh")
@@ -276,11 +264,11 @@ def test_everybody_sees_what_one_changes(editor: Page, product: Product) -> None
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_the_whole_toolbar_is_in_reach(browser: Browser, product: Product, size: str) -> None:
+def test_the_whole_toolbar_is_in_reach(tabs: Tabs, product: Product, size: str) -> None:
     product.simulation.world.add_obstacle(Box(pose=Pose2(5.0, 3.0), size=(0.6, 0.6)))
     product.simulation.world.add_obstacle(Person(path=((8.0, 7.4),)))
     width, height = SIZES[size]
-    with opened(browser, product, size) as page:
+    with opened(tabs, product, size) as page:
         page.locator("#thing").select_option(index=1)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         for name in (
@@ -311,9 +299,9 @@ def assert_in_reach(locator: Locator, width: int, height: int) -> None:
     assert box["height"] >= LEAST_TARGET - 2
 
 
-def test_a_finger_drags_the_robot_and_two_zoom(browser: Browser, product: Product) -> None:
+def test_a_finger_drags_the_robot_and_two_zoom(tabs: Tabs, product: Product) -> None:
     body = product.simulation.body
-    with opened(browser, product, "phone") as page:
+    with opened(tabs, product, "phone") as page:
         home = body.robot_in_world
         drag_by_finger(page, (home.x, home.y), (home.x + 1.2, home.y + 0.9))
         until(lambda: body.robot_in_world.x == pytest.approx(home.x + 1.2, abs=0.2))
@@ -328,10 +316,8 @@ def test_a_finger_drags_the_robot_and_two_zoom(browser: Browser, product: Produc
         assert body.robot_in_world == stood
 
 
-def test_the_world_of_a_real_robot_has_nothing_to_edit(browser: Browser) -> None:
-    with running_product(editable=False) as product:
-        page = browser.new_page()
-        page.goto(product.address)
+def test_the_world_of_a_real_robot_has_nothing_to_edit(tabs: Tabs) -> None:
+    with running_product(editable=False) as product, tabs.open(product.address) as page:
         wait_for_the_robot(page)
         page.keyboard.press("e")
         later(page, 3)
@@ -339,4 +325,3 @@ def test_the_world_of_a_real_robot_has_nothing_to_edit(browser: Browser) -> None
         assert page.locator("#edit-what").is_hidden()
         assert page.locator("#tool-box").is_hidden()
         assert page.evaluate("window.pioneer3.state.things") == []
-        page.close()

@@ -5,11 +5,12 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.maps import read_map
 from tests.browser.drawn import rest, state
 from tests.browser.support import Product, later, until
+from tests.browser.tabs import Tabs
 from tests.browser.test_edit import SIZES, drag, drag_by_finger, opened, spot
 
 
@@ -123,12 +124,14 @@ def test_lines_and_areas_are_forbidden(editor: Page) -> None:
     editor.mouse.click(*spot(editor, 6.0, 2.9))
 
 
-def test_others_see_the_map_that_robots_use(
-    browser: Browser, editor: Page, product: Product
-) -> None:
-    other = browser.new_page()
-    other.goto(product.address)
-    until(lambda: len(state(other, "places")) > 0)
+def test_others_see_the_map_that_robots_use(tabs: Tabs, editor: Page, product: Product) -> None:
+    with tabs.open(product.address) as other:
+        until(lambda: len(state(other, "places")) > 0)
+        assert_a_draft_is_not_used(editor, other)
+
+
+def assert_a_draft_is_not_used(editor: Page, other: Page) -> None:
+    """Put a place on the map, which the other page shows once it edits the map, too."""
     editor.locator("#map-tool-place").click()
     editor.locator("#place-name").fill("Desk")
     editor.mouse.click(*spot(editor, 4.0, 3.2))
@@ -138,7 +141,6 @@ def test_others_see_the_map_that_robots_use(
     other.locator("#edit").click()
     other.locator("#edit-map").click()
     until(lambda: "Desk" in names(other))  # one draft for all
-    other.close()
 
 
 def test_keys_alone_edit_the_map(editor: Page) -> None:
@@ -155,10 +157,8 @@ def test_keys_alone_edit_the_map(editor: Page) -> None:
 
 
 @pytest.mark.parametrize("size", ["phone", "phone on its side"])
-def test_a_finger_edits_the_map(
-    browser: Browser, product: Product, folder: Path, size: str
-) -> None:
-    with opened(browser, product, size) as page:
+def test_a_finger_edits_the_map(tabs: Tabs, product: Product, folder: Path, size: str) -> None:
+    with opened(tabs, product, size) as page:
         page.locator("#edit-map").tap()
         page.locator("#fit").tap()
         rest(page)

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from math import hypot, pi
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.maps import LineMap, MapObject
 from tests.browser.drawn import rest, state
 from tests.browser.support import Product, later, speed, until, wait_for_the_robot
+from tests.browser.tabs import PHONE, Tabs
 from tests.browser.test_edit import drag, spot
 
 
@@ -60,18 +61,16 @@ def test_ending_it_stops_the_robot(office: Page, product: Product) -> None:
     assert product.robot.arbiter.mode is None
 
 
-def test_somebody_else_may_end_it_too(browser: Browser, office: Page, product: Product) -> None:
+def test_somebody_else_may_end_it_too(tabs: Tabs, office: Page, product: Product) -> None:
     office.mouse.click(*spot(office, 7.0, 5.1))
     office.locator("#goto-go").click()
     until(lambda: speed(product) > 0.1)
-    other = browser.new_page()
-    other.goto(product.address)
-    wait_for_the_robot(other)
-    expect(other.locator("#card-end")).to_have_text("End goto")
-    other.locator("#card-end").click()
-    until(lambda: speed(product) == 0.0)
-    expect(office.locator("#toast")).to_contain_text("laptop 2 stopped the robot")
-    other.close()
+    with tabs.open(product.address) as other:
+        wait_for_the_robot(other)
+        expect(other.locator("#card-end")).to_have_text("End goto")
+        other.locator("#card-end").click()
+        until(lambda: speed(product) == 0.0)
+        expect(office.locator("#toast")).to_contain_text("laptop 2 stopped the robot")
 
 
 def test_the_knob_turns_the_heading(office: Page, product: Product) -> None:
@@ -103,6 +102,8 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
         pose=Pose2(),
         outline=((4.0, 2.6), (5.0, 2.6), (5.0, 3.6), (4.0, 3.6)),
     )
+    office.set_viewport_size({"width": 1440, "height": 900})  # with room beside the map
+    rest(office)
     world = product.simulation.world
     changed = LineMap(name="changed", walls=world.map.walls, objects=(area,))
     product.call(lambda: world.change_map(changed))
@@ -140,17 +141,12 @@ def test_keys_alone_send_the_robot(office: Page, product: Product) -> None:
 
 
 @pytest.fixture
-def phone(browser: Browser, product: Product) -> Iterator[Page]:
+def phone(tabs: Tabs, product: Product) -> Iterator[Page]:
     """Open the page on a phone."""
-    context = browser.new_context(
-        viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
-    )
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    rest(page)
-    yield page
-    context.close()
+    with tabs.open(product.address, size=PHONE, touch=True, mobile=True) as page:
+        wait_for_the_robot(page)
+        rest(page)
+        yield page
 
 
 def test_a_finger_that_stays_offers_a_place_and_turns_the_heading(
@@ -195,10 +191,8 @@ def test_a_finger_that_moves_pans_and_offers_nothing(phone: Page) -> None:
     assert state(phone, "camera.mode") == "free"
 
 
-def test_leaving_the_page_ends_what_it_started(
-    browser: Browser, office: Page, product: Product
-) -> None:
-    other = browser.new_page()
+def test_leaving_the_page_ends_what_it_started(office: Page, product: Product) -> None:
+    other = office.context.new_page()
     other.goto(product.address)
     wait_for_the_robot(other)
     rest(other)

@@ -1,100 +1,85 @@
 """The keyboard at the page: several keys, layouts, modifiers, repeats, fields to type in."""
 
-from collections.abc import Iterator
+from tests.browser.bench import Bench
 
-import pytest
-from playwright.sync_api import Browser
-
-from tests.browser.support import Product, hold, later, speed, until
-from tests.browser.visit import Visit, visit
-
-
-@pytest.fixture
-def desk(browser: Browser, product: Product) -> Iterator[Visit]:
-    """Sit at a keyboard."""
-    with visit(browser, product.address) as desk:
-        yield desk
+PERIOD = 66
+"""Between two requests while a key is held [ms]."""
+AHEAD = {"type": "drive", "v": 0.3, "w": 0, "input": "keyboard"}
+ZERO = {"type": "drive", "v": 0, "w": 0, "input": "keyboard"}
 
 
-def held(desk: Visit) -> set[str]:
-    """Return the directions that the page holds."""
-    return set(desk.page.evaluate("window.pioneer3.state.held"))
-
-
-def press(desk: Visit, code: str, key: str, **more: bool) -> None:
+def press(bench: Bench, code: str, key: str, **more: bool) -> None:
     """Tell of a key as a layout of its own would."""
-    desk.page.evaluate(
+    bench.page.evaluate(
         "(init) => dispatchEvent(new KeyboardEvent('keydown', { cancelable: true, ...init }))",
         {"code": code, "key": key, **more},
     )
 
 
-def test_several_keys_make_a_curve_and_opposites_cancel(desk: Visit) -> None:
-    keyboard = desk.page.keyboard
+def test_several_keys_make_a_curve_and_opposites_cancel(desk_bench: Bench) -> None:
+    keyboard = desk_bench.page.keyboard
     keyboard.down("ArrowUp")
     keyboard.down("a")
-    assert held(desk) == {"forward", "left"}
+    assert desk_bench.held == {"forward", "left"}
     keyboard.down("ArrowRight")
-    assert held(desk) == {"forward"}
+    assert desk_bench.held == {"forward"}
     keyboard.down("w")  # twice ahead is not twice as fast
-    ahead = {"type": "drive", "v": 0.3, "w": 0, "input": "keyboard"}
-    until(lambda: desk.drives()[-1] == ahead)
+    desk_bench.wait(PERIOD)
+    assert desk_bench.sent[-1] == AHEAD
     keyboard.up("ArrowUp")
-    assert held(desk) == {"forward"}
+    assert desk_bench.held == {"forward"}
     for key in ("w", "a", "ArrowRight"):
         keyboard.up(key)
-    assert held(desk) == set()
+    assert desk_bench.held == set()
 
 
-def test_keys_count_by_where_they_are_on_any_layout(desk: Visit) -> None:
+def test_keys_count_by_where_they_are_on_any_layout(desk_bench: Bench) -> None:
     for key in ("z", ",", "ц"):
-        press(desk, "KeyW", key)
-        assert held(desk) == {"forward"}
-        desk.page.evaluate("dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyW' }))")
-        assert held(desk) == set()
+        press(desk_bench, "KeyW", key)
+        assert desk_bench.held == {"forward"}
+        desk_bench.page.evaluate("dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyW' }))")
+        assert desk_bench.held == set()
 
 
-def test_shortcuts_of_the_browser_do_not_drive(desk: Visit) -> None:
+def test_shortcuts_of_the_browser_do_not_drive(desk_bench: Bench) -> None:
     for modifier in ("ctrlKey", "altKey", "metaKey"):
-        press(desk, "KeyD", "d", **{modifier: True})
-        assert held(desk) == set()
+        press(desk_bench, "KeyD", "d", **{modifier: True})
+        assert desk_bench.held == set()
 
 
-def test_a_repeat_is_not_a_press(desk: Visit, product: Product) -> None:
+def test_a_repeat_is_not_a_press(desk_bench: Bench) -> None:
     """The key went down elsewhere, and the page has the focus now."""
-    press(desk, "ArrowUp", "ArrowUp", repeat=True)
-    later(desk.page, 3)
-    assert held(desk) == set()
-    assert speed(product) == 0.0
+    press(desk_bench, "ArrowUp", "ArrowUp", repeat=True)
+    desk_bench.wait(300)
+    assert desk_bench.held == set()
+    assert desk_bench.sent == []
 
 
-def test_repeats_of_a_held_key_after_a_stop_do_not_drive(desk: Visit, product: Product) -> None:
-    hold(desk.page, "ArrowUp", lambda: speed(product) > 0.25)
-    desk.page.keyboard.press("Space")
+def test_repeats_of_a_held_key_after_a_stop_do_not_drive(desk_bench: Bench) -> None:
+    desk_bench.page.keyboard.down("ArrowUp")
+    desk_bench.wait(PERIOD)
+    desk_bench.page.keyboard.press("Space")
     for _ in range(10):
-        press(desk, "ArrowUp", "ArrowUp", repeat=True)
-    until(lambda: speed(product) == 0.0)
-    later(desk.page, 3)
-    assert held(desk) == set()
-    assert speed(product) == 0.0
+        press(desk_bench, "ArrowUp", "ArrowUp", repeat=True)
+    desk_bench.wait(300)
+    assert desk_bench.held == set()
+    assert desk_bench.sent[-1] == {"type": "stop", "robot": 1}
 
 
-def test_typing_does_not_drive(desk: Visit, product: Product) -> None:
-    desk.page.evaluate("document.getElementById('speed').focus()")
-    desk.page.keyboard.press("ArrowRight")
-    assert held(desk) == set()
-    assert desk.page.evaluate("document.getElementById('speed').valueAsNumber") > 0.3
-    assert speed(product) == 0.0
+def test_typing_does_not_drive(desk_bench: Bench) -> None:
+    page = desk_bench.page
+    page.evaluate("document.getElementById('speed').focus()")
+    page.keyboard.press("ArrowRight")
+    assert desk_bench.held == set()
+    assert page.evaluate("document.getElementById('speed').valueAsNumber") > 0.3
+    assert desk_bench.sent == []
 
 
-def test_letting_go_sends_three_zeros_and_then_nothing(desk: Visit) -> None:
-    desk.page.keyboard.down("ArrowUp")
-    until(lambda: 8 <= desk.rate() <= 20)  # 15 where the machine is not busy
-    before = len(desk.drives())
-    desk.page.keyboard.up("ArrowUp")
-    desk.sends_zeros("keyboard")
-    later(desk.page)
-    after = desk.drives()[before:]
-    zeros = [m for m in after if m == {"type": "drive", "v": 0, "w": 0, "input": "keyboard"}]
-    assert after[-3:] == zeros
-    assert len(zeros) == 3
+def test_a_held_key_sends_15_times_a_second_and_three_zeros_at_the_end(desk_bench: Bench) -> None:
+    desk_bench.page.keyboard.down("ArrowUp")
+    assert desk_bench.sent == [ZERO, AHEAD]  # at once; the zero marks it as fresh
+    desk_bench.wait(15 * PERIOD)
+    assert desk_bench.sent == [ZERO, *[AHEAD] * 16]
+    desk_bench.page.keyboard.up("ArrowUp")
+    desk_bench.wait(1000)
+    assert desk_bench.sent == [ZERO, *[AHEAD] * 16, *[ZERO] * 3]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from msgspec import structs
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2, Twist2
 from pioneer3.maps.image import to_png
@@ -26,6 +26,7 @@ from tests.browser.drawn import (
     state,
 )
 from tests.browser.support import Product, later, running_product, until, wait_for_the_robot
+from tests.browser.tabs import Tabs, no_complaints
 from tests.browser.test_edit import drag, spot
 
 LAYERS = (
@@ -69,24 +70,19 @@ def hall(tmp_path: Path) -> Iterator[Product]:
 
 
 @contextmanager
-def opened(browser: Browser, product: Product) -> Iterator[Page]:
+def opened(tabs: Tabs, product: Product) -> Iterator[Page]:
     """Open the page with all of the map in view; anything in the console fails the test."""
-    page = browser.new_page(viewport={"width": 1280, "height": 800}, color_scheme="dark")
-    complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    rest(page)
-    yield page
-    page.close()
-    assert complaints == []
+    with tabs.open(size=(1280, 800), scheme="dark") as page, no_complaints(page):
+        page.goto(product.address)
+        wait_for_the_robot(page)
+        rest(page)
+        yield page
 
 
 @pytest.fixture
-def plan(browser: Browser, hall: Product) -> Iterator[Page]:
+def plan(tabs: Tabs, hall: Product) -> Iterator[Page]:
     """Return the page in the hall."""
-    with opened(browser, hall) as page:
+    with opened(tabs, hall) as page:
         yield page
 
 
@@ -177,10 +173,14 @@ def test_the_legend_works_by_keys_alone(page: Page) -> None:
     expect(page.locator("#layers")).to_be_focused()
 
 
-def test_the_legend_fits_a_phone(browser: Browser, product: Product) -> None:
-    page = browser.new_page(viewport={"width": 320, "height": 640}, has_touch=True, is_mobile=True)
-    page.goto(product.address)
-    wait_for_the_robot(page)
+def test_the_legend_fits_a_phone(tabs: Tabs, product: Product) -> None:
+    with tabs.open(product.address, size=(320, 640), touch=True, mobile=True) as page:
+        wait_for_the_robot(page)
+        assert_the_legend_fits(page)
+
+
+def assert_the_legend_fits(page: Page) -> None:
+    """Check that the legend is within 320 pixels, and easy to hit."""
     page.locator("#layers").tap()
     box = page.locator("#legend").bounding_box()
     assert box is not None
@@ -194,7 +194,6 @@ def test_the_legend_fits_a_phone(browser: Browser, product: Product) -> None:
     row.tap()
     until(lambda: state(page, "layers")["places"] is False)
     assert page.evaluate("document.documentElement.scrollWidth") <= 320
-    page.close()
 
 
 def test_every_tool_of_the_map_is_within_it(page: Page) -> None:
@@ -249,7 +248,7 @@ def test_a_map_file_is_drawn_with_all_it_has(plan: Page) -> None:
     assert names == {"Home": "home", "Door": "goal", "off limits": "area"}
 
 
-def test_a_picture_of_a_map_is_drawn_where_it_lies(browser: Browser, tmp_path: Path) -> None:
+def test_a_picture_of_a_map_is_drawn_where_it_lies(tabs: Tabs, tmp_path: Path) -> None:
     grey = np.full((80, 80), 254, dtype=np.uint8)
     grey[0, :] = grey[-1, :] = grey[:, 0] = grey[:, -1] = 0
     grey[10:20, 60:70] = 0  # up and to the right of the middle
@@ -257,9 +256,10 @@ def test_a_picture_of_a_map_is_drawn_where_it_lies(browser: Browser, tmp_path: P
     (tmp_path / "m.png").write_bytes(to_png(grey))
     path = tmp_path / "m.yaml"
     path.write_text("image: m.png\nresolution: 0.1\norigin: [-4, -4, 0]\n")
-    with running_product(world=str(path)) as product:
-        page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(product.address)
+    with (
+        running_product(world=str(path)) as product,
+        tabs.open(product.address, size=(1280, 800)) as page,
+    ):
         wait_for_the_robot(page)
         until(lambda: pixel(page, 2.5, 2.5) == colour(page, "--c-cell"))
         page.locator("#layers").click()
@@ -270,7 +270,6 @@ def test_a_picture_of_a_map_is_drawn_where_it_lies(browser: Browser, tmp_path: P
         assert pixel(page, 2.55, -2.55) != colour(page, "--c-floor")
         page.emulate_media(color_scheme="dark")
         until(lambda: pixel(page, 2.5, 2.5) == colour(page, "--c-cell"))
-        page.close()
 
 
 def test_another_theme_colours_the_map_anew(plan: Page) -> None:

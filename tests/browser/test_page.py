@@ -5,10 +5,20 @@ from itertools import product as pairs
 from math import hypot
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.browser.drawn import rest
-from tests.browser.support import SLACK, Product, hold, later, speed, until, wait_for_the_robot
+from tests.browser.support import (
+    SLACK,
+    Product,
+    hold,
+    hold_by,
+    later,
+    speed,
+    until,
+    wait_for_the_robot,
+)
+from tests.browser.tabs import Tabs
 
 
 def test_the_page_says_in_capitals_that_it_is_a_simulator(page: Page) -> None:
@@ -17,9 +27,8 @@ def test_the_page_says_in_capitals_that_it_is_a_simulator(page: Page) -> None:
 
 
 def test_the_robot_is_drawn_where_the_simulator_has_it(page: Page, product: Product) -> None:
-    page.keyboard.down("ArrowUp")
     body = product.simulation.body
-    until(lambda: body.robot_in_world.x > body.home.x + 0.3)
+    hold(page, "ArrowUp", lambda: body.robot_in_world.x > body.home.x + 0.3)
     page.keyboard.up("ArrowUp")
     until(lambda: speed(product) == 0.0)
     later(page)
@@ -42,8 +51,7 @@ def test_a_held_arrow_moves_and_letting_go_stops_within_300_ms(
         "ArrowRight": lambda: body.speeds[1] < -0.5,
     }
     for key, moving in moves.items():
-        page.keyboard.down(key)
-        until(moving)
+        hold(page, key, moving)
         page.keyboard.up(key)
         took = until(lambda: body.speeds == (0.0, 0.0))
         assert took < 0.3 + SLACK, key
@@ -51,8 +59,7 @@ def test_a_held_arrow_moves_and_letting_go_stops_within_300_ms(
 
 def test_a_pressed_button_drives_until_it_is_let_go(page: Page, product: Product) -> None:
     page.locator("#pad-forward").hover()
-    page.mouse.down()
-    until(lambda: speed(product) > 0.25)
+    hold_by(page, page.mouse.up, page.mouse.down, lambda: speed(product) > 0.25)
     page.mouse.up()
     assert until(lambda: speed(product) == 0.0) < 0.3 + SLACK
 
@@ -117,13 +124,16 @@ def test_the_emergency_stop_latches_until_it_is_reset(page: Page, product: Produ
     ],
 )
 def test_the_first_screen_says_how_to_drive_and_warns_of_nothing(
-    browser: Browser, product: Product, touch: bool, hint: str
+    tabs: Tabs, product: Product, touch: bool, hint: str
 ) -> None:
-    context = browser.new_context(has_touch=touch, is_mobile=touch)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    expect(page.locator("#why")).to_have_text(hint)
+    with tabs.open(product.address, touch=touch, mobile=touch) as page:
+        wait_for_the_robot(page)
+        expect(page.locator("#why")).to_have_text(hint)
+        assert_only_faults_are_warned_of(page, product, touch)
+
+
+def assert_only_faults_are_warned_of(page: Page, product: Product, touch: bool) -> None:
+    """Drive unless by `touch`, and press the robot's stop button."""
     assert "fault" not in (page.locator("#why").get_attribute("class") or "")
     if not touch:
         hold(page, "ArrowUp", lambda: speed(product) > 0.25)
@@ -133,7 +143,6 @@ def test_the_first_screen_says_how_to_drive_and_warns_of_nothing(
     product.call(lambda: setattr(product.simulation.body, "stop_button", True))
     expect(page.locator("#why")).to_contain_text("stop button")
     expect(page.locator("#why")).to_have_class("why fault")
-    context.close()
 
 
 def test_help_opens_beside_the_map_and_closes(page: Page) -> None:
@@ -173,17 +182,14 @@ def test_loading_the_page_moves_nothing(page: Page, product: Product) -> None:
     assert product.simulation.body.robot_in_world == product.simulation.body.home
 
 
-def test_the_page_fits_a_phone_380_pixels_wide(browser: Browser, product: Product) -> None:
-    phone: ViewportSize = {"width": 380, "height": 780}
-    context = browser.new_context(viewport=phone, has_touch=True, is_mobile=True)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    assert page.evaluate("document.documentElement.scrollWidth") <= phone["width"]
-    for name in ("#stop", "#estop", "#stick", "#way-keys", "#way-tilt", "#badge"):
-        box = page.locator(name).bounding_box()
-        assert box is not None
-        assert box["x"] >= 0
-        assert box["x"] + box["width"] <= phone["width"]
-        assert box["y"] + box["height"] <= phone["height"]
-    context.close()
+def test_the_page_fits_a_phone_380_pixels_wide(tabs: Tabs, product: Product) -> None:
+    width, height = 380, 780
+    with tabs.open(product.address, size=(width, height), touch=True, mobile=True) as page:
+        wait_for_the_robot(page)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        for name in ("#stop", "#estop", "#stick", "#way-keys", "#way-tilt", "#badge"):
+            box = page.locator(name).bounding_box()
+            assert box is not None
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
+            assert box["y"] + box["height"] <= height

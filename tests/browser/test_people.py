@@ -5,21 +5,22 @@ from typing import Literal
 
 import pytest
 import zxingcpp
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.maps.image import read_image
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.api.routes import OPERATIONS
 from tests.browser.sharing import come_in, invitation, needs_network, two, visiting
-from tests.browser.support import Product, later, speed, until, wait_for_the_robot
+from tests.browser.support import Product, hold, later, speed, until, wait_for_the_robot
+from tests.browser.tabs import Tabs
 from tests.browser.views import drive, open_view
 
 pytestmark = needs_network
 
 
-def test_a_link_pairs_once_and_its_token_leaves_no_trace(browser: Browser, shared: Product) -> None:
+def test_a_link_pairs_once_and_its_token_leaves_no_trace(tabs: Tabs, shared: Product) -> None:
     link = invitation(shared, Role.DRIVER)
-    with visiting(browser, link) as page:
+    with visiting(tabs, link) as page:
         expect(page.locator("#form")).to_be_visible()
         assert "#" not in page.evaluate("location.href")
         come_in(page, "Ann")
@@ -28,19 +29,19 @@ def test_a_link_pairs_once_and_its_token_leaves_no_trace(browser: Browser, share
         assert page.evaluate("document.cookie") == ""
         page.go_back()
         assert link.partition("#")[2] not in page.evaluate("location.href")
-    with visiting(browser, link) as page:
+    with visiting(tabs, link) as page:
         page.click("#drive")
         expect(page.locator("#lead")).to_contain_text("it was used")
 
 
-def test_who_is_not_paired_is_told_how(browser: Browser, shared: Product) -> None:
-    with visiting(browser, shared.web.access.urls[0]) as page:
+def test_who_is_not_paired_is_told_how(tabs: Tabs, shared: Product) -> None:
+    with visiting(tabs, shared.web.access.urls[0]) as page:
         page.wait_for_url("**/pair")
         expect(page.locator("#lead")).to_contain_text("not paired")
 
 
-def test_a_viewer_cannot_drive_but_stops_the_robot(browser: Browser, shared: Product) -> None:
-    with two(browser, shared, Role.VIEWER, "Vera") as (ann, vera):
+def test_a_viewer_cannot_drive_but_stops_the_robot(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.VIEWER, "Vera") as (ann, vera):
         vera.keyboard.down("ArrowUp")
         expect(vera.locator("#toast")).to_contain_text("You are a viewer")
         vera.keyboard.up("ArrowUp")
@@ -55,29 +56,28 @@ def test_a_viewer_cannot_drive_but_stops_the_robot(browser: Browser, shared: Pro
         assert speed(shared) == 0.0
         drive(ann, shared)
         vera.click("#estop")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         expect(ann.locator("#reset")).to_be_visible()
         expect(vera.locator("#reset")).to_be_hidden()
 
 
-def test_a_take_over_stops_the_robot_and_tells_who_drove(browser: Browser, shared: Product) -> None:
-    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
+def test_a_take_over_stops_the_robot_and_tells_who_drove(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.DRIVER, "Bob") as (ann, bob):
         drive(ann, shared)
         expect(bob.locator("#driver")).to_have_text("laptop drives")
         bob.click("#driver")
         bob.click("#lease-take-over")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         expect(ann.locator("#driver")).to_have_text("Bob has control")
         expect(ann.locator("#toast")).to_contain_text("Bob")
-        bob.keyboard.down("ArrowUp")  # while ann still holds her key
-        until(lambda: speed(shared) > 0.25)
+        hold(bob, "ArrowUp", lambda: speed(shared) > 0.25)  # while ann still holds her key
         expect(bob.locator("#driver")).to_have_text("You drive")
         bob.keyboard.up("ArrowUp")
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
 
 
-def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: Product) -> None:
-    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
+def test_who_is_taken_over_in_a_mode_is_told_by_whom(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.DRIVER, "Bob") as (ann, bob):
         open_view(ann, "modes")
         ann.click("#wander-start")
         until(lambda: speed(shared) > 0.1)
@@ -90,21 +90,21 @@ def test_who_is_taken_over_in_a_mode_is_told_by_whom(browser: Browser, shared: P
         expect(ann.locator("#toast")).to_have_text("Bob took over; you watch now")
 
 
-def test_an_invitation_to_watch_offers_no_more(browser: Browser, shared: Product) -> None:
-    with visiting(browser, invitation(shared, Role.VIEWER)) as vera:
+def test_an_invitation_to_watch_offers_no_more(tabs: Tabs, shared: Product) -> None:
+    with visiting(tabs, invitation(shared, Role.VIEWER)) as vera:
         expect(vera.locator("#lead")).to_contain_text("invited to watch")
         expect(vera.locator("#drive")).to_be_hidden()
         vera.get_by_role("button", name="Watch").click()
         wait_for_the_robot(vera)
         expect(vera.locator("#driver")).to_have_text("You watch")
-    with visiting(browser, invitation(shared, Role.DRIVER)) as bob:
+    with visiting(tabs, invitation(shared, Role.DRIVER)) as bob:
         expect(bob.locator("#lead")).to_contain_text("invited to drive")
         expect(bob.locator("#drive")).to_be_visible()
         expect(bob.locator("#watch")).to_be_visible()
 
 
-def test_control_is_handed_over_by_name(browser: Browser, shared: Product) -> None:
-    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
+def test_control_is_handed_over_by_name(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.DRIVER, "Bob") as (ann, bob):
         ann.click("#driver")
         ann.click("#lease-take")
         expect(ann.locator("#people-lease")).to_have_text("You have control.")
@@ -117,20 +117,18 @@ def test_control_is_handed_over_by_name(browser: Browser, shared: Product) -> No
         expect(ann.locator("#people-lease")).to_have_text("Nobody has control.")
 
 
-def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(
-    browser: Browser, shared: Product
-) -> None:
-    with two(browser, shared, Role.DRIVER, "Bob") as (ann, bob):
+def test_a_revoked_page_stops_the_robot_and_leads_to_pairing(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.DRIVER, "Bob") as (ann, bob):
         drive(bob, shared)
         ann.click("#driver")
         ann.get_by_label("Revoke Bob").click()
-        until(lambda: speed(shared) == 0.0, 2.0)
+        until(lambda: speed(shared) == 0.0)
         bob.wait_for_url("**/pair")
         expect(ann.get_by_label("Revoke Bob")).to_have_count(0)
 
 
-def test_the_page_of_this_computer_invites_with_a_code(browser: Browser, shared: Product) -> None:
-    with visiting(browser, shared.address) as ann:
+def test_the_page_of_this_computer_invites_with_a_code(tabs: Tabs, shared: Product) -> None:
+    with visiting(tabs, shared.address) as ann:
         wait_for_the_robot(ann)
         ann.click("#driver")
         ann.click("#invite-viewer")
@@ -140,16 +138,16 @@ def test_the_page_of_this_computer_invites_with_a_code(browser: Browser, shared:
         assert box is not None
         assert box["width"] == pytest.approx(box["height"], rel=0.02)
         link = ann.locator("#invitation code").inner_text()
-        with visiting(browser, link) as vera:
+        with visiting(tabs, link) as vera:
             come_in(vera, "Vera")
             assert "viewer" in (vera.locator("body").get_attribute("class") or "")
 
 
 def test_the_code_on_the_screen_leads_to_the_invitation(
-    browser: Browser, shared: Product, tmp_path: Path
+    tabs: Tabs, shared: Product, tmp_path: Path
 ) -> None:
     schemes: list[Literal["dark", "light"]] = ["dark", "light"]
-    with visiting(browser, shared.address) as page:
+    with visiting(tabs, shared.address) as page:
         wait_for_the_robot(page)
         page.click("#driver")
         page.click("#invite-driver")
@@ -168,8 +166,8 @@ def assert_code_is_read(page: Page, picture: Path) -> None:
     assert [code.text for code in read] == [page.locator("#invitation code").inner_text()]
 
 
-def test_the_page_of_the_api_shows_every_operation(browser: Browser, shared: Product) -> None:
-    with visiting(browser, f"{shared.address}/api") as page:
+def test_the_page_of_the_api_shows_every_operation(tabs: Tabs, shared: Product) -> None:
+    with visiting(tabs, f"{shared.address}/api") as page:
         shown = page.locator("#operations summary")
         expect(shown).to_have_count(len(OPERATIONS))
         shown.filter(has_text="/drive").click()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.bench import Bench
 from tests.browser.drawn import repaint
 from tests.browser.support import Product, hold, later, until
 from tests.browser.views import drive, open_view
@@ -139,7 +140,8 @@ def test_the_history_is_downloaded_as_csv(plots: Page, product: Product, tmp_pat
     assert times == sorted(times)
 
 
-def test_the_time_axis_grows_with_the_data(page: Page) -> None:
+def test_the_time_axis_grows_with_the_data(desk_bench: Bench) -> None:
+    page = desk_bench.page
     spans = page.evaluate("""async () => {
         const { TimeAxis } = await import("/static/panels/time_axis.js");
         const axis = new TimeAxis(() => {});
@@ -190,7 +192,8 @@ def shown_times(page: Page) -> list[float]:
     return times
 
 
-def test_the_mouse_moves_and_zooms_the_time_axis(page: Page) -> None:
+def test_the_mouse_moves_and_zooms_the_time_axis(desk_bench: Bench) -> None:
+    page = desk_bench.page
     page.evaluate(AXIS)
     page.mouse.move(250, 150)
     page.mouse.down()
@@ -199,7 +202,7 @@ def test_the_mouse_moves_and_zooms_the_time_axis(page: Page) -> None:
     assert shown_times(page) == pytest.approx([600, 900], abs=1)
     page.mouse.move(200, 150)
     page.mouse.wheel(0, -100)  # alone it scrolls
-    repaint(page)
+    desk_bench.wait(100)
     assert shown_times(page) == pytest.approx([600, 900], abs=1)
     page.keyboard.down("Control")
     page.mouse.wheel(0, -500)
@@ -214,13 +217,12 @@ def test_the_mouse_moves_and_zooms_the_time_axis(page: Page) -> None:
     assert shown_times(page) == [700, 1000]
 
 
-def test_fingers_move_and_zoom_the_time_axis(page: Page) -> None:
+def test_fingers_move_and_zoom_the_time_axis(desk_bench: Bench) -> None:
+    page = desk_bench.page
     page.evaluate(AXIS)
-    session = page.context.new_cdp_session(page)
 
     def touch(kind: str, *xs: float) -> None:
-        points = [{"x": x, "y": 150, "id": number} for number, x in enumerate(xs)]
-        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        desk_bench.touch(kind, *((x, 150) for x in xs))
 
     touch("touchStart", 200)
     for x in (220, 260, 300):  # the browser keeps the first pixels to itself
@@ -250,7 +252,10 @@ def test_the_plots_follow_light_and_dark(plots: Page) -> None:
     until(lambda: inks() != dark)
 
 
-def test_history_forgets_what_is_old_and_breaks_lines_where_nothing_was_heard(page: Page) -> None:
+def test_history_forgets_what_is_old_and_breaks_lines_where_nothing_was_heard(
+    desk_bench: Bench,
+) -> None:
+    page = desk_bench.page
     counts = page.evaluate("""async () => {
         const { History } = await import("/static/panels/history.js");
         const history = new History();

@@ -3,6 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.browser.bench import Bench
 from tests.browser.support import Product, later, until
 from tests.browser.views import drive, open_view
 
@@ -49,16 +50,17 @@ def test_stalls_and_battery_are_words_not_colours_alone(view: Page, product: Pro
     until(lambda: "°C" in value(view, "Motor temperature"))
 
 
-def test_bumpers_are_drawn_by_segment_and_told_in_words(view: Page, product: Product) -> None:
+def test_bumpers_are_drawn_by_segment_and_told_in_words(desk_bench: Bench) -> None:
     """The page's part of it: a robot with bumpers is made up."""
-    view.evaluate("""async () => {
+    page = desk_bench.page
+    page.evaluate("""async () => {
         const { BumperDrawing } = await import("/static/panels/widgets.js");
         const drawing = new BumperDrawing();
         drawing.show({ front: [false, true, false, false, true], rear: [false, false] });
         drawing.element.id = "made-up";
-        document.getElementById("view-robot").prepend(drawing.element);
+        document.body.prepend(drawing.element);
     }""")
-    made_up = view.locator("#made-up")
+    made_up = page.locator("#made-up")
     expect(made_up.locator(".hit")).to_have_count(2)
     expect(made_up.locator(".free")).to_have_count(5)
     expect(made_up.locator("p")).to_have_text(

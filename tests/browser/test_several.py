@@ -2,15 +2,17 @@
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import product as combinations
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
-from tests.browser.drawn import repaint
+from tests.browser.drawn import repaint, still
 from tests.browser.support import Product, hold, later, running_product, until, wait_for_the_robot
+from tests.browser.tabs import Size, Tabs
 
 NAMES = ("alice", "bob", "carol")
 THREE = WorldFile(
@@ -38,6 +40,8 @@ TELL_OF = """(count) => {
   window.sockets.at(-1).dispatchEvent(new MessageEvent("message", { data }));
 }"""
 """Lets the page believe that so many robots are there."""
+WIDTHS = """(all) => all.map((one) => one.getBoundingClientRect())
+  .map(({ width, right }) => [width, right])"""
 SIZES = [(1440, 900), (390, 844), (320, 568), (740, 360)]
 
 
@@ -53,15 +57,18 @@ def speeds(product: Product) -> list[float]:
     return [abs(robot.body.speeds[0]) for robot in product.simulation.robots]
 
 
-def opened(browser: Browser, product: Product, size: tuple[int, int], touch: bool = False) -> Page:
-    """Return the page on a screen of this size; its context is the caller's to close."""
-    viewport: ViewportSize = {"width": size[0], "height": size[1]}
-    context = browser.new_context(viewport=viewport, has_touch=touch)
-    context.add_init_script(KEEP_SOCKETS)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
-    return page
+@contextmanager
+def opened(tabs: Tabs, product: Product, size: Size, touch: bool = False) -> Iterator[Page]:
+    """Open the page on a screen of this size."""
+    with tabs.open(product.address, size=size, touch=touch, scripts=KEEP_SOCKETS) as page:
+        wait_for_the_robot(page)
+        yield page
+
+
+def stops(product: Product) -> list[int]:
+    """Return how often alice and carol were stopped by anything."""
+    robots = [product.web.robots[number].robot for number in (1, 3)]
+    return [robot.supervisor.pilot.last_stop.number for robot in robots]
 
 
 def chosen(page: Page) -> list[str]:
@@ -76,13 +83,10 @@ def test_the_robots_are_in_a_row_and_the_first_is_selected(page: Page) -> None:
     expect(page.locator("#name")).to_have_text("alice")
 
 
-def test_with_one_robot_there_is_nothing_to_pick(browser: Browser) -> None:
-    with running_product() as one:
-        page = browser.new_page()
-        page.goto(one.address)
+def test_with_one_robot_there_is_nothing_to_pick(tabs: Tabs) -> None:
+    with running_product() as one, tabs.open(one.address) as page:
         wait_for_the_robot(page)
         expect(page.locator("#robots")).to_be_hidden()
-        page.close()
 
 
 def test_keys_drive_the_robot_that_is_selected(page: Page, product: Product) -> None:
@@ -99,7 +103,7 @@ def test_selecting_another_robot_lets_go_of_the_one_before(page: Page, product: 
     hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("3")
     assert chosen(page) == ["carol"]
-    until(lambda: speeds(product)[0] == 0.0, 1.0)
+    until(lambda: speeds(product)[0] == 0.0)
     later(page)
     assert speeds(product) == [0.0] * 3  # the key is still down, and does not drive carol
     page.keyboard.up("ArrowUp")
@@ -115,7 +119,7 @@ def test_a_held_key_does_not_go_over_to_another_robot_when_its_own_is_gone(
     gone = product.call(lambda: product.web.robots.pop(3))
     product.call(product.web._publish_robots)
     expect(page.get_by_role("button", name="carol")).to_have_count(0)
-    page.wait_for_timeout(700)  # its reports are not shown any more
+    later(page, 7)  # of alice, who is selected now
     product.call(lambda: product.web.robots.update({3: gone}))
     assert speeds(product)[:2] == [0.0, 0.0]
     assert page.evaluate("window.pioneer3.state.source") is None
@@ -135,6 +139,7 @@ def test_everything_can_be_picked_by_keyboard(page: Page) -> None:
 
 
 def test_a_robot_is_picked_on_the_map(page: Page, product: Product) -> None:
+    still(page)
     box = page.locator("#canvas").bounding_box()
     pose = product.simulation.robots[2].body.robot_in_world
     at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])
@@ -150,7 +155,7 @@ def test_the_emergency_stop_is_for_all_and_the_reset_for_one(page: Page, product
     second.keyboard.press("2")
     hold(second, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     page.locator("#estop").click()
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     expect(page.locator("#robots-row small")).to_have_text(["E-stop"] * 3)
     second.keyboard.up("ArrowUp")
     page.locator("#reset").click()
@@ -184,8 +189,13 @@ def test_a_lost_robot_is_seen_at_a_glance_and_the_others_go_on(
     expect(state).to_have_text("Ready", timeout=20_000)
 
 
-def test_the_row_fits_every_size(browser: Browser, product: Product) -> None:
-    page = opened(browser, product, SIZES[0], touch=True)
+def test_the_row_fits_every_size(tabs: Tabs, product: Product) -> None:
+    with opened(tabs, product, SIZES[0], touch=True) as page:
+        assert_the_row_fits(page)
+
+
+def assert_the_row_fits(page: Page) -> None:
+    """Pick a robot at each size."""
     for robot, (width, height) in zip(("carol", "bob") * 2, SIZES, strict=True):
         page.set_viewport_size({"width": width, "height": height})
         repaint(page)
@@ -201,16 +211,20 @@ def test_the_row_fits_every_size(browser: Browser, product: Product) -> None:
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= width
             assert box["y"] + box["height"] <= height
-    page.context.close()
 
 
 SCREENS = [(1440, 900), (1024, 768), (390, 844), (844, 390)]
 
 
 def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
-    browser: Browser, product: Product
+    tabs: Tabs, product: Product
 ) -> None:
-    page = opened(browser, product, SCREENS[0])
+    with opened(tabs, product, SCREENS[0]) as page:
+        assert_all_fit_and_are_found(page)
+
+
+def assert_all_fit_and_are_found(page: Page) -> None:
+    """Tell the page of ever more robots on ever other screens, and search for the last one."""
     for count, (width, height) in combinations((1, 2, 5, 20, 40), SCREENS):
         page.set_viewport_size({"width": width, "height": height})
         page.evaluate(TELL_OF, count)
@@ -226,10 +240,9 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
         assert 1 <= shown.count() <= count
         if count <= 5 and width >= 1024:
             assert shown.count() == count  # the lab's own number, at a desk
-        for box in (one.bounding_box() for one in shown.all()):
-            assert box is not None
-            assert box["width"] >= 80  # none is cut off
-            assert box["x"] + box["width"] <= width
+        for narrow, right in shown.evaluate_all(WIDTHS):
+            assert narrow >= 80  # none is cut off
+            assert right <= width
         page.locator("#robots-all").click()
         page.fill("#robots-search", "")
         expect(page.locator(".robot-list li:visible")).to_have_count(count)
@@ -240,19 +253,18 @@ def test_any_number_of_robots_fits_every_screen_and_is_found_in_the_list(
         assert chosen(page) == [f"robot-{count:02d}"]  # it is in the row, too
         if page.locator("#sheet").is_visible():
             page.locator("#sheet-close").click()
-    page.context.close()
 
 
 def test_who_begins_to_search_lets_go_of_the_robot(page: Page, product: Product) -> None:
     hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("/")
-    until(lambda: speeds(product)[0] == 0.0, 2.0)
+    until(lambda: speeds(product)[0] == 0.0)
     page.keyboard.up("ArrowUp")
     page.keyboard.type("bob")
     page.keyboard.press("Enter")  # the focus leaves the field: keys drive and stop again
     hold(page, "ArrowUp", lambda: speeds(product)[1] > 0.25)
     page.keyboard.press("Space")
-    until(lambda: speeds(product)[1] == 0.0, 2.0)
+    until(lambda: speeds(product)[1] == 0.0)
     page.keyboard.up("ArrowUp")
 
 
@@ -268,9 +280,11 @@ def test_the_list_says_how_each_robot_is_and_who_drives_it(page: Page, product: 
     expect(rows.nth(0)).to_contain_text("Ready")
     expect(rows.nth(1)).to_contain_text("laptop 2 drives")
     expect(rows.nth(0)).to_contain_text(re.compile(r"1\d\.\d V, \d+ %"))
-    page.keyboard.type("drives k ")  # words, no stops
+    before = stops(product)
+    page.keyboard.type("drives k ")  # words, no stops: not even of alice, who stands
     expect(page.locator(".robot-list li:visible")).to_have_count(0)
-    assert speeds(product)[1] > 0.25
+    hold(second, "ArrowUp", lambda: speeds(product)[1] > 0.25)
+    assert stops(product) == before
     page.fill("#robots-search", "drives")
     expect(page.locator(".robot-list li:visible")).to_have_count(1)
     second.keyboard.up("ArrowUp")
@@ -314,12 +328,12 @@ def test_space_stops_the_selected_robot_and_all_others_that_the_user_drives(
     until(lambda: speeds(product)[0] > 0.1 and speeds(product)[2] > 0.1)
     page.keyboard.press("2")
     page.keyboard.press("Space")
-    until(lambda: speeds(product)[0] == 0.0, 2.0)
+    until(lambda: speeds(product)[0] == 0.0)
     later(page, 3)
     assert speeds(product)[2] > 0.1  # carol is somebody else's, and not selected
     page.keyboard.press("3")
     page.keyboard.press("Space")
-    until(lambda: speeds(product)[2] == 0.0, 2.0)
+    until(lambda: speeds(product)[2] == 0.0)
     second.close()
 
 

@@ -1,11 +1,12 @@
 """STOP and E-STOP: by key, by button, by viewers, without a connection."""
 
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from pioneer3.web.access.sessions import Role
 from pioneer3.web.client import Client
 from tests.browser.sharing import needs_network, two
 from tests.browser.support import SLACK, Product, later, speed, until
+from tests.browser.tabs import Tabs
 from tests.browser.views import drive, open_view, stopped_after
 
 BAR = 0.7 + SLACK
@@ -133,8 +134,8 @@ def test_enter_presses_the_emergency_stop(page: Page, product: Product) -> None:
 
 
 @needs_network
-def test_a_viewer_stops_everything_and_cannot_reset(browser: Browser, shared: Product) -> None:
-    with two(browser, shared, Role.VIEWER, "Vera") as (ann, vera):
+def test_a_viewer_stops_everything_and_cannot_reset(tabs: Tabs, shared: Product) -> None:
+    with two(tabs, shared, Role.VIEWER, "Vera") as (ann, vera):
         drive(ann, shared)
         assert stopped_after(shared, lambda: vera.keyboard.press("k")) < BAR
         expect(vera.locator("#latched-how")).to_have_text("A driver can reset it.")

@@ -3,11 +3,13 @@
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from pioneer3.geometry import Pose2
 from pioneer3.sim.worldfile import RobotSpec, WorldFile
+from tests.browser.drawn import still
 from tests.browser.support import Product, hold, running_product, until, wait_for_the_robot
+from tests.browser.tabs import PHONE, Tabs
 
 NAMES = ("alice", "bob", "carol")
 THREE = WorldFile(
@@ -50,11 +52,11 @@ def test_arrows_drive_all_that_are_chosen_and_space_stops_them(
     assert speeds(product)[1] == 0.0
     expect(page.locator("#robots-row small")).to_have_text(["You drive", "Ready", "You drive"])
     page.keyboard.press("Space")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     hold(page, "ArrowUp", lambda: min(speeds(product)[::2]) > 0.25)
     page.keyboard.up("ArrowUp")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
 
 
 def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
@@ -62,7 +64,7 @@ def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
 ) -> None:
     hold(page, "ArrowUp", lambda: speeds(product)[0] > 0.25)
     page.keyboard.press("Shift+Digit2")
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     assert chosen(page) == [1, 2]
     page.keyboard.press("Shift+Digit1")  # the other one is selected then
@@ -73,6 +75,7 @@ def test_choosing_one_more_lets_go_and_a_plain_click_chooses_one(
 
 
 def test_a_robot_is_added_on_the_map_with_shift(page: Page, product: Product) -> None:
+    still(page)
     box = page.locator("#canvas").bounding_box()
     pose = product.simulation.robots[2].body.robot_in_world
     at = page.evaluate("([x, y]) => window.pioneer3.toScreen(x, y)", [pose.x, pose.y])
@@ -126,7 +129,7 @@ def test_robots_form_up_behind_a_leader_that_the_keys_drive_and_stop_ends_it(
     page.locator("#sheet-close").click()
     hold(page, "ArrowUp", lambda: min(speeds(product)) > 0.1)
     page.keyboard.press("Space")  # and all others that this page drives
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
     page.keyboard.up("ArrowUp")
     assert modes() == [None] * 3
 
@@ -142,14 +145,17 @@ def test_who_leaves_the_page_leaves_no_robot_driving(page: Page, product: Produc
     second.locator("#spread-start").click()
     until(lambda: max(speeds(product)) > 0.1)
     second.close()
-    until(lambda: speeds(product) == [0.0] * 3, 2.0)
+    until(lambda: speeds(product) == [0.0] * 3)
 
 
-def test_a_phone_chooses_several_in_the_list(browser: Browser, product: Product) -> None:
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    page = context.new_page()
-    page.goto(product.address)
-    wait_for_the_robot(page)
+def test_a_phone_chooses_several_in_the_list(tabs: Tabs, product: Product) -> None:
+    with tabs.open(product.address, size=PHONE, touch=True) as page:
+        wait_for_the_robot(page)
+        assert_several_are_chosen(page)
+
+
+def assert_several_are_chosen(page: Page) -> None:
+    """Choose robots in the list with a finger."""
     page.locator("#robots-all").tap()
     page.locator("#robots-several").tap()
     page.locator(".robot-list").get_by_role("button", name="bob").tap()
@@ -161,4 +167,3 @@ def test_a_phone_chooses_several_in_the_list(browser: Browser, product: Product)
     page.locator("#robots-choose-all").tap()
     assert chosen(page) == [1, 2, 3]
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    context.close()

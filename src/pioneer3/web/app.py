@@ -1,8 +1,13 @@
-"""Routes: the page, its parts, its WebSocket and the API."""
+"""Routes: the page, its parts, its WebSocket and the API.
+
+Pages name their parts under a version, which is made of the contents of all of them. Browsers keep
+what has a version, and load nothing anew; after an upgrade, pages name another version.
+"""
 
 import re
 from collections.abc import Awaitable, Callable
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 from starlette.applications import Starlette
@@ -11,7 +16,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp
+from starlette.types import ASGIApp, Scope
 from starlette.websockets import WebSocket
 
 from pioneer3.web.access.hosts import LOCAL_NAMES
@@ -28,12 +33,15 @@ from pioneer3.web.page import Page
 
 STATIC = Path(__file__).with_name("static")
 IMPORT = re.compile(r'^(?:import|\}) (?:.* )?from "(\..+)";$', re.MULTILINE)
-FILES = {
+KEPT = "max-age=31536000, immutable"
+PAGES = {
     "/pair": "pages/pair.html",
     "/api": "pages/api.html",
     "/join": "pages/join.html",
     "/class": "pages/class.html",
     "/lessons": "pages/lessons.html",
+}
+FILES = {
     "/app.webmanifest": "app/app.webmanifest",
     "/worker.js": "app/worker.js",  # here: a worker serves only its own folder
 }
@@ -44,10 +52,6 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
 
     The files of the page are no secret; the robot is behind the WebSocket and the API.
     """
-    html = index()
-
-    async def start(_: Request) -> Response:
-        return HTMLResponse(html)
 
     async def connect(socket: WebSocket) -> None:
         session = session_of(socket)
@@ -64,11 +68,12 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
     app = Starlette(
         routes=[
             Route("/ca.crt", authority),
-            Route("/", start),
+            Route("/", _page(index())),
+            *(Route(path, _page(versioned(name))) for path, name in PAGES.items()),
             *(Route(path, _file(name)) for path, name in FILES.items()),
             WebSocketRoute("/ws", connect),
             *api_routes(page),
-            Mount("/static", StaticFiles(directory=STATIC)),
+            Mount("/static", _Parts(directory=STATIC)),
         ],
         exception_handlers={
             HTTPException: respond_to_http_exception,
@@ -81,10 +86,26 @@ def make_app(page: Page, names: frozenset[str] = LOCAL_NAMES) -> ASGIApp:
 @cache
 def index() -> str:
     """Return the page. It names all its modules, so that browsers load them side by side."""
-    html = (STATIC / "index.html").read_text("utf-8")
-    (main,) = re.findall(r'<script type="module" src="/static/(.+?)"', html)
-    links = (f'  <link rel="modulepreload" href="/static/{name}">\n' for name in modules(main)[1:])
+    html = versioned("index.html")
+    start = f"/static/{version()}/"
+    (main,) = re.findall(rf'<script type="module" src="{start}(.+?)"', html)
+    links = (f'  <link rel="modulepreload" href="{start}{name}">\n' for name in modules(main)[1:])
     return html.replace("</head>", f"{''.join(links)}</head>")
+
+
+def versioned(name: str) -> str:
+    """Return a page of STATIC that names its parts under their version."""
+    return (STATIC / name).read_text("utf-8").replace('"/static/', f'"/static/{version()}/')
+
+
+@cache
+def version() -> str:
+    """Return the version of all files of STATIC: 16 hexadecimal digits."""
+    contents = sha256()
+    for path in sorted(path for path in STATIC.rglob("*") if path.is_file()):
+        contents.update(path.relative_to(STATIC).as_posix().encode())
+        contents.update(sha256(path.read_bytes()).digest())
+    return contents.hexdigest()[:16]
 
 
 def modules(main: str) -> list[str]:
@@ -97,6 +118,25 @@ def modules(main: str) -> list[str]:
             if path not in found:
                 found.append(path)
     return found
+
+
+class _Parts(StaticFiles):
+    """Serves the files of STATIC: to be kept under their version, to be asked for without one."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Return the response; under any other version there is nothing."""
+        name = path.removeprefix(f"{version()}/")
+        response = await super().get_response(name, scope)
+        if name != path:
+            response.headers["Cache-Control"] = KEPT
+        return response
+
+
+def _page(html: str) -> Callable[[Request], Awaitable[Response]]:
+    async def serve(_: Request) -> Response:
+        return HTMLResponse(html)
+
+    return serve
 
 
 def _file(name: str) -> Callable[[Request], Awaitable[Response]]:

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,6 +126,7 @@ class RobotMapping:
             self._answer("Making the map failed; the log has the details.")
 
     async def _make(self) -> None:
+        await self.in_thread(import_module, "pioneer3.runtime.navigator")  # takes up to seconds
         from pioneer3.nav.mapper import Mapper
         from pioneer3.nav.warm_up import warm_up
         from pioneer3.runtime.map_builder import MapBuilder

@@ -9,6 +9,7 @@ import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from contextlib import AsyncExitStack, suppress
+from importlib import import_module
 from importlib.util import find_spec
 from math import dist, inf
 from typing import TYPE_CHECKING, Any
@@ -265,9 +266,10 @@ class RobotNavigation:
 
     def _start(self, operator: Operator, mode: Stack, seconds: float, after: int) -> None:
         """Start a mode unless the robot was stopped since it was asked for."""
-        if self._robot.arbiter.last_stop.number == after and (
-            refused := self._control.start(operator, mode, seconds)
-        ):
+        stop = self._robot.arbiter.last_stop
+        if stop.number != after:
+            self._tell(operator, _sentence(f"it does not set out: {stop.why}"))
+        elif refused := self._control.start(operator, mode, seconds):
             self._tell(operator, refused)
 
     def _destination(
@@ -327,6 +329,7 @@ class RobotNavigation:
 
     async def _ready(self, stack: AsyncExitStack) -> "Navigator":
         """Return the navigator of the present map."""
+        await self.in_thread(import_module, "pioneer3.runtime.navigator")  # takes up to seconds
         from pioneer3.runtime.navigator import Navigator, compile_kernels
 
         known = self._scene.map_now

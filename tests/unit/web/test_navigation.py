@@ -121,6 +121,8 @@ async def test_a_stop_that_comes_before_the_way_is_found_ends_the_request() -> N
         await asyncio.sleep(3.0)
         assert ann.snapshot["mode"] is None
         assert where(the) == pytest.approx(BEGIN)
+        told = ann.latest("told")["message"]
+        assert told == "It does not set out: somebody stopped the robot."
 
 
 def close_the_door(the: Playground) -> None:

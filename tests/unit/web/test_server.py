@@ -14,8 +14,9 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 from pioneer3 import LinkError, PortBusyError, Robot, connect_async
+from pioneer3.web import app
 from pioneer3.web.access import certificate
-from pioneer3.web.app import STATIC, index, modules
+from pioneer3.web.app import STATIC, index, modules, version
 from pioneer3.web.page import Page
 from pioneer3.web.scene import Scene
 from pioneer3.web.server import FRAME_LIMIT, _bind, serve
@@ -175,7 +176,7 @@ def test_small_messages_leave_at_once() -> None:
 
 
 def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None:
-    named = re.findall(r'(?:modulepreload" href|module" src)="/static/(.+?\.js)"', index())
+    named = re.findall(r'(?:modulepreload" href|module" src)="/static/\w+/(.+?\.js)"', index())
     others = [f"pages/{path.name}" for path in (STATIC / "pages").glob("*.js")]
     elsewhere = {module for page in others for module in modules(page)}
     files = {path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*.js")}
@@ -186,6 +187,37 @@ def test_the_page_names_all_its_modules_so_that_they_load_side_by_side() -> None
     assert len(named) == len(set(named))
     assert not set(named) & set(others)
     assert set(named) | elsewhere | later == files
+
+
+async def test_browsers_keep_the_parts_of_the_page_under_their_version_only() -> None:
+    async with served() as (_, where):
+        _, headers, page = await get(where, "/")
+        assert headers["cache-control"] == "no-cache"  # it names the version
+        assert f'src="/static/{version()}/main.js"' in page
+        assert not re.findall(rf'"/static/(?!{version()}/)', page)
+        _, headers, kept = await get(where, f"/static/{version()}/main.js")
+        assert headers["cache-control"] == "max-age=31536000, immutable"
+        assert "content-security-policy" in headers
+        _, headers, asked = await get(where, "/static/main.js")
+        assert headers["cache-control"] == "no-cache"
+        assert kept == asked
+        for path in (f"/static/{'0' * 16}/main.js", f"/static/{version()}/none.js"):
+            status, headers, _ = await get(where, path)
+            assert status == 404  # a page of before an upgrade gets no module of after it
+            assert headers["cache-control"] == "no-cache"
+
+
+def test_any_change_of_a_file_makes_another_version(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(app, "STATIC", tmp_path)
+    seen = {version.__wrapped__()}
+    for name, text in (("a.js", "1"), ("a.js", "2"), ("b.js", ""), ("b.js", "2")):
+        (tmp_path / name).write_text(text)
+        seen.add(version.__wrapped__())
+    assert len(seen) == 5
+    (tmp_path / "a.js").rename(tmp_path / "c.js")
+    assert version.__wrapped__() not in seen
 
 
 async def test_a_port_in_use_is_refused_with_a_way_out() -> None:

@@ -91,7 +91,9 @@ class AccessMiddleware:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message.get("headers", ()), *HEADERS.items()]
+                headers = dict(message.get("headers", ()))
+                ours = ((name, text) for name, text in HEADERS.items() if name not in headers)
+                message["headers"] = [*message.get("headers", ()), *ours]
             await send(message)
 
         refused = self._identify(scope) or await self._refuse_flood(scope)
