@@ -264,6 +264,20 @@ PARTS: Mapping[str, Part] = {
         },
         packages=("ros",),
     ),
+    "tests/ros2/test_foreign.py": Part(
+        "a real ROS 2: each distribution once, each middleware once",
+        {
+            f"{test}[{node}]": proves
+            for node in ("jazzy-dds", "kilted-rclpy")
+            for test, proves in {
+                "test_the_graph_has_the_node_and_its_topics_with_types_and_hashes": "it publishes",
+                "test_commands_drive_and_silence_stops": "it obeys, and stops",
+                "test_a_killed_program_leaves_a_robot_that_stands_and_may_come_back": "safety",
+                "test_a_late_subscriber_gets_what_is_latched": "it publishes",
+            }.items()
+        },
+        packages=("ros",),
+    ),
     "tests/ros2/test_bridge.py": Part(
         "the bridge, in this process; cheap",
         packages=("ros",),
