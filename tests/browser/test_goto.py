@@ -1,6 +1,7 @@
 """Sending the robot to a place of the map, with mouse, finger and keys."""
 
 from collections.abc import Iterator
+from functools import partial
 from math import hypot, pi
 
 import pytest
@@ -12,6 +13,7 @@ from tests.browser.drawn import rest, state
 from tests.browser.support import Product, later, speed, until, wait_for_the_robot
 from tests.browser.tabs import PHONE, Tabs
 from tests.browser.test_edit import drag, spot
+from tests.browser.test_stops import hang_up
 
 
 @pytest.fixture
@@ -36,6 +38,16 @@ def test_a_click_offers_a_place_and_moves_nothing(office: Page, product: Product
     office.locator("#goto-close").click()
     expect(office.locator("#goto-card")).to_be_hidden()
     assert state(office, "proposal") is None
+
+
+def test_a_moment_without_a_connection_takes_no_place_away(office: Page, product: Product) -> None:
+    office.mouse.click(*spot(office, 4.2, 3.1))
+    expect(office.locator("#goto-where")).to_contain_text("Go to 4.20, 3.10 m?")
+    product.call(lambda: hang_up(product))
+    until(lambda: not state(office, "connected"))
+    until(lambda: bool(state(office, "live")))
+    expect(office.locator("#goto-where")).to_contain_text("Go to 4.20, 3.10 m?")
+    expect(office.locator("#goto-go")).to_be_enabled()
 
 
 def test_the_robot_goes_there_and_the_page_says_so(office: Page, product: Product) -> None:
@@ -95,6 +107,16 @@ def test_a_double_click_follows_the_robot_and_offers_nothing(office: Page) -> No
     assert state(office, "proposal") is None
 
 
+def is_said(page: Page, place: tuple[float, float], why: str) -> bool:
+    """Click at a place, and return whether the page says why the robot cannot go there.
+
+    It cannot say so while the robot is not sure where it is, as without news on a busy machine.
+    """
+    page.mouse.click(*place)
+    later(page, 5)
+    return why in page.locator("#goto-where").inner_text()
+
+
 def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
     area = MapObject(
         kind="ForbiddenArea",
@@ -112,8 +134,7 @@ def test_what_the_map_forbids_is_said(office: Page, product: Product) -> None:
         (4.5, 3.1, "the goal is in a forbidden area, acid."),
         (30.0, 3.1, "the goal is outside of the map."),
     ):
-        office.mouse.click(*spot(office, min(x, 20.6), y))
-        expect(office.locator("#goto-where")).to_contain_text(why)
+        until(partial(is_said, office, spot(office, min(x, 20.6), y), why))
         expect(office.locator("#goto-go")).to_be_disabled()
     later(office)
     assert speed(product) == 0.0

@@ -45,8 +45,8 @@ def test_it_says_who_decides(view: Page, product: Product) -> None:
 
 
 def test_stalls_and_battery_are_words_not_colours_alone(view: Page, product: Product) -> None:
-    assert value(view, "Left wheels") == "free"
-    assert value(view, "Battery").endswith(" V")
+    until(lambda: value(view, "Left wheels") == "free")
+    until(lambda: value(view, "Battery").endswith(" V"))
     until(lambda: "°C" in value(view, "Motor temperature"))
 
 

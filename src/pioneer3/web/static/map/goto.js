@@ -111,9 +111,9 @@ export class GotoTool {
     if (inside) byId("goto").focus();
   }
 
-  /** Shows the proposal. */
+  /** Shows the proposal. It outlives moments without news from the robot, in which nothing is sent. */
   show() {
-    if (this.proposal && !this.possible) [this.proposal, this.stops] = [null, []];
+    if (this.proposal && (this.#model.viewer || !this.#model.selected)) [this.proposal, this.stops] = [null, []];
     this.#aim();
     byId("goto-card").hidden = !this.proposal;
     byId("goto").hidden = this.#model.viewer;
@@ -142,10 +142,11 @@ export class GotoTool {
     const question = added ? `${go} to ${before}where? Choose the next place.` : `${go} to ${before}${where}${turned}${before && ", again and again"}?${far}`;
     put(byId("goto-where"), refusal ? `No way to ${where}: ${refusal}.` : question);
     put(byId("goto-go"), before ? "Patrol" : "Go");
-    byId("goto-go").disabled = Boolean(refusal) || (added && this.stops.length < 2);
+    byId("goto-go").disabled = !this.possible || Boolean(refusal) || (added && this.stops.length < 2);
     byId("goto-any").hidden = heading === null;
     const { plans } = this.#model.selected.hello;
     byId("goto-tell").hidden = !plans || before !== "";
+    byId("goto-tell").disabled = !this.possible;
     byId("goto-add").hidden = !plans || this.stops.length >= MOST;
     byId("goto-add").disabled = Boolean(refusal) || added;
     this.#list();
