@@ -221,6 +221,65 @@ PARTS: Mapping[str, Part] = {
         },
         packages=("web",),
     ),
+    "tests/browser/test_keys.py": Part("keys alone, in a time of their own", packages=("web",)),
+    "tests/browser/test_gamepad.py": Part("gamepads alone, likewise", packages=("web",)),
+    "tests/browser/test_stick.py": Part("the stick alone, likewise", packages=("web",)),
+    "tests/browser/test_tilt.py": Part("phones that are tilted, likewise", packages=("web",)),
+    "tests/browser/test_stops.py": Part(
+        "the page stops",
+        {
+            "test_k_is_the_emergency_stop": "it stops all",
+            "test_space_stops_wherever_the_focus_is_and_presses_no_button": "it stops",
+            "test_a_stop_that_cannot_be_sent_says_so_and_goes_out_first_on_reconnection": "safety",
+        },
+        packages=("web",),
+    ),
+    "tests/browser/test_failures.py": Part(
+        "the page loses something",
+        {
+            "test_a_touch_that_the_system_takes_away_stops_the_robot": "safety",
+            "test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_back": (
+                "a lost link"
+            ),
+        },
+        packages=("web",),
+    ),
+    "tests/browser/test_goto.py": Part(
+        "the page goes to a place",
+        {
+            "test_the_robot_goes_there_and_the_page_says_so": "the joint",
+            "test_ending_it_stops_the_robot": "it stops",
+        },
+        packages=("web",),
+    ),
+    "tests/browser/test_several.py": Part(
+        "a page of several robots",
+        {
+            "test_keys_drive_the_robot_that_is_selected": "the joint",
+            "test_the_emergency_stop_is_for_all_and_the_reset_for_one": "it stops all",
+        },
+        packages=("web",),
+    ),
+    "tests/browser/test_together.py": Part(
+        "several robots at once",
+        {"test_arrows_drive_all_that_are_chosen_and_space_stops_them": "it stops"},
+        packages=("web",),
+    ),
+    "tests/browser/test_class.py": Part(
+        "the pages of a class",
+        {"test_two_students_join_by_one_link_and_drive_only_their_own": "the joint"},
+        packages=("web", "classroom"),
+    ),
+    "tests/browser/test_people.py": Part(
+        "several people",
+        {"test_a_viewer_cannot_drive_but_stops_the_robot": "safety"},
+        packages=("web",),
+    ),
+    "tests/browser/test_view3d.py": Part(
+        "the view in three dimensions",
+        {"test_the_emergency_stop_works_in_it": "it stops"},
+        packages=("web",),
+    ),
     "tests/ros1": Part("the real middleware of ROS 1 and its tools", NONE, packages=("ros",)),
     "tests/ros1/test_driving.py": Part(
         "a node obeys",

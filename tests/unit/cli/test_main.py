@@ -11,6 +11,7 @@ from pioneer3.errors import PioneerError
 
 CODES = {
     errors.ConfigError: 2,
+    errors.MissingTypeError: 2,
     errors.CommandError: 2,
     errors.LinkError: 3,
     errors.PortNotFoundError: 3,
