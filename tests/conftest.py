@@ -10,6 +10,7 @@ import os
 import selectors
 import time
 from collections.abc import Callable, Iterator, Mapping
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,10 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
     def time(self) -> float:
         return self._autojump.now
+
+
+BESIDE = 2
+"""Files of tests that compute, for each file of tests that wait."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -125,15 +130,34 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what another tier has; begin with files in real time, which wait most of it."""
+    """Leave out what another tier has; with physics skip the planar ones."""
     for item in items if config.getoption("--physics") else ():
         if planar := item.get_closest_marker("planar"):
             item.add_marker(pytest.mark.skip(f"on a plane only: {planar.args[0]}"))
     wanted = _wanted(config, items)
     left_out = set(items).difference(wanted)
     config.hook.pytest_deselected(items=[item for item in items if item in left_out])
-    waiting = {item.path for item in wanted if item.get_closest_marker("realtime")}
-    items[:] = sorted(wanted, key=lambda item: item.path not in waiting)
+    items[:] = _mixed(wanted)
+
+
+def _mixed(items: list[pytest.Item]) -> list[pytest.Item]:
+    """Return `items` in an order that keeps processors busy, file by file.
+
+    Tests in real time wait most of it: while they do, others compute.
+    """
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+    waiting: list[list[pytest.Item]] = []
+    computing: list[list[pytest.Item]] = []
+    for tests in files.values():
+        in_real_time = any(item.get_closest_marker("realtime") for item in tests)
+        (waiting if in_real_time else computing).append(tests)
+    mixed: list[pytest.Item] = []
+    for number, tests in enumerate(waiting):
+        beside = computing[number * BESIDE : (number + 1) * BESIDE]
+        mixed += chain(tests, *beside)
+    return mixed + list(chain(*computing[len(waiting) * BESIDE :]))
 
 
 def _wanted(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.Item]:
@@ -172,7 +196,14 @@ def _no_leaks() -> Iterator[None]:
     gc.collect()
 
 
+@pytest.fixture(scope="session")
+def _homes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return folders for what programs remember; whoever needs one makes it."""
+    folder = tmp_path_factory.mktemp("homes")
+    return (folder / str(number) for number in count())
+
+
 @pytest.fixture(autouse=True)
-def _no_home(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def _no_home(_homes: Iterator[Path], monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is remembered from one test to the next, or from this machine."""
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(next(_homes)))

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from tests.tiers import is_quick
+from tests.tiers import tier_of
 
 SHOWN = 10
 """Files that are listed."""
+TIME = "time [s]"
 PROCESSOR = "processor time [s]"
 TIER = "tier"
 
@@ -37,10 +38,10 @@ class Cost:
 
 
 class Costs:
-    """A plugin that measures each phase of each test, and sums up where reports are collected."""
+    """A plugin that measures each test, and sums up where reports are collected."""
 
     def __init__(self) -> None:
-        self._last = processor_time()
+        self._time, self._last = 0.0, processor_time()
         self._files: dict[str, Cost] = defaultdict(Cost)
         self._tiers: dict[str, Cost] = defaultdict(Cost)
 
@@ -48,22 +49,25 @@ class Costs:
     def pytest_runtest_makereport(
         self, item: pytest.Item
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-        """Give the report of a phase its processor time."""
+        """Give the last report of a test its times and its tier."""
         report = yield
-        now = processor_time()
-        report.user_properties.append((PROCESSOR, now - self._last))
-        report.user_properties.append((TIER, "quick" if is_quick(item) else "thorough"))
-        self._last = now
+        self._time += report.duration
+        if report.when == "teardown":
+            now = processor_time()
+            told = {TIME: self._time, PROCESSOR: now - self._last, TIER: tier_of(item)}
+            report.user_properties += told.items()
+            self._time, self._last = 0.0, now
         return report
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Add the phase of a test, maybe of another process."""
-        told = dict(report.user_properties)
-        file, tier = report.nodeid.partition("::")[0], str(told[TIER])
-        for cost in (self._files[file], self._tiers[tier]):
-            cost.tests += report.when == "call"
-            cost.time += report.duration
-            cost.processor += float(str(told[PROCESSOR]))
+        """Add a test, maybe of another process."""
+        if report.when != "teardown":
+            return
+        told = {name: str(value) for name, value in report.user_properties}
+        for cost in (self._files[report.nodeid.partition("::")[0]], self._tiers[told[TIER]]):
+            cost.tests += 1
+            cost.time += float(told[TIME])
+            cost.processor += float(told[PROCESSOR])
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Print the table after a run of many files."""

@@ -52,6 +52,13 @@ PARTS: Mapping[str, Part] = {
         {"test_the_wheel_holds_all_of_the_package_and_nothing_else": "a file that was forgotten"},
     ),
     "tests/examples": Part("programs and words that people copy"),
+    "tests/examples/test_lessons.py": Part(
+        "each lesson drives for long",
+        {
+            "test_the_square_ends_where_the_wheels_say": "the joint",
+            "test_the_programs_are_short": "words",
+        },
+    ),
     "tests/e2e": Part("the driver against the firmware over faulty cables, in virtual time"),
     "tests/e2e/test_together.py": Part(
         "groups drive for long",
@@ -68,9 +75,15 @@ PARTS: Mapping[str, Part] = {
     "tests/e2e/test_follow.py": Part(
         "people who walk for long",
         {
-            "test_tracking_keeps_the_person": "the joint",
             "test_nobody_is_touched_however_slow_the_link": "safety",
             "test_it_stands_still_before_somebody_who_does": "safety",
+        },
+    ),
+    "tests/e2e/test_keeping_clear_with_laser.py": Part(
+        "robots that drive for long; those with sonars alone are all in the quick tier",
+        {
+            "test_a_laser_that_is_lost_for_a_while_leaves_the_sonars": "safety",
+            "test_a_stick_that_is_pushed_about_hits_nothing": "safety",
         },
     ),
     "tests/e2e/test_wander.py": Part("it drives for long", {"test_it_meets_nothing": "safety"}),
@@ -135,7 +148,6 @@ PARTS: Mapping[str, Part] = {
         "a process in a terminal each",
         {
             "test_it_starts_drives_and_quits_with_the_terminal_as_it_was": "the joint",
-            "test_every_signal_stops_the_robot_and_gives_the_terminal_back": "a way out",
             "test_closing_the_window_stops_the_robot": "a way out",
             "test_a_terminal_that_freezes_stops_the_robot_in_time": "a way out",
             "test_lines_come_through_a_pipe_and_keys_too": "pipes",
@@ -353,7 +365,7 @@ PARTS: Mapping[str, Part] = {
     ),
     "tests/ros2/test_fleet.py": Part(
         "a fleet over ROS 2",
-        {"test_all_are_stopped_at_once_however_they_are_reached": "safety"},
+        {"test_all_are_stopped_at_once_however_they_are_reached[zenoh]": "safety"},
         packages=("ros", "fleet"),
     ),
     "tests/fleet": Part("computers with an sshd each", NONE, packages=("fleet", "bridge")),
@@ -373,26 +385,31 @@ PARTS: Mapping[str, Part] = {
 """By folder or file; the longest name that fits counts."""
 
 
-def part_of(name: str) -> tuple[Part, str]:
-    """Return the part to which a file or test belongs, and its name below that.
+@cache
+def part_of(file: str) -> Part:
+    """Return the part to which a file of tests belongs.
 
     Raises:
         KeyError: none; each folder of tests has to be in :data:`PARTS`.
     """
-    where = max((each for each in PARTS if _is_below(name, each)), key=len, default="")
-    return PARTS[where], name[len(where) :].lstrip("/:")
+    return PARTS[max((each for each in PARTS if _is_below(file, each)), key=len, default="")]
 
 
 def is_quick(item: pytest.Item) -> bool:
     """Return whether a test belongs to the quick tier."""
-    part, below = part_of(item.nodeid)
-    return part.has(below) and item.get_closest_marker("thorough") is None
+    file, _, test = item.nodeid.partition("::")
+    return part_of(file).has(test) and item.get_closest_marker("thorough") is None
+
+
+def tier_of(item: pytest.Item) -> str:
+    """Return the name of the tier of a test."""
+    return "quick" if is_quick(item) else "thorough"
 
 
 def may_be_quick(path: Path) -> bool:
     """Return whether a file has quick tests; what has none need not be imported."""
-    part, _ = part_of(path.relative_to(ROOT).as_posix())
-    return part.quick is None or bool(part.quick)
+    quick = part_of(path.relative_to(ROOT).as_posix()).quick
+    return quick is None or bool(quick)
 
 
 def _is_below(name: str, folder: str) -> bool:
@@ -424,8 +441,7 @@ def reach(file: str) -> frozenset[str]:
     Those are its folder, what it imports, directly or by other modules of the tests, and what its
     tests run as a command.
     """
-    part, _ = part_of(file)
-    packages = {f"src/pioneer3/{name}" for name in part.packages}
+    packages = {f"src/pioneer3/{name}" for name in part_of(file).packages}
     return frozenset({file, str(Path(file).parent)} | packages | _imports(ROOT / file))
 
 

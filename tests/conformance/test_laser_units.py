@@ -104,6 +104,7 @@ async def test_lms_a_host_may_change_its_speed_without_waiting_for_the_answer(
         host.close()
 
 
+@pytest.mark.thorough  # the kernel may hand the bytes over after the speed
 async def test_lms_a_host_may_leave_at_the_speed_that_it_came_with(monkeypatch: Patch) -> None:
     async with simulated("lms-200", monkeypatch) as laser:
         assert laser.pty is not None
