@@ -1,5 +1,6 @@
 // For the app on a home screen: a page of its own where the driver cannot be reached. It keeps
-// nothing: all that drives comes from the driver each time, so that no old page ever does.
+// nothing: the page comes from the driver each time and names the version of its parts, so that no
+// old page ever drives.
 
 const NOT_CONNECTED = `<!doctype html>
 <html lang="en">
