@@ -112,6 +112,7 @@ async def test_a_speed_is_shown_big_and_driven() -> None:
         await the.press(*["up"] * 6)
         await the.until(lambda: the.sim.speed > 0.2)
         await the.sees("ratio input, by keys")
+        await the.sees("┗━┛%")
         digits = next(number for number, line in enumerate(the.lines) if "┗━┛%" in line)
         assert "╺╋╸ ━┫┃ ┃" in the.lines[digits - 1]  # +30
         await the.sees("moving")

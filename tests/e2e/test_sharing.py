@@ -1,6 +1,7 @@
 """`pioneer3 run` on a network: addresses, https, files, and `pioneer3 access`. Real sockets."""
 
 import asyncio
+import os
 import re
 import ssl
 import stat
@@ -157,11 +158,11 @@ def test_access_says_what_is_wrong(
     assert says in capsys.readouterr().err
 
 
-async def test_nothing_that_is_kept_can_be_read_by_others(tmp_path: Path) -> None:
+async def test_nothing_that_is_kept_can_be_read_by_others() -> None:
     async with shared() as (page, _):
         assert page.access.authority is not None
         folder = page.access.authority.parent
-        assert tmp_path in folder.parents
+        assert Path(os.environ["XDG_STATE_HOME"]) in folder.parents
         assert stat.S_IMODE(folder.stat().st_mode) == 0o700
         kept = {path.name: path.read_bytes() for path in folder.iterdir()}
         secret = page.access.invitations.invite(Role.DRIVER).encode()

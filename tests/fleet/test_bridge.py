@@ -40,11 +40,14 @@ class Events:
 
     @classmethod
     def of(cls, path: Path) -> "Events":
-        heading = path.read_text().partition("\n")[0]
+        text = path.read_text()
+        whole = path.with_suffix(".whole")  # while it is written, its last line may not be whole
+        whole.write_text(text[: text.rindex("\n") + 1])
+        heading = text.partition("\n")[0]
         began = datetime.fromisoformat(heading.rpartition(" ")[2]).timestamp()
         readers = {FROM_HOST: PacketReader(), FROM_ROBOT: PacketReader()}
         events = cls([], [])
-        for chunk in read_recording(path):
+        for chunk in read_recording(whole):
             for payload in readers[chunk.way].feed(chunk.data, chunk.time):
                 if chunk.way == FROM_HOST:
                     if isinstance(commands.from_payload(payload), commands.Stop):

@@ -84,7 +84,10 @@ def test_a_system_without_filters_is_warned_of(
     assert "a firewall must close its UDP ports" in caplog.text
 
 
-TRACING = "<Domain><Tracing><Verbosity>severe</Verbosity></Tracing></Domain>"
+TRACING = (
+    "<Domain><Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>"
+    "</Domain>"
+)
 """Settings of somebody that have nothing to do with interfaces."""
 
 
