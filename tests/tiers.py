@@ -1,7 +1,8 @@
 """The two tiers of tests: `scripts/test` runs the quick one, `scripts/test --all` all there is.
 
 A test is quick or thorough by what it finds. Quick are all tests of units, all about safety, and of
-each outer level the few that prove its joint. A parameter set may have the marker `thorough` too.
+each outer level the few that prove its joint. A test or a set of its parameters may have the marker
+`thorough` too.
 """
 
 import ast
