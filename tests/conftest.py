@@ -69,10 +69,6 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         return self._autojump.now
 
 
-BESIDE = 2
-"""Files of tests that compute, for each file of tests that wait."""
-
-
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of the tiers, and `--physics`."""
     parser.addoption("--all", action="store_true", help="run the thorough tests too")
@@ -153,11 +149,13 @@ def _mixed(items: list[pytest.Item]) -> list[pytest.Item]:
     for tests in files.values():
         in_real_time = any(item.get_closest_marker("realtime") for item in tests)
         (waiting if in_real_time else computing).append(tests)
-    mixed: list[pytest.Item] = []
-    for number, tests in enumerate(waiting):
-        beside = computing[number * BESIDE : (number + 1) * BESIDE]
-        mixed += chain(tests, *beside)
-    return mixed + list(chain(*computing[len(waiting) * BESIDE :]))
+    # sorted by how far through its own list each is; files that wait come first, not last
+    placed = [
+        (number / len(some), tests)
+        for some in (waiting, computing)
+        for number, tests in enumerate(some)
+    ]
+    return list(chain(*(tests for _, tests in sorted(placed, key=lambda each: each[0]))))
 
 
 def _wanted(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.Item]:

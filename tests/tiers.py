@@ -391,7 +391,7 @@ def part_of(file: str) -> Part:
     """Return the part to which a file of tests belongs.
 
     Raises:
-        KeyError: none; each folder of tests has to be in :data:`PARTS`.
+        KeyError: The table has neither the file nor a folder above it.
     """
     return PARTS[max((each for each in PARTS if _is_below(file, each)), key=len, default="")]
 

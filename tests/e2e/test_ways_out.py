@@ -40,7 +40,14 @@ for number in (signal.SIGHUP, signal.SIGQUIT):
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 """
 """A shell's background jobs ignore signals, and pass that on; nobody wants the core of SIGQUIT."""
-SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
+RARE = [signal.SIGHUP, signal.SIGQUIT]
+SIGNALS = [signal.SIGINT, signal.SIGTERM, *RARE]
+SIGNALS_AT_LENGTH = [
+    signal.SIGINT,
+    signal.SIGTERM,
+    *(pytest.param(sent, marks=pytest.mark.thorough) for sent in RARE),
+]
+"""The rare ones take the way of SIGTERM; once for each kind of program is for the thorough tier."""
 SLOW = re.compile(r"^Executing <.* took [\d.]+ seconds\n", re.MULTILINE)
 """What asyncio, debugged, remarks on a busy machine."""
 
@@ -208,7 +215,7 @@ ASYNC = """
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+@pytest.mark.parametrize("sent", SIGNALS_AT_LENGTH, ids=lambda sent: sent.name)
 @pytest.mark.parametrize(
     "program", [SCRIPT, LONG_MOVE, NO_WITH, ASYNC], ids=["drive", "move", "no with", "async"]
 )
@@ -263,7 +270,7 @@ THREAD = """
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+@pytest.mark.parametrize("sent", SIGNALS_AT_LENGTH, ids=lambda sent: sent.name)
 async def test_a_signal_stops_a_robot_that_another_thread_drives(site: Site, sent: int) -> None:
     await site.run(THREAD, sent)
     await said_goodbye(site)
@@ -295,7 +302,7 @@ def with_own_handler(sent: int, *, before: bool, action: str = "pass") -> str:
 
 @pytest.mark.realtime
 @pytest.mark.parametrize("before", [True, False], ids=["before", "after"])
-@pytest.mark.parametrize("sent", SIGNALS, ids=lambda sent: sent.name)
+@pytest.mark.parametrize("sent", SIGNALS_AT_LENGTH, ids=lambda sent: sent.name)
 async def test_a_handler_of_the_program_itself_is_called(
     site: Site, sent: int, before: bool
 ) -> None:

@@ -210,6 +210,7 @@ def _signed(
 
 
 @pytest.mark.realtime
+@pytest.mark.thorough
 @pytest.mark.parametrize("trusted", [False, True])
 def test_pip_which_brings_uv_says_the_same_of_a_real_server(
     clone: Clone, index: tuple[str, Path], *, trusted: bool

@@ -51,11 +51,13 @@ class Terminal:
 
     def gaps(self) -> list[float]:
         """Return the times from one piece of a scan to the next of the same [s]."""
-        heads = {at for at in range(len(self.data)) if self.data.startswith(SCAN, at)}
+        heard = self.data
+        heads = {at for at in range(len(heard)) if heard.startswith(SCAN, at)}
+        first = min(heads, default=len(heard))
         gaps, place = [], 0
         for (before, data), (now, _) in pairwise(self.heard):
             place += len(data)
-            if place not in heads and heads and place > min(heads):
+            if place not in heads and place > first:
                 gaps.append(now - before)
         return gaps
 

@@ -180,7 +180,7 @@ def test_mistakes_and_noise_are_as_frequent_as_all_at_once() -> None:
         LineMap(name="walls", walls=walls), bodies, realism=replace(IN_TURN, sonar=errors)
     )
     heard = []
-    for _ in range(200):
+    for _ in range(100):
         for _ in range(4):
             world.step(0.08)
         heard.append(world.sonars()[:, 3])
