@@ -127,6 +127,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what another tier has; with physics skip the planar ones."""
+    are_whole_files = not any("::" in each for each in config.args)
+    config.stash[tiers.MISNAMED] = [*tiers.misnamed(items)] if are_whole_files else []
     for item in items if config.getoption("--physics") else ():
         if planar := item.get_closest_marker("planar"):
             item.add_marker(pytest.mark.skip(f"on a plane only: {planar.args[0]}"))

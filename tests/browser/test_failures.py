@@ -146,8 +146,12 @@ def serving(robot: str, port: int) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-@pytest.mark.parametrize(("how", "bar"), [(signal.SIGTERM, BAR), (signal.SIGKILL, WATCHDOG + BAR)])
-def test_a_server_that_ends_while_driving_stops_the_robot_and_the_page_comes_back(
+@pytest.mark.parametrize(
+    ("how", "bar"),
+    [(signal.SIGTERM, BAR), (signal.SIGKILL, WATCHDOG + BAR)],
+    ids=["ended", "killed"],
+)
+def test_a_server_that_ends_stops_the_robot_and_the_page_comes_back(
     tabs: Tabs, how: signal.Signals, bar: float
 ) -> None:
     """What is killed cannot stop the robot: its own watchdog does."""
