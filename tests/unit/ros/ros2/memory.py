@@ -35,12 +35,11 @@ class MemoryEndpoint:
     def hears(self, other: "MemoryEndpoint") -> bool:
         """Return whether this subscriber gets the messages of a publisher."""
         mine, theirs = self.endpoint, other.endpoint
+        if mine.name != theirs.name or mine.type_name != theirs.type_name:
+            return False
         own = Own(Kind.SUBSCRIBER, MessageType(mine.type_name), mine.qos)
-        return (
-            (mine.kind, theirs.kind) == (Kind.SUBSCRIBER, Kind.PUBLISHER)
-            and (mine.name, mine.type_name) == (theirs.name, theirs.type_name)
-            and not incompatible(own, theirs)
-        )
+        are_pair = (mine.kind, theirs.kind) == (Kind.SUBSCRIBER, Kind.PUBLISHER)
+        return are_pair and not incompatible(own, theirs)
 
     @property
     def matched(self) -> bool:
