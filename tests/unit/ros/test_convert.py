@@ -1,5 +1,5 @@
 import struct
-from math import inf, isnan, nan, pi
+from math import cos, inf, isnan, nan, pi, sin
 
 import pytest
 
@@ -22,6 +22,17 @@ def test_odometry_is_a_pose_in_odom_and_a_twist_of_the_robot() -> None:
     turned = message.pose.pose.orientation
     assert (turned.z, turned.w) == pytest.approx((0.5**0.5, 0.5**0.5))
     assert (message.twist.twist.linear.x, message.twist.twist.angular.z) == (0.3, -0.1)
+
+
+def test_the_robot_is_in_tf_where_odometry_has_it() -> None:
+    tf, now = Blank(), update(seen(Pose2(1.5, -0.25, 2.0)))
+    motion.moving_transforms(tf, now)
+    (transform,) = tf.transforms
+    assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "base_link")
+    at, turned = transform.transform.translation, transform.transform.rotation
+    assert (at.x, at.y, at.z) == (1.5, -0.25, 0.0)
+    assert (turned.x, turned.y) == (0.0, 0.0)
+    assert (turned.z, turned.w) == pytest.approx((sin(1.0), cos(1.0)))
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.2])

@@ -82,6 +82,11 @@ class Quaternion(NamedTuple):
     z: float
     w: float
 
+    @classmethod
+    def about_z(cls, angle: float) -> "Quaternion":
+        """Return the turn of a robot to the left [rad]."""
+        return cls(0.0, 0.0, sin(angle / 2), cos(angle / 2))
+
 
 OPTICAL: Final = Quaternion(-0.5, 0.5, -0.5, 0.5)
 """From x forward, y left, z up to z forward, x right, y down (REP 103)."""
@@ -133,7 +138,7 @@ class Joint:
             return Quaternion(0.0, sin(turned / 2), 0.0, cos(turned / 2))
         if self.optical:
             return OPTICAL
-        return Quaternion(0.0, 0.0, sin(self.yaw / 2), cos(self.yaw / 2))
+        return Quaternion.about_z(self.yaw)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,7 +1,7 @@
 """Odometry, wheels and transforms to ROS messages, and a `Twist` to ours."""
 
 from collections.abc import Iterator, Sequence
-from math import cos, pi, sin
+from math import pi, sin
 from typing import Any, Final, NamedTuple
 
 from pioneer3.geometry import Pose2, Twist2
@@ -93,9 +93,8 @@ def wheels(update: StateUpdate, turned: tuple[float, float]) -> Iterator[Placed]
 
 
 def _moving(stamp: Any, parent: str, child: str, pose: Pose2) -> Placed:
-    half = pose.theta / 2
-    rotation = Quaternion(0.0, 0.0, sin(half), cos(half))
-    return Placed(stamp, parent, child, (pose.x, pose.y, 0.0), rotation)
+    at = (pose.x, pose.y, 0.0)
+    return Placed(stamp, parent, child, at, Quaternion.about_z(pose.theta))
 
 
 def _joint(update: StateUpdate, joint: Joint, turned: float = 0.0) -> Placed:

@@ -7,12 +7,11 @@ same fields. They need no ROS. Distances [m] and angles [rad] are ROS's units to
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import cos, sin
 from typing import Any, Final
 
 from pioneer3.geometry import Pose2
 from pioneer3.models import RobotModel
-from pioneer3.models.description.tree import Frames, Tree
+from pioneer3.models.description.tree import Frames, Quaternion, Tree
 from pioneer3.robot.assemble import SONAR_MAX
 from pioneer3.robot.devices.pictures import Image
 from pioneer3.state import Scan, Snapshot
@@ -180,4 +179,5 @@ def fill_header(message: Any, stamp: Any, frame: str) -> None:
 def fill_pose(position: Any, orientation: Any, pose: Pose2) -> None:
     """Fill a position and a quaternion, which are empty."""
     position.x, position.y = pose.x, pose.y
-    orientation.z, orientation.w = sin(pose.theta / 2), cos(pose.theta / 2)
+    turn = Quaternion.about_z(pose.theta)
+    orientation.z, orientation.w = turn.z, turn.w
