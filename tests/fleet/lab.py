@@ -6,6 +6,7 @@ processes and a real sshd. All of it vanishes with this process.
 
 import contextlib
 import os
+import shlex
 import shutil
 import signal
 import subprocess
@@ -49,6 +50,14 @@ PasswordAuthentication yes
 PermitRootLogin no
 Subsystem sftp internal-sftp
 MaxStartups 100
+"""
+_LIAR = """\
+import os, subprocess, sys
+truth, lie = map(os.fsencode, sys.argv[1:])
+server = subprocess.Popen("/usr/lib/openssh/sftp-server", stdout=subprocess.PIPE, bufsize=0)
+while data := server.stdout.read(1 << 16):
+    sys.stdout.buffer.write(data.replace(truth, lie))
+    sys.stdout.buffer.flush()
 """
 _START = """\
 set -e
@@ -262,6 +271,15 @@ class OnBoard(Computer):
         word = "yes" if on else "no"
         first = f"PasswordAuthentication {word}\nKbdInteractiveAuthentication {word}\n"
         config.write_text(first + self._filled(_SSHD_CONFIG))  # the first of two lines counts
+        self.restart_sshd()
+
+    def lie(self, truth: str, lie: str) -> None:
+        """Let its file transfer tell a lie in the place of each truth, which is as long."""
+        assert len(truth) == len(lie)
+        self.sh(f"printf %s {shlex.quote(_LIAR)} >/run/liar.py")
+        liar = f"Subsystem sftp /usr/bin/python3 /run/liar.py {truth} {lie}\n"
+        told = self._filled(_SSHD_CONFIG).replace("Subsystem sftp internal-sftp\n", liar)
+        (self.folder / "sshd_config").write_text(told)
         self.restart_sshd()
 
     def new_host_key(self) -> None:

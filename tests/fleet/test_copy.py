@@ -117,3 +117,28 @@ def test_a_large_file_comes_back_as_it_was_over_a_bad_network(lab: Lab, tmp_path
     assert lab.operator.p3("fleet", "pull", "file").returncode == 0
     for robot in lab.robots:
         assert (lab.operator.home / robot.name / "file").read_bytes() == data
+
+
+@pytest.mark.parametrize(
+    ("truth", "lie"),
+    [("evil.txt", "/opt/evi"), ("evil-file", "../../../"), ("evil.d", "/../.."), ("runs", "/../")],
+)
+def test_a_robot_that_lies_about_names_writes_nothing_elsewhere(
+    lab: Lab, truth: str, lie: str
+) -> None:
+    robot = lab.robots[0]
+    (robot.user_home / "runs" / "evil.d").mkdir(parents=True)
+    for name in ("runs/evil.txt", "runs/evil-file", "runs/evil.d/deep"):
+        (robot.user_home / name).write_text("evil")
+    robot.lie(truth, lie)
+    before = {*lab.operator.home.rglob("*")}
+    done = lab.operator.p3("fleet", "pull", "--on", robot.name, "runs", "--to", "here")
+    assert done.returncode == 1
+    assert "nothing is copied" in " ".join(done.stderr.split())
+    assert {*lab.operator.home.rglob("*")} == before
+
+
+def test_a_whole_disk_is_not_pulled(lab: Lab) -> None:
+    done = lab.operator.p3("fleet", "pull", "--on", "p3at-1", "/")
+    assert done.returncode == 1
+    assert "name a folder" in done.stderr

@@ -1,7 +1,8 @@
 """Files to and from many computers: whole or not at all.
 
 A file arrives under a temporary name beside its own, is compared by size and SHA-256, and only
-then takes its name. Modes are kept. Folders are copied file by file.
+then takes its name. Modes are kept. Folders are copied file by file. Names and sizes that a robot
+tells are not believed: what it sends stays below its own folder, and within a limit.
 """
 
 import asyncio
@@ -26,6 +27,23 @@ if TYPE_CHECKING:
 
 BLOCK: Final = 1 << 18
 """Piece of a file that is read at once [bytes]."""
+
+
+MOST: Final = 4e9
+"""No robot may send more at once [bytes]."""
+MOST_FILES: Final = 100_000
+"""Nor more files."""
+DEEPEST: Final = 64
+"""Nor folders that lie in more others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A file of a robot: its path there, the parts of its name here, and its size [bytes]."""
+
+    path: str
+    parts: tuple[str, ...]
+    size: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,11 +113,12 @@ async def pull(
 
     async def work(robot: Robot) -> Done:
         async with connect(robot, login) as connection, _sftp(connection) as sftp:
-            found = [each for path in paths async for each in _found(sftp, _home(path))]
-            total = 0
-            for path, name in found:
-                total += await _get(connection, sftp, path, folder / robot.name / name)
-        return Done(said=f"{_count(len(found))}, {_size(total)}")
+            found = await _all(_found(sftp, _home(path)) for path in paths)
+            root = folder / robot.name
+            placed = [(each, _place(root, each.parts)) for each in found]
+            for each, place in placed:
+                await _get(connection, sftp, each, place)
+        return Done(said=f"{_count(len(found))}, {_size(sum(each.size for each in found))}")
 
     return await on_each(robots, work)
 
@@ -186,12 +205,55 @@ async def _why(sftp: Any, place: PurePosixPath, error: Exception, size: int) -> 
     return f"{place}: {getattr(error, 'reason', error)}"
 
 
-async def _get(connection: Any, sftp: Any, path: str, target: Path) -> int:
-    """Copy one file here; return its size.
+async def _all(findings: Iterable[AsyncIterator[Found]]) -> list[Found]:
+    """Return all files that are found.
+
+    Raises:
+        RemoteError: They are too many, or too large.
+    """
+    found: list[Found] = []
+    total = 0
+    for finding in findings:
+        async for each in finding:
+            found.append(each)
+            total += each.size
+            if len(found) > MOST_FILES:
+                raise RemoteError(f"more than {MOST_FILES} files: name fewer")
+    if total > MOST:
+        raise RemoteError(f"{_size(total)}, which is more than {_size(MOST)}: name fewer files")
+    return found
+
+
+def _part(name: str) -> str:
+    """Return a name that a robot tells, for a path here.
+
+    Raises:
+        RemoteError: It is none, or names a place.
+    """
+    if name in {"", ".", ".."} or not {"/", os.sep, "\0"}.isdisjoint(name):
+        raise RemoteError(f"it tells of a file of the name {name!r}: nothing is copied")
+    return name
+
+
+def _place(root: Path, parts: Sequence[str]) -> Path:
+    """Return the place of a file of the robot whose folder is `root`.
+
+    Raises:
+        RemoteError: It would lie elsewhere.
+    """
+    place = root.joinpath(*parts)
+    if not place.parent.resolve().is_relative_to(root.resolve()):
+        raise RemoteError(f"{place}: a link there leads out of {root}: nothing is copied")
+    return place
+
+
+async def _get(connection: Any, sftp: Any, found: Found, target: Path) -> None:
+    """Copy one file here.
 
     Raises:
         RemoteError: It did not arrive; the file before it is unchanged.
     """
+    path = found.path
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     digest = hashlib.sha256()
     size = 0
@@ -203,6 +265,8 @@ async def _get(connection: Any, sftp: Any, path: str, target: Path) -> int:
                     await asyncio.to_thread(file.write, block)
                     digest.update(block)
                     size += len(block)
+                    if size > found.size:
+                        raise RemoteError(f"{path}: it grew while it was copied; try again")
             attributes = await source.stat()
         await _check(connection, path, digest.hexdigest(), f"{path}: it changed or was damaged")
         temporary.chmod(stat.S_IMODE(attributes.permissions) & 0o777)
@@ -212,24 +276,25 @@ async def _get(connection: Any, sftp: Any, path: str, target: Path) -> int:
     finally:
         with suppress(OSError):
             temporary.unlink()
-    return size
 
 
-async def _found(sftp: Any, path: str) -> AsyncIterator[tuple[str, str]]:
-    """Yield the files that `path` means there: their paths, and their names here."""
+async def _found(sftp: Any, path: str) -> AsyncIterator[Found]:
+    """Yield the files that `path` means there."""
     has_pattern = any(letter in path for letter in "*?[")
     matches = [each async for each in _matches(sftp, path)] if has_pattern else [path]
     if not matches:
         raise RemoteError(f"{path}: no such file there")
     for match in matches:
-        name = PurePosixPath(await sftp.realpath(match)).name
         if not await sftp.exists(match):
             raise RemoteError(f"{path}: no such file there")
+        name = PurePosixPath(await sftp.realpath(match)).name
+        if not name:
+            raise RemoteError(f"{path}: that is all of the disk there; name a folder")
         if await sftp.isdir(match):
-            async for below in _below(sftp, match, name):
+            async for below in _below(sftp, match, (_part(name),)):
                 yield below
         else:
-            yield match, name
+            yield Found(match, (_part(name),), await sftp.getsize(match) or 0)
 
 
 async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
@@ -239,19 +304,19 @@ async def _matches(sftp: Any, pattern: str) -> AsyncIterator[str]:
             yield match
 
 
-async def _below(sftp: Any, folder: str, name: str) -> AsyncIterator[tuple[str, str]]:
-    for entry in await sftp.readdir(folder):
+async def _below(sftp: Any, folder: str, parts: tuple[str, ...]) -> AsyncIterator[Found]:
+    if len(parts) > DEEPEST:
+        raise RemoteError(f"{folder}: more than {DEEPEST} folders in each other")
+    async for entry in sftp.scandir(folder):
         if entry.filename in {".", ".."}:
             continue
-        if "/" in entry.filename or os.sep in entry.filename:
-            raise RemoteError(f"{folder}: a name there contains a slash")
-        path, below = f"{folder}/{entry.filename}", f"{name}/{entry.filename}"
+        path, below = f"{folder}/{entry.filename}", (*parts, _part(entry.filename))
         kind = stat.S_IFMT(entry.attrs.permissions or 0)
         if kind == stat.S_IFDIR:
             async for each in _below(sftp, path, below):
                 yield each
         elif kind == stat.S_IFREG:
-            yield path, below
+            yield Found(path, below, entry.attrs.size or 0)
 
 
 async def _check(connection: Any, path: str, sha256: str, problem: str) -> None:
