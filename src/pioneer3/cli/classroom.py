@@ -47,7 +47,7 @@ def class_(
         folder: Handed-in runs are kept there; else class-DATE in this folder.
     """
     from pioneer3.fleet.inventory import VARIABLE
-    from pioneer3.fleet.reach import port_of
+    from pioneer3.fleet.reach import given_model, port_of
     from pioneer3.web.classroom.live import ClassOptions, FleetRobot, class_live
 
     robots: tuple[FleetRobot, ...] = ()
@@ -57,7 +57,10 @@ def class_(
         if fleet is None:
             raise ConfigError("how many students? Say --students 20, or --fleet FILE")
         known = fleet_of(fleet)
-        robots = tuple(FleetRobot(one.name, port_of(known, one.name)) for one in known.robots)
+        robots = tuple(
+            FleetRobot(one.name, port_of(known, one.name), given_model(known, one))
+            for one in known.robots
+        )
         if not robots:
             raise ConfigError(f"{known.path}: it has no robot; add one as [[robot]]")
     options = ClassOptions(

@@ -85,10 +85,10 @@ def doctor(
         seconds: How long to listen to the robot.
         json: Print JSON for programs, nothing else.
     """
-    return run_until_told_to_leave(_doctor(which.url, baud, seconds, json=json))
+    return run_until_told_to_leave(_doctor(which, baud, seconds, json=json))
 
 
-async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) -> int:
+async def _doctor(which: RobotOptions, baud: int | None, seconds: float, *, json: bool) -> int:
     from pioneer3.cli.process import busy_sign, write_json
     from pioneer3.doctor.diagnose import (
         diagnose,
@@ -96,8 +96,10 @@ async def _doctor(port: str, baud: int | None, seconds: float, *, json: bool) ->
         gather,
     )
 
+    port = which.url
     with busy_sign(f"Asking {port}, and listening for {seconds:g} s ..."):
-        findings = diagnose(await gather(port, baud=baud, seconds=seconds))
+        facts = await gather(port, baud=baud, model=which.given_model, seconds=seconds)
+        findings = diagnose(facts)
     code = exit_code(findings)
     if json:
         write_json({"port": port, "exit_code": code, "findings": findings}, indent=2)

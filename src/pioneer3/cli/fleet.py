@@ -35,7 +35,7 @@ def init(
     fleet: FleetFile = None,
     operator: str | None = None,
     user: str = "pioneer",
-    model: str = "p3at",
+    model: str = "",
     ros: Literal["", "1", "2"] = "",
     yes: Flag = False,
 ) -> int:
@@ -53,7 +53,7 @@ def init(
         fleet: The new file; fleet.toml here if it is not given.
         operator: NAME=ADDRESS of this computer; its own if it is not given.
         user: Account on the robots' computers.
-        model: Type of the robots.
+        model: Type of the robots, if they do not tell it themselves: p3dx-sh, mine.p.
         ros: Version of ROS on the robots' computers.
         yes: Ask nothing; a file that is there is an error.
     """
@@ -68,7 +68,8 @@ def init(
         raise ConfigError(f"{path}: it is there already; name another file with --fleet")
     robots = list(robot)
     if not yes:
-        user, model = ask("User on the robots", user), ask("Model of the robots", model)
+        user = ask("User on the robots", user)
+        model = ask("Model of the robots, if they do not tell it", model)
         ros = _version(ask("Version of ROS on the robots: 1, 2 or none", ros or "none"))
         while word := ask("Robot as NAME=ADDRESS, or Enter to end", ""):
             try:

@@ -37,6 +37,7 @@ async def connecting(
         at_once: Whether to go on before robots on ROS report, to stop them, whatever their model.
     """
     from pioneer3.fleet.connecting import connects
+    from pioneer3.fleet.reach import model_of
     from pioneer3.fleet.ros_variables import missing_variables
     from pioneer3.ros.ros1.client import robots_by_node
     from pioneer3.ros.ros2.sessions import sessions
@@ -48,10 +49,10 @@ async def connecting(
     ):
 
         def ros1(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
-            return by_node(robot.node, None if at_once else robot.model)
+            return by_node(robot.node, None if at_once else model_of(fleet, robot) or None)
 
         def ros2(robot: "Robot") -> "AbstractAsyncContextManager[Driven]":
-            model = None if at_once else model_of(fleet, robot)
+            model = None if at_once else model_of(fleet, robot) or None
             return networks.robot(network_of(fleet, robot), robot.node, model)
 
         yield connects(fleet, ros1, ros2, max_speed=max_speed)
@@ -104,11 +105,3 @@ def network_of(fleet: "Fleet", robot: "Robot") -> "Network":
         key=given.file("key", folder),
         credentials=given.file("credentials", folder),
     )
-
-
-def model_of(fleet: "Fleet", robot: "Robot") -> str:
-    """Return the model of a robot; the path of a file is one beside the fleet file."""
-    from pioneer3.sim.worldfile.toml import MODEL_FILES
-
-    is_file = robot.model.lower().endswith(MODEL_FILES)
-    return str(fleet.path.parent / robot.model) if is_file else robot.model

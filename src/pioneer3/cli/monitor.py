@@ -147,7 +147,9 @@ async def _raw(link: LinkOptions, seconds: float, *, json: bool) -> int:
     def overhear() -> Awaitable[Link]:
         return asyncio.ensure_future(opened())
 
-    async with connect_async(overhear, auto_enable=False, record=link.record) as robot:
+    async with connect_async(
+        overhear, auto_enable=False, record=link.record, model=link.given_model
+    ) as robot:
 
         def gone() -> None:
             time = asyncio.get_running_loop().time() - began

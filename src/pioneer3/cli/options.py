@@ -19,6 +19,7 @@ from pioneer3.units import ANGLE, DURATION, LENGTH, SPEED, TURN_RATE, Quantity
 if TYPE_CHECKING:
     from pioneer3.fleet.inventory import Fleet
     from pioneer3.geometry import Pose2
+    from pioneer3.models import GivenModel
     from pioneer3.robot.lasers.spec import LaserSpec
     from pioneer3.runtime.robot import Robot
     from pioneer3.sim.worldfile import RobotSpec
@@ -35,6 +36,10 @@ Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 """Off unless given, without a `--no-` twin."""
 PORT_VARIABLE = "PIONEER3_PORT"
 PORT = Parameter(name=["--port", "-p"], env_var=PORT_VARIABLE, metavar="PORT")
+MODEL_VARIABLE = "PIONEER3_MODEL"
+Model = Annotated[
+    str | None, Parameter(name="--model", metavar="NAME|FILE", env_var=MODEL_VARIABLE)
+]
 RobotName = Annotated[str | None, Parameter(name="--robot", metavar="NAME")]
 Baud = Annotated[int | None, Parameter(name=["--baud", "-b"], env_var="PIONEER3_BAUD")]
 FleetFile = Annotated[
@@ -64,7 +69,7 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
     """
     from pioneer3.errors import ConfigError
     from pioneer3.fleet.inventory import VARIABLE, find_fleet, read_fleet
-    from pioneer3.fleet.reach import camera_of, named, port_of
+    from pioneer3.fleet.reach import camera_of, given_model, named, port_of
 
     if not words:
         return ()
@@ -79,17 +84,26 @@ def robots_of(words: Sequence[str], given: Path | None) -> "tuple[OfFleet, ...]"
         fleet = read_fleet(path)
         robots = named(words, fleet)
     return tuple(
-        OfFleet(robot.name, port_of(fleet, robot.name), camera_of(robot)) for robot in robots
+        OfFleet(robot.name, port_of(fleet, robot.name), camera_of(robot), given_model(fleet, robot))
+        for robot in robots
     )
 
 
 @dataclass(frozen=True, slots=True)
 class OfFleet:
-    """A robot of a fleet: its name, its port, and the URL of its camera if it has one."""
+    """A robot of a fleet.
+
+    Attributes:
+        name: Of the robot.
+        port: The robot's.
+        camera: URL of its camera, if it has one.
+        model: What the file says that it is.
+    """
 
     name: str
     port: str
     camera: str | None
+    model: "GivenModel"
 
 
 def reads(
@@ -220,11 +234,13 @@ class RobotOptions:
         port: The robot: /dev/ttyUSB0, localhost:8101, replay:FILE.
         robot: The robot by its name in the fleet file, in place of its port.
         fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
+        model: What it really is, such as p3dx-sh, or a .toml or ARIA .p file; else what it says.
     """
 
     port: Annotated[str | None, PORT] = None
     robot: RobotName = None
     fleet: FleetFile = None
+    model: Model = None
 
     @property
     def url(self) -> str:
@@ -250,6 +266,16 @@ class RobotOptions:
         if self.port not in {None, os.environ.get(PORT_VARIABLE)}:
             raise ConfigError(f"--port {self.port} and --robot {self.robot}: give one of them")
         return port_of(fleet_of(self.fleet), self.robot)
+
+    @property
+    def given_model(self) -> "GivenModel":
+        """What somebody says that it is: the option, else the fleet file."""
+        if self.model is not None or self.robot is None:
+            return self.model
+        from pioneer3.fleet.reach import given_model
+
+        fleet = fleet_of(self.fleet)
+        return given_model(fleet, fleet.robot(self.robot))
 
     @property
     def fleet_lasers(self) -> tuple[str, ...]:
@@ -307,6 +333,7 @@ class LinkOptions(RobotOptions):
         connection = connect_async(
             url,
             baud=self.baud,
+            model=self.given_model,
             max_speed=max_speed,
             auto_enable=auto_enable,
             record=self.record,

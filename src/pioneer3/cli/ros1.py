@@ -83,6 +83,7 @@ def ros1(
 
     options = Options(
         port=which.url_or_none,
+        model=which.given_model,
         baud=baud,
         laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),

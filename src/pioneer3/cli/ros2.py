@@ -75,6 +75,7 @@ def ros2(
         return _install(install_package, node.network.distro_here().name)
     options = Options(
         port=which.url_or_none,
+        model=which.given_model,
         baud=baud,
         laser_ports=lasers.laser or which.fleet_lasers,
         lasers=lambda robot, otherwise: lasers.specs(taken=[robot], otherwise=otherwise),

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from pioneer3.cli.options import (
     CAMERA_VARIABLE,
+    MODEL_VARIABLE,
     NO_LASERS,
     PORT,
     PORT_VARIABLE,
@@ -19,6 +20,7 @@ from pioneer3.cli.options import (
     Flag,
     FleetFile,
     LaserOptions,
+    Model,
     Speed,
     TcpPort,
     WorldOptions,
@@ -44,6 +46,7 @@ def run(
     map_: Annotated[str | None, Parameter(name=["--map", "-m"])] = None,
     robot: Annotated[tuple[str, ...], Parameter(name=["--robot", "-r"]), MANY] = (),
     fleet: FleetFile = None,
+    model: Model = None,
     ideal: Annotated[Flag, Parameter(group=WORLD)] = False,
     world: WorldOptions = AS_USUAL,
     lasers: LaserOptions = NO_LASERS,
@@ -71,6 +74,7 @@ def run(
         robot: MODEL[:NAME], such as p3dx:bob, once for each; with --port: what those really are.
             Or the name of a robot or group in the fleet file, in place of its port.
         fleet: The fleet file; else fleet.toml here or in ~/.config/pioneer3.
+        model: What the robots at --port really are: p3dx-sh, a .toml or ARIA .p file.
         ideal: Simulate without noise and slip: robots do exactly what they are told.
         world: How the simulated world begins.
         lasers: Of the robot.
@@ -94,9 +98,15 @@ def run(
             raise ConfigError(f"--port {port[0]} and --robot {robot[0]}: give one of them")
         port = tuple(one.port for one in of_fleet)
         cameras = tuple(one.camera for one in of_fleet)
+        models = tuple(one.model for one in of_fleet)
         robots = tuple(RobotSpec(model="", name=one.name) for one in of_fleet)
     else:
         robots, cameras = tuple(map(parse_robot, robot)), (None,) * len(port)
+        models = ()
+    if model is not None and port:
+        models = (model,) * len(port)
+    elif model not in {None, os.environ.get(MODEL_VARIABLE)}:
+        raise ConfigError(f"--model {model}: of a robot at --port; simulate one with -r {model}")
     _refuse_nonsense(port, robots, simulated=ideal or world != AS_USUAL)
     if len(port) > 1 and lasers != NO_LASERS:
         raise ConfigError("--laser: of one robot only; run one `pioneer3 run` for each robot")
@@ -120,6 +130,7 @@ def run(
         camera=camera,
         camera_if_one=camera == os.environ.get(CAMERA_VARIABLE),
         cameras=cameras,
+        models=models,
         announced=None if no_announce else partial(_announced, served_at),
     )
     return run_until_told_to_leave(live(options, _tell))

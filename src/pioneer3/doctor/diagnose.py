@@ -28,20 +28,35 @@ from pioneer3.doctor.robot_checks import (
     check_session,
     check_speed,
     check_state,
+    check_type,
 )
 from pioneer3.errors import LinkError
 from pioneer3.links import Link, open_link
+from pioneer3.models import GivenModel, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Snapshot
 
 
-async def gather(url: str, *, baud: int | None = None, seconds: float = 3.0) -> Facts:
+async def gather(
+    url: str,
+    *,
+    baud: int | None = None,
+    model: GivenModel = None,
+    seconds: float = 3.0,
+) -> Facts:
     """Return the facts about `url` after listening for `seconds`.
 
+    Args:
+        url: Of the robot.
+        baud: Serial speed to try first.
+        model: What somebody says that it is.
+        seconds: For which to listen.
+
     Raises:
-        ConfigError: `url` names no port.
+        ConfigError: `url` names no port, or there is no such model.
     """
+    model = loaded_model(model)
     port = await asyncio.to_thread(find_port, url)
     if port is not None and port.holders:  # a second host would disturb the first
         return Facts(url=url, port=port)
@@ -49,12 +64,12 @@ async def gather(url: str, *, baud: int | None = None, seconds: float = 3.0) -> 
         link = await open_link(url, baud=baud)
     except LinkError as error:
         return Facts(url=url, port=port, refused=error)
-    return await examine(link, seconds, Facts(url=url, port=port))
+    return await examine(link, seconds, Facts(url=url, port=port), model)
 
 
-async def examine(link: Link, seconds: float, known: Facts) -> Facts:
+async def examine(link: Link, seconds: float, known: Facts, model: GivenModel = None) -> Facts:
     """Return the facts `known` with those found over `link`; the link is closed then."""
-    session = ProbeSession(link)
+    session = ProbeSession(link, model=model)
     try:
         if await session.handshake():
             heard = await _listen(session, seconds)
@@ -119,6 +134,7 @@ CHECKS: Final = (
     check_answer,
     check_speed,
     check_session,
+    check_type,
     check_config,
     check_reports,
     check_checksums,

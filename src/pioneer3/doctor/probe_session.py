@@ -26,11 +26,11 @@ from pioneer3.doctor.lasers import laser_on
 from pioneer3.doctor.recognition import Kind, OtherDevice, recognise
 from pioneer3.errors import LinkError
 from pioneer3.links import Link
-from pioneer3.models import find_model, generic_model
+from pioneer3.models import GivenModel
 from pioneer3.robot.limits import limits_for
+from pioneer3.robot.session import model_of
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.state import Identity
-from pioneer3.units import DEGREE, MM
 
 QUICK: Final = Timing(retry=0.25, give_up=3.5)
 """Once over all serial speeds."""
@@ -56,7 +56,7 @@ class ProbeSession:
         closed: Whether the far end closed the link.
     """
 
-    def __init__(self, link: Link, timing: Timing = THOROUGH) -> None:
+    def __init__(self, link: Link, timing: Timing = THOROUGH, *, model: GivenModel = None) -> None:
         self.identity: Identity | None = None
         self.speed: int | None = None
         self.streaming = False
@@ -67,6 +67,7 @@ class ProbeSession:
         self.failure: str | None = None
         self.closed = False
         self._link = link
+        self._model = model
         self._clock = asyncio.get_running_loop().time
         self._host = Host(self._clock(), link.speeds, timing, round_trip=link.round_trip)
         self._early_reader = PacketReader()
@@ -104,13 +105,7 @@ class ProbeSession:
         """Description of the robot as the driver has it; `None` before its identity is known."""
         if self.identity is None:
             return None
-        top, turn = 0.0, 0.0
-        if self.config is not None:
-            top = (self.config.speed_top_mm_s or 0) * MM
-            turn = (self.config.rotation_top_deg_s or 0) * DEGREE
-        model = find_model(self.identity.model) or generic_model(
-            self.identity.model, max_speed=top, max_turn_rate=turn
-        )
+        model = model_of(self.identity, self.config, self._model)
         return RobotInfo(
             identity=self.identity,
             model=model,

@@ -52,6 +52,26 @@ def check_session(facts: Facts) -> Iterator[Finding]:
     )
 
 
+def check_type(facts: Facts) -> Iterator[Finding]:
+    """Is it known what the robot's numbers mean?"""
+    if facts.info is None:
+        return
+    model = facts.info.model
+    if model.refusal is None:
+        yield _ok("type", f"{model.title} ({model.name})")
+        return
+    yield Finding(
+        check="type",
+        level=Level.FAIL,
+        found=model.title,
+        meaning="It is not known what its numbers mean; a metre may be 0.4 or 1.3 m. Nothing drives"
+        " it, and what it reports is in units that may be wrong.",
+        advice="Say what it is at every command, as in pioneer3 doctor --model FILE.p: a model that"
+        " ships (pioneer3 model show), or the parameter file that ARIA has for it.",
+        code=FAILED,
+    )
+
+
 def check_config(facts: Facts) -> Iterator[Finding]:
     """Did the robot send its configuration without errors?"""
     if facts.info is None:

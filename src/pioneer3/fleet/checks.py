@@ -162,6 +162,8 @@ def _check_bridge(given: Robot | Defaults) -> None:
 def _check_model(folder: Path, model: str) -> None:
     from pioneer3.models import load_model
 
+    if not model:
+        return
     is_file = Path(model).suffix.lower() in MODEL_FILES
     load_model(folder / model if is_file else model)
 

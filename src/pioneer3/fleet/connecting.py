@@ -3,7 +3,7 @@
 from contextlib import AbstractAsyncContextManager
 
 from pioneer3.fleet.members import Connect
-from pioneer3.fleet.reach import port_of
+from pioneer3.fleet.reach import given_model, port_of
 from pioneer3.fleet.spec import Fleet, Robot
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.driven import Driven
@@ -27,6 +27,7 @@ def connects(
                 return ros1(robot)
             case "2":
                 return ros2(robot)
-        return connect_async(port_of(fleet, robot.name), max_speed=max_speed)
+        port = port_of(fleet, robot.name)
+        return connect_async(port, model=given_model(fleet, robot), max_speed=max_speed)
 
     return connect

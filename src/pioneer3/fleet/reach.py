@@ -10,7 +10,7 @@ from pioneer3.errors import ConfigError
 from pioneer3.fleet.spec import ALL, Fleet, Robot
 from pioneer3.links.urls import split_url
 from pioneer3.mjpeg import parse_url
-from pioneer3.models import find_model
+from pioneer3.models import Fallback, find_model
 from pioneer3.sim.worldfile.toml import MODEL_FILES
 
 ANY_PORT: Final = 9
@@ -55,7 +55,25 @@ def named(words: Sequence[str], fleet: Fleet) -> tuple[Robot, ...]:
 
 
 def _is_model(word: str) -> bool:
-    return ":" in word or word.lower().endswith(MODEL_FILES) or find_model(word) is not None
+    return ":" in word or _is_file(word) or find_model(word) is not None
+
+
+def _is_file(model: str) -> bool:
+    return model.lower().endswith(MODEL_FILES)
+
+
+def model_of(fleet: Fleet, robot: Robot) -> str:
+    """Return the model that the fleet file gives a robot: a name, a path, or nothing."""
+    return str(fleet.path.parent / robot.model) if _is_file(robot.model) else robot.model
+
+
+def given_model(fleet: Fleet, robot: Robot) -> str | Fallback | None:
+    """Return the model of a robot, for `connect_async`.
+
+    A file counts whatever the robot says of itself; a name, if the robot's own is not known.
+    """
+    model = model_of(fleet, robot)
+    return model if _is_file(model) else Fallback(model) if model else None
 
 
 def laser_of(robot: Robot) -> str:

@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator
 from ipaddress import ip_address
+from typing import Final
 
 from pioneer3.errors import ConfigError
-from pioneer3.fleet.reach import is_own, reached_at
+from pioneer3.fleet.reach import is_own, model_of, reached_at
 from pioneer3.fleet.spec import Fleet, Robot
 from pioneer3.links.addresses import ANY
 from pioneer3.sim.worldfile import RobotSpec
-from pioneer3.sim.worldfile.toml import MODEL_FILES
+
+USUAL: Final = "p3at"
+"""The model of a simulated robot whose row names none."""
 
 
 def simulated(
@@ -43,7 +46,9 @@ def _specs(fleet: Fleet, bind: str, *, network: bool) -> Iterator[RobotSpec]:
             place = ("" if bind in ANY else host or bind, number)
             number = None if place in taken else number
             taken.add(place)
-        yield RobotSpec(model=_model(fleet, robot), name=robot.name, port=number, host=host)
+        yield RobotSpec(
+            model=model_of(fleet, robot) or USUAL, name=robot.name, port=number, host=host
+        )
 
 
 def _place(fleet: Fleet, robot: Robot) -> tuple[str, int | None]:
@@ -60,8 +65,3 @@ def _may_listen(host: str, *, network: bool) -> bool:
     except ValueError:
         return False
     return (network or address.is_loopback) and is_own(host)
-
-
-def _model(fleet: Fleet, robot: Robot) -> str:
-    is_file = robot.model.lower().endswith(MODEL_FILES)
-    return str(fleet.path.parent / robot.model) if is_file else robot.model

@@ -14,7 +14,6 @@ from pioneer3.tables import nearest
 ALL: Final = "all"
 """The name of the group of all robots."""
 USER: Final = "pioneer"
-MODEL: Final = "p3at"
 DEVICE: Final = "/dev/ttyUSB0"
 
 
@@ -29,7 +28,7 @@ class Robot:
         port: The robot's port: a device of its computer, or an address that others reach.
         bridge: TCP port at which its computer lets others reach the device; 0 for none.
         user: The account on its computer.
-        model: Name of a robot model, or the path of its file.
+        model: Name of a robot model, or the path of its file; empty for what the robot says.
         laser: Its laser, as `--laser` takes it; empty for none.
         camera: Its camera, as `--camera` takes it; empty for none. One at `127.0.0.1` or
             `localhost` is on its computer: from elsewhere it is looked for at `address`.
@@ -46,7 +45,7 @@ class Robot:
     port: str = DEVICE
     bridge: int = 0
     user: str = USER
-    model: str = MODEL
+    model: str = ""
     laser: str = ""
     camera: str = ""
     ros: str = ""
@@ -90,7 +89,7 @@ class Defaults:
     user: str = USER
     port: str = DEVICE
     bridge: int = 0
-    model: str = MODEL
+    model: str = ""
     laser: str = ""
     camera: str = ""
     ros: str = ""

@@ -1,6 +1,14 @@
 """Robot types: sizes, limits, conversion factors, sensor mounts."""
 
-from pioneer3.models.catalog import find_model, generic_model, load_model, model_names
+from pioneer3.models.catalog import (
+    Fallback,
+    GivenModel,
+    find_model,
+    generic_model,
+    load_model,
+    loaded_model,
+    model_names,
+)
 from pioneer3.models.model import Drive, IrMount, LaserMount, RobotModel, SonarMount
 from pioneer3.models.physics import BodyPhysics, physics_of, total_mass
 from pioneer3.models.shape import Shape, shape_of
@@ -8,6 +16,8 @@ from pioneer3.models.shape import Shape, shape_of
 __all__ = [
     "BodyPhysics",
     "Drive",
+    "Fallback",
+    "GivenModel",
     "IrMount",
     "LaserMount",
     "RobotModel",
@@ -16,6 +26,7 @@ __all__ = [
     "find_model",
     "generic_model",
     "load_model",
+    "loaded_model",
     "model_names",
     "physics_of",
     "shape_of",

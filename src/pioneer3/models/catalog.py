@@ -8,6 +8,7 @@ from math import radians
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 from types import MappingProxyType
+from typing import NamedTuple
 
 from pioneer3.errors import ConfigError
 from pioneer3.models.aria import parse_aria
@@ -20,6 +21,7 @@ from pioneer3.models.model import (
     START_TURN_ACCELERATION,
     LaserMount,
     RobotModel,
+    UnknownModel,
 )
 from pioneer3.models.toml import parse_toml
 from pioneer3.units import MM
@@ -82,6 +84,30 @@ def load_model(name_or_path: str | Path) -> RobotModel:
     return model
 
 
+class Fallback(NamedTuple):
+    """A model that counts if the type that the robot names is not known: itself, a name, a file."""
+
+    model: RobotModel | str | Path
+
+
+GivenModel = RobotModel | Fallback | str | Path | None
+"""What somebody says that a robot is; but for :class:`Fallback` it comes before its own word."""
+
+
+def loaded_model(given: GivenModel) -> RobotModel | Fallback | None:
+    """Return `given` with names and files read.
+
+    Raises:
+        ConfigError: As for :func:`load_model`.
+    """
+    match given:
+        case str() | Path():
+            return load_model(given)
+        case Fallback(str() | Path() as name):
+            return Fallback(load_model(name))
+    return given
+
+
 def generic_model(
     name: str,
     *,
@@ -93,7 +119,7 @@ def generic_model(
     turn_deceleration: float = START_TURN_ACCELERATION,
     front_bumpers: int = 0,
     rear_bumpers: int = 0,
-) -> RobotModel:
+) -> UnknownModel:
     """Return a model for an unknown robot, made of values in its CONFIG.
 
     Factors are a P3-DX-SH's, sizes a P3-AT's, the largest of the shipped models; no sonar mount
@@ -112,7 +138,7 @@ def generic_model(
         rear_bumpers: Number of segments.
     """
     name = _printable(name)
-    return RobotModel(
+    return UnknownModel(
         name=name,
         title=f"unknown robot type {name}",
         radius=0.5,

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, pi, radians, tau
 from types import MappingProxyType
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pioneer3.errors import ConfigError
 from pioneer3.units import HEADING_UNIT, MM
@@ -235,6 +235,9 @@ class RobotModel:
     request_encoders: bool = False
     switch_speed: int = SWITCH_SPEED
 
+    refusal: ClassVar[str | None] = None
+    """The reason that nothing may drive it, or `None`."""
+
     def __post_init__(self) -> None:
         """Refuse numbers out of range, naming the field."""
         for field, bounds in BOUNDS.items():
@@ -258,6 +261,25 @@ class RobotModel:
     def length(self) -> float:
         """From the rear end to the front end [m]."""
         return self.length_front + self.length_rear
+
+
+class UnknownModel(RobotModel):
+    """The guess at a type that nobody has described: with it a robot is read, and not driven.
+
+    Older robots count in other units. Of a P2-AT a metre would be 1.32 m, and echoes of a wall a
+    quarter as far as it is.
+    """
+
+    __slots__ = ()
+
+    @property
+    def refusal(self) -> str:  # type: ignore[override]
+        """The reason that nothing may drive it, and what helps."""
+        return (
+            f"it says that it is a {self.name!r}, which is not known here, so nobody knows what a"
+            " metre is: give its model, --model NAME or --model FILE.p, ARIA's parameter file"
+            " (model= in a program or in fleet.toml, the parameter model of a ROS node)"
+        )
 
 
 def _check(field: str, value: float, bounds: Bounds) -> None:

@@ -53,6 +53,8 @@ def _reasons(pilot: Pilot, snapshot: Snapshot, now: float, decided: str | None) 
     silent = now - snapshot.stamp
     if pilot.emergency:
         yield "The emergency stop is latched: reset it, then ask again."
+    if pilot.refusal:
+        yield f"Nothing drives it: {pilot.refusal}."
     if snapshot.motors.stop_button:
         yield "The stop button on the robot is pressed: pull it out, then ask again."
     if silent > SILENT:

@@ -115,6 +115,7 @@ class Pilot:
         auto_enable: Whether a command switches the motors on.
         last_stop: A command must have begun after this stop.
         drove: Whether a command of this session may have moved the robot.
+        refusal: The reason that nothing may drive the present robot, or `None`.
     """
 
     def __init__(self, *, auto_enable: bool = True) -> None:
@@ -124,6 +125,7 @@ class Pilot:
         self.auto_enable = auto_enable
         self.last_stop = Stop()
         self.drove = False
+        self.refusal: str | None = None
         self._outbox = Outbox()
         self._snapshot: Snapshot | None = None
         self._command = VelocityCommand(STILL, -inf, after=0)
@@ -149,18 +151,22 @@ class Pilot:
         *,
         settable_speed: bool = True,
         settable_acceleration: bool = True,
+        refusal: str | None = None,
     ) -> None:
-        """Stop the robot, set its limits as far as the firmware allows, switch the sonar on."""
-        self.limits = limits
+        """Stop the robot, set its limits as far as the firmware allows, switch the sonar on.
+
+        Those of a robot that nothing may drive, for this `refusal`, are left as they are.
+        """
+        self.limits, self.refusal = limits, refusal
         self.drove = False
         settings: list[Command] = []
-        if settable_speed:
+        if settable_speed and not refusal:
             settings += [
                 commands.SetV(speed=limits.max_speed),
                 commands.SetRV(rate=limits.max_turn_rate),
             ]
         self._sent_accelerations = None
-        if settable_acceleration:
+        if settable_acceleration and not refusal:
             settings += _acceleration_commands(limits.accelerations)
             self._sent_accelerations = limits.accelerations
         settings.append(commands.Sonar(on=True))
@@ -181,8 +187,8 @@ class Pilot:
         """Obey `command` from `now` [s] on; return the reason for a refusal, or `None`."""
         if self.limits is None:
             return "no robot is connected"
-        if self.emergency:
-            return LATCHED
+        if self.forbidden:
+            return self.forbidden
         if self._snapshot is None:
             return self.last_stop.told if self._blocked else "no robot is connected"
         twist, stalled = command.twist, self.last_stop.stalled
@@ -240,8 +246,8 @@ class Pilot:
 
     def set_motors(self, *, on: bool, now: float) -> str | None:
         """Switch the motors on, or off once the robot stands; return a refusal, or `None`."""
-        if on and self.emergency:
-            return LATCHED
+        if on and self.forbidden:
+            return self.forbidden
         stood = self.stands
         self.stop(now)
         self._want_motors(on=on, now=-inf if stood else now)
@@ -282,6 +288,11 @@ class Pilot:
         """Return and forget the commands to send."""
         outbox, self._outbox = self._outbox, Outbox()
         return outbox.commands()
+
+    @property
+    def forbidden(self) -> str | None:
+        """The reason that nothing may drive until somebody sees to it, or `None`."""
+        return LATCHED if self.emergency else self.refusal
 
     @property
     def blocked(self) -> str | None:

@@ -25,7 +25,7 @@ from pioneer3.errors import CommandError, LinkError, NoRobotError
 from pioneer3.limits import Limits
 from pioneer3.links import Link
 from pioneer3.links.base import HUNG_UP
-from pioneer3.models import RobotModel, find_model, generic_model
+from pioneer3.models import GivenModel, RobotModel, find_model, generic_model, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.limits import limits_for
 from pioneer3.robot.pilot import BRAKING, Pilot
@@ -66,7 +66,7 @@ class Session:
         requests: For reports on demand; outlives the session.
         assembler: Makes snapshots; outlives the session.
         listener: Receives the events.
-        model: Used in place of the model that the robot names.
+        model: What somebody says that the robot is.
         restrict: Turns the robot's limits into the ones to keep.
         timing: Timeouts of the host.
 
@@ -83,14 +83,15 @@ class Session:
         requests: ReportRequests,
         assembler: Assembler,
         listener: Listener,
-        model: RobotModel | None = None,
+        model: GivenModel = None,
         restrict: Callable[[Limits], Limits] = lambda limits: limits,
         timing: Timing | None = None,
     ) -> None:
         self.link = link
         self.identity: Identity | None = None
         self.config: Config | None = None
-        self.model = model
+        self.model: RobotModel | None = None
+        self._given = model
         self.speed: int | None = None
         self._pilot = pilot
         self._requests = requests
@@ -240,13 +241,16 @@ class Session:
             log.warning("the robot did not send its configuration; the model's values are used")
         elif not trusted:
             log.warning("the configuration came with a wrong checksum, twice the same: accepted")
-        self.model = self.model or _model_of(self.identity, config)
+        self.model = model_of(self.identity, config, self._given)
+        if self.model.refusal:
+            log.warning("nothing drives this robot: %s", self.model.refusal)
         self._assembler.session_opened(self.model)
         self._pilot.session_opened(
             self._restrict(limits_for(self.model, config)),
             now,
             settable_speed=self.model.settable_speed,
             settable_acceleration=self.model.settable_acceleration,
+            refusal=self.model.refusal,
         )
         self._requests.session_opened(now)
         self._configured = True
@@ -328,12 +332,20 @@ class Session:
                         self._pilot.observe(self._snapshot(event.report, now), now)
 
 
-def _model_of(identity: Identity, config: Config | None) -> RobotModel:
-    """Return the model that the robot names; for an unknown name, one made from CONFIG."""
-    model = find_model(identity.model)
-    if model is not None:
-        return model
-    log.warning("unknown robot type %r: using its own configuration", identity.model)
+def model_of(identity: Identity, config: Config | None, given: GivenModel = None) -> RobotModel:
+    """Return the model that is given, or the one that the robot names, or else a guess.
+
+    Raises:
+        ConfigError: There is no such model as is given.
+    """
+    given = loaded_model(given)
+    if isinstance(given, RobotModel):
+        return given
+    if found := find_model(identity.model):
+        return found
+    if given is not None:
+        assert isinstance(given.model, RobotModel)
+        return given.model
     return generic_model(
         identity.model,
         max_speed=(config.speed_top_mm_s or 0) * MM if config else 0.0,

@@ -14,7 +14,7 @@ from pioneer3.arcos.reports import Config, Report
 from pioneer3.errors import CommandError, LinkError, NoRobotError, RecordingOverError
 from pioneer3.limits import Limits
 from pioneer3.links import Opener
-from pioneer3.models import RobotModel
+from pioneer3.models import GivenModel, RobotModel, loaded_model
 from pioneer3.robot.assemble import Assembler
 from pioneer3.robot.explain import why_not_moving
 from pioneer3.robot.limits import limits_for
@@ -120,10 +120,13 @@ class Supervisor:
 
     Args:
         open_link: Opens the link anew for every attempt.
-        model: Used in place of the model that the robot names.
+        model: What somebody says that the robot is.
         restrict: Turns the robot's limits into the ones to keep.
         auto_enable: Whether a fresh command switches the motors on.
         timing: Timeouts of the host.
+
+    Raises:
+        ConfigError: There is no such model.
 
     Attributes:
         snapshot_taken: Called with every snapshot, before the feed `snapshots` has it.
@@ -134,7 +137,7 @@ class Supervisor:
         self,
         open_link: Opener,
         *,
-        model: RobotModel | None = None,
+        model: GivenModel = None,
         restrict: Callable[[Limits], Limits] = lambda limits: limits,
         auto_enable: bool = True,
         timing: Timing | None = None,
@@ -149,7 +152,7 @@ class Supervisor:
         self.info: RobotInfo | None = None
         self.snapshot_taken: Callable[[Snapshot], None] = lambda snapshot: None
         self._open_link = open_link
-        self._model = model
+        self._model = loaded_model(model)
         self._restrict = restrict
         self._change: Callable[[Limits], Limits] = lambda limits: limits
         self._timing = timing
@@ -249,10 +252,14 @@ class Supervisor:
         fresh request. The robot is stopped on every way out all the same.
 
         Raises:
-            CommandError: no session is open, or the command does not fit the protocol.
+            CommandError: no session is open, the command does not fit the protocol, or it moves a
+                robot whose units are not known.
         """
+        moves = to_payload(command)[:1] in MOTION
+        if moves and self.pilot.refusal:
+            raise CommandError(f"nothing drives this robot: {self.pilot.refusal}")
         self._send(command)
-        if to_payload(command)[:1] in MOTION:
+        if moves:
             self.pilot.leave_to_raw_commands(self._clock())
 
     @contextmanager

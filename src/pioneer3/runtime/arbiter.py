@@ -19,7 +19,7 @@ from pioneer3.behaviors.surroundings import NOTHING_SENSED
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.limits import Accelerations, Limits
 from pioneer3.robot.devices.laser import LaserSource
-from pioneer3.robot.pilot import LATCHED, STOPPED, Pilot, VelocityCommand
+from pioneer3.robot.pilot import STOPPED, Pilot, VelocityCommand
 from pioneer3.robot.supervisor import Feed, RobotInfo, Status
 from pioneer3.state import Snapshot
 from pioneer3.stops import Stop
@@ -235,8 +235,8 @@ class Arbiter:
         """
         if self.mode is None:
             return None
-        if self._supervisor.pilot.emergency:
-            return LATCHED
+        if forbidden := self._supervisor.pilot.forbidden:
+            return forbidden
         part = next(part for part in self._parts if part.stack is self.mode)
         if decision.answers_stall and self.last_stop.stalled is not None:
             part.after = self.last_stop.number

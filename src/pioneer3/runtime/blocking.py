@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, cast
 
 from pioneer3.geometry import Pose2
-from pioneer3.models import RobotModel
+from pioneer3.models import GivenModel
 from pioneer3.robot.supervisor import RobotInfo
 from pioneer3.runtime.connect import connect_async, connect_laser_async
 from pioneer3.runtime.facade import Facade, LoopThread, adapted, blocking
@@ -26,7 +26,7 @@ def connect(
     url: str,
     *,
     baud: int | None = None,
-    model: RobotModel | None = None,
+    model: GivenModel = None,
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,

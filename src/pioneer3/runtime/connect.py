@@ -13,7 +13,7 @@ from pioneer3.geometry import Pose2
 from pioneer3.limits import Limits
 from pioneer3.links import Opener, opener
 from pioneer3.links.tap import recorded
-from pioneer3.models import RobotModel, load_model
+from pioneer3.models import GivenModel, load_model
 from pioneer3.robot.poses import Poses
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import Arbiter
@@ -41,7 +41,7 @@ async def connect_async(
     url: str | Opener,
     *,
     baud: int | None = None,
-    model: RobotModel | None = None,
+    model: GivenModel = None,
     max_speed: float | None = None,
     max_turn_rate: float | None = None,
     auto_enable: bool = True,
@@ -59,7 +59,9 @@ async def connect_async(
     Args:
         url: `/dev/ttyUSB0`, `tcp://localhost:8101`, `replay:FILE`; or a function that opens a link.
         baud: Serial speed to try first.
-        model: Use this model, not the one that the robot names.
+        model: Use this model, not the one that the robot names: a shipped one by its name, or
+            that of a `.toml` or ARIA `.p` file. Without one a robot of a type that is not known
+            is read, and not driven.
         max_speed: Keep below this [m/s]; never above the robot's own limit.
         max_turn_rate: Keep below this [rad/s].
         auto_enable: Whether a fresh command switches the motors on.
@@ -92,7 +94,11 @@ async def connect_async(
             recorder = stack.enter_context(recorded(open_, record, clock))
             open_, remark = recorder.open, recorder.remark
         supervisor = Supervisor(
-            open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
+            open_,
+            model=model,
+            restrict=restrict,
+            auto_enable=auto_enable,
+            timing=timing,
         )
         arbiter = Arbiter(supervisor, remark)
         drivers = [_laser(spec, supervisor, stack) for spec in lasers]

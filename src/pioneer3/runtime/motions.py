@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pioneer3.behaviors.action import Stack
 from pioneer3.behaviors.actions import Move, Turn
 from pioneer3.errors import LinkError, MotionError
-from pioneer3.robot.pilot import LATCHED
 from pioneer3.robot.supervisor import Supervisor
 from pioneer3.runtime.arbiter import PROGRAM, Arbiter
 from pioneer3.state import Snapshot
@@ -83,7 +82,7 @@ async def run_mode(mode: Stack, arbiter: Arbiter, snapshots: Snapshots, *, until
 
 def _check(action: Move | Turn, arbiter: Arbiter, supervisor: Supervisor) -> None:
     """Raise MotionError if something has ended `action`."""
-    if supervisor.pilot.emergency:
-        raise MotionError(f"{action.name}: {LATCHED}")
+    if forbidden := supervisor.pilot.forbidden:
+        raise MotionError(f"{action.name}: {forbidden}")
     if action not in arbiter:
         raise MotionError(f"{action.name}: {arbiter.last_stop.why}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import LinkError, NoRobotError
 from pioneer3.links import Opener
-from pioneer3.models import RobotModel
+from pioneer3.models import GivenModel
 from pioneer3.robot.devices.laser import LaserSource
 from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.driver import LaserDriver
@@ -39,7 +39,7 @@ class Target:
         scene: Its surroundings.
         name: Shown to people; empty for its own name.
         baud: Serial speed to try first.
-        model: Used in place of the model that the robot reports.
+        model: What somebody says that it is.
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire.
         timing: Time limits of the link.
@@ -52,7 +52,7 @@ class Target:
     open: Opener | None = None
     name: str = ""
     baud: int | None = None
-    model: RobotModel | None = None
+    model: GivenModel = None
     max_speed: float | None = None
     record: Path | None = None
     timing: Timing | None = None

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pioneer3.arcos.host_events import Timing
 from pioneer3.errors import ConfigError, PortBusyError
-from pioneer3.models import load_model
+from pioneer3.models import GivenModel
 from pioneer3.names import free_name
 from pioneer3.robot.lasers.spec import LaserSpec
 from pioneer3.sim.realism import Realism
@@ -62,6 +62,7 @@ class Options:
         camera: URL of the MJPEG stream of its camera, whatever else is known of that.
         camera_if_one: Whether several robots leave `camera` out; else they refuse it.
         cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
+        models: What somebody says that the robots at `ports` are, one for each, or empty.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
     """
@@ -84,6 +85,7 @@ class Options:
     camera: str | None = None
     camera_if_one: bool = False
     cameras: tuple[str | None, ...] = ()
+    models: tuple[GivenModel, ...] = ()
     announced: Callable[[Served], AbstractAsyncContextManager[None]] | None = None
 
 
@@ -129,6 +131,7 @@ def _real(options: Options) -> list[Target]:
     known = load_world(options.map_name).line_map() if options.map_name else None
     specs = options.robots
     cameras = options.cameras or (None,) * len(options.ports)
+    models = options.models or (None,) * len(options.ports)
     if len(specs) <= 1:
         specs = (specs or (RobotSpec(model=""),)) * len(options.ports)
     return [
@@ -136,10 +139,10 @@ def _real(options: Options) -> list[Target]:
             url=url,
             scene=Scene(known),
             name=spec.name,
-            model=load_model(spec.model) if spec.model else None,
+            model=spec.model or given,
             camera=camera,
         )
-        for url, spec, camera in zip(options.ports, specs, cameras, strict=True)
+        for url, spec, camera, given in zip(options.ports, specs, cameras, models, strict=True)
     ]
 
 
@@ -171,6 +174,7 @@ def _simulated(running: RunningSimulation) -> list[Target]:
             url=robot.url,
             scene=Scene.of(running, robot),
             name=robot.name if several else "",
+            model=robot.model,
             timing=PATIENT,
             lasers=(_laser_of(robot.laser),) if robot.laser else (),
             camera=robot.camera.url if robot.camera else None,

@@ -106,7 +106,7 @@ def test_the_list_shows_file_and_answers(
     (folder / "fleet.toml").write_text(text)
     assert execute(["fleet", "list", "--timeout", "2"]) == 0
     head, row = capsys.readouterr().out.splitlines()
-    assert head.split() == ["name", "address", "port", "model", "up", "ssh", "driver"]
+    assert head.split() == ["name", "address", "port", "up", "ssh", "driver"]
     assert row.split()[-1] == "refused"
     assert execute(["fleet", "list", "--offline", "--json"]) == 0
     (listed,) = json.loads(capsys.readouterr().out)

@@ -68,6 +68,7 @@ def test_a_healthy_robot_passes_every_check_from_the_plug_to_the_wheels() -> Non
         "answer",
         "speed",
         "session",
+        "type",
         "config",
         "reports",
         "checksums",

@@ -68,8 +68,8 @@ def test_what_is_offered_is_a_fleet_file_with_new_robots_alone() -> None:
     robots = parse_fleet(Path("new.toml"), text).robots
     assert [(robot.name, robot.address, robot.port, robot.model) for robot in robots] == [
         ("P3AT-1-2", "10.0.0.2", "tcp://10.0.0.2:8101", "p3dx"),
-        ("robot-3", "10.0.0.3", "/dev/ttyUSB0", "p3at"),
-        ("robot-9", "fd00::9", "/dev/ttyUSB0", "p3at"),
+        ("robot-3", "10.0.0.3", "/dev/ttyUSB0", ""),
+        ("robot-9", "fd00::9", "/dev/ttyUSB0", ""),
     ]
     assert "# simulator at port 8102: P3-AT" in text
 

@@ -72,7 +72,7 @@ def test_a_robot_has_its_own_fields_and_the_defaults() -> None:
         address="192.168.1.113",
         port="/dev/ttyUSB0",
         user="robot",
-        model="p3at",
+        model="",
         ros="1",
         node="RosAria_p3at_1",
         note="in room 246",

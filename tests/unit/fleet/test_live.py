@@ -301,12 +301,12 @@ def test_the_exit_code_says_whether_some_or_none_answered(up: tuple[bool, ...], 
 
 def test_columns_without_anything_are_left_out() -> None:
     titles, rows = shown([robot(2)], [told("r2", up=True)])
-    assert titles == ("name", "address", "port", "model", "up", "ssh", "driver")
+    assert titles == ("name", "address", "port", "up", "ssh", "driver")
     assert [cell.text for cell in rows[0]][-3:] == ["yes", "no answer", "no answer"]
     titles, _ = shown([robot(2, ros="1")], [told("r2", up=True, clock=0.0)])
     assert titles[-1] == "clock"
     assert "ROS" in titles
-    assert shown([robot(2)], None)[0] == ("name", "address", "port", "model")
+    assert shown([robot(2)], None)[0] == ("name", "address", "port")
     assert "host" in shown([replace(robot(2), host="cr-246")], None)[0]
 
 

@@ -74,6 +74,13 @@ PARAMETERS: Final = (
         note="URL of the robot; `auto` looks for it, `host:8101` is TCP; `--port` comes first",
     ),
     Parameter(
+        name="model",
+        kind=STRING,
+        default="",
+        note="what the robot really is, such as `p3dx-sh`, or the path of a `.toml` or ARIA `.p`"
+        " file; empty for what it says; `--model` comes first",
+    ),
+    Parameter(
         name="baud",
         kind=INTEGER,
         default=0,

@@ -65,6 +65,7 @@ class NodeParameters:
     Attributes:
         profile: Which names it uses.
         port: URL of the robot; `None` to look for it.
+        model: What the robot really is: a name, or a file; `None` for what it says.
         baud: Serial speed to try first.
         timeout: Silence of cmd_vel after which the robot stops [s]; `inf` for never.
         lab_name: The robot's name in the lab, such as `p3at_1_113`; `None` elsewhere.
@@ -88,6 +89,7 @@ class NodeParameters:
 
     profile: Profile = Profile.COMPATIBILITY
     port: str | None = None
+    model: str | None = None
     baud: int | None = None
     timeout: float = TIMEOUT[Profile.COMPATIBILITY]
     lab_name: str | None = None
@@ -124,6 +126,7 @@ def read_parameters(raw: RawParameters, profile: Profile | None = None) -> NodeP
     return NodeParameters(
         profile=profile,
         port=_port(raw.get("port")),
+        model=text(raw, "model"),
         baud=_baud(raw.get("baud", 0)),
         timeout=_timeout(raw.get("cmd_vel_timeout", TIMEOUT[profile])),
         lab_name=checked_lab_name(raw["lab_name"]) if raw.get("lab_name") else None,

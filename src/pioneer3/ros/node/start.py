@@ -9,6 +9,7 @@ from pioneer3.doctor.ports import list_ports
 from pioneer3.doctor.probe import SIMULATOR_URL, choose, probe, probe_all
 from pioneer3.errors import NoRobotError
 from pioneer3.geometry import Pose2
+from pioneer3.models import GivenModel
 from pioneer3.robot.identity import kind
 from pioneer3.robot.lasers.spec import LaserSpec, parse_lasers
 from pioneer3.ros.node.driving_parameters import NAMES
@@ -42,6 +43,7 @@ class Options:
 
     Attributes:
         port: URL of the robot.
+        model: What somebody says that it is.
         baud: Serial speed to try first.
         laser_ports: Of the robot's laser range finders.
         lasers: Looks for them.
@@ -52,6 +54,7 @@ class Options:
     """
 
     port: str | None = None
+    model: GivenModel = None
     baud: int | None = None
     laser_ports: Sequence[str] = ()
     lasers: FindLasers = _of_parameters
@@ -109,6 +112,7 @@ async def connected_robot(
     async with connect_async(
         port,
         baud=options.baud or parameters.baud,
+        model=options.model or parameters.model,
         max_speed=parameters.max_speed,
         max_turn_rate=parameters.max_turn_rate,
         auto_enable=parameters.auto_enable,

@@ -13,7 +13,7 @@ from pioneer3.classroom.runs import RunFolder
 from pioneer3.errors import ConfigError, PortBusyError
 from pioneer3.links import Link, Opener, opener
 from pioneer3.links.memory import null_modem
-from pioneer3.models import load_model
+from pioneer3.models import GivenModel, load_model
 from pioneer3.sim.placement.spawn import spawn_robots
 from pioneer3.sim.realism import Realism
 from pioneer3.sim.server.port import RobotPort
@@ -45,10 +45,17 @@ UNPLUGGING = 2.0
 
 @dataclass(frozen=True, slots=True)
 class FleetRobot:
-    """A robot that is not simulated here: its name, and its port."""
+    """A robot that is not simulated here.
+
+    Attributes:
+        name: Of the robot.
+        port: The robot's.
+        model: What somebody says that it is.
+    """
 
     name: str
     port: str
+    model: GivenModel = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +95,7 @@ class Place:
     open: Opener
     url: str
     scene: Scene
+    model: GivenModel
     start: Start | None = None
 
 
@@ -174,7 +182,13 @@ async def _places(
         return await _simulated(options, stack, tell)
     known = load_world(options.map_name).line_map() if options.map_name else None
     return [
-        Place(label=robot.name, open=opener(robot.port), url=robot.port, scene=Scene(known))
+        Place(
+            label=robot.name,
+            open=opener(robot.port),
+            url=robot.port,
+            scene=Scene(known),
+            model=robot.model,
+        )
         for robot in options.fleet
     ]
 
@@ -203,6 +217,7 @@ def _place(here: RunningSimulation, robot: SimulatedRobot, cables: MemoryCables)
         open=cables.opener(robot.port),
         url=robot.url,
         scene=Scene.of(here, robot),
+        model=robot.model,
         start=Start(here, robot, robot.body.robot_in_world),
     )
 
@@ -275,6 +290,7 @@ def _targets(places: Sequence[Place], robots: dict[int, ClassRobot]) -> list[Tar
             open=robot.bridge.opener(PAGE, gives_way=True),
             scene=place.scene,
             name=place.label,
+            model=place.model,
             timing=PATIENT if place.start else None,
         )
         for place, robot in zip(places, robots.values(), strict=True)
