@@ -27,7 +27,8 @@ def words_of(*arguments: str) -> tuple[str, ...]:
 
 def environment() -> dict[str, str]:
     """Return this machine's environment without what would change a command's defaults."""
-    return {k: v for k, v in os.environ.items() if not k.startswith("PIONEER3_")}
+    ours = ("PIONEER3_", "PYTHONUNBUFFERED")
+    return {k: v for k, v in os.environ.items() if not k.startswith(ours)}
 
 
 def p3(*arguments: str) -> "subprocess.CompletedProcess[str]":

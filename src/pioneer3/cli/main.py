@@ -3,6 +3,7 @@
 import logging
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from enum import IntEnum
 
 from cyclopts import App, CycloptsError, Group
@@ -107,6 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     code = execute(sys.argv[1:] if arguments is None else arguments)
     if code == Exit.QUIT:
         die_of(code - 128)
+    for name in ("stdout", "stderr"):
+        with suppress(AttributeError, ValueError):  # there is none, or it is closed
+            try:
+                getattr(sys, name).flush()
+            except OSError:  # the terminal has gone, or the reader: Python itself would exit by 120
+                setattr(sys, name, None)
     raise SystemExit(code)
 
 
