@@ -97,7 +97,7 @@ class OfFleet:
         name: Of the robot.
         port: The robot's.
         camera: URL of its camera, if it has one.
-        model: What the file says that it is.
+        model: The one that the file gives it.
     """
 
     name: str
@@ -269,7 +269,7 @@ class RobotOptions:
 
     @property
     def given_model(self) -> "GivenModel":
-        """What somebody says that it is: the option, else the fleet file."""
+        """The model that the option names, else the fleet file; `None` for the robot's own word."""
         if self.model is not None or self.robot is None:
             return self.model
         from pioneer3.fleet.reach import given_model

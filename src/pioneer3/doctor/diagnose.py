@@ -50,7 +50,7 @@ async def gather(
     Args:
         url: Of the robot.
         baud: Serial speed to try first.
-        model: What somebody says that it is.
+        model: Its model, if somebody names one.
         seconds: For which to listen.
 
     Raises:

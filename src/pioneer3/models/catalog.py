@@ -91,7 +91,7 @@ class Fallback(NamedTuple):
 
 
 GivenModel = RobotModel | Fallback | str | Path | None
-"""What somebody says that a robot is; but for :class:`Fallback` it comes before its own word."""
+"""The model that somebody names, if any: before the robot's own word, a fallback after it."""
 
 
 def loaded_model(given: GivenModel) -> RobotModel | Fallback | None:

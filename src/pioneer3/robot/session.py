@@ -66,7 +66,7 @@ class Session:
         requests: For reports on demand; outlives the session.
         assembler: Makes snapshots; outlives the session.
         listener: Receives the events.
-        model: What somebody says that the robot is.
+        model: Its model, if somebody names one.
         restrict: Turns the robot's limits into the ones to keep.
         timing: Timeouts of the host.
 

@@ -120,7 +120,7 @@ class Supervisor:
 
     Args:
         open_link: Opens the link anew for every attempt.
-        model: What somebody says that the robot is.
+        model: Its model, if somebody names one.
         restrict: Turns the robot's limits into the ones to keep.
         auto_enable: Whether a fresh command switches the motors on.
         timing: Timeouts of the host.

@@ -94,11 +94,7 @@ async def connect_async(
             recorder = stack.enter_context(recorded(open_, record, clock))
             open_, remark = recorder.open, recorder.remark
         supervisor = Supervisor(
-            open_,
-            model=model,
-            restrict=restrict,
-            auto_enable=auto_enable,
-            timing=timing,
+            open_, model=model, restrict=restrict, auto_enable=auto_enable, timing=timing
         )
         arbiter = Arbiter(supervisor, remark)
         drivers = [_laser(spec, supervisor, stack) for spec in lasers]

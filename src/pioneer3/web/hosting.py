@@ -39,7 +39,7 @@ class Target:
         scene: Its surroundings.
         name: Shown to people; empty for its own name.
         baud: Serial speed to try first.
-        model: What somebody says that it is.
+        model: Its model, if somebody names one.
         max_speed: Keep below this [m/s].
         record: New file for every byte on the wire.
         timing: Time limits of the link.

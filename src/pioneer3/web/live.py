@@ -62,7 +62,7 @@ class Options:
         camera: URL of the MJPEG stream of its camera, whatever else is known of that.
         camera_if_one: Whether several robots leave `camera` out; else they refuse it.
         cameras: Those of the robots at `ports`, if any is known: one for each, or `None`.
-        models: What somebody says that the robots at `ports` are, one for each, or empty.
+        models: Those that somebody names for the robots at `ports`, one for each, or empty.
         announced: Lets others find the page in the network while the block lasts; not called for
             one on loopback.
     """

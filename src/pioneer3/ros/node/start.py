@@ -43,7 +43,7 @@ class Options:
 
     Attributes:
         port: URL of the robot.
-        model: What somebody says that it is.
+        model: Its model, if somebody names one.
         baud: Serial speed to try first.
         laser_ports: Of the robot's laser range finders.
         lasers: Looks for them.

@@ -50,7 +50,7 @@ class FleetRobot:
     Attributes:
         name: Of the robot.
         port: The robot's.
-        model: What somebody says that it is.
+        model: Its model, if somebody names one.
     """
 
     name: str
