@@ -27,8 +27,12 @@ def environment_of(port: int, home: Path) -> dict[str, str]:
         "ROS_IP": "127.0.0.1",
         "ROS_HOME": str(home),
         "ROS_LOG_DIR": str(home / "log"),
-        "PYTHONUNBUFFERED": "1",
     }
+
+
+def unbuffered() -> dict[str, str]:
+    """Return the environment of ROS's own programs, whose lines come through a pipe at once."""
+    return {**environment(), "PYTHONUNBUFFERED": "1"}
 
 
 @contextmanager
@@ -44,7 +48,7 @@ def started(command: Sequence[str], words: str, ros: Mapping[str, str]) -> Itera
     """Run a command; the block begins with the line in which it says `words`."""
     process = subprocess.Popen(
         command,
-        env={**environment(), **ros},
+        env={**unbuffered(), **ros},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -122,7 +126,7 @@ async def _begin(command: Sequence[str]) -> tuple[asyncio.subprocess.Process, as
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        env=environment(),
+        env=unbuffered(),
         start_new_session=True,
     )
     assert process.stdout is not None
@@ -157,7 +161,7 @@ async def program(name: str, *arguments: str) -> AsyncIterator[Program]:
         *arguments,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        env=environment(),
+        env=unbuffered(),
         start_new_session=True,
     )
     try:

@@ -1,10 +1,12 @@
 """The command line: its commands, and the exit codes of errors."""
 
 import logging
+import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import IntEnum
+from threading import Thread
 
 from cyclopts import App, CycloptsError, Group
 
@@ -102,19 +104,32 @@ for number, (name, commands) in enumerate(GROUPS.items()):
             )
 
 
+LAST_WORDS = 1.0
+"""After it, a command ends though its terminal takes nothing: stopped by Ctrl-S, or hung [s]."""
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command and exit with its code (:class:`Exit`)."""
     logging.basicConfig(format="%(levelname)s: %(message)s", level=logging.WARNING)
     code = execute(sys.argv[1:] if arguments is None else arguments)
     if code == Exit.QUIT:
         die_of(code - 128)
+    writing = Thread(target=_write_what_is_left, daemon=True)
+    writing.start()
+    at_terminal = any(map(os.isatty, (1, 2)))
+    writing.join(LAST_WORDS if at_terminal else None)
+    if writing.is_alive():
+        os._exit(code)
+    raise SystemExit(code)
+
+
+def _write_what_is_left() -> None:
     for name in ("stdout", "stderr"):
         with suppress(AttributeError, ValueError):  # there is none, or it is closed
             try:
                 getattr(sys, name).flush()
             except OSError:  # the terminal has gone, or the reader: Python itself would exit by 120
                 setattr(sys, name, None)
-    raise SystemExit(code)
 
 
 def execute(arguments: Sequence[str]) -> int:
