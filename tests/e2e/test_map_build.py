@@ -16,6 +16,7 @@ from pioneer3.maps import LineMap, read_map
 from pioneer3.maps.grid import samples
 from pioneer3.maps.line_map import distances
 from pioneer3.nav.mapper import Mapper
+from pioneer3.robot.devices.laser import Laser
 from pioneer3.runtime.connect import connect_async
 from pioneer3.runtime.fast_time import FastTimeLoop
 from pioneer3.runtime.map_builder import MapBuilder, whereabouts
@@ -27,7 +28,7 @@ from pioneer3.sim.worldfile import load_map
 from pioneer3.tasks import running
 from tests.e2e.processes import free_port, p3
 from tests.e2e.processes import running as started
-from tests.support import SimulatedRobot
+from tests.support import SimulatedRobot, is_at
 from tests.unit.web.test_navigation import at_once
 
 pytest.importorskip("numba")
@@ -110,6 +111,19 @@ async def test_a_stop_ends_the_exploration_also_while_it_looks_for_the_next_edge
             now = sim.body.robot_in_world
             assert hypot(now.x - here.x, now.y - here.y) < 0.3
             assert sim.body.speeds[0] == 0.0
+
+
+async def test_without_its_laser_it_stands_and_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with in_the_rooms() as (sim, _, builder):
+        exploring = asyncio.ensure_future(builder.explore())
+        await asyncio.sleep(6.0)
+        monkeypatch.setattr(Laser, "lost", "the laser is lost")
+        with pytest.raises(MotionError, match="the laser is lost; start it again"):
+            await exploring
+        monkeypatch.undo()
+        here = sim.body.robot_in_world
+        await asyncio.sleep(4.0)
+        assert is_at(sim.body.robot_in_world, here)
 
 
 async def test_hands_on_the_stick_come_first_and_then_it_goes_on() -> None:

@@ -139,11 +139,16 @@ async def test_a_laser_that_falls_silent_leaves_the_robot_standing(
         await asyncio.sleep(6.0)
         silent = property(lambda _: None, lambda _, _scan: None)
         monkeypatch.setattr(Laser, "latest", silent, raising=False)
-        await asyncio.sleep(4.0)
-        assert navigator.estimate.reason == "the laser is silent for 4 s"
+        await asyncio.sleep(3.5)
         assert not navigator.estimate.sure
         assert sim.body.speeds[0] == pytest.approx(0.0, abs=SLOW)
-        going.cancel()
+        with pytest.raises(MotionError, match="the laser is silent for 4 s; start it again"):
+            await going
+        stood = sim.body.robot_in_world
+        monkeypatch.undo()  # somebody plugs it in again, and stands beside the robot
+        await asyncio.sleep(5.0)
+        assert navigator.estimate.sure
+        assert is_at(sim.body.robot_in_world, stood)
 
 
 async def test_a_patrol_goes_from_place_to_place_and_begins_anew() -> None:

@@ -70,6 +70,8 @@ class Desire:
         turn_deceleration: Least deceleration of turns [rad/s^2].
         until: When this ends [s, monotonic].
         answers_stall: Whether this is the answer to a stall, which ends every other motion.
+        lacks: Whether it stands for want of what it must know: the `reason` says what. A mode that
+            stands so for more than a moment ends.
         reason: Shown to people, in a few words: the cause, such as an echo.
     """
 
@@ -87,6 +89,7 @@ class Desire:
     turn_deceleration: Channel = None
     until: float = inf
     answers_stall: bool = False
+    lacks: bool = False
     reason: str = ""
 
     def __post_init__(self) -> None:
@@ -120,6 +123,7 @@ class Contribution:
         value: The value it asked for.
         strength: The strength that counted: higher priorities took the rest.
         reason: The reason it gave.
+        lacks: Whether that is something it must know and does not.
     """
 
     action: str
@@ -127,6 +131,7 @@ class Contribution:
     value: float
     strength: float
     reason: str
+    lacks: bool = False
 
 
 @dataclass(frozen=True, slots=True)

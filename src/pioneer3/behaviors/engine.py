@@ -85,8 +85,10 @@ NO_LIMITS = _limits_of(Desire())
 
 
 def _contribution(proposal: Proposal, channel: str, counted: Weighted) -> Contribution:
-    reason = proposal.desire.reason
-    return Contribution(proposal.action, channel, counted.value, counted.strength, reason)
+    desire = proposal.desire
+    return Contribution(
+        proposal.action, channel, counted.value, counted.strength, desire.reason, desire.lacks
+    )
 
 
 def _decided_otherwise(above: Combined, channel: str) -> bool:
@@ -172,6 +174,15 @@ class Decision:
     def wanted(self) -> bool:
         """Whether an action asked for motion, standing still included."""
         return self.v_by is not None or self.w_by is not None
+
+    @property
+    def lacking(self) -> str | None:
+        """What it would have to know to drive on, in words; `None` if that does not hold it up."""
+        if self.twist.v:
+            return None
+        asked = any(part.channel == "v" and part.value for part in self.contributions)
+        lacks = (p for p in self.contributions if p.lacks and (asked or p.channel in MOTION))
+        return next((part.reason for part in lacks), None)
 
     def _first(self, *channels: str) -> str | None:
         return next((part.action for part in self.contributions if part.channel in channels), None)

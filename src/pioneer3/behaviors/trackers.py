@@ -66,6 +66,10 @@ class PersonTracker(Protocol):
     def remark(self) -> str:
         """About the sensor, behind the reason of a desire; empty where all is as usual."""
 
+    @property
+    def blind(self) -> bool:
+        """Whether its sensor has stopped working: it would not notice anybody."""
+
     def update(self, situation: Situation) -> None:
         """Take in all that is new, and choose a person if there is none."""
 
@@ -78,18 +82,23 @@ class SonarTracker:
         now: When [s].
     """
 
-    remark = ""
-
     def __init__(self, person: Target | None = None, now: float = 0.0) -> None:
         self.target: Track | None = None
+        self.blind = False
         if person is not None:
             self.target = Track(person.estimate, now, walked=person.walked)
         self._listener = PingReader()
         self._clutter = ClutterMap()
         self._lost: Track | None = None
 
+    @property
+    def remark(self) -> str:
+        """The reason that it hears nothing, or empty."""
+        return "the sonars are off" if self.blind else ""
+
     def update(self, situation: Situation) -> None:
         """Listen to all new echoes."""
+        self.blind = not situation.snapshot.sonar.enabled
         self._hear(self._listener.listen(situation))
         self._give_up(situation.now)
         if self.target is None:
@@ -152,6 +161,11 @@ class LegTracker:
         self._tracks = LegTracks()
         self._lost: Target | None = person
         self._stamp: float | None = None
+
+    @property
+    def blind(self) -> bool:
+        """Whether scans came once and do not now; a laser takes a while to begin."""
+        return bool(self.remark) and self._stamp is not None
 
     def update(self, situation: Situation) -> None:
         """Look at the newest scan."""
@@ -230,7 +244,12 @@ class LaserOrSonarTracker:
     def remark(self) -> str:
         """A warning after the laser was lost."""
         lost = self._scanned and isinstance(self._tracker, SonarTracker)
-        return "by sonar, the laser is silent" if lost else ""
+        return self._tracker.remark or ("by sonar, the laser is silent" if lost else "")
+
+    @property
+    def blind(self) -> bool:
+        """Whether neither sensor works."""
+        return self._tracker.blind
 
     def update(self, situation: Situation) -> None:
         """Go on with the better sensor that works."""

@@ -41,8 +41,11 @@ BRAKING = 1.0
 """Longest wait for the robot to stand before its motors are switched off [s]."""
 STALL_RECOVERY = 1.0
 """Time that a command away from a stall has to free the wheels [s]."""
+HELD = 2.0
+"""A command that a pressed bumper has held up for so long is over [s]."""
 STOPPED = "somebody stopped the robot"
 STALLED = "the wheels stalled"
+BUMPED = "a bumper was pressed"
 LATCHED = "the emergency stop is latched"
 LONGEST_PAUSE = 2.0
 """After a longer pause of this program [s] the robot's watchdog has stopped the robot."""
@@ -135,6 +138,7 @@ class Pilot:
         self._blocked: str | None = None
         self._recovering_from: Stop | None = None
         self._recovery_until = -inf
+        self._bumped_since = inf
         self._sent_accelerations: Accelerations | None = None
         self._left_to_raw_commands = False
         self._motors_wanted: bool | None = None
@@ -392,6 +396,7 @@ class Pilot:
         self._set_accelerations(limits)
         silent = now - self._observed_at > REPORT_TIMEOUT
         twist = STILL if silent else limit(self.asked(now), limits, snapshot.bumpers)
+        self._check_bumpers(twist, now)
         due = now >= self._sent_at + REPEAT and not (twist.is_zero and self._at_rest)
         change_at = self._interval_until - (BURST - 1) * MIN_INTERVAL
         changed = twist != self._sent and (twist.is_zero or now >= change_at)
@@ -405,6 +410,14 @@ class Pilot:
         power_at = inf if self._motors_wanted else self._motors_wanted_at + BRAKING
         due_at = (again, self._command.until, power_at, now + REPEAT)
         self.deadline = min(due for due in due_at if due > now)
+
+    def _check_bumpers(self, twist: Twist2, now: float) -> None:
+        """End a command that leaves no motion but `twist`: later it would surprise people."""
+        asked = self.asked(now)
+        held = twist.is_zero and not asked.is_zero
+        self._bumped_since = min(self._bumped_since, now) if held else inf
+        if now - self._bumped_since >= HELD:
+            self._block(BUMPED, now, stalled=asked)
 
     def _set_accelerations(self, limits: Limits) -> None:
         """Send the wanted accelerations if they are new and the robot takes any."""

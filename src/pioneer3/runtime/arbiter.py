@@ -5,6 +5,7 @@ import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from math import inf
 from typing import Protocol
 
 from pioneer3.behaviors.action import MODE, Action, ProgressChecker, Situation, Stack
@@ -31,6 +32,9 @@ PROGRAM = 50
 """Priorities of inputs, above that of modes: the order of twist_mux (facts.md 14.6)."""
 KEEP_APART = 10
 """Priority of the limiter by other robots, below all: it knows the turn that is asked for."""
+
+MOMENT = 2.0
+"""A mode that has stood for so long for want of what it must know ends [s]."""
 
 log = logging.getLogger(__name__)
 
@@ -139,6 +143,7 @@ class Arbiter:
         self._decided_after = self.last_stop
         self._memory: RangeMemory | None = None
         self._progress = ProgressChecker()
+        self._lacks_since = inf
         self._laser_on = ExitStack()
         self._by_sonar = Stack.alone(LimiterBySonar(), MODE)
         self._apart: Stack | None = None
@@ -270,7 +275,7 @@ class Arbiter:
         """Stop, then let `mode` drive in place of the one before; return a reason for refusal."""
         self.stop()
         self.mode, self.ended = mode, None
-        self._progress = ProgressChecker()
+        self._progress, self._lacks_since = ProgressChecker(), inf
         if mode.wants_scans:
             for laser in self.lasers:
                 if laser.presence.there:
@@ -330,6 +335,7 @@ class Arbiter:
             self.decide()
         elif self.mode is not None and (failed := self.mode.failed):
             self.end_mode(failed)
+        self._check_knowledge()
         self._check_progress(snapshot)
 
     def _check_progress(self, snapshot: Snapshot) -> None:
@@ -337,6 +343,13 @@ class Arbiter:
         here = snapshot.odometry.robot_in_odom
         if self.mode and not self._progress.check(self.mode.goal, here.x, here.y, snapshot.stamp):
             self.end_mode(": ".join(("something is in the way", *self.told)))
+
+    def _check_knowledge(self) -> None:
+        """End a mode that stands for want of knowledge: its going on would surprise people."""
+        now, lacks = self._clock(), self.decision.lacking
+        self._lacks_since = inf if lacks is None else min(self._lacks_since, now)
+        if lacks is not None and now - self._lacks_since >= MOMENT:
+            self.end_mode(f"{lacks}; start it again when that is mended")
 
     @property
     def told(self) -> tuple[str, ...]:

@@ -112,8 +112,8 @@ class FollowWay:
         if self.done or self.failed:
             return None
         if unsure := self.unsure():
-            self._wait(situation.now)
-            return Desire(v=0.0, w=0.0, reason=f"not sure where it is: {unsure}")
+            self._best, self._since = inf, None
+            return Desire(v=0.0, w=0.0, lacks=True, reason=f"not sure where it is: {unsure}")
         if self.arrived or self.waits:
             self._best, self._since = inf, None
             return Desire(v=0.0, w=0.0, reason=self.waits or "has arrived there")
@@ -172,14 +172,6 @@ class FollowWay:
         """Return the speed that is wanted here and a little ahead [m/s]."""
         ahead = robot_in_map @ Pose2(AHEAD, 0.0, 0.0)
         return min(self.preferred_speed(each.x, each.y) for each in (robot_in_map, ahead))
-
-    def _wait(self, now: float) -> None:
-        """Stand until somebody knows where the robot is; then begin to watch its progress anew."""
-        self._best = inf
-        if self._since is None:
-            self._since = now
-        elif now - self._since > PATIENCE:
-            self.failed = "nobody knows where the robot is"
 
     def _check_progress(self, now: float, robot_in_map: Pose2) -> None:
         """Give up a robot that has come no nearer for a while, on the ways as they were planned."""

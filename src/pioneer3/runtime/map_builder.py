@@ -299,7 +299,7 @@ class MapBuilder:
         trip.action.leg = FollowWay(
             follower=follower,
             odom_in_map=lambda: self.mapper.odom_in_map,
-            unsure=lambda: None,
+            unsure=lambda: self._robot.laser.lost,
             sightings=sightings,
             walls=walls,
             top_speed=trip.top_speed,

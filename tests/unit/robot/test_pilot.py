@@ -599,6 +599,22 @@ def test_a_bumper_stops_what_pushes_it() -> None:
     assert pilot.outgoing() == vel(-0.2)
 
 
+def test_what_a_bumper_has_held_up_for_more_than_a_moment_does_not_drive_by_itself() -> None:
+    held, free = (seen(enabled=True, bumpers=Bumpers(front=(each, each))) for each in (True, False))
+    for seconds, goes_on in ((1.5, True), (2.5, False)):
+        pilot = driving()
+        for tenth in range(1, round(10 * seconds)):
+            pilot.observe(held, tenth / 10)
+            pilot.drive(VelocityCommand(AHEAD, after=1), tenth / 10)
+        pilot.outgoing()
+        pilot.observe(free, seconds)
+        pilot.drive(VelocityCommand(AHEAD, after=1), seconds)
+        assert (pilot.asked(seconds) == AHEAD) is goes_on
+    assert pilot.blocked == "a bumper was pressed"
+    ask(pilot, Twist2(-0.2, 0.0), 2.6)
+    assert pilot.asked(2.6).v == -0.2
+
+
 def test_the_pilot_wants_to_be_asked_again_in_time() -> None:
     pilot = flying(10.0)
     pilot.tick(10.5)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import pytest
 
 from pioneer3 import MotionError, Robot, connect_async
+from pioneer3.arcos.commands import Sonar
 from pioneer3.behaviors.action import MODE, Desire, Situation, Stack
 from pioneer3.behaviors.actions import Hold
+from pioneer3.behaviors.modes import follow, goto, wander
 from pioneer3.geometry import STILL, Twist2
 from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, PROGRAM, WEB, Arbiter
 from tests.support import SimulatedRobot, is_at, wall_at
@@ -260,9 +262,11 @@ class Waiting:
 
     name: str = "waiting"
     goes: bool = False
+    lacks: bool = False
 
     def decide(self, situation: Situation) -> Desire:
-        return Desire(v=0.3 if self.goes else 0.0, w=0.0, reason="waits")
+        v = 0.3 if self.goes else 0.0
+        return Desire(v=v, w=0.0, reason="waits", lacks=self.lacks)
 
 
 async def _press_the_button(the: Bridge) -> None:
@@ -293,6 +297,46 @@ async def test_a_mode_that_waits_ends_as_one_that_drives(
         the.arbiter.release(the.keyboard)
         await asyncio.sleep(2.0)
         assert the.sim.speed == 0.0
+
+
+@pytest.mark.parametrize(
+    ("lacks", "seconds", "goes_on"), [(True, 1.5, True), (True, 2.5, False), (False, 5.0, True)]
+)
+async def test_a_mode_that_does_not_know_enough_goes_on_by_itself_only_after_a_moment(
+    lacks: bool, seconds: float, goes_on: bool
+) -> None:
+    async with bridge() as the:
+        waiting = Waiting(lacks=lacks)
+        the.arbiter.start(Stack.alone(waiting, MODE))
+        await asyncio.sleep(seconds)
+        waiting.goes = True
+        await asyncio.sleep(1.0)
+        assert (the.sim.speed > 0) is goes_on
+        if not goes_on:
+            assert the.arbiter.ended is not None
+            assert the.arbiter.ended.why == "waits; start it again when that is mended"
+
+
+MODES_BY_SONAR = {
+    **{f"wander {each}": wander(preset=each) for each in ("lab", "aria", "explore")},
+    "goto": goto(8.0, 0.0),
+    "follow": follow("tracking"),
+    "follow by the lab's rule": follow("lab"),
+}
+
+
+@pytest.mark.parametrize("name", MODES_BY_SONAR)
+async def test_a_robot_whose_sonars_come_back_after_a_moment_stands(name: str) -> None:
+    async with SimulatedRobot(wall_at(1.6)) as sim, connect_async(sim.open) as robot:
+        robot.send(Sonar(on=False))
+        robot.arbiter.start(MODES_BY_SONAR[name])
+        await asyncio.sleep(4.0)
+        robot.send(Sonar(on=True))
+        stood = sim.body.robot_in_world
+        await asyncio.sleep(3.0)
+        assert is_at(sim.body.robot_in_world, stood)
+        assert robot.arbiter.ended is not None
+        assert robot.arbiter.ended.why.endswith("; start it again when that is mended")
 
 
 async def test_a_mode_that_is_started_while_latched_does_not_begin_with_the_reset() -> None:

@@ -41,7 +41,7 @@ class AvoidFront:
         if situation.higher.strength("turn") >= 1:
             self._turning = 0
         if not situation.around.sensing:
-            return Desire(v=0.0, turn=0.0, reason=BLIND)
+            return Desire(v=0.0, turn=0.0, lacks=True, reason=BLIND)
         echo = situation.around.nearest(-FRONT, FRONT, Buffer.WINDOW)
         distance = echo.distance - situation.model.radius
         table = table_seen(situation) if self.use_table_sensor else Table()

@@ -60,7 +60,7 @@ class Explore:
         pose, around = situation.pose, situation.around
         self._note(pose)
         if not around.sensing:
-            return Desire(v=0.0, turn=0.0, reason=BLIND)
+            return Desire(v=0.0, turn=0.0, lacks=True, reason=BLIND)
         model = situation.model
         half, front = model.width / 2 + self.side_clearance, model.length_front
         points = (*around.points(Buffer.WINDOW), *around.points(Buffer.CUMULATIVE))

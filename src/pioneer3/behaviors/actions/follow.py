@@ -5,6 +5,7 @@ from math import atan2, copysign, cos, degrees, hypot, inf, pi, radians
 from typing import Protocol
 
 from pioneer3.behaviors.action import Desire, Goal, Situation
+from pioneer3.behaviors.actions.sensing import BLIND
 from pioneer3.behaviors.detection import RADIUS
 from pioneer3.behaviors.trackers import PersonTracker, SonarTracker, Target
 from pioneer3.geometry import Pose2, wrap
@@ -51,7 +52,11 @@ class FollowLab:
 
     def decide(self, situation: Situation) -> Desire | None:
         """Return speed and turn rate for the nearest echo."""
-        ranges = situation.snapshot.sonar.ranges
+        sonar = situation.snapshot.sonar
+        if not sonar.enabled:
+            self.goal = None
+            return Desire(v=0.0, w=0.0, lacks=True, reason=BLIND)
+        ranges = sonar.ranges
         near = [(ranges[i], i) for i in BEARINGS if i < len(ranges) and ranges[i] <= LAB_REACH]
         distance, number = min(near, default=(inf, -1))
         self.goal = None
@@ -129,7 +134,8 @@ class FollowTracking:
         """Return the motion towards the person, or stand still and look for one."""
         self.tracker.update(situation)
         if self.target is None:
-            return Desire(v=0.0, w=0.0, reason=self._reason("looks for somebody"))
+            blind, reason = self.tracker.blind, self._reason("looks for somebody")
+            return Desire(v=0.0, w=0.0, lacks=blind, reason=reason)
         return self._follow(self.target, situation)
 
     def _reason(self, words: str) -> str:

@@ -1,8 +1,7 @@
 """Actions of robots in a group: formations, the track of a leader, apart from each other."""
 
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, pi, sin
 
@@ -24,33 +23,10 @@ APPROACH = 0.6
 """Speed per way that is left [1/s]."""
 
 
-GIVES_UP = 10.0
-"""A follower that has not known where its leader is for so long ends [s]."""
-
-
-@dataclass(slots=True)
-class _Search:
-    """Knows how long a leader has been lost.
-
-    Attributes:
-        name: Of the leader.
-        failed: The reason to give up, or `None`.
-    """
-
-    name: str
-    failed: str | None = None
-    _since: float | None = None
-
-    def find(self, peers: Sequence[Peer], now: float) -> Peer | None:
-        """Return the leader, or `None` while it is not known where it is."""
-        leader = named(peers, self.name)
-        if leader is not None and not leader.is_lost(now):
-            self._since = None
-            return leader
-        self._since = now if self._since is None else self._since
-        if now - self._since > GIVES_UP:
-            self.failed = f"where {self.name} is has not been known for {GIVES_UP:.0f} s"
-        return None
+def _find(leader: str, peers: Peers, now: float) -> Peer | None:
+    """Return the leader, or `None` while it is not known where it is."""
+    found = named(peers(), leader)
+    return None if found is None or found.is_lost(now) else found
 
 
 @dataclass(slots=True, kw_only=True)
@@ -69,21 +45,12 @@ class KeepFormation:
     peers: Peers
     top_speed: float = inf
     name: str = "keep formation"
-    _search: _Search = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._search = _Search(self.leader)
-
-    @property
-    def failed(self) -> str | None:
-        """The reason to give up, or `None`."""
-        return self._search.failed
 
     def decide(self, situation: Situation) -> Desire:
         """Return the velocity towards the place, and with it."""
-        leader = self._search.find(self.peers(), situation.now)
+        leader = _find(self.leader, self.peers, situation.now)
         if leader is None:
-            return _stand(f"it is not known where {self.leader} is")
+            return replace(_stand(f"it is not known where {self.leader} is"), lacks=True)
         there, twist = _beside(leader, self.place, situation.now)
         moves = abs(twist.v) > MOVING
         v, w = _track(situation.pose, there, twist) if moves else _settle(situation.pose, there)
@@ -118,21 +85,12 @@ class FollowLeader:
     _track: deque[tuple[float, float]] = field(
         default_factory=lambda: deque(maxlen=LONGEST), init=False
     )
-    _search: _Search = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._search = _Search(self.leader)
-
-    @property
-    def failed(self) -> str | None:
-        """The reason to give up, or `None`."""
-        return self._search.failed
 
     def decide(self, situation: Situation) -> Desire:
         """Return the velocity along the track."""
-        leader = self._search.find(self.peers(), situation.now)
+        leader = _find(self.leader, self.peers, situation.now)
         if leader is None:
-            return _stand(f"it is not known where {self.leader} is")
+            return replace(_stand(f"it is not known where {self.leader} is"), lacks=True)
         ahead = leader.at(situation.now)
         here = situation.pose
         self._note(here, ahead)

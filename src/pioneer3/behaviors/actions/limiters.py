@@ -1,6 +1,6 @@
 """Actions that limit the speed by the room there is."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from math import atan2, hypot, inf, radians, sqrt
 
@@ -35,7 +35,7 @@ class LimiterForwards:
     def decide(self, situation: Situation) -> Desire | None:
         """Return the limit; without range sensors, no motion."""
         if not situation.around.sensing:
-            return Desire(v_max=0.0, reason=BLIND)
+            return Desire(v_max=0.0, lacks=True, reason=BLIND)
         model = situation.model
         side, front = model.width / 2 * self.width_ratio, model.length / 2
         reach = max(self.stop_distance, self.slow_distance) + front
@@ -70,7 +70,7 @@ class LimiterBackwards:
     def decide(self, situation: Situation) -> Desire:
         """Return the limit; without range sensors no motion, where none looks behind a creep."""
         if not situation.around.sensing:
-            return Desire(back_max=0.0, reason=BLIND)
+            return Desire(back_max=0.0, lacks=True, reason=BLIND)
         if blind := blind_behind(situation):
             return Desire(back_max=CREEP, reason=blind)
         model = situation.model
@@ -265,7 +265,7 @@ class Brake:
         self._listener.listen(situation)
         recent = self._recent(situation)
         if not recent:
-            return Desire(v_max=0.0, reason=BLIND)
+            return Desire(v_max=0.0, lacks=True, reason=BLIND)
         gap = min(_gap(ping, situation, self.beside) for ping in recent)
         if gap == inf:
             return None
@@ -353,7 +353,7 @@ class DeceleratingLimiter:
         if v < -OTHER_WAY:
             return None
         if not situation.around.sensing:
-            return self._limit(0.0, BLIND)
+            return replace(self._limit(0.0, BLIND), lacks=True)
         share = min(1.0, max(0.0, (abs(v) - self.slow_speed) / (self.fast_speed - self.slow_speed)))
         side = _between(share, self.side_clearance_at_slow_speed, self.side_clearance_at_fast_speed)
         padding = _between(share, self.padding_at_slow_speed, self.padding_at_fast_speed)

@@ -83,7 +83,7 @@ def test_all_four_quadrants_without_a_way_out_halve_the_turn() -> None:
 
 def test_without_range_sensors_it_stands() -> None:
     desire = AvoidFront().decide(seen(around=NOTHING_SENSED))
-    assert desire == Desire(v=0.0, turn=0.0, reason="no range sensor works")
+    assert desire == Desire(v=0.0, turn=0.0, lacks=True, reason="no range sensor works")
 
 
 @pytest.mark.parametrize(("bits", "side"), [(0b10, 1), (0b01, -1), (0b00, 1)])

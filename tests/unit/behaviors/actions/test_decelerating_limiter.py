@@ -100,9 +100,9 @@ def test_who_moves_the_other_way_is_not_asked() -> None:
 
 def test_without_range_sensors_there_is_no_motion() -> None:
     blind, why = seen(around=NOTHING_SENSED), "no range sensor works"
-    assert DeceleratingLimiter().decide(blind) == Desire(v_max=0.0, reason=why)
+    assert DeceleratingLimiter().decide(blind) == Desire(v_max=0.0, lacks=True, reason=why)
     backwards = DeceleratingLimiter(backwards=True).decide(blind)
-    assert backwards == Desire(back_max=0.0, reason=why)
+    assert backwards == Desire(back_max=0.0, lacks=True, reason=why)
 
 
 def test_backwards_it_creeps_where_nothing_looks() -> None:

@@ -104,7 +104,7 @@ def test_there_is_no_arc_without_a_way_on(x: float, speed: float) -> None:
 
 def test_without_range_sensors_it_stands() -> None:
     desire = Explore().decide(seen(around=NOTHING_SENSED))
-    assert desire == Desire(v=0.0, turn=0.0, reason="no range sensor works")
+    assert desire == Desire(v=0.0, turn=0.0, lacks=True, reason="no range sensor works")
 
 
 def test_who_moves_is_not_stuck() -> None:

@@ -13,7 +13,7 @@ from tests.unit.behaviors.support import P3AT, seen, value
 
 def decided(ranges: dict[int, float], *, keep: float = 0.3) -> Desire | None:
     """Return the decision when these transducers hear so much, the others nothing."""
-    sonar = Sonar(ranges=tuple(ranges.get(i, inf) for i in range(16)))
+    sonar = Sonar(ranges=tuple(ranges.get(i, inf) for i in range(16)), enabled=True)
     place = seen()
     return FollowLab(keep=keep).decide(
         replace(place, snapshot=replace(place.snapshot, sonar=sonar))

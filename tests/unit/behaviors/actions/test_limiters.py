@@ -73,8 +73,8 @@ def test_backwards_one_and_a_half_widths_count() -> None:
 
 def test_nobody_moves_without_range_sensors() -> None:
     blind, why = seen(around=NOTHING_SENSED), "no range sensor works"
-    assert LimiterForwards().decide(blind) == Desire(v_max=0.0, reason=why)
-    assert LimiterBackwards().decide(blind) == Desire(back_max=0.0, reason=why)
+    assert LimiterForwards().decide(blind) == Desire(v_max=0.0, lacks=True, reason=why)
+    assert LimiterBackwards().decide(blind) == Desire(back_max=0.0, lacks=True, reason=why)
 
 
 @pytest.mark.parametrize(
