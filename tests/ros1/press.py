@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -39,5 +40,6 @@ twist = Twist()
 twist.linear.x = float(sys.argv[1])
 pressed = rospy.get_time()
 publisher.publish(twist)
-rospy.sleep(float(sys.argv[2]))
+while not rospy.is_shutdown() and rospy.get_time() < pressed + float(sys.argv[2]):
+    time.sleep(0.02)  # signals do not end a long rospy.sleep
 sys.stdout.write(json.dumps(seen))

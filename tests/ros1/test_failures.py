@@ -32,18 +32,32 @@ async def test_who_publishes_another_type_is_told_of_and_does_no_harm(lab: Lab) 
 
 async def test_on_ctrl_c_the_robot_is_stopped_and_told_goodbye(ros1: None) -> None:
     async with laboratory("_cmd_vel_timeout:=0") as lab:
-        await script("press.py", "0.3", "0.5")
-        assert lab.tap.now == Twist2(0.3)
-        code, _ = await lab.node.end(signal.SIGINT)
+        async with program("press.py", "0.3", "60"):
+            await until(lambda: lab.tap.now == Twist2(0.3))
+            code, _ = await lab.node.end(signal.SIGINT)
         assert code == 130
         assert lab.tap.now == STILL
         assert isinstance(lab.tap.heard[-1][1], commands.Close)
 
 
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL, signal.SIGHUP])
+async def test_without_a_timeout_a_publisher_that_leaves_stops_the_robot(
+    ros1: None, how: signal.Signals
+) -> None:
+    async with laboratory("_cmd_vel_timeout:=0") as lab, program("press.py", "0.3", "60") as driver:
+        await until(lambda: lab.tap.now == Twist2(0.3))
+        await asyncio.sleep(1.0)
+        assert lab.tap.now == Twist2(0.3)  # one that lives and is silent goes on, as with RosAria
+        driver.process.send_signal(how)
+        await lab.warns("which drove the robot by cmd_vel, is gone: the robot stops")
+        await until(lambda: lab.tap.now == STILL)
+
+
 async def test_after_a_kill_the_robot_stands_and_a_new_node_takes_over(ros1: None) -> None:
     async with laboratory("_cmd_vel_timeout:=0") as lab:
-        await script("press.py", "0.3", "0.5")
-        await lab.node.end(signal.SIGKILL)
+        async with program("press.py", "0.3", "60"):
+            await until(lambda: lab.tap.now == Twist2(0.3))
+            await lab.node.end(signal.SIGKILL)
         assert lab.tap.now == Twist2(0.3)  # the last that the robot heard; its watchdog stops it
         async with running("ros1", "--port", lab.tap.url) as node:
             await node.line()
@@ -92,7 +106,7 @@ async def test_a_master_that_hangs_keeps_nobody_from_stopping_the_robot(
                 os.kill(master, signal.SIGSTOP)
                 publisher.kill()
                 await until(lambda: lab.tap.now.is_zero)
-                await lab.warns("cmd_vel of /rostopic")
+                await lab.warns("which drove the robot by cmd_vel, is gone")
             finally:
                 os.kill(master, signal.SIGCONT)
                 await publisher.wait()

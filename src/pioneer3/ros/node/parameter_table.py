@@ -118,7 +118,7 @@ PARAMETERS: Final = (
         high=LONGEST,
         otherwise="0.5 s; 0.6 s in `compatibility` and `both`",
         note="silence after which the robot stops [s]. **0 is unsafe**: it goes on as the last"
-        " message said, also when the publisher has crashed; 0.1 s is the shortest. The lab's"
+        " message said for as long as its publisher is there; 0.1 s is the shortest. The lab's"
         " `rob_key`, which sends one message for each key press, needs it",
     ),
     Parameter(

@@ -93,7 +93,7 @@ def checked_parameters(
         length = "0" if isinf(parameters.timeout) else f"{parameters.timeout:g} s"
         warn(
             f"~cmd_vel_timeout is {length}, which is UNSAFE: the robot goes on as the last message"
-            " said, also when its publisher has gone"
+            " said for as long as its publisher is there, also when that hangs"
         )
     return parameters
 

@@ -3,10 +3,12 @@
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
+from time import sleep
 from typing import Any, Final
 
 from pioneer3.errors import ConfigError
@@ -15,6 +17,8 @@ from pioneer3.ros.node.driving_parameters import DrivingParameters
 from pioneer3.ros.node.middleware import QUEUE, Sender
 from pioneer3.ros.ros1.reconfigure import Reconfigure
 
+LOOK_AROUND: Final = 0.1
+"""Whether publishers are still there is looked at so often [s]."""
 DESCRIPTION: Final = "robot_description"
 """The parameter in which rviz looks for the robot's description."""
 PLACES: Final = (
@@ -149,19 +153,41 @@ class RospyTopics:
         receive: Callable[[Any, Sender], None],
         *,
         queue: int,
-        left: Callable[[Sender], None] | None = None,  # rospy tells nobody
+        left: Callable[[Sender], None] | None = None,
     ) -> Any:
         """Call `receive` in a thread of the connection; return the `rospy.Subscriber`."""
         import rospy
 
+        senders: dict[int, Sender] = {}
+
         def received(message: Any) -> None:
             header = message._connection_header
             latched = header.get("latching") == "1"
-            receive(message, Sender(header.get("callerid", ""), header, latched))
+            sender = Sender(header.get("callerid", ""), header, latched)
+            senders[id(header)] = sender
+            receive(message, sender)
 
-        return rospy.Subscriber(
+        subscriber = rospy.Subscriber(
             name, message_class(type_name), received, queue_size=queue, tcp_nodelay=True
         )
+        if left is not None:
+            watch = partial(_watch, subscriber, senders, left)
+            Thread(target=watch, name=f"publishers of {name}", daemon=True).start()
+        return subscriber
+
+
+def _watch(subscriber: Any, senders: dict[int, Sender], left: Callable[[Sender], None]) -> None:
+    """Tell which senders are gone, of which rospy tells nobody, until the subscriber ends.
+
+    A connection that is lost stays in rospy's list without a socket, and has another header once it
+    is back.
+    """
+    while (topic := subscriber.impl) is not None and topic.connections is not None:
+        known = set(senders)  # before the connections: a new one may send at any moment
+        there = {id(each.header) for each in topic.connections if each.socket is not None}
+        for gone in known - there:
+            left(senders.pop(gone))
+        sleep(LOOK_AROUND)
 
 
 class RospyMiddleware(RospyTopics):
