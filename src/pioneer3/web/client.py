@@ -336,10 +336,9 @@ class Client:
                 return view.mapping.ask(self, request)
         if view.navigation.possible:
             return self._navigate(view, request)
-        found = view.control.goto(self, request)
-        if found.warning:
-            self.tell(found.warning)
-        return found.refusal or None
+        if forbidden := view.navigation.forbids:
+            return forbidden
+        return view.control.goto(self, request)
 
     def _navigate(
         self, view: RobotView, request: requests.GotoPlace | requests.MapRequest

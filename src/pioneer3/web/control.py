@@ -29,7 +29,6 @@ from pioneer3.geometry import Pose2, Twist2
 from pioneer3.robot.pilot import STANDING, STOPPED
 from pioneer3.runtime.arbiter import GAMEPAD, KEYBOARD, WEB, Arbiter
 from pioneer3.runtime.robot import Robot
-from pioneer3.sim.placement.straight_path import PathCheck, check_path
 from pioneer3.web import requests
 from pioneer3.web.requests import Input
 from pioneer3.web.scene import Scene
@@ -261,28 +260,20 @@ class Control:
             self._watch_silence(mode, patience)
         return refused
 
-    def goto(self, operator: Operator, request: requests.GotoPlace) -> PathCheck:
-        """Drive straight to a place of the map; return the reasons against it.
+    def goto(self, operator: Operator, request: requests.GotoPlace) -> str | None:
+        """Drive straight to a place, where there is no map; return the reason not to, or `None`.
 
         The operator must stay connected.
         """
         snapshot = self._robot.snapshot
         if snapshot is None:
-            return PathCheck("The robot is not connected.")
+            return "The robot is not connected."
         odom = snapshot.odometry.robot_in_odom
-        here, line_map = self._scene.robot_in_map(odom), self._scene.map_now
-        found = PathCheck()
-        if line_map is not None:
-            model = self._robot.info.model
-            found = check_path(line_map, model, (here.x, here.y), (request.x, request.y))
-        if found.refusal:
-            return found
         place = Pose2(request.x, request.y, request.heading or 0.0)
         goal = self._scene.odom_in_map_now(odom).inverse() @ place
         heading = None if request.heading is None else goal.theta
         mode = Goto(x=goal.x, y=goal.y, heading=heading, speed=request.speed, seconds=GOTO_TIME)
-        refused = self.start_mode(operator, mode)
-        return PathCheck(refused) if refused else found
+        return self.start_mode(operator, mode)
 
     def end_mode(self, operator: Operator) -> str | None:
         """End the mode; return the reason not to, or `None`."""

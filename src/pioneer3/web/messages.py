@@ -67,8 +67,9 @@ class SpeedLimits(Part, frozen=True):
 class Robot(Part, frozen=True):
     """A robot. `robot` and `limits` are null until it has been connected to.
 
-    It `plans` ways where it has a map, a laser or sonars, and what navigation needs. Pictures of
-    its `camera` are got over the HTTP API.
+    It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says
+    why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP
+    API.
     """
 
     id: int
@@ -80,6 +81,7 @@ class Robot(Part, frozen=True):
     laser: bool
     scans: bool
     plans: bool = False
+    forbids: str = ""
     camera: bool = False
 
 

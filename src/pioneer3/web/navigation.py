@@ -113,6 +113,16 @@ class RobotNavigation:
             return "the robot has neither a laser nor sonars"
         return "" if installed() else f"navigation is not installed: {how_to_get('nav')}"
 
+    @property
+    def forbids(self) -> str:
+        """The reason that nothing drives to places of the map, or nothing.
+
+        Without a map a robot drives straight; on one it would drive at the walls.
+        """
+        known = self._scene.map_now
+        drawn = known is not None and (len(known.walls) or any(o.forbidden for o in known.objects))
+        return self.impossible if drawn else ""
+
     def ask(self, operator: Operator, request: Asked) -> None:
         """Plan a way for `operator`, and drive along it or only show it; or find the robot.
 

@@ -81,6 +81,7 @@ class RobotView:
             laser=bool(laser.presence.there),
             scans=laser is not self.robot.devices.laser,
             plans=self.navigation.possible,
+            forbids=self.navigation.forbids,
             camera=bool(self.robot.devices.camera.presence.there),
         )
 
@@ -139,6 +140,7 @@ def robot_part(
     laser: bool = False,
     scans: bool = False,
     plans: bool = False,
+    forbids: str = "",
     camera: bool = False,
 ) -> messages.Robot:
     """Return the part of the hello for a robot; `info` is `None` before the first connection."""
@@ -152,6 +154,7 @@ def robot_part(
         laser=laser,
         scans=scans,
         plans=plans,
+        forbids=forbids,
         camera=camera,
     )
 

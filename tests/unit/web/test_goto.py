@@ -9,23 +9,20 @@ import pytest
 
 from pioneer3.behaviors.action import MODE, Desire, Goal, Situation, Stack
 from pioneer3.geometry import Pose2
-from pioneer3.maps import LineMap, MapObject
+from pioneer3.maps import LineMap
 from pioneer3.web.scene import Scene
 from tests.unit.web.asking import Script
 from tests.unit.web.browser import Browser, playground, product
 
-AREA = MapObject(
-    kind="ForbiddenArea", name="lab", pose=Pose2(), outline=((1, 1), (3, 1), (3, 3), (1, 3))
-)
 WALLS = np.array([[-9, -9, 9, -9], [9, -9, 9, 9], [9, 9, -9, 9], [-9, 9, -9, -9], [-3, -2, -3, 2]])
-ROOM = LineMap(name="room", walls=WALLS.astype(float), objects=(AREA,))
+ROOM = LineMap(name="room", walls=WALLS.astype(float))
 SOON = 0.25
 
 
 @pytest.fixture(autouse=True)
 def _straight(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the extra nav, robots drive straight."""
-    monkeypatch.setattr("pioneer3.web.navigation.installed", lambda: False)
+    """Without a map, robots drive straight."""
+    monkeypatch.setattr(Scene, "map_now", property(lambda _: None, lambda _, known: None))
 
 
 def newest(page: Browser) -> dict[str, Any]:
@@ -104,30 +101,18 @@ async def test_whom_a_mode_follows_is_told_where_the_map_has_them() -> None:
         assert newest(ann)["target"] == {"x": 4.5, "y": 1.0, "heading": None, "person": True}
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "why"),
-    [
-        (2.0, 2.0, 'This is inside a forbidden area, "lab".'),
-        (4.0, 4.0, 'The straight way there crosses a forbidden area, "lab".'),
-        (20.0, 0.0, "This is outside the walls of the map."),
-        (-3.0, 0.1, "There is no room: a wall is 0.00 m away."),
-    ],
-)
-async def test_what_the_map_forbids_is_refused(x: float, y: float, why: str) -> None:
+async def test_on_a_map_nothing_drives_straight(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    monkeypatch.setattr("pioneer3.web.navigation.installed", lambda: False)
     async with playground(line_map=ROOM) as the, Browser(the.app) as ann:
-        ann.say("goto", x=x, y=y)
         await asyncio.sleep(SOON)
-        assert ann.latest("refused")["message"] == why
+        forbids = ann.latest("hello")["robots"][0]["forbids"]
+        assert forbids.startswith("navigation is not installed: the extra `nav` is missing; run: ")
+        ann.say("goto", x=6, y=0)
+        await asyncio.sleep(3.0)
+        assert ann.latest("refused")["message"] == forbids
         assert newest(ann)["mode"] is None
-        assert the.simulation.robots[0].body.speeds[0] == 0.0
-
-
-async def test_a_wall_in_the_way_is_told_but_not_forbidden() -> None:
-    async with playground(line_map=ROOM) as the, Browser(the.app) as ann:
-        ann.say("goto", x=-6, y=0)
-        await asyncio.sleep(SOON)
-        assert ann.latest("told")["message"].startswith("Something stands in the straight way")
-        assert newest(ann)["mode"] == "goto"
+        assert the.simulation.body.speeds[0] == 0.0
 
 
 async def test_it_can_be_ended_and_ends_with_who_started_it() -> None:

@@ -1,1 +1,1 @@
-"""Places for robots: footprints, free space, starts, and straight paths."""
+"""Places for robots: footprints, free space, and starts."""

@@ -10,7 +10,7 @@ export interface Hello {
   class: ClassMember | null;
 }
 
-/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs. Pictures of its `camera` are got over the HTTP API. */
+/** A robot. `robot` and `limits` are null until it has been connected to. It `plans` ways where it has a map, a laser or sonars, and what navigation needs; `forbids` says why nothing drives to places of a map without. Pictures of its `camera` are got over the HTTP API. */
 export interface Robot {
   id: number;
   name: string;
@@ -21,6 +21,7 @@ export interface Robot {
   laser: boolean;
   scans: boolean;
   plans: boolean;
+  forbids: string;
   camera: boolean;
 }
 

@@ -205,7 +205,9 @@ export class GotoTool {
   #set({ x, y }, heading, name) {
     this.proposal = { x, y, heading, toward: heading ?? 0, name };
     this.#aim();
-    if (this.#model.selected.hello.plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, speed: this.#speed() });
+    const { plans, forbids } = this.#model.selected.hello;
+    if (forbids) this.proposal.refusal = forbids;
+    if (plans) this.#send({ type: "plan_way", robot: this.#model.selected.id, x, y, speed: this.#speed() });
     this.#changed();
   }
 
