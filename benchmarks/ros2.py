@@ -16,7 +16,9 @@ from pioneer3.ros.ros2.backend import Kind, Qos
 from pioneer3.ros.ros2.network import BackendName
 from tests.e2e.processes import until
 from tests.ros2.conftest import Robot, robot_on
+from tests.ros2.foreign import environment
 from tests.ros2.networks import Peer, network_of
+from tests.ros2.rclpy_network import foreign_lab
 
 COMMANDS = 200
 LISTENING = 20.0
@@ -30,7 +32,7 @@ def rows() -> list[Row]:
         row
         for backend in (BackendName.DDS, BackendName.ZENOH)
         for row in asyncio.run(_measure(backend))
-    ]
+    ] + asyncio.run(_measure_rclpy())
 
 
 async def _measure(backend: BackendName) -> list[Row]:
@@ -43,17 +45,42 @@ async def _measure(backend: BackendName) -> list[Row]:
         return [*await _commands(backend, robot, peer), *await _readings(backend, robot, peer)]
 
 
+async def _measure_rclpy() -> list[Row]:
+    """Measure commands to a node by rclpy, from a program with rclpy; where there is a ROS 2."""
+    if isinstance(found := environment("jazzy"), str):
+        return []
+    async with foreign_lab(BackendName.RCLPY, found.distro) as lab:
+        lab.peer.publish("/cmd_vel", "geometry_msgs/Twist", {}, rate=0)
+        await lab.peer.graph_when(lambda graph: graph.on("/cmd_vel"))
+        sent, random = lab.peer.times["/cmd_vel"], Random(1)
+        for number in range(COMMANDS):
+            lab.peer.do("send", topic="/cmd_vel", fields={"linear": {"x": _speed(number)}})
+            await asyncio.sleep(random.uniform(0.03, 0.13))
+        await until(lambda: len(sent) == COMMANDS)
+        return _delays("rclpy", lab.robot, sent)
+
+
 async def _commands(backend: BackendName, robot: Robot, peer: Peer) -> list[Row]:
     publisher, random = peer.publisher("/cmd_vel", "geometry_msgs/Twist"), Random(1)
     await until(lambda: publisher.matched)
     clock, sent = asyncio.get_running_loop().time, []
     for number in range(COMMANDS):
         sent.append(clock())
-        publisher.write(peer.twist(0.1 + number % 100 / 1000))
+        publisher.write(peer.twist(_speed(number)))
         await asyncio.sleep(random.uniform(0.03, 0.13))
+    return _delays(backend, robot, sent)
+
+
+def _speed(number: int) -> float:
+    """Return the speed of a command [m/s]: no two in turn have the same."""
+    return 0.1 + number % 100 / 1000
+
+
+def _delays(backend: str, robot: Robot, sent: list[float]) -> list[Row]:
+    """Return the rows of commands that were sent at these times [s]."""
     delays = []
     for number, (asked, end) in enumerate(pairwise([*sent, inf])):
-        wanted = 0.1 + number % 100 / 1000
+        wanted = _speed(number)
         found = (
             when
             for when, twist in robot.tap.velocities

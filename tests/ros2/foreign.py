@@ -84,7 +84,7 @@ class Foreign:
 
 def foreign(distro: str) -> Foreign:
     """Return the environment, made if need be; skip the test where it cannot be had."""
-    made = _environment(distro)
+    made = environment(distro)
     if isinstance(made, Foreign):
         return made
     if has_wheels() and os.environ.get("CI") == "true":
@@ -99,7 +99,7 @@ def has_wheels() -> bool:
 
 
 @cache
-def _environment(distro: str) -> Foreign | str:
+def environment(distro: str) -> Foreign | str:
     """Return the environment, or the reason why there is none; both once in each process."""
     try:
         return make(distro)

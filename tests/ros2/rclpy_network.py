@@ -102,6 +102,8 @@ class RclpyPeer(programs.Program):
             case {"message": message, "topic": topic}:
                 self.heard[topic].append(message)
                 self.times[topic].append(line["at"])
+            case {"sent": topic, "began": at}:
+                self.times[topic].append(at)
             case {"response": response, "number": number}:
                 self._responses[number] = response
             case {"mismatch": topic, "policy": policy}:

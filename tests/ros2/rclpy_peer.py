@@ -87,7 +87,7 @@ class Peer:
         )
 
     def publish(self, *, topic: str, kind: str, fields: Any, rate: float, **qos: Any) -> None:
-        """Send the message again and again, at a rate [Hz]."""
+        """Send the message again and again, at a rate [Hz]; 0 sends nothing yet."""
         message = filled(kind_of(kind)(), fields)
         told_of = events.PublisherEventCallbacks(
             incompatible_qos=lambda event: say(mismatch=topic, policy=str(event.last_policy_kind))
@@ -96,7 +96,16 @@ class Peer:
             type(message), topic, profile(**qos), event_callbacks=told_of
         )
         self.entities[topic] = made
-        self.timers[topic] = self.node.create_timer(1 / rate, lambda: made.publish(message))
+        if rate:
+            self.timers[topic] = self.node.create_timer(1 / rate, lambda: made.publish(message))
+
+    def send(self, *, topic: str, fields: Any) -> None:
+        """Send one message on a topic that is published already, and tell when."""
+        publisher = self.entities[topic]
+        message = filled(publisher.msg_type(), fields)
+        began = time.monotonic()
+        publisher.publish(message)
+        say(sent=topic, began=began)
 
     def close(self, *, topic: str) -> None:
         """Leave a topic."""

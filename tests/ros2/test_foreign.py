@@ -272,8 +272,8 @@ async def test_simulated_time_comes_from_the_clock_and_the_end_stops_the_robot(
         await until(lambda: odometry and odometry[-1]["header"]["stamp"]["sec"] in {1233, 1234})
         lab.drive(lab.peer)
         await until(lambda: lab.robot.tap.now.v > 0.2)
-        code, _ = await lab.robot.node.end(signal.SIGINT)
-        assert code == 130
+        code, said = await lab.robot.node.end(signal.SIGINT)
+        assert code == 130, said
         assert lab.robot.tap.now.is_zero
         await lab.peer.graph_when(lambda graph: NODE not in graph.nodes)
 

@@ -121,7 +121,7 @@ class Unit:
         words += [] if network.domain is None else ["--domain", str(network.domain)]
         for place in network.connect:
             words += ["--connect", place]
-        if not network.connect:
+        if not network.connect and network.backend != "rclpy":
             words += ["--interface", self.robot.address]
         return [*words, *(["--dds-services"] if network.dds_services else [])]
 
@@ -134,6 +134,8 @@ class Unit:
         if self.robot.ros == "1":
             found.append(f"ROS_MASTER_URI={master_of(self.fleet)}")
             found.append(f"ROS_IP={self.robot.address}")
+        elif self.robot.ros == "2" and self.fleet.network(self.robot).backend == "rclpy":
+            found.append("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
         return [f"Environment={quoted(each)}" for each in found]
 
 

@@ -155,7 +155,9 @@ def comparable(text: str) -> str:
 
 async def test_pages_are_told_the_recorded_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("pioneer3.web.navigation.installed", lambda: False)
-    monkeypatch.setattr("pioneer3.web.navigation.how_to_get", "the extra `{}` is missing".format)  # no random numbers
+    monkeypatch.setattr(
+        "pioneer3.web.navigation.how_to_get", "the extra `{}` is missing".format
+    )  # no random numbers
     async with playground(Pose2(0.0, 0.0, 0.0), Pose2(0.0, -1.0, 1.0), line_map=MAP) as the:
         compare("websocket.txt", await talk(the))
 

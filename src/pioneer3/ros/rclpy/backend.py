@@ -9,7 +9,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from inspect import signature
 from math import isinf
@@ -32,8 +32,12 @@ from pioneer3.ros.ros2.backend import (
 )
 from pioneer3.ros.ros2.types import MessageTypes
 
+RANGE: Final = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+"""The variable of ROS 2, since Iron, that says who finds a node."""
+HERE: Final = "LOCALHOST"
+"""Its value for this computer only; it is ours unless somebody sets one."""
 THREADS: Final = 64
-"""For callbacks: more than a node has services, so that waiting ones hold up nothing else."""
+"""More than a node has services, so that waiting ones hold up nothing else."""
 POLL: Final = 0.2
 """Between two looks at the publishers [s]."""
 LONGEST_END: Final = 2.0
@@ -74,8 +78,11 @@ class RclpyBackend:
         from rclpy.node import Node
         from rclpy.utilities import get_rmw_implementation_identifier
 
+        from pioneer3.ros.rclpy.taking import Taking
+
         self._types, self._definitions = types, Definitions(types)
         self._context = Context()
+        os.environ.setdefault(RANGE, HERE)
         self._context.init(args=[], domain_id=domain)  # unlike rclpy.init: no signal handlers
         self._node = Node(
             node.name,
@@ -90,12 +97,13 @@ class RclpyBackend:
             self._node.destroy_publisher(own)
         rmw = get_rmw_implementation_identifier()
         number = self._context.get_domain_id() if domain is None else domain
-        self.title = f"rclpy of {distro} ({rmw}), domain {number}"
+        self.title = f"rclpy of {distro} ({rmw}), domain {number}, {reach(os.environ, rmw)}"
         self.serves, self.strict, self.lacks = True, rmw != "rmw_zenoh_cpp", ""
         self._lock = threading.RLock()
         self._open: list[Closing] = []
         self._clients: dict[tuple[str, str], Any] = {}
         self._closed = threading.Event()
+        self._taking = Taking(self._context)
         self._executor = MultiThreadedExecutor(THREADS, context=self._context)
         self._executor.add_node(self._node)
         self._threads = [
@@ -121,28 +129,26 @@ class RclpyBackend:
         self, name: str, type_: MessageType, qos: Qos, received: Received, left: Left
     ) -> RclpyReader:
         """Subscribe to a topic; its messages come one after the other."""
-        from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-        from rclpy.subscription import Subscription
+        from pioneer3.ros.rclpy.taking import Apart
 
         kind = self._definitions.message(type_.name)
         reader = RclpyReader(
             received,
             left,
             lambda: identities(self._node.get_publishers_info_by_topic(name)),
-            lambda: self._destroy(reader, self._node.destroy_subscription, subscription),
+            lambda: self._destroy(reader, self._unsubscribe, subscription),
         )
-        tells = hasattr(Subscription, "CallbackType")  # since Iron (rclpy #922)
         with self._lock:
             subscription = self._node.create_subscription(
-                kind,
-                name,
-                reader.with_info if tells else reader.without_info,
-                _profile(qos),
-                callback_group=MutuallyExclusiveCallbackGroup(),
-                raw=True,
+                kind, name, _no_executor, _profile(qos), callback_group=Apart(), raw=True
             )
             self._open.append(reader)
+        self._taking.add(subscription, reader.take)
         return reader
+
+    def _unsubscribe(self, subscription: Any) -> bool:
+        self._taking.remove(subscription)
+        return bool(self._node.destroy_subscription(subscription))
 
     def serve(self, name: str, type_: ServiceType, respond: Respond) -> Closing:
         """Offer a service; requests come one after the other, apart from those of others."""
@@ -200,6 +206,7 @@ class RclpyBackend:
                 return
             self._closed.set()
             still_open = tuple(self._open)
+        self._taking.close(LONGEST_END)
         self._context.try_shutdown()  # the executor returns before anything is destroyed
         for thread in self._threads:
             thread.join(LONGEST_END)
@@ -257,6 +264,24 @@ class RclpyBackend:
                         log.exception("the publishers of a topic are not known")
 
 
+def reach(environment: Mapping[str, str], rmw: str) -> str:
+    """Return who reaches a node, in words, by the variables of ROS 2."""
+    peers = environment.get("ROS_STATIC_PEERS", "").strip("; ")
+    if rmw == "rmw_zenoh_cpp":
+        return "whoever reaches its Zenoh router"
+    match environment.get(RANGE, "").upper():
+        case "OFF":
+            return "nobody"
+        case "LOCALHOST" if peers:
+            return f"this computer and {peers}"
+        case "LOCALHOST":
+            return f"this computer only ({RANGE}=SUBNET for all around)"
+        case "SYSTEM_DEFAULT":
+            return f"as the settings of {rmw} say"
+        case _:
+            return "all computers around"
+
+
 def obstacle(distro: str) -> str:
     """Return the reason why this Python cannot import the rclpy of `distro`; empty if it can."""
     try:
@@ -268,6 +293,10 @@ def obstacle(distro: str) -> str:
             " the Python that this ROS is made for"
         )
     return ""
+
+
+def _no_executor(message: Any) -> None:
+    """Do nothing: messages are taken apart from executors."""
 
 
 def _profile(qos: Qos) -> Any:

@@ -74,14 +74,14 @@ class RclpyReader(Closing):
         self._seen: frozenset[bytes] = frozenset()
         self._others: dict[bytes, bytes] = {}
 
-    def with_info(self, cdr: bytes, info: Mapping[str, Any]) -> None:
-        """Take a message of rclpy since Iron; the callback must have exactly these parameters."""
-        told = info.get("publisher_gid") or {}
-        self._take(cdr, bytes(told.get("data", b"")))
-
-    def without_info(self, cdr: bytes) -> None:
-        """Take a message of rclpy in Humble."""
-        self._take(cdr, b"")
+    def take(self, cdr: bytes, info: Mapping[str, Any]) -> None:
+        """Take a message, and what rclpy tells about it."""
+        told = bytes((info.get("publisher_gid") or {}).get("data", b""))
+        try:
+            if not self._closed:
+                self._received(cdr, self._publisher(told))
+        except Exception:  # it would end the thread
+            log.exception("a message is lost")
 
     def look(self) -> None:
         """Tell of the publishers that are gone since the last look."""
@@ -93,13 +93,6 @@ class RclpyReader(Closing):
             self._others = {k: v for k, v in self._others.items() if v in present}
         for gid in sorted(gone):
             self._left(gid)
-
-    def _take(self, cdr: bytes, told: bytes) -> None:
-        try:
-            if not self._closed:
-                self._received(cdr, self._publisher(told))
-        except Exception:  # it would end the executor
-            log.exception("a message is lost")
 
     def _publisher(self, told: bytes) -> bytes:
         """Return the publisher of a message for which rclpy tells the identity `told`, or b""."""

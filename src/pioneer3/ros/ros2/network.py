@@ -28,6 +28,28 @@ class BackendName(StrEnum):
     ZENOH = "zenoh"
 
 
+OPTIONS: Final = {
+    "interfaces": ("--interface", BackendName.DDS),
+    "dds_peers": ("--peer", BackendName.DDS),
+    "dds_services": ("--dds-services", BackendName.DDS),
+    "connect": ("--connect", BackendName.ZENOH),
+    "listen": ("--listen", BackendName.ZENOH),
+    "zenoh_config": ("--zenoh-config", BackendName.ZENOH),
+    "ca": ("--ca", BackendName.ZENOH),
+    "certificate": ("--certificate", BackendName.ZENOH),
+    "key": ("--key", BackendName.ZENOH),
+    "credentials": ("--credentials", BackendName.ZENOH),
+}
+"""The option that gives a field of a network, and the backend that keeps it."""
+OF_RCLPY: Final = {
+    "interfaces": "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET lets all computers around reach it",
+    "dds_peers": "ROS_STATIC_PEERS names the computers that reach it, such as 10.0.0.1;10.0.0.2",
+    "dds_services": "services work there without it",
+}
+"""Remedies where rclpy has something else."""
+OF_ITS_ZENOH: Final = "ZENOH_SESSION_CONFIG_URI names the settings of rmw_zenoh_cpp"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Network:
     """Where a node is: its backend, and the options of each.
@@ -116,6 +138,29 @@ class Network:
             listen=self.listen or ROUTER.listen,
         )
 
+    @property
+    def _meant(self) -> dict[BackendName, list[str]]:
+        """The fields that are given, by the backend that keeps them."""
+        meant: dict[BackendName, list[str]] = {}
+        for field, (_, backend) in OPTIONS.items():
+            if getattr(self, field):
+                meant.setdefault(backend, []).append(field)
+        return meant
+
+    def check(self, chosen: BackendName) -> None:
+        """Refuse options that the chosen backend does not keep.
+
+        Raises:
+            ConfigError: there is one; the message has what helps.
+        """
+        for backend, fields in self._meant.items():
+            if backend is not chosen:
+                word, _ = OPTIONS[fields[0]]
+                remedy = f"take --backend {backend}"
+                if chosen is BackendName.RCLPY:
+                    remedy = f"{OF_RCLPY.get(fields[0], OF_ITS_ZENOH)}; or {remedy}"
+                raise ConfigError(f"{chosen} has no {word}: {remedy}")
+
     def obstacle(self) -> str:
         """Return the reason why the ROS 2 installed here does not serve; empty for none."""
         if self.backend is not BackendName.AUTO or find_spec("rclpy") is None:
@@ -134,7 +179,8 @@ class Network:
             return self.backend
         if find_spec("rclpy") is not None and not self.obstacle():
             return BackendName.RCLPY
-        asks_zenoh = self.connect or environment.get("RMW_IMPLEMENTATION") == "rmw_zenoh_cpp"
+        of_ros = environment.get("RMW_IMPLEMENTATION")
+        asks_zenoh = BackendName.ZENOH in self._meant or of_ros == "rmw_zenoh_cpp"
         order = [("cyclonedds", BackendName.DDS), ("zenoh", BackendName.ZENOH)]
         for library, backend in reversed(order) if asks_zenoh else order:
             if find_spec(library) is not None:
@@ -149,10 +195,11 @@ def open_backend(network: Network, node: NodeName, types: MessageTypes) -> Backe
     """Join the network as `node`.
 
     Raises:
-        ConfigError: a library is missing, or an option is wrong.
+        ConfigError: a library is missing, an option is wrong, or the backend does not keep it.
     """
-    domain = network.domain_here()
-    match network.chosen():
+    domain, chosen = network.domain_here(), network.chosen()
+    network.check(chosen)
+    match chosen:
         case BackendName.RCLPY:
             from pioneer3.ros.rclpy.backend import RclpyBackend
 

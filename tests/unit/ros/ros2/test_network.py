@@ -1,11 +1,16 @@
 """The backend that is taken where nobody chooses one."""
 
 import sys
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from pioneer3.ros.ros2.network import BackendName, Network
+from pioneer3.cli.ros2_network import NetworkOptions
+from pioneer3.errors import ConfigError
+from pioneer3.ros.rclpy.backend import reach
+from pioneer3.ros.ros2.network import OPTIONS, BackendName, Network
 
 
 @pytest.fixture
@@ -33,3 +38,47 @@ def test_zenoh_comes_first_for_its_users() -> None:
     assert Network().chosen({}) is BackendName.DDS
     assert Network().chosen({"RMW_IMPLEMENTATION": "rmw_zenoh_cpp"}) is BackendName.ZENOH
     assert Network(connect=("tcp/127.0.0.1:7447",)).chosen({}) is BackendName.ZENOH
+    assert Network(listen=("tcp/0.0.0.0:7447",)).chosen({}) is BackendName.ZENOH
+
+
+@pytest.mark.parametrize(
+    ("given", "chosen", "words"),
+    [
+        ({"interfaces": ("wlan0",)}, "rclpy", ("--interface", "DISCOVERY_RANGE=SUBNET", "dds")),
+        ({"dds_peers": ("10.0.0.1",)}, "rclpy", ("--peer", "ROS_STATIC_PEERS", "dds")),
+        ({"dds_services": True}, "rclpy", ("--dds-services", "without it", "dds")),
+        ({"listen": ("tcp/0.0.0.0:1",)}, "rclpy", ("--listen", "ZENOH_SESSION", "zenoh")),
+        ({"interfaces": ("wlan0",)}, "zenoh", ("zenoh has no --interface: take --backend dds",)),
+        ({"key": Path("key.pem")}, "dds", ("dds has no --key: take --backend zenoh",)),
+    ],
+)
+def test_options_that_a_backend_does_not_keep_are_refused(
+    given: dict[str, Any], chosen: str, words: tuple[str, ...]
+) -> None:
+    with pytest.raises(ConfigError) as refused:
+        Network(**given).check(BackendName(chosen))
+    assert all(word in str(refused.value) for word in words)
+
+
+def test_every_option_of_a_network_has_its_backend() -> None:
+    everywhere = {"backend", "distro", "domain"}
+    assert {each.name for each in fields(Network)} - everywhere == set(OPTIONS)
+    for name, (word, backend) in OPTIONS.items():
+        given: dict[str, Any] = {name: "given"}
+        Network(**given).check(backend)
+        assert word.lstrip("-").replace("-", "_") in vars(NetworkOptions)["__slots__"]
+
+
+@pytest.mark.parametrize(
+    ("variables", "who"),
+    [
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, "this computer only"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost", "ROS_STATIC_PEERS": "a;b"}, "and a;b"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, "all computers around"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, "nobody"),
+        ({}, "all computers around"),
+    ],
+)
+def test_who_reaches_a_node_by_rclpy_is_said(variables: dict[str, str], who: str) -> None:
+    assert who in reach(variables, "rmw_fastrtps_cpp")
+    assert "router" in reach(variables, "rmw_zenoh_cpp")
