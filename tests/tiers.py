@@ -112,6 +112,7 @@ PARTS: Mapping[str, Part] = {
             "test_a_stop_ends_the_drive": "safety",
             "test_hands_on_the_stick_come_first": "safety",
             "test_a_laser_that_falls_silent_leaves_the_robot_standing": "safety",
+            "test_every_laser_is_sure_of_its_place_in_time[urg-04lx]": "the laser that sees least",
         },
     ),
     "tests/e2e/test_simulated_time.py": Part(

@@ -11,6 +11,7 @@ import pytest
 from pioneer3.errors import CommandError, ConfigError, MotionError
 from pioneer3.geometry import Pose2
 from pioneer3.maps import shipped_map
+from pioneer3.models.lasers import LASERS
 from pioneer3.nav.places import Destination, find_place, home
 from pioneer3.robot.devices.laser import Laser
 from pioneer3.robot.devices.presence import Presence
@@ -20,6 +21,7 @@ from pioneer3.runtime.robot import Robot
 from pioneer3.sim.realism import Realism
 from pioneer3.state import Charging
 from pioneer3.tasks import running
+from tests.lasers import LaserUnit
 from tests.support import SLOW, SimulatedRobot, is_at
 from tests.unit.web.test_navigation import at_once
 
@@ -187,6 +189,41 @@ async def test_a_robot_that_goes_to_a_dock_waits_for_its_charger(
         assert snapshot is not None
         assert snapshot.battery.charging in (Charging.BULK, Charging.FLOAT, Charging.OVERCHARGE)
     assert "stands in Dock" in caplog.text
+
+
+def with_laser(name: str, start: Pose2) -> tuple[SimulatedRobot, LaserUnit]:
+    """Return a robot in the office whose laser talks to the program itself."""
+    sim = SimulatedRobot(OFFICE, home=start, seed=1, realism=Realism())
+    return sim, LaserUnit(sim, name, serial=not LASERS[name].tcp_ports)
+
+
+PLACES = [each for each in OFFICE.objects if each.role in {"goal", "dock", "home"}]
+
+
+@pytest.mark.parametrize("name", LASERS)
+async def test_every_laser_is_sure_of_its_place_in_time(name: str) -> None:
+    """A URG-04LX tells that it reaches 5.6 m, and hears dark walls as far as a third of that."""
+    for start in (PLACES[0].pose, PLACES[-1].pose):
+        sim, unit = with_laser(name, start)
+        async with sim, unit, connect_async(sim.open, lasers=[unit.spec()]) as robot:
+            rng = np.random.default_rng(1)
+            navigator = await Navigator.on(robot, OFFICE, start=start, rng=rng, in_thread=at_once)
+            async with running(navigator.run()):
+                assert await navigator.find(5.0), navigator.estimate.reason
+
+
+@pytest.mark.parametrize("name", ["urg-04lx", "urg-04lx-ug01"])
+async def test_a_laser_that_sees_four_metres_reaches_all_places(name: str) -> None:
+    assert HOME is not None
+    sim, unit = with_laser(name, HOME)
+    async with sim, unit, connect_async(sim.open, lasers=[unit.spec()]) as robot:
+        rng = np.random.default_rng(1)
+        navigator = await Navigator.on(robot, OFFICE, start=HOME, rng=rng, in_thread=at_once)
+        async with running(navigator.run()):
+            for place in PLACES:
+                await navigator.goto(find_place(OFFICE, place.name or "home"), speed=0.7)
+                there = sim.body.robot_in_world
+                assert hypot(there.x - place.pose.x, there.y - place.pose.y) < 0.15, place.name
 
 
 async def test_names_are_checked() -> None:

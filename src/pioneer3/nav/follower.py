@@ -59,6 +59,10 @@ ARRIVING = 0.35
 """Nearer than this it goes straight for the goal [m]."""
 THERE, ALIGNED = 0.02, radians(1.0)
 """Near enough [m, rad]."""
+LEFT, OFF = 0.05, 0.25
+"""A robot that is so far off [m] once it turns to its heading drives back to its place; each time
+it may be twice as far off, up to the other: by ranges that are 3 % wrong, places move with the
+heading by 0.16 m."""
 FACING = radians(25)
 """Farther off the goal it turns first [rad]."""
 BRISK = 0.7
@@ -118,6 +122,7 @@ class Follower:
     _turn: float = field(default=0.0, init=False)
     _fastest_turn: float = field(default=FASTEST_TURN, init=False)
     _at_place: bool = field(default=False, init=False)
+    _left: float = field(default=LEFT, init=False)
     _best: float = field(default=inf, init=False)
     _without: int = field(default=0, init=False)
 
@@ -303,8 +308,8 @@ class Follower:
         x, y, heading = self.goal
         if distance < THERE:
             self._at_place = True
-        elif distance > 2.5 * THERE:
-            self._at_place = False
+        elif self._at_place and distance > self._left:
+            self._at_place, self._left = False, min(OFF, 2 * self._left)
         if self._at_place:
             off = 0.0 if heading is None else wrap(heading - at.theta)
             if abs(off) <= ALIGNED:

@@ -33,8 +33,6 @@ LAST_SCALES = (0.15, 0.1, 0.07, 0.05, 0.05)
 NEAR, NEAR_SHARE, DEEP = 0.1, 0.015, 0.2
 """A point agrees with a wall within this [m] or this share of its range; a beam that ends this
 much [m] behind a wall contradicts the map."""
-TRUSTED = 8.0
-"""Beams that met nothing are taken to be free as far as this [m], as far as dark walls are seen."""
 SHORT_COUNTS = 0.5
 """Share of a beam that meets something nearer than the map: a person agrees with any place."""
 
@@ -131,8 +129,7 @@ class ScanLikelihood:
     @classmethod
     def of(cls, walls: WallField, beams: Beams, count: int = 60) -> Self:
         """Return the likelihood of a scan; weigh and judge `count` of its beams."""
-        beyond = beams.clear - beams.origin
-        clear = beams.origin + beyond * (min(TRUSTED, beams.far) / max(beams.far, 1e-3))
+        clear = beams.free
         total = len(beams.points) + len(clear)
         share = min(1.0, count / max(1, total))
         return cls(

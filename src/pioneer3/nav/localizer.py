@@ -222,7 +222,7 @@ class Localizer:
         )
         if estimate.sure and estimate.deviation > KNOWN_WELL:
             words = f"knows its place within {estimate.deviation:.1f} m only"
-            return replace(estimate, sure=False, reason=words)
+            return replace(estimate, sure=False, stage="looking", reason=words)
         return estimate
 
     @property

@@ -30,9 +30,6 @@ who walked by were in a cell for a scan or two, and light passes it before and a
 SPILL, SPILL_REACH = 0.2, 0.05
 """Fewer hits than this share of a cell so near [m] are that cell's: ranges are noisy, and behind a
 wall no light passes that would speak against them."""
-CLEAR = 8.0
-"""Where nothing echoes, the way is taken to be clear this far [m]: farther off, glass and dark
-walls send too little light back."""
 FAR = 30.0
 """Echoes from farther away are not drawn [m]."""
 BRIDGE = 0.3
@@ -77,10 +74,7 @@ class _Strokes:
         steep = np.abs((ray * lines[:, :2]).sum(axis=1)) / length
         short = np.where(lines[:, :2].any(axis=1), THICK / np.maximum(steep, 0.02), THICK)
         ends = beams.origin + ray * np.maximum(0.0, 1.0 - short / length)[:, None]
-        clear = beams.clear - beams.origin
-        away = np.maximum(np.hypot(*clear.T), 1e-9)
-        clear = beams.origin + clear * np.minimum(1.0, CLEAR / away)[:, None]
-        return cls(points, lines, np.concatenate([ends, clear]), beams.origin)
+        return cls(points, lines, np.concatenate([ends, beams.free]), beams.origin)
 
 
 class Renderer:

@@ -288,7 +288,7 @@ def in_map(robot_in_map: Pose2, points: Float) -> Float:
 def _shortened(beams: Beams) -> Float:
     """Return the ends of beams without echo, and of far ones, no farther than is noted."""
     far = beams.points[np.hypot(*(beams.points - beams.origin).T) >= FAR]
-    ends = np.concatenate([beams.clear, far]) - beams.origin
+    ends = np.concatenate([beams.free, far]) - beams.origin
     lengths = np.maximum(np.hypot(*ends.T), 1e-9)
     shortened: Float = beams.origin + ends * np.minimum(1.0, FAR / lengths)[:, None]
     return shortened

@@ -79,7 +79,8 @@ class Localization:
         silent = self._now - self._heard
         if estimate.sure and silent > SILENT:
             sensor = "the laser is" if self.by_laser else "the sonars are"
-            return replace(estimate, sure=False, reason=f"{sensor} silent for {silent:.0f} s")
+            reason = f"{sensor} silent for {silent:.0f} s"
+            return replace(estimate, sure=False, stage="looking", reason=reason)
         if estimate.stage == "lost" and not self.by_laser:
             words = "sonars alone cannot find a robot that may be anywhere: tell its place"
             return replace(estimate, reason=words)
