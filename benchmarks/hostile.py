@@ -10,6 +10,8 @@ import json
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, suppress
+from functools import partial
+from math import hypot, inf
 from statistics import median
 from typing import TypeVar
 from urllib.parse import urlsplit
@@ -18,15 +20,22 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from benchmarks.hostile_clients import attackers
+from benchmarks.nav_goals import at_once
 from benchmarks.table import Row
 from benchmarks.web_server import server_process
 from benchmarks.web_viewers import viewers_process
 from benchmarks.web_wire import Wire, wire_to
-from pioneer3 import MotionError, connect_async
+from pioneer3 import MotionError, Robot, connect_async
 from pioneer3.arcos import commands
+from pioneer3.geometry import Pose2
 from pioneer3.links import Link
+from pioneer3.maps import shipped_map
+from pioneer3.nav.places import find_place, home
+from pioneer3.runtime.navigator import Navigator
 from pioneer3.sim.server.start import simulator
 from pioneer3.tasks import running
+from tests.conftest import VirtualTimeLoop
+from tests.lasers import LaserUnit
 from tests.support import SimulatedRobot
 
 FILES = 256
@@ -40,6 +49,10 @@ RENEWAL, FEWEST = 0.066, 30
 SETTLE = 0.5
 """Until the motors are seen to be off after an emergency stop [s]."""
 STAND_BAR, FROZEN_BAR, STOP_BAR = 300.0, 800.0, 300.0
+ROLL_BAR = 0.1
+"""An emergency stop during a drive leaves no more way [m]."""
+GONE = 6.0
+"""How long a laser is unplugged, and watched afterwards [s]."""
 FLOOD = 6.5
 """How long a program asks for stops in a loop [s]."""
 BAUD_BYTES = 960.0
@@ -58,6 +71,8 @@ def rows() -> Iterator[Row]:
     yield from asyncio.run(_stands_apart())
     yield from asyncio.run(_stands_here())
     yield from asyncio.run(_flooded_link())
+    with asyncio.Runner(loop_factory=partial(VirtualTimeLoop, inf)) as runner:
+        yield from runner.run(_on_its_way())
 
 
 async def _stops(manner: str, count: int, what: str) -> list[Row]:
@@ -208,6 +223,61 @@ async def read(page: ClientConnection) -> None:
     with suppress(ConnectionClosed):
         async for _ in page:
             pass
+
+
+async def _on_its_way() -> list[Row]:
+    """Stop a robot that drives to a place by itself; let its laser be unplugged and come back."""
+    stopped = []
+    for _ in range(STANDS):
+        async with _going() as (sim, robot, _):
+            stopped.append(await _coasts(sim, robot.emergency_stop))
+    came = []
+    for _ in range(2):
+        async with _going() as (sim, _, laser):
+            laser.unplug()
+            await asyncio.sleep(GONE)
+            there = sim.body.robot_in_world
+            laser.plug_in()
+            await asyncio.sleep(GONE)
+            here = sim.body.robot_in_world
+            came.append(hypot(here.x - there.x, here.y - there.y))
+    return [
+        Row("goto at 0.7 m/s: emergency stop to stand, worst", max(stopped), "m", ROLL_BAR),
+        Row(f"goto, laser gone for {GONE:g} s and back: way afterwards", max(came), "m", 0.01),
+    ]
+
+
+@asynccontextmanager
+async def _going() -> AsyncIterator[tuple[SimulatedRobot, Robot, LaserUnit]]:
+    """Let a robot be on its way through the office, at full speed."""
+    office = shipped_map("office")
+    start = home(office) or Pose2()
+    sim = SimulatedRobot(office, home=start)
+    async with (
+        sim,
+        LaserUnit(sim, "lms-111", serial=False) as laser,
+        connect_async(sim.open, lasers=[laser.spec()]) as robot,
+    ):
+        navigator = await Navigator.on(robot, office, start=start, in_thread=at_once)
+        async with running(navigator.run()):
+            going = asyncio.ensure_future(navigator.goto(find_place(office, "Lobby"), 0.7))
+            async with asyncio.timeout(PATIENCE):
+                while sim.speed < 0.6:
+                    await asyncio.sleep(0.02)
+            yield sim, robot, laser
+            going.cancel()
+            await asyncio.gather(going, return_exceptions=True)
+
+
+async def _coasts(sim: SimulatedRobot, stop: Callable[[], None]) -> float:
+    """Stop a robot; return how far it comes until it stands [m]."""
+    begin = sim.body.robot_in_world
+    stop()
+    async with asyncio.timeout(PATIENCE):
+        while sim.speed:
+            await asyncio.sleep(0.01)
+    end = sim.body.robot_in_world
+    return hypot(end.x - begin.x, end.y - begin.y)
 
 
 class SlowLine:
