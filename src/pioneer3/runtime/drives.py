@@ -116,7 +116,7 @@ class Drives:
     ) -> None:
         self.line_map, self.robot = localization.line_map, robot
         self.present: Drive | None = None
-        self._robot, self._costs, self._localization = robot, costs, localization
+        self._costs, self._localization = costs, localization
         self._sightings, self._traffic, self._name = sightings, traffic, name
         self._in_thread = in_thread
         self._walls = samples(self.line_map.walls, CELL)
@@ -169,7 +169,7 @@ class Drives:
         return Traveller(
             name=self._name,
             robot_in_map=here,
-            corner=self._robot.info.model.corner,
+            corner=self.robot.info.model.corner,
             way=drive.way.rest_from(here.x, here.y).points if drive and goes else NOWHERE,
             since=drive.since if drive else inf,
         )
@@ -211,9 +211,9 @@ class Drives:
             drive.action.send_on(self._follower(goal, place), last=False)
 
     def _braking_distance(self) -> float:
-        snapshot = self._robot.snapshot
+        snapshot = self.robot.snapshot
         speed = snapshot.odometry.twist.v if snapshot else 0.0
-        return speed * speed / (2 * self._robot.info.limits.deceleration)
+        return speed * speed / (2 * self.robot.info.limits.deceleration)
 
     async def _replan(self, drive: Drive) -> None:
         now = self._clock()
@@ -275,7 +275,7 @@ class Drives:
         return await self.ways.to(goal, here, np.concatenate([NOWHERE, *stay]))
 
     def _follower(self, goal: Destination, cost_to_go: CostToGo) -> Follower:
-        info, where = self._robot.info, (goal.x, goal.y, goal.heading)
+        info, where = self.robot.info, (goal.x, goal.y, goal.heading)
         return Follower(info.model, info.limits, where, cost_to_go)
 
     def begin(
@@ -289,14 +289,12 @@ class Drives:
             speed: At most [m/s].
             rounds: How often it is driven to all.
         """
-        limits = self._robot.info.limits
+        limits = self.robot.info.limits
         legs = rounds * len(goals)
         action = FollowWay(
             follower=self._follower(goals[0], way.cost_to_go),
             odom_in_map=lambda: self._localization.odom_in_map,
-            unsure=lambda: (
-                None if self._localization.estimate.sure else self._localization.estimate.reason
-            ),
+            unsure=self._unsure,
             sightings=self._sightings,
             walls=self._walls,
             preferred_speed=self._costs.speed_at,
